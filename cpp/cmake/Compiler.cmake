@@ -1,0 +1,22 @@
+# Flags every helibore target is built with. Results must be the same bits on every compiler and instruction set:
+# no fused contraction, no fast-math. -fno-math-errno and -fno-trapping-math change no result, they only let the
+# compiler inline sqrt and vectorise comparisons.
+add_library(helibore_compiler INTERFACE)
+target_compile_features(helibore_compiler INTERFACE cxx_std_20)
+if(MSVC)
+  target_compile_options(helibore_compiler INTERFACE /W4 /permissive- /fp:precise)
+  if(HELIBORE_WARNINGS_AS_ERRORS)
+    target_compile_options(helibore_compiler INTERFACE /WX)
+  endif()
+else()
+  target_compile_options(helibore_compiler INTERFACE
+    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast
+    -ffp-contract=off -fno-math-errno -fno-trapping-math)
+  if(HELIBORE_WARNINGS_AS_ERRORS)
+    target_compile_options(helibore_compiler INTERFACE -Werror)
+  endif()
+endif()
+if(HELIBORE_SANITIZE)
+  target_compile_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE})
+endif()

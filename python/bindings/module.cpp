@@ -1,0 +1,22 @@
+// The extension module helibore._core: one register_* function for each class, each in a file of its own.
+#include <pybind11/pybind11.h>
+
+#include "helibore/error.hpp"
+#include "register.hpp"
+
+namespace py = pybind11;
+
+PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
+    m.doc() = "The compiled core of helibore.";
+    m.attr("__version__") = HELIBORE_VERSION;
+    py::register_exception_translator([](std::exception_ptr p) {
+        try {
+            if (p) std::rethrow_exception(p);
+        } catch (const helibore::InputError& e) {
+            py::set_error(PyExc_ValueError, e.what());
+        } catch (const helibore::InternalError& e) {
+            py::set_error(PyExc_RuntimeError, e.what());
+        }
+    });
+    helibore::bindings::register_path(m);
+}

@@ -1,0 +1,10 @@
+// One function for each class the extension exposes.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace helibore::bindings {
+
+void register_path(pybind11::module_& m);
+
+}  // namespace helibore::bindings
