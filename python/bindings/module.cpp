@@ -19,4 +19,5 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
         }
     });
     helibore::bindings::register_path(m);
+    helibore::bindings::register_wits(m);
 }

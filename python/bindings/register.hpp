@@ -6,5 +6,6 @@
 namespace helibore::bindings {
 
 void register_path(pybind11::module_& m);
+void register_wits(pybind11::module_& m);
 
 }  // namespace helibore::bindings

@@ -1,0 +1,136 @@
+// WITS level 0 text into rows of numbers: which item, what value, where the text stood in the stream.
+//
+//   &&            a frame begins            only a line that is exactly "&&" or "!!" is a delimiter, because
+//   01083650.40   record 01, item 08        text items may hold both ("2210Watch out!! kick")
+//   !!            the frame ends
+//
+// A frame is given out when its "!!" was read, never before, so any chunking of the stream gives the same frames.
+// Work is linear in the bytes fed. Between two calls the parser holds at most one frame and one line (Limits).
+// Not here: units, which item means what, level 1 and above (binary), sockets.
+#pragma once
+
+#include <cstdint>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "helibore/types.hpp"
+
+namespace helibore::wits {
+
+// Bytes of a line without its end, bytes of a frame after its "&&" line, and lines of a frame. What is longer is
+// dropped, counted and told as an Event; reading goes on at the next line, for a frame at the next "&&".
+struct Limits {
+    Index line = 1024;
+    Index frame = 65536;
+    Index items = 512;
+};
+
+enum class Rule : std::uint16_t {
+    stray_text,   // text between frames; one event for a run of lines
+    stray_end,    // "!!" without "&&"
+    unclosed,     // "&&" before the "!!" of the frame before: that frame is not given out
+    not_an_item,  // a line in a frame that does not begin with RRII, 01 to 99 each: only the line is lost
+    long_line,    // a line over Limits::line: only the line is lost
+    long_frame,   // a frame over Limits::frame: not given out
+    many_items,   // a frame over Limits::items: not given out
+    cut_off,      // the stream ended within a frame: not given out
+};
+inline constexpr std::size_t rule_count = 8;
+
+// Why an item's value is NaN.
+inline constexpr std::uint16_t null_value = 1;    // empty, or equal to one of the source's null numbers
+inline constexpr std::uint16_t not_a_number = 2;  // text, or a number that breaks the strict grammar
+
+// [+-] digits [. digits] [e [+-] digits], blanks around it ignored, finite. Not: nan, inf, 1_2, 1,5, 1e400, 0x1p3.
+struct Item {
+    Index frame = 0;   // frames given out before this one, by this parser
+    Index offset = 0;  // of the value's text in the stream
+    double value = 0;  // NaN when a flag is set
+    std::int32_t length = 0;
+    std::uint16_t code = 0;  // RRII, 101 to 9999
+    std::uint16_t flags = 0;
+};
+
+struct Frame {
+    Index start = 0;  // stream offset of "&&"
+    Index stop = 0;   // stream offset behind the end of the "!!" line
+    Index first = 0;  // its items are batch.items[first, first + items)
+    Index items = 0;
+};
+
+struct Event {
+    Index offset = 0;  // of the line; for unclosed, long_frame, many_items and cut_off of the frame's "&&"
+    Index line = 0;    // number of that line in the stream, from 1
+    std::int32_t length = 0;
+    Rule rule = Rule::stray_text;
+    std::uint16_t unused = 0;
+};
+
+struct Batch {
+    Index base = 0;    // stream offset of text[0]
+    std::string text;  // the stream from the first byte not given out before
+    std::vector<Item> items;
+    std::vector<Frame> frames;
+    std::vector<Event> events;
+};
+
+struct Counts {
+    Index bytes = 0;
+    Index lines = 0;
+    Index frames = 0;
+    Index items = 0;
+    Index nulls = 0;
+    Index not_numbers = 0;
+    Index stray_lines = 0;
+    Index events[rule_count] = {};
+};
+
+// Reads one stream (one connection). Calls from several threads wait for each other.
+class Parser {
+  public:
+    explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25}, Limits limits = {});
+
+    // The frames that these bytes complete.
+    Batch feed(std::string_view bytes);
+
+    // The stream has ended: a last "!!" without a line end still closes its frame. The parser starts anew after it.
+    Batch finish();
+
+    Counts counts() const;
+
+  private:
+    enum class Place { outside, inside, dropped };
+
+    void take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch);
+    void take_item(std::string_view line, Index offset, Batch& batch);
+    void begin_frame(std::size_t start, std::size_t next, Batch& batch);
+    void end_frame(std::size_t next, Batch& batch);
+    void drop_frame(Rule rule, Batch& batch);
+    void take_unended_line(Batch& batch);
+    void hand_over(Batch& batch);
+    void tell(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
+    void stray(std::size_t start, std::size_t length, Index line, Batch& batch);
+    Item number(std::string_view text) const;
+
+    std::vector<double> nulls_;
+    Limits limits_;
+    mutable std::mutex lock_;
+    Counts counts_;
+
+    std::string held_;            // the stream from held_base_ on: an open frame, or the line being read
+    Index held_base_ = 0;         // stream offset of held_[0]
+    std::size_t line_start_ = 0;  // in held_
+    std::size_t searched_ = 0;    // held_ before here has no line end past line_start_
+    bool skipping_line_ = false;  // the head of the line being read was dropped
+    bool in_stray_run_ = false;   // the stray text was told
+    Place place_ = Place::outside;
+    std::size_t frame_start_ = 0;  // in held_, of "&&"
+    std::size_t body_start_ = 0;   // in held_, behind the "&&" line
+    Index frame_line_ = 0;
+    Index frame_lines_ = 0;
+    std::vector<Item> open_items_;
+};
+
+}  // namespace helibore::wits

@@ -1,0 +1,1 @@
+"""While drilling: measurements arrive over WITS, are stored, and the wall grows."""

@@ -1,0 +1,135 @@
+"""WITS level 0: text into rows of numbers, and rows into text.
+
+A frame is ``&&``, lines ``RRIIvalue`` and ``!!``. The core does the reading; this file gives its arrays names. Units
+and the meaning of an item are agreed per source and are not known here (see ``configuration.py``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+
+Rows = npt.NDArray[np.void]
+
+NULLS = (-9999.0, -8888.0, -999.25, -9999.25)
+"""Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` is one too."""
+
+NULL = 1
+"""Item flag: the value is empty or one of the source's null numbers."""
+INVALID = 2
+"""Item flag: the text is not a number by the strict grammar (text items are always INVALID as numbers)."""
+
+RULES = {
+    "stray_text": "text between frames is not read",
+    "stray_end": "'!!' must follow '&&'",
+    "unclosed": "a frame must end with '!!' before the next '&&'; it was not read",
+    "not_an_item": "a line in a frame must begin with RRII, 01 to 99 each; the line was not read",
+    "long_line": "a line must not be longer than the line limit; the line was not read",
+    "long_frame": "a frame must not be longer than the frame limit; it was not read",
+    "many_items": "a frame must not have more lines than the item limit; it was not read",
+    "cut_off": "the connection ended within a frame; it was not read",
+}
+"""What each kind of bad text breaks, in the order of the numbers in ``Batch.events['rule']``."""
+RULE_NAMES = tuple(RULES)
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """What one call of :meth:`Parser.feed` completed. All arrays are owned.
+
+    Attributes
+    ----------
+    base
+        Offset in the stream of ``text[0]``.
+    text
+        The stream from the first byte not given out before up to the end of the last complete frame or line.
+    items
+        Structured (n,): ``frame`` (number since the parser began), ``code`` (RRII as an integer, 108 for record 01
+        item 08), ``value`` (float64, NaN when flagged), ``flags`` (NULL, INVALID), ``offset`` and ``length`` of the
+        value's text in the stream.
+    frames
+        Structured (m,): ``start``, ``stop`` (stream offsets), ``first``, ``items`` (its rows in ``items``).
+    events
+        Structured (e,): bad text, with ``offset``, ``line`` (from 1), ``length`` and ``rule`` (index into RULES).
+    """
+
+    base: int
+    text: bytes
+    items: Rows
+    frames: Rows
+    events: Rows
+
+    def text_of(self, item: int) -> bytes:
+        """Return the raw text of row ``item`` of ``items``, as received."""
+        start = int(self.items["offset"][item]) - self.base
+        return self.text[start : start + int(self.items["length"][item])]
+
+
+class Parser:
+    """Reads one stream (one connection); any chunking of the stream gives the same frames.
+
+    Parameters
+    ----------
+    nulls
+        Numbers that mean "no value" in this source.
+    line_limit, frame_limit, item_limit
+        Bytes of a line, bytes of a frame, lines of a frame. What is longer is counted and dropped; reading goes on at
+        the next line or the next ``&&``. They bound the memory the parser holds between two calls.
+
+    Raises
+    ------
+    ValueError
+        For a null that is not finite, or a limit that is too small.
+    """
+
+    def __init__(
+        self,
+        nulls: Sequence[float] = NULLS,
+        line_limit: int = 1024,
+        frame_limit: int = 65536,
+        item_limit: int = 512,
+    ) -> None:
+        self._core = _core.WitsParser(list(nulls), line_limit, frame_limit, item_limit)
+
+    def feed(self, chunk: bytes | bytearray | memoryview) -> Batch:
+        """Return the frames that ``chunk`` completes."""
+        return Batch(*self._core.feed(chunk))
+
+    def finish(self) -> Batch:
+        """Return what the end of the stream completes: a last ``!!`` needs no line end. Then the parser begins anew."""
+        return Batch(*self._core.finish())
+
+    @property
+    def counts(self) -> dict[str, int]:
+        """Bytes, lines, frames, items, nulls, not_numbers, stray_lines, and one count for each name in RULES."""
+        return self._core.counts()
+
+
+def code(text: str) -> int:
+    """Return the item code of ``text``, four digits RRII.
+
+    Raises
+    ------
+    ValueError
+        If the text is not four digits, 01 to 99 twice.
+    """
+    if len(text) != 4 or not (text.isascii() and text.isdigit()) or text[:2] == "00" or text[2:] == "00":
+        raise ValueError(f"item {text!r}: must be four digits RRII, 01 to 99 each")
+    return int(text)
+
+
+def frame(items: Iterable[tuple[int, str]]) -> bytes:
+    """Return the text of one frame, CRLF after each line; ``items`` are (code, value text) pairs."""
+    lines = ["&&", *(f"{number:04d}{value}" for number, value in items), "!!", ""]
+    return "\r\n".join(lines).encode("ascii")
+
+
+HEARTBEAT = frame([(111, "-9999")])
+"""The keep-alive that a Pason EDR asks for: item 0111 null."""
+POLL = frame([])
+"""An empty request for one packet."""
