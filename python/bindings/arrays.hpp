@@ -3,8 +3,11 @@
 
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
+#include <array>
 #include <cstring>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -27,6 +30,28 @@ py::array_t<T> array_of(std::vector<T>&& values, std::vector<py::ssize_t> shape 
     T* first = owner->data();
     py::capsule release(owner.release(), [](void* p) { delete static_cast<std::vector<T>*>(p); });
     return py::array_t<T>(shape, first, release);
+}
+
+// The shape below the first axis of one element: a vector is (3,), a frame (3, 3).
+inline std::vector<py::ssize_t> shape_of(double) {
+    return {};
+}
+template <class T, std::size_t n>
+std::vector<py::ssize_t> shape_of(const std::array<T, n>&) {
+    std::vector<py::ssize_t> shape = shape_of(T{});
+    shape.insert(shape.begin(), static_cast<py::ssize_t>(n));
+    return shape;
+}
+
+// An owned (n, 3) or (n, 3, 3) array that takes over the memory of n vectors or frames: no copy.
+template <class Row>
+py::array_t<double> rows_of(std::vector<Row>&& rows) {
+    auto shape = shape_of(Row{});
+    shape.insert(shape.begin(), static_cast<py::ssize_t>(rows.size()));
+    auto owner = std::make_unique<std::vector<Row>>(std::move(rows));
+    const auto* first = reinterpret_cast<const double*>(owner->data());
+    py::capsule release(owner.release(), [](void* p) { delete static_cast<std::vector<Row>*>(p); });
+    return py::array_t<double>(shape, first, release);
 }
 
 }  // namespace helibore::bindings

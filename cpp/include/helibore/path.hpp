@@ -1,0 +1,98 @@
+// Where the hole goes: survey stations in, positions and frames at any depth out.
+//
+//     const helibore::Survey survey({0, 100}, {15, 25}, {20, 45});   // metres, degrees, degrees
+//     const helibore::Path path(survey, {.extend = 20});
+//     path.position(depths); path.frame(depths);
+//
+// Between stations the path follows the curve its method is named for, never a straight line:
+//   minimum curvature    a circular arc from tangent to tangent
+//   radius of curvature  a curve on an upright cylinder: inclination linear in depth, azimuth linear in the horizontal
+//                        distance covered. Both its projections are circular arcs, and it passes through the
+//                        positions of the closed form; azimuth linear in depth would not.
+// A path never changes. A survey that grew gives a new path with the same bits down to its previous last station.
+// Not done here: corrections of a survey (grid convergence, declination, sag), uncertainty.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+#include <string_view>
+#include <vector>
+
+#include "helibore/types.hpp"
+
+namespace helibore {
+
+// Stations: depth along the hole in metres, inclination (0 = straight down) and azimuth (0 = north, 90 = east) in
+// degrees.
+class Survey {
+  public:
+    // Throws InputError unless there are two stations or more, depths grow, inclinations lie in 0 to 180 and azimuths
+    // in -360 to 360.
+    Survey(std::span<const double> depth, std::span<const double> inclination, std::span<const double> azimuth);
+
+    std::span<const double> depth() const { return depth_; }
+    std::span<const double> inclination() const { return inclination_; }
+    std::span<const double> azimuth() const { return azimuth_; }
+
+    // The angle between the tangents of each two neighbouring stations, degrees: one value fewer than stations.
+    std::vector<double> dogleg() const;
+
+  private:
+    std::vector<double> depth_, inclination_, azimuth_;
+};
+
+enum class Method { minimum_curvature, radius_of_curvature };
+
+// What toolface 0 points to. The high side is up, square to the hole: undefined where the hole is vertical. North is
+// north, square to the hole: undefined where the hole runs level north or south.
+enum class Reference { high_side, north };
+
+// "minimum-curvature", "radius-of-curvature"; "high-side", "north". Throws InputError at any other name.
+Method method_of(std::string_view name);
+Reference reference_of(std::string_view name);
+
+struct PathSettings {
+    Method method = Method::minimum_curvature;
+    Reference reference = Reference::high_side;
+    Vector3 head = {0.0, 0.0, 0.0};  // position of the first station
+    double extend = 0.0;             // metres the path goes straight on below the last station, provisionally
+};
+
+// Three unit vectors, each square to the others: towards toolface 0 (the high side, or north), towards toolface 90
+// (right of it, looking downhole), and the tangent, downhole. A point of the wall lies at
+// position + radius (cos(toolface) frame[0] + sin(toolface) frame[1]).
+using Frame = std::array<Vector3, 3>;
+
+struct Pieces;  // private: src/pieces.hpp
+
+class Path {
+  public:
+    // A straight vertical hole through (0, 0, 0), without ends, whose reference is north.
+    Path();
+    // Throws InputError where two neighbouring stations point opposite ways (minimum curvature has no arc there), and
+    // on settings that are not finite or extend < 0.
+    explicit Path(const Survey& survey, const PathSettings& settings = {});
+
+    // At any depth from the first station to the last plus `extend`; throws InputError ("depth[3] = 12: ...")
+    // elsewhere, and where a frame's reference is undefined.
+    std::vector<Vector3> position(std::span<const double> depth) const;
+    std::vector<Vector3> tangent(std::span<const double> depth) const;
+    std::vector<Frame> frame(std::span<const double> depth) const;
+
+    // Degrees in [0, 360) to add to a toolface measured from north to get it from the high side: atan2(-sinA, cosI
+    // cosA).
+    std::vector<double> north_to_high_side(std::span<const double> depth) const;
+
+    Reference reference() const;
+    double start_depth() const;   // the first station; -infinity for the straight vertical hole
+    double survey_depth() const;  // the last station: the path below it is provisional
+    double stop_depth() const;    // survey_depth + extend
+
+    const Pieces& pieces() const { return *pieces_; }
+
+  private:
+    std::shared_ptr<const Pieces> pieces_;
+};
+
+}  // namespace helibore

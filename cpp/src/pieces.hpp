@@ -1,0 +1,133 @@
+// A path cut into pieces so short that two series give every sine and cosine on them: no library call per vertex,
+// plain arithmetic that compilers vectorise, and the same bits from path.cpp (one depth) and surface.cpp (millions).
+//
+//     station i           station i+1
+//        |--piece--|--piece--|--piece--|...      each bends by at most max_bend from its start
+//
+// Each piece starts from its own closed-form position, so errors do not add up along it, and a piece depends only on
+// the stations above and below it: later stations cannot move it.
+#pragma once
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
+#include <limits>
+#include <string>
+#include <vector>
+
+#include "helibore/path.hpp"
+
+namespace helibore {
+
+inline constexpr double max_bend = 1.0 / 32.0;  // radians; the series below are then exact to 3e-18
+
+// sin(x)/x and (1 - cos(x))/x^2 for |x| <= max_bend. No division, no special case at 0.
+inline double sine_ratio(double x) {
+    const double q = x * x;
+    return 1.0 - q * (1.0 / 6.0) * (1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0)));
+}
+inline double versine_ratio(double x) {
+    const double q = x * x;
+    return 0.5 * (1.0 - q * (1.0 / 12.0) * (1.0 - q * (1.0 / 30.0) * (1.0 - q * (1.0 / 56.0))));
+}
+
+struct Point {
+    double north, east, down;    // position
+    double tan_n, tan_e, tan_d;  // tangent
+};
+
+// A circular arc (or, with no curvature, a straight line) in the plane of tangent and normal.
+struct Arc {
+    double depth = 0.0;  // where the piece starts
+    glm::dvec3 position{0.0}, tangent{0.0, 0.0, 1.0}, normal{0.0};
+    double curvature = 0.0;  // radians a metre
+
+    Point at(double beyond) const {  // metres beyond `depth`
+        const double x = curvature * beyond, s = sine_ratio(x), v = versine_ratio(x);
+        const double along = beyond * s, aside = beyond * x * v;
+        const double sine = x * s, cosine = 1.0 - x * x * v;
+        return {position.x + along * tangent.x + aside * normal.x,
+                position.y + along * tangent.y + aside * normal.y,
+                position.z + along * tangent.z + aside * normal.z,
+                cosine * tangent.x + sine * normal.x,
+                cosine * tangent.y + sine * normal.y,
+                cosine * tangent.z + sine * normal.z};
+    }
+};
+
+// A curve on an upright cylinder: inclination grows with depth, azimuth with the horizontal distance covered.
+struct CylinderCurve {
+    double depth = 0.0;
+    glm::dvec3 position{0.0};
+    double sin_inclination = 0.0, cos_inclination = 1.0, sin_azimuth = 0.0, cos_azimuth = 1.0;
+    double build = 0.0;  // radians a metre of depth
+    double turn = 0.0;   // radians a metre of horizontal distance
+
+    Point at(double beyond) const {
+        const double x = build * beyond, s = sine_ratio(x), v = versine_ratio(x);
+        const double sine = x * s, cosine = 1.0 - x * x * v;
+        const double across = beyond * (sin_inclination * s + cos_inclination * (x * v));  // integral of sin I
+        const double down = beyond * (cos_inclination * s - sin_inclination * (x * v));    // integral of cos I
+        const double sin_i = sin_inclination * cosine + cos_inclination * sine;
+        const double cos_i = cos_inclination * cosine - sin_inclination * sine;
+        const double y = turn * across, sy = sine_ratio(y), vy = versine_ratio(y);
+        const double sine_y = y * sy, cosine_y = 1.0 - y * y * vy;
+        const double cos_a = cos_azimuth * cosine_y - sin_azimuth * sine_y;
+        const double sin_a = sin_azimuth * cosine_y + cos_azimuth * sine_y;
+        return {position.x + across * (cos_azimuth * sy - sin_azimuth * (y * vy)),
+                position.y + across * (sin_azimuth * sy + cos_azimuth * (y * vy)),
+                position.z + down,
+                sin_i * cos_a,
+                sin_i * sin_a,
+                cos_i};
+    }
+};
+
+// A frame is refused where its reference lies within this angle (radians, 0.00006 deg) of the tangent: closer, rounding
+// in the survey's last digits would turn the frame.
+inline constexpr double least_reference_angle = 1e-6;
+
+// Towards toolface 0 and toolface 90, before division by `length`, the sine of the angle between reference and tangent.
+//   high side: up, made square to t    = (td tn, td te, -(tn^2 + te^2)) / length,  right = (-te, tn, 0) / length
+//   north:     north, made square to t = (te^2 + td^2, -tn te, -tn td) / length,   right = (0, td, -te) / length
+struct Axes {
+    double zero_n, zero_e, zero_d;
+    double right_n, right_e, right_d;
+    double square;  // length^2
+};
+template <Reference reference>
+inline Axes axes_of(const Point& p) {
+    if constexpr (reference == Reference::high_side) {
+        const double square = p.tan_n * p.tan_n + p.tan_e * p.tan_e;
+        return {p.tan_d * p.tan_n, p.tan_d * p.tan_e, -square, -p.tan_e, p.tan_n, 0.0, square};
+    } else {
+        const double square = p.tan_e * p.tan_e + p.tan_d * p.tan_d;
+        return {square, -p.tan_n * p.tan_e, -p.tan_n * p.tan_d, 0.0, p.tan_d, -p.tan_e, square};
+    }
+}
+
+struct Pieces {
+    // One of the two is filled, by the path's method; sorted by depth.
+    std::vector<Arc> arcs;
+    std::vector<CylinderCurve> curves;
+    Reference reference = Reference::north;
+    double start_depth = -std::numeric_limits<double>::infinity();
+    double survey_depth = std::numeric_limits<double>::infinity();
+    double stop_depth = std::numeric_limits<double>::infinity();
+
+    // Throws InputError that opens with `where` ("depth[3] = 12", "vertex 7 at depth 12") unless the path reaches
+    // there.
+    void require_reach(double depth, const std::string& where) const;
+    // The InputError for a place whose reference is undefined.
+    [[noreturn]] void refuse_frame(const std::string& where) const;
+};
+
+// The last piece that starts at or above `depth`; the first one for depths above all.
+template <class Piece>
+inline const Piece& piece_at(const std::vector<Piece>& pieces, double depth) {
+    const auto below = std::upper_bound(pieces.begin(), pieces.end(), depth,
+                                        [](double value, const Piece& piece) { return value < piece.depth; });
+    return below == pieces.begin() ? pieces.front() : *(below - 1);
+}
+
+}  // namespace helibore
