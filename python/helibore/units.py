@@ -1,0 +1,114 @@
+"""Units: the one file that knows them. Everything beyond it is metres, degrees and seconds.
+
+    core value = written value x factor(unit)          8.5 in -> 8.5 x 0.0254 m = 0.2159 m
+
+Names are taken as real files write them (``M``, ``FT``, ``INCHES``, ``0.1 in``, ``DEGA`` ...), in either case. A unit
+that is not in the table is refused; nothing is guessed from the size of a number.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from fractions import Fraction
+
+LENGTH, ANGLE, TIME = "length", "angle", "time"
+
+_TABLE: dict[str, tuple[str, float, str]] = {
+    "m": (LENGTH, 1.0, "metre metres meter meters"),
+    "cm": (LENGTH, 0.01, "centimetre centimetres centimeter centimeters"),
+    "mm": (LENGTH, 0.001, "millimetre millimetres millimeter millimeters"),
+    "ft": (LENGTH, 0.3048, "f foot feet '"),
+    "ftUS": (LENGTH, 1200.0 / 3937.0, "ftus ft[us] usft us-ft usfoot"),
+    "in": (LENGTH, 0.0254, 'inch inches ins "'),
+    "0.1in": (LENGTH, 0.00254, ".1in 0.1inch 0.1inches 1/10in"),
+    "deg": (ANGLE, 1.0, "dega degree degrees ° dgr"),
+    "rad": (ANGLE, 180.0 / math.pi, "rada radian radians"),
+    "s": (TIME, 1.0, "sec secs second seconds"),
+    "ms": (TIME, 0.001, "msec millisecond milliseconds"),
+    "min": (TIME, 60.0, "mins minute minutes"),
+    "h": (TIME, 3600.0, "hr hrs hour hours"),
+}
+_NAMES = {name.lower(): unit for unit, (_, _, others) in _TABLE.items() for name in (unit, *others.split())}
+
+_QUANTITY = re.compile(
+    r"""\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
+        (?:[\s-]+(?P<fraction>\d+/[1-9]\d*))?
+        \s*(?P<unit>.*?)\s*""",
+    re.VERBOSE | re.DOTALL,
+)
+_SUFFIXES = (
+    re.compile(r"(?P<stem>.*\S)\s*\((?P<unit>[^()]+)\)\s*"),
+    re.compile(r"(?P<stem>.*\S)\s*\[(?P<unit>[^\[\]]+)\]\s*"),
+    re.compile(r"(?P<stem>.*[^_\s])_(?P<unit>[^_]+)"),
+)
+
+
+def canonical(unit: str) -> str:
+    """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``.
+
+    Raises
+    ------
+    ValueError
+        If the unit is not in the table.
+    """
+    found = _NAMES.get(unit.lower().replace(" ", ""))
+    if found is None:
+        raise ValueError(f"unit '{unit}': not known; known are {', '.join(_TABLE)}")
+    return found
+
+
+def factor(unit: str, kind: str) -> float:
+    """Return what a value in ``unit`` is multiplied by to become metres, degrees or seconds.
+
+    Parameters
+    ----------
+    unit
+        A unit as files write it.
+    kind
+        ``"length"``, ``"angle"`` or ``"time"``: what the unit must measure.
+
+    Raises
+    ------
+    ValueError
+        If the unit is not in the table, or measures something else.
+    """
+    unit = canonical(unit)
+    measures, value, _ = _TABLE[unit]
+    if measures != kind:
+        fitting = ", ".join(name for name, (other, _, _) in _TABLE.items() if other == kind)
+        raise ValueError(f"unit '{unit}': measures {measures}, must be a unit of {kind}: {fitting}")
+    return value
+
+
+def split(name: str, kind: str) -> tuple[str, str | None]:
+    """Split the unit off a column's name: ``md_m``, ``Depth (ft)`` and ``CAL[in]`` give ``("md", "m")`` and so on.
+
+    It is a proposal: whoever takes it must say so. Where the name ends with no unit of this ``kind``, the unit is None.
+    """
+    for pattern in _SUFFIXES:
+        match = pattern.fullmatch(name)
+        unit = _NAMES.get(match["unit"].lower().replace(" ", "")) if match else None
+        if match and unit is not None and _TABLE[unit][0] == kind:
+            return match["stem"], unit
+    return name, None
+
+
+def quantity(text: str, kind: str) -> float:
+    """Return ``text`` in metres, degrees or seconds: ``8.5in``, ``12 1/4 in``, ``100 mm``; a bare number is in those.
+
+    Raises
+    ------
+    ValueError
+        If the text is not a number with a known unit.
+    """
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise ValueError(f"'{text}': must be a number with a unit of {kind}, such as {_EXAMPLES[kind]}")
+    number = float(match["number"])
+    if match["fraction"]:
+        number += math.copysign(float(Fraction(match["fraction"])), number)
+    return number * factor(match["unit"], kind) if match["unit"] else number
+
+
+_EXAMPLES = {LENGTH: "8.5in, 0.216m or 216mm", ANGLE: "90deg or 1.57rad", TIME: "10s or 5min"}
