@@ -197,7 +197,8 @@ def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
         swing = share * tool.advance_variation * period / (2.0 * np.pi)
         progress += swing * np.sin(2.0 * np.pi * (time / period + rng.random()))
     progress -= progress[0]
-    return progress / progress[-1]
+    progress /= progress[-1]
+    return progress
 
 
 def _lift(hole: Hole, tool: Tool, time: Floats, depth: Floats) -> tuple[Floats, Floats]:
