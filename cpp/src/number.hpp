@@ -16,7 +16,7 @@ inline std::string number(double value) {
 }
 
 // "toolface[17] = nan"
-inline std::string place(const std::string& column, Index index, double value) {
+inline std::string entry(const std::string& column, Index index, double value) {
     return column + "[" + std::to_string(index) + "] = " + number(value);
 }
 

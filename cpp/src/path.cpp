@@ -35,9 +35,9 @@ void require_equal_lengths(const char* name, std::size_t size, std::size_t depth
 
 void require_between(const char* name, std::span<const double> values, double low, double high) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!std::isfinite(values[i])) throw InputError(place(name, Index(i), values[i]) + ": must be finite");
+        if (!std::isfinite(values[i])) throw InputError(entry(name, Index(i), values[i]) + ": must be finite");
         if (values[i] < low || values[i] > high) {
-            throw InputError(place(name, Index(i), values[i]) + ": must lie in " + number(low) + " to " + number(high) +
+            throw InputError(entry(name, Index(i), values[i]) + ": must lie in " + number(low) + " to " + number(high) +
                              " degrees");
         }
     }
@@ -45,10 +45,10 @@ void require_between(const char* name, std::span<const double> values, double lo
 
 void require_growing(std::span<const double> depth) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        if (!std::isfinite(depth[i])) throw InputError(place("depth", Index(i), depth[i]) + ": must be finite");
+        if (!std::isfinite(depth[i])) throw InputError(entry("depth", Index(i), depth[i]) + ": must be finite");
         if (i > 0 && depth[i] <= depth[i - 1]) {
-            throw InputError(place("depth", Index(i), depth[i]) + ": must be greater than " +
-                             place("depth", Index(i) - 1, depth[i - 1]));
+            throw InputError(entry("depth", Index(i), depth[i]) + ": must be greater than " +
+                             entry("depth", Index(i) - 1, depth[i - 1]));
         }
     }
 }
@@ -141,15 +141,15 @@ dvec3 append_curves(std::vector<CylinderCurve>& curves, const Station& above, co
 void require_arc(const Survey& survey, std::size_t below) {
     const dvec3 sum = station(survey, below).tangent + station(survey, below - 1).tangent;
     if (glm::length(sum) >= least_from_opposite) return;
-    throw InputError(place("depth", Index(below), survey.depth()[below]) + ": the hole turns by 180 deg since " +
-                     place("depth", Index(below) - 1, survey.depth()[below - 1]) +
+    throw InputError(entry("depth", Index(below), survey.depth()[below]) + ": the hole turns by 180 deg since " +
+                     entry("depth", Index(below) - 1, survey.depth()[below - 1]) +
                      ", which no one arc does: must be less than 180");
 }
 
 void require_sane(const PathSettings& settings) {
     for (std::size_t i = 0; i < 3; ++i) {
         if (!std::isfinite(settings.head[i])) {
-            throw InputError(place("head", Index(i), settings.head[i]) + ": must be finite");
+            throw InputError(entry("head", Index(i), settings.head[i]) + ": must be finite");
         }
     }
     if (!(settings.extend >= 0.0 && std::isfinite(settings.extend))) {
@@ -187,7 +187,7 @@ Pieces pieces_of(const Survey& survey, const PathSettings& settings) {
 template <class Visit>
 void for_each_point(const Pieces& pieces, std::span<const double> depth, const Visit& visit) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        pieces.require_reach(depth[i], place("depth", Index(i), depth[i]));
+        pieces.require_reach(depth[i], entry("depth", Index(i), depth[i]));
         const auto point = [&](const auto& piece) { return piece.at(depth[i] - piece.depth); };
         visit(i, pieces.curves.empty() ? point(piece_at(pieces.arcs, depth[i]))
                                        : point(piece_at(pieces.curves, depth[i])));
@@ -197,7 +197,7 @@ void for_each_point(const Pieces& pieces, std::span<const double> depth, const V
 template <Reference reference>
 Frame frame_at(const Pieces& pieces, const Point& p, Index i, double depth) {
     const Axes a = axes_of<reference>(p);
-    if (a.square < least_reference_angle * least_reference_angle) pieces.refuse_frame(place("depth", i, depth));
+    if (a.square < least_reference_angle * least_reference_angle) pieces.refuse_frame(entry("depth", i, depth));
     const double scale = 1.0 / std::sqrt(a.square);
     return {{{a.zero_n * scale, a.zero_e * scale, a.zero_d * scale},
              {a.right_n * scale, a.right_e * scale, a.right_d * scale},
@@ -300,7 +300,7 @@ std::vector<double> Path::north_to_high_side(std::span<const double> depth) cons
     std::vector<double> degrees(depth.size());
     for_each_point(*pieces_, depth, [&](std::size_t i, const Point& p) {
         if (axes_of<Reference::high_side>(p).square < least_reference_angle * least_reference_angle) {
-            high_side.refuse_frame(place("depth", Index(i), depth[i]));
+            high_side.refuse_frame(entry("depth", Index(i), depth[i]));
         }
         const double angle = std::atan2(-p.tan_e, p.tan_d * p.tan_n) / degree;
         const double positive = angle < 0.0 ? angle + 360.0 : angle + 0.0;  // + 0.0 turns -0 into 0

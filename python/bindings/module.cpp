@@ -19,5 +19,6 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
         }
     });
     helibore::bindings::register_path(m);
+    helibore::bindings::register_surface(m);
     helibore::bindings::register_wits(m);
 }

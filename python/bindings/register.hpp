@@ -6,6 +6,7 @@
 namespace helibore::bindings {
 
 void register_path(pybind11::module_& m);
+void register_surface(pybind11::module_& m);
 void register_wits(pybind11::module_& m);
 
 }  // namespace helibore::bindings

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from helibore._core import __version__
+from helibore.surface import Surface, Volume
 from helibore.survey import Path, Survey
 
-__all__ = ["Path", "Survey", "__version__"]
+__all__ = ["Path", "Surface", "Survey", "Volume", "__version__"]

@@ -4,6 +4,7 @@ import numpy as np
 import numpy.typing as npt
 
 _Floats = npt.NDArray[np.float64]
+_Integers = npt.NDArray[np.int64]
 _Rows = npt.NDArray[np.void]
 
 __version__: str
@@ -37,3 +38,12 @@ class Path:
     def survey_depth(self) -> float: ...
     @property
     def stop_depth(self) -> float: ...
+
+_Helix = tuple[float, float, float, int]
+
+def surface(
+    helix: _Helix, first: int, radius: _Floats, path: Path, threads: int
+) -> tuple[_Floats, _Integers, _Integers, _Integers]: ...
+def volume(
+    helix: _Helix, first: int, shells: list[_Floats], path: Path, threads: int
+) -> tuple[_Floats, _Integers, list[_Integers], list[_Integers]]: ...

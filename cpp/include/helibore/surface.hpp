@@ -1,0 +1,91 @@
+// The wall in space: vertices along the path, joined into quads (a surface) or hexahedra (a volume).
+//
+//     const std::vector<double> radius = wall.radius();
+//     const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .pitch = 0.1, .sectors = 64, .radius =
+//     radius}; const helibore::Surface surface = helibore::surface_of(radii, path);
+//
+// Quads of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
+//
+//      k (a0) ---- k+1 (a1)        order (a0, a1, b1, b0) turns counter-clockwise seen from the formation, so the
+//      normal
+//        |            |            points away from the axis. A negative pitch puts b above a; the order is then
+//     k+K (b0) -- k+1+K (b1)       (a0, b0, b1, a1), with the same outward normal.
+//
+// A vertex whose radius is NaN is left out, with every quad and hexahedron that touches it; the others close ranks.
+// What is left is a list of runs: consecutive vertices k that also lie consecutively in the output. Layouts hold the
+// runs, so that a caller can reserve exactly the memory needed and have it filled once, from several threads. Not done
+// here: attributes, files.
+#pragma once
+
+#include <array>
+#include <span>
+#include <vector>
+
+#include "helibore/path.hpp"
+#include "helibore/types.hpp"
+
+namespace helibore {
+
+// Radii at consecutive vertices of one helix. Borrowed: the radii must outlive the call.
+struct HelixRadii {
+    double start_depth = 0.0;        // metres, of vertex 0
+    double start_toolface = 0.0;     // degrees, of vertex 0
+    double pitch = 0.1;              // metres a turn; negative for a well logged upwards
+    int sectors = 64;                // K: vertices a turn
+    Index first = 0;                 // the vertex that radius[0] belongs to
+    std::span<const double> radius;  // metres; NaN: no vertex here
+};
+
+using Quad = std::array<Index, 4>;
+using Hexahedron = std::array<Index, 8>;  // inner quad, then the outer quad over it: VTK's order, positive volume
+
+struct VertexRun {
+    Range k;      // vertices of the helix
+    Index shift;  // vertex k is row k + shift of the output
+};
+struct QuadRun {
+    Range k;             // the quads of these vertices
+    Index shift;         // the quad of vertex k is row k + shift of the output
+    Index upper, lower;  // its corners are rows k + upper, k + 1 + upper, k + 1 + K + lower, k + K + lower
+};
+struct HexahedronRun {
+    QuadRun inner, outer;  // the same k and shift
+};
+
+struct SurfaceLayout {
+    std::vector<VertexRun> vertices;
+    std::vector<QuadRun> quads;
+    Index vertex_count = 0, quad_count = 0;
+};
+
+// Shell after shell from the wall outwards: vertices of shell 0, of shell 1, ...; hexahedra between 0 and 1, 1 and 2,
+// ...
+struct VolumeLayout {
+    std::vector<std::vector<VertexRun>> shells;
+    std::vector<std::vector<HexahedronRun>> layers;
+    Index vertex_count = 0, hexahedron_count = 0;
+};
+
+// Throws InputError on sectors < 3, a pitch of 0 or not finite, or a radius that is neither positive nor NaN.
+SurfaceLayout surface_layout(const HelixRadii& radii);
+
+// `shells`: two or more, each the radii of the same vertices as radii.radius, the first being that very span. Throws
+// InputError unless every shell lies beyond the one before wherever both are there ("shells[0][17] = ...").
+VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
+
+// Fill memory of exactly the counted size; the bits do not depend on `threads`. place throws InputError where the path
+// does not reach a vertex or its reference is undefined there ("vertex 7 at depth 12: ...").
+void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun> runs, std::span<Vector3> vertices,
+           int threads = 1);
+void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);
+void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
+
+struct Surface {
+    std::vector<Vector3> vertices;
+    std::vector<Quad> quads;
+    std::vector<Index> vertex_index;  // the vertex of the helix each row of `vertices` is
+    std::vector<Index> quad_index;    // the vertex k that each quad belongs to
+};
+Surface surface_of(const HelixRadii& radii, const Path& path = {}, int threads = 1);
+
+}  // namespace helibore

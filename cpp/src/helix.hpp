@@ -1,0 +1,37 @@
+// The uniform helix: vertex k lies at toolface (start + k 360/K) mod 360 and depth start + k pitch/K.
+#pragma once
+
+#include <cmath>
+
+#include "helibore/settings.hpp"
+
+namespace helibore {
+
+// Degrees in [0, 360) for any finite angle.
+inline double wrap_toolface(double degrees) {
+    if (degrees >= 0.0 && degrees < 360.0) return degrees + 0.0;  // + 0.0 turns -0 into 0
+    const double wrapped = std::fmod(degrees, 360.0);
+    const double positive = wrapped < 0.0 ? wrapped + 360.0 : wrapped + 0.0;
+    return positive < 360.0 ? positive : 0.0;  // -1e-20 + 360 rounds to 360
+}
+
+struct Helix {
+    double start_depth = 0.0;
+    double start_toolface = 0.0;
+    double pitch = 0.1;
+    Index sectors = 64;
+
+    double depth(Index k) const { return start_depth + static_cast<double>(k) * pitch / static_cast<double>(sectors); }
+    double toolface(Index k) const {
+        return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
+    }
+    // floor(K (stop - start) / pitch) + 1, or 0 where stop lies before start. A double, for it may be absurdly large.
+    double count(double stop_depth) const {
+        const double turns = static_cast<double>(sectors) * (stop_depth - start_depth) / pitch;
+        return turns < 0.0 ? 0.0 : std::floor(turns) + 1.0;
+    }
+    // +1 where the helix grows downwards, -1 where it grows upwards.
+    double direction() const { return pitch > 0.0 ? 1.0 : -1.0; }
+};
+
+}  // namespace helibore
