@@ -5,6 +5,7 @@
 
 namespace helibore::bindings {
 
+void register_journal(pybind11::module_& m);
 void register_path(pybind11::module_& m);
 void register_surface(pybind11::module_& m);
 void register_wits(pybind11::module_& m);

@@ -1,0 +1,50 @@
+// The records of a journal: how one is sealed, and how the good ones are found again in bytes that may be torn,
+// flipped or cut. Only bytes in memory; files belong to the caller.
+//
+//   0     4       8         16       24         32          36      38    40           44          48
+//   | HLBJ | length | sequence | wall ns | monotonic ns | connection | source | kind | payload crc | header crc |
+//   payload ...
+//
+// All little-endian. Both checksums are CRC-32C; the header's is seeded with the segment's salt, a random number, so
+// bytes that arrive from outside cannot pass as a record when the search starts again behind damage.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string_view>
+#include <vector>
+
+#include "helibore/types.hpp"
+
+namespace helibore::journal {
+
+inline constexpr std::size_t header_size = 48;
+inline constexpr std::uint32_t longest_payload = 1u << 20;
+
+struct Record {
+    std::uint64_t sequence = 0;
+    std::int64_t wall = 0;       // receive time, ns since 1970
+    std::int64_t monotonic = 0;  // receive time, ns of a clock that is never set
+    Index offset = 0;            // of the payload in the bytes scanned
+    std::uint32_t length = 0;
+    std::uint32_t connection = 0;
+    std::uint16_t source = 0;
+    std::uint16_t kind = 0;
+    std::uint32_t unused = 0;
+};
+
+struct Scan {
+    std::vector<Record> records;  // every intact record, in order
+    std::vector<Range> damage;    // byte ranges in between that hold none; the last may reach to the end
+};
+
+// CRC-32C (Castagnoli) of the bytes, continuing from `crc` (0 to begin).
+std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc = 0);
+
+// The header that makes `payload` a record. Throws InputError for a payload over longest_payload.
+std::array<char, header_size> seal(const Record& record, std::string_view payload, std::uint32_t salt);
+
+// The intact records of bytes[from, end), whose sequence numbers must grow. Linear in the bytes.
+Scan scan(std::string_view bytes, std::size_t from, std::uint32_t salt);
+
+}  // namespace helibore::journal

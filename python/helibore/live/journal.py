@@ -1,0 +1,318 @@
+"""The journal: every received byte on disk before anything reads it.
+
+A journal is a folder of numbered segment files. A segment is a header (64 bytes, written twice 32) and records, each
+with its own checksums (``cpp/include/helibore/journal.hpp`` draws one), so every prefix of a segment is valid::
+
+    000001.hbj  | header | header | record | record | ...
+    000002.hbj  | header | header | record | ...            <- appended to
+
+Why not SQLite: a record here is one ``pwritev`` at the end of a file. There is no index to corrupt, no checkpoint that
+stalls the reader of a socket, and damage anywhere costs the records it touches and no other.
+
+What is at risk: when :meth:`Journal.append` has returned, the bytes are with the operating system and survive the death
+of the process (kill -9). A power cut or a crash of the system itself can take what came after the last
+:meth:`Journal.sync`: with ``sync_interval`` = 0.1 s, the last 100 ms and the duration of one fdatasync. With
+``sync_interval`` = 0 every append is synced before it returns.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import os
+import secrets
+import struct
+import threading
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+
+BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE = range(7)
+"""Kinds of record: received bytes; the journal was opened; a connection began or ended; values pushed by the host."""
+
+HEADER = struct.Struct("<8sIIQII")  # magic, version, segment, first sequence number, salt, checksum
+MAGIC = b"HELIBJ\r\n"
+VERSION = 1
+RECORDS_START = 2 * HEADER.size
+LONGEST_PAYLOAD = 1 << 20
+
+
+class JournalFullError(OSError):
+    """The disk refused a record. The journal is as it was before, and the next append may succeed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Segment:
+    """The intact records of one file.
+
+    Attributes
+    ----------
+    records
+        Structured (n,): sequence, wall, monotonic (ns), offset, length (of the payload), connection, source, kind.
+    damage
+        Byte ranges [start, stop) that hold no intact record.
+    text
+        The whole file.
+    """
+
+    path: Path
+    records: npt.NDArray[np.void]
+    damage: list[tuple[int, int]]
+    text: bytes
+
+    def payload(self, row: int) -> bytes:
+        """Return the bytes of record ``row``."""
+        start = int(self.records["offset"][row])
+        return self.text[start : start + int(self.records["length"][row])]
+
+    def damage_texts(self) -> list[str]:
+        """Return one line for each damaged range."""
+        return [
+            f"{self.path.name}: bytes {start} to {stop} hold no intact record ({stop - start} bytes lost)"
+            for start, stop in self.damage
+        ]
+
+
+@dataclass(slots=True)
+class Recovery:
+    """What opening a journal found: the last sequence number, the torn tail that was cut, and damage before it."""
+
+    last_sequence: int = -1
+    cut_bytes: int = 0
+    notes: list[str] = field(default_factory=list)
+
+
+def paths(folder: Path) -> list[Path]:
+    """Return the segment files of a journal in order."""
+    return sorted(path for path in folder.glob("*.hbj") if path.stem.isdigit())
+
+
+def segments(folder: str | os.PathLike[str]) -> Iterator[Segment]:
+    """Read a journal, one segment at a time; a journal that is being written can be read too.
+
+    Raises
+    ------
+    ValueError
+        If the folder holds no journal, or no segment of it has an intact header.
+    """
+    found = paths(Path(folder))
+    if not found:
+        raise ValueError(f"{folder}: holds no journal (no file 000001.hbj)")
+    salt = _salt(found)
+    for path in found:
+        text = path.read_bytes()
+        records, damage = _core.journal_scan(text, min(RECORDS_START, len(text)), salt)
+        yield Segment(path, records, damage, text)
+
+
+def _salt(found: list[Path]) -> int:
+    """The random number all segments of a journal share, from the first intact header."""
+    for path in found:
+        with path.open("rb") as file:
+            head = file.read(RECORDS_START)
+        for start in (0, HEADER.size):
+            if len(head) >= start + HEADER.size:
+                magic, version, _, _, salt, checksum = HEADER.unpack_from(head, start)
+                if magic == MAGIC and checksum == _core.crc32c(head[start : start + HEADER.size - 4]):
+                    if version != VERSION:
+                        raise ValueError(f"{path}: version {version}: this helibore reads version {VERSION}")
+                    return int(salt)
+    raise ValueError(f"{found[0].parent}: no segment has an intact header")
+
+
+def _header(number: int, sequence: int, salt: int) -> bytes:
+    start = HEADER.pack(MAGIC, VERSION, number, sequence, salt, 0)[:-4]
+    return (start + struct.pack("<I", _core.crc32c(start))) * 2
+
+
+class Journal:
+    """The one writer of a journal folder; opening recovers it.
+
+    Parameters
+    ----------
+    folder
+        Made when it does not exist.
+    opening
+        Payload of the OPENED record that begins this session and each segment.
+    segment_bytes
+        A segment that has reached this size is followed by a new one.
+    sync_interval
+        Seconds between syncs that the caller promises (0: every append syncs). Kept for the status page.
+    clock
+        Returns (wall ns, monotonic ns).
+
+    Raises
+    ------
+    ValueError
+        If another process writes this journal, or it cannot be read.
+    OSError
+        If the folder cannot be written.
+    """
+
+    def __init__(
+        self,
+        folder: str | os.PathLike[str],
+        opening: bytes = b"{}",
+        *,
+        segment_bytes: int = 64 << 20,
+        sync_interval: float = 0.1,
+        clock: Callable[[], tuple[int, int]] = lambda: (time.time_ns(), time.monotonic_ns()),
+    ) -> None:
+        self.folder = Path(folder)
+        self.sync_interval = sync_interval
+        self.recovery = Recovery()
+        self._opening = opening
+        self._segment_bytes = segment_bytes
+        self._clock = clock
+        self._lock = threading.Lock()
+        self._unsynced: list[int] = []
+        self._file = -1
+        self.folder.mkdir(parents=True, exist_ok=True)
+        self._guard = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
+        try:
+            fcntl.flock(self._guard, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            os.close(self._guard)
+            raise ValueError(f"{folder}: is being written by another process") from None
+        try:
+            self._recover()
+            self._write(0, 0, self._opening, OPENED, *self._clock())
+            self.sync()
+        except BaseException:
+            self._close_files()
+            raise
+
+    def _recover(self) -> None:
+        """Find the end of the last segment that has records; set aside what is torn behind it."""
+        found = paths(self.folder)
+        while found and found[-1].stat().st_size < RECORDS_START:  # died while it was being made: holds no record
+            self._set_aside(found.pop(), 0)
+        if not found:
+            self._salt, self._number, self._sequence = secrets.randbits(32), 0, 0
+            self._begin_segment()
+            return
+        self._salt, self._number = _salt(found), int(found[-1].stem)
+        text = found[-1].read_bytes()
+        records, damage = _core.journal_scan(text, RECORDS_START, self._salt)
+        stop = len(text)
+        if damage and damage[-1][1] == len(text):
+            stop = damage.pop()[0]
+            self._set_aside(found[-1], stop)
+        self.recovery.notes += Segment(found[-1], records, damage, text).damage_texts()
+        self._sequence = int(records["sequence"][-1]) + 1 if len(records) else self._first_sequence(found)
+        self.recovery.last_sequence = self._sequence - 1
+        self._file = os.open(found[-1], os.O_RDWR)
+        self._stop = stop
+
+    def _first_sequence(self, found: list[Path]) -> int:
+        """A sequence number behind everything, when the last segment has no intact record to tell it."""
+        last = [_core.journal_scan(path.read_bytes(), RECORDS_START, self._salt)[0]["sequence"] for path in found[:-1]]
+        return max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0) + (1 << 32)
+
+    def _set_aside(self, path: Path, stop: int) -> None:
+        """Cut ``path`` at ``stop``; the bytes behind it are kept in a file of their own."""
+        torn = path.read_bytes()[stop:]
+        if torn:
+            path.with_name(f"{path.stem}-{stop}.torn").write_bytes(torn)
+            self.recovery.cut_bytes += len(torn)
+            self.recovery.notes.append(f"{path.name}: torn behind byte {stop}: {len(torn)} bytes set aside")
+        if stop == 0:
+            path.unlink()
+        else:
+            os.truncate(path, stop)
+
+    def _begin_segment(self) -> None:
+        self._number += 1
+        path = self.folder / f"{self._number:06d}.hbj"
+        beside = path.with_suffix(".new")
+        beside.write_bytes(_header(self._number, self._sequence, self._salt))
+        beside.rename(path)
+        if self._file >= 0:
+            self._unsynced.append(self._file)
+        self._file = os.open(path, os.O_RDWR)
+        self._stop = RECORDS_START
+
+    def append(self, source: int, connection: int, payload: bytes, kind: int = BYTES) -> tuple[int, int, int]:
+        """Store ``payload``; when this returns it survives the death of the process.
+
+        Returns
+        -------
+        tuple
+            (sequence number, wall ns, monotonic ns) of the record.
+
+        Raises
+        ------
+        JournalFullError
+            If the disk refuses it. Nothing of the record remains.
+        ValueError
+            If the payload is over 1 MiB.
+        """
+        with self._lock:
+            wall, monotonic = self._clock()
+            try:
+                if self._stop >= self._segment_bytes:
+                    self._begin_segment()
+                    self._write(0, 0, self._opening, OPENED, wall, monotonic)
+                self._write(source, connection, payload, kind, wall, monotonic)
+            except OSError as error:
+                raise JournalFullError(
+                    error.errno, f"{error.strerror}: the record was not stored", str(self.folder)
+                ) from error
+            sequence = self._sequence - 1
+        if self.sync_interval == 0:
+            self.sync()
+        return sequence, wall, monotonic
+
+    def _write(self, source: int, connection: int, payload: bytes, kind: int, wall: int, monotonic: int) -> None:
+        header = _core.journal_seal(self._sequence, wall, monotonic, connection, source, kind, payload, self._salt)
+        size = len(header) + len(payload)
+        try:
+            written = os.pwritev(self._file, [header, payload], self._stop)
+            while written < size:  # the disk fills: the next write says why
+                written += os.pwrite(self._file, (header + payload)[written:], self._stop + written)
+        except OSError:
+            os.ftruncate(self._file, self._stop)
+            raise
+        self._stop += size
+        self._sequence += 1
+
+    def sync(self) -> None:
+        """Have everything appended so far on the disk itself; appends go on meanwhile."""
+        with self._lock:
+            finished, self._unsynced = self._unsynced, []
+            current = os.dup(self._file)
+        for file in [*finished, current]:
+            os.fdatasync(file)
+            os.close(file)
+        folder = os.open(self.folder, os.O_RDONLY)
+        os.fsync(folder)
+        os.close(folder)
+
+    @property
+    def bytes_left(self) -> int:
+        """Bytes the disk still has for this user."""
+        status = os.statvfs(self.folder)
+        return status.f_bavail * status.f_frsize
+
+    def close(self) -> None:
+        """Sync and let go of the folder."""
+        if self._file >= 0:
+            self.sync()
+        self._close_files()
+
+    def _close_files(self) -> None:
+        for file in [*self._unsynced, self._file, self._guard]:
+            if file >= 0:
+                os.close(file)
+        self._unsynced, self._file, self._guard = [], -1, -1
+
+    def __enter__(self) -> Journal:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()

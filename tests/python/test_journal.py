@@ -1,0 +1,306 @@
+"""The journal keeps what it acknowledged: torn, flipped, killed, full, and with a clock that jumps."""
+
+from __future__ import annotations
+
+import errno
+import os
+import random
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from helibore import _core
+from helibore.live import journal
+from helibore.live.journal import BYTES, OPENED, RECORDS_START, Journal, JournalFullError, segments
+
+
+def stored(folder: Path) -> list[tuple[int, int, bytes]]:
+    """(source, connection, payload) of every intact record of received bytes."""
+    rows = []
+    for segment in segments(folder):
+        for row in np.flatnonzero(segment.records["kind"] == BYTES):
+            record = segment.records[row]
+            rows.append((int(record["source"]), int(record["connection"]), segment.payload(row)))
+    return rows
+
+
+def slow_crc32c(text: bytes, crc: int = 0) -> int:
+    crc ^= 0xFFFFFFFF
+    for byte in text:
+        crc ^= byte
+        for _ in range(8):
+            crc = (crc >> 1) ^ (0x82F63B78 if crc & 1 else 0)
+    return crc ^ 0xFFFFFFFF
+
+
+def test_crc32c_has_the_published_check_values():
+    assert _core.crc32c(b"123456789") == 0xE3069283
+    assert _core.crc32c(bytes(32)) == 0x8A9136AA  # RFC 3720, B.4
+    assert _core.crc32c(b"\xff" * 32) == 0x62A8AB43
+
+
+@given(st.binary(max_size=50), st.binary(max_size=50))
+def test_crc32c_continues(first, second):
+    assert _core.crc32c(second, _core.crc32c(first)) == slow_crc32c(first + second)
+
+
+def test_what_is_appended_is_read(tmp_path):
+    clock = iter([(1000, 1), (2000, 2), (1500, 3)])
+    with Journal(tmp_path, b"hello", clock=lambda: next(clock)) as j:
+        assert j.append(7, 3, b"abc") == (1, 2000, 2)
+        assert j.append(8, 1 << 31, b"") == (2, 1500, 3)
+    (segment,) = segments(tmp_path)
+    assert segment.records["kind"].tolist() == [OPENED, BYTES, BYTES]
+    assert segment.records["wall"].tolist() == [1000, 2000, 1500]
+    assert segment.records["monotonic"].tolist() == [1, 2, 3]
+    assert segment.payload(0) == b"hello"
+    assert segment.damage == []
+    assert stored(tmp_path) == [(7, 3, b"abc"), (8, 1 << 31, b"")]
+
+
+def test_segments_follow_each_other_and_each_begins_with_the_opening(tmp_path):
+    wanted = [(1, 1, bytes([i]) * 300) for i in range(40)]
+    for part in (wanted[:25], wanted[25:]):
+        with Journal(tmp_path, b"open", segment_bytes=2000) as j:
+            for row in part:
+                j.append(*row)
+    found = list(segments(tmp_path))
+    assert len(found) > 5
+    assert all(segment.records["kind"][0] == OPENED for segment in found)
+    sequence = np.concatenate([segment.records["sequence"] for segment in found])
+    assert np.array_equal(sequence, np.arange(len(sequence)))
+    assert stored(tmp_path) == wanted
+
+
+def small_journal(folder: Path) -> list[tuple[int, int, bytes]]:
+    """A journal whose last 4 kB hold records of many sizes."""
+    draw = random.Random(1)
+    rows = [
+        (draw.randrange(9), draw.randrange(99), draw.randbytes(draw.choice([0, 1, 40, 47, 300]))) for _ in range(60)
+    ]
+    with Journal(folder, b"open") as j:
+        for row in rows:
+            j.append(*row)
+    return rows
+
+
+def test_every_truncation_of_the_last_4_kb_keeps_every_whole_record_and_can_be_continued(tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "fdatasync", lambda _: None)  # 8,000 syncs say nothing about truncation
+    monkeypatch.setattr(os, "fsync", lambda _: None)
+    rows = small_journal(tmp_path / "whole")
+    whole = (tmp_path / "whole" / "000001.hbj").read_bytes()
+    ends, at = [], RECORDS_START + journal.HEADER.size + 16 + len(b"open")
+    for _, _, payload in rows:
+        at += 48 + len(payload)
+        ends.append(at)
+    assert at == len(whole) > 4096
+    for size in range(len(whole) - 4096, len(whole)):
+        with tempfile.TemporaryDirectory(dir=tmp_path) as folder:
+            path = Path(folder) / "000001.hbj"
+            path.write_bytes(whole[:size])
+            kept = sum(end <= size for end in ends)
+            with Journal(folder) as j:
+                torn = size - (ends[kept - 1] if kept else RECORDS_START + 52)
+                assert j.recovery.cut_bytes == torn
+                j.append(5, 5, b"after")
+            assert stored(Path(folder)) == [*rows[:kept], (5, 5, b"after")]
+
+
+def test_2000_bit_flips_lose_only_the_record_they_hit(tmp_path):
+    rows = small_journal(tmp_path)
+    path = tmp_path / "000001.hbj"
+    whole = path.read_bytes()
+    draw = random.Random(2)
+    for _ in range(2000):
+        at = draw.randrange(len(whole))
+        flipped = bytearray(whole)
+        flipped[at] ^= 1 << draw.randrange(8)
+        path.write_bytes(flipped)
+        (segment,) = segments(tmp_path)
+        found = stored(tmp_path)
+        if at < RECORDS_START:
+            assert found == rows
+            continue
+        missing = len(rows) - len(found)
+        hit_opening = at < RECORDS_START + 52
+        assert missing == (0 if hit_opening else 1)
+        assert [row for row in rows if row in found] == found
+        ((start, stop),) = segment.damage
+        assert start <= at < stop
+        assert segment.damage_texts() == [
+            f"000001.hbj: bytes {start} to {stop} hold no intact record ({stop - start} bytes lost)"
+        ]
+
+
+def test_damage_before_the_end_is_told_and_left_where_it_is(tmp_path):
+    rows = small_journal(tmp_path)
+    path = tmp_path / "000001.hbj"
+    text = bytearray(path.read_bytes())
+    text[1000] ^= 1
+    path.write_bytes(text)
+    with Journal(tmp_path) as j:
+        assert len(j.recovery.notes) == 1
+        assert "hold no intact record" in j.recovery.notes[0]
+        assert j.recovery.cut_bytes == 0
+    assert path.read_bytes()[: len(text)] == text
+    assert len(stored(tmp_path)) == len(rows) - 1
+
+
+def test_bytes_from_outside_cannot_pass_as_a_record(tmp_path):
+    """A payload that holds another journal's records, behind a damaged header, is skipped as a whole."""
+    small_journal(tmp_path / "other")
+    forged = (tmp_path / "other" / "000001.hbj").read_bytes()[RECORDS_START:]
+    with Journal(tmp_path / "mine") as j:
+        j.append(1, 1, forged)
+        j.append(1, 1, b"good")
+    path = tmp_path / "mine" / "000001.hbj"
+    text = bytearray(path.read_bytes())
+    text[RECORDS_START + 48 + 2 + 5] ^= 1
+    path.write_bytes(text)
+    assert stored(tmp_path / "mine") == [(1, 1, b"good")]
+
+
+def test_a_segment_that_died_while_it_was_made_is_set_aside(tmp_path):
+    rows = small_journal(tmp_path)
+    (tmp_path / "000002.hbj").write_bytes(b"HELIBJ")
+    with Journal(tmp_path) as j:
+        assert j.recovery.notes == ["000002.hbj: torn behind byte 0: 6 bytes set aside"]
+        j.append(5, 5, b"after")
+    assert stored(tmp_path) == [*rows, (5, 5, b"after")]
+    assert (tmp_path / "000002-0.torn").read_bytes() == b"HELIBJ"
+
+
+def test_a_last_segment_without_records_does_not_reuse_sequence_numbers(tmp_path):
+    rows = small_journal(tmp_path)
+    first = (tmp_path / "000001.hbj").read_bytes()
+    (tmp_path / "000002.hbj").write_bytes(first[:RECORDS_START])
+    with Journal(tmp_path) as j:
+        assert j.append(5, 5, b"after")[0] > 61
+    assert stored(tmp_path) == [*rows, (5, 5, b"after")]
+
+
+def test_refusals(tmp_path):
+    with pytest.raises(ValueError, match=r": holds no journal \(no file 000001\.hbj\)$"):
+        list(segments(tmp_path))
+    (tmp_path / "000001.hbj").write_bytes(bytes(100))
+    with pytest.raises(ValueError, match=r": no segment has an intact header$"):
+        Journal(tmp_path)
+    with Journal(tmp_path / "a") as j:
+        with pytest.raises(ValueError, match=r"a: is being written by another process$"):
+            Journal(tmp_path / "a")
+        with pytest.raises(ValueError, match=r"^payload has 1048577 bytes: must be at most 1048576$"):
+            j.append(1, 1, bytes((1 << 20) + 1))
+        j.append(1, 1, b"x")
+    assert stored(tmp_path / "a") == [(1, 1, b"x")]
+
+
+def test_a_journal_of_a_later_version_is_refused(tmp_path):
+    start = journal.HEADER.pack(journal.MAGIC, 9, 1, 0, 1, 0)[:-4]
+    (tmp_path / "000001.hbj").write_bytes((start + _core.crc32c(start).to_bytes(4, "little")) * 2)
+    with pytest.raises(ValueError, match=r"000001\.hbj: version 9: this helibore reads version 1$"):
+        list(segments(tmp_path))
+
+
+def test_a_write_that_fails_half_way_leaves_nothing(tmp_path, monkeypatch):
+    with Journal(tmp_path) as j:
+        j.append(1, 1, b"before")
+        real = os.pwritev
+
+        def half(file, parts, offset):
+            return real(file, [b"".join(parts)[:30]], offset)
+
+        def refused(*_):
+            raise OSError(errno.ENOSPC, "No space left on device")
+
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "pwritev", half)
+            patch.setattr(os, "pwrite", refused)
+            with pytest.raises(JournalFullError, match="No space left on device: the record was not stored"):
+                j.append(1, 1, b"refused")
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "pwritev", half)
+            j.append(1, 1, b"in two writes")
+    assert stored(tmp_path) == [(1, 1, b"before"), (1, 1, b"in two writes")]
+
+
+@pytest.mark.skipif(os.geteuid() != 0, reason="mounting a small disk needs root")
+def test_a_full_disk_refuses_and_goes_on_when_there_is_room(tmp_path):
+    disk = tmp_path / "disk"
+    disk.mkdir()
+    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True).returncode:
+        pytest.skip("this system does not let tests mount a disk")
+    try:
+        (disk / "ballast").write_bytes(bytes(300_000))
+        acknowledged = []
+        with Journal(disk / "j") as j:
+
+            def fill():
+                for i in range(100_000):
+                    row = (1, 1, b"%d" % i * 500)
+                    j.append(*row)
+                    acknowledged.append(row)
+
+            with pytest.raises(JournalFullError, match="No space left on device: the record was not stored"):
+                fill()
+            assert stored(disk / "j") == acknowledged
+            (disk / "ballast").unlink()
+            j.append(1, 1, b"again")
+        assert stored(disk / "j") == [*acknowledged, (1, 1, b"again")]
+    finally:
+        subprocess.run(["umount", disk], check=True)
+
+
+WRITER = """
+import sys
+from helibore.live.journal import Journal
+with Journal(sys.argv[1], segment_bytes=20000) as j:
+    i = int(sys.argv[2])
+    while True:
+        j.append(1, 1, b"%d " % i * (i % 50 + 1))
+        print(i, flush=True)
+        i += 1
+"""
+
+
+def kill_loop(folder: Path, kills: int, seed: int) -> int:
+    """Kill the writer at ``kills`` random instants; returns the number of acknowledged records, all of them found."""
+    draw = random.Random(seed)
+    acknowledged = -1
+    for _ in range(kills):
+        last = [int(payload.split()[0]) for _, _, payload in stored(folder)] if journal.paths(folder) else []
+        assert last == list(range(len(last)))
+        assert len(last) > acknowledged
+        writer = subprocess.Popen([sys.executable, "-c", WRITER, folder, str(len(last))], stdout=subprocess.PIPE)
+        writer.stdout.readline()
+        time.sleep(draw.random() * 0.05)
+        writer.send_signal(signal.SIGKILL)
+        rest = writer.stdout.read().split(b"\n")
+        writer.stdout.close()
+        writer.wait()
+        acknowledged = max([acknowledged, *(int(line) for line in rest[:-1] if line)])
+    return acknowledged + 1
+
+
+def test_killed_at_random_instants_every_acknowledged_record_is_there(tmp_path):
+    acknowledged = kill_loop(tmp_path, 6, seed=3)
+    assert acknowledged > 6
+    assert len(stored(tmp_path)) >= acknowledged
+
+
+def test_sync_before_every_acknowledgement_when_asked(tmp_path, monkeypatch):
+    synced = []
+    real = os.fdatasync
+    monkeypatch.setattr(os, "fdatasync", lambda file: (synced.append(file), real(file))[1])
+    with Journal(tmp_path, sync_interval=0) as j:
+        before = len(synced)
+        j.append(1, 1, b"x")
+        assert len(synced) == before + 1
+        assert j.bytes_left > 0
