@@ -1,4 +1,5 @@
-"""Surfaces as files: GLB, OBJ and STL through trimesh; PLY here, because trimesh's holds neither quads nor float64.
+"""Surfaces as files: OBJ and STL through trimesh; GLB and PLY written here, for trimesh's GLB is slow and its PLY holds
+neither quads nor float64.
 
 Files have their own axes. From (north, east, down):
 
@@ -10,6 +11,7 @@ Both are rotations; swapping only the sign of down would mirror the hole. What a
 
 from __future__ import annotations
 
+import math
 import os
 import re
 from collections.abc import Callable
@@ -21,6 +23,7 @@ import numpy.typing as npt
 
 from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
+from helibore.glb_file import write_glb
 
 if TYPE_CHECKING:
     from helibore.surface import Surface
@@ -44,7 +47,7 @@ _STOPS = np.array(
     dtype=np.float64,
 )
 _MISSING = (160, 160, 160)
-_PLY_NAMES = ("corners", "vertex_indices", "red", "green", "blue")
+_PLY_CORNERS = ("corner_count", "vertex_indices")
 _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
 
@@ -68,6 +71,10 @@ def save_surface(
         raise ValueError(f"{path}: the ending must be one of {', '.join(writers)}")
     if len(surface.quads) == 0:
         raise ValueError(f"{path}: the surface has no quads to save")
+    if len(origin) != 3 or not all(map(math.isfinite, origin)):
+        raise ValueError(f"origin = {origin}: must be three finite numbers (north, east, down)")
+    if limits is not None and not (len(limits) == 2 and all(map(math.isfinite, limits)) and limits[0] < limits[1]):
+        raise ValueError(f"limits = {limits}: must be two finite numbers, the first below the second")
     positions = surface.vertices - np.array(origin, dtype=np.float64)
     write_whole(path, writer(surface, positions, color_by, limits))
 
@@ -102,44 +109,29 @@ def _extremes(values: Floats) -> tuple[float, float]:
     return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
 
 
-def _quad_colors(surface: Surface, color_by: str | None, limits: Limits) -> Colors:
+def _quad_values(surface: Surface, color_by: str | None) -> Floats:
+    """The values that colour the quads."""
     if color_by is None or (color_by == "radius" and "radius" not in surface.attributes):
-        return colors_of(surface.quad_radius(), limits)
+        return surface.quad_radius()
     if color_by not in surface.attributes:
         known = ", ".join(["radius", *surface.attributes])
         raise ValueError(f"color_by = {color_by!r}: must be one of {known}")
-    return colors_of(surface.attributes[color_by], limits)
+    return surface.attributes[color_by]
+
+
+def _at_vertices(surface: Surface, values: Floats) -> Floats:
+    """The mean, at each vertex, of the values of the quads around it; NaN where none has one."""
+    there = np.isfinite(values)
+    corners = surface.quads[there].reshape(-1)
+    total = np.bincount(corners, np.repeat(values[there], 4), len(surface.vertices))
+    count = np.bincount(corners, minlength=len(surface.vertices))
+    mean: Floats = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+    return mean
 
 
 def _glb(surface: Surface, positions: Floats, color_by: str | None, limits: Limits) -> Callable[[BinaryIO], object]:
-    """A binary glTF with one mesh under one node.
-
-    Quads do not share vertices: glTF has colours at vertices only, and a shared one would smear neighbouring quads into
-    each other. The node's translation, in JSON and thus float64, carries the middle of the wall, so that float32
-    vertices are good to half a millimetre as far as 8 km from it.
-    """
-    import trimesh
-
-    y_up = np.column_stack([positions[:, 1], -positions[:, 2], -positions[:, 0]])
-    middle = (y_up.min(axis=0) + y_up.max(axis=0)) / 2
-    corners = (y_up - middle).astype(np.float32)[surface.quads.reshape(-1)]
-    first = 4 * np.arange(len(surface.quads))[:, None]
-    mesh = trimesh.Trimesh(
-        vertices=corners,
-        faces=(first + np.array([0, 1, 2, 0, 2, 3])).reshape(-1, 3),
-        vertex_colors=np.repeat(_quad_colors(surface, color_by, limits), 4, axis=0),
-        process=False,
-    )
-    scene: Any = trimesh.Scene()
-    scene.add_geometry(mesh, node_name="wall", geom_name="wall", transform=_translation(middle))
-    content = scene.export(file_type="glb")
-    return lambda file: file.write(content)
-
-
-def _translation(offset: Floats) -> Floats:
-    transform = np.eye(4)
-    transform[:3, 3] = offset
-    return transform
+    colors = colors_of(_quad_values(surface, color_by), limits)
+    return lambda file: write_glb(file, positions, surface.quads, colors)
 
 
 def _z_up(positions: Floats) -> Floats:
@@ -147,49 +139,52 @@ def _z_up(positions: Floats) -> Floats:
 
 
 def _ply(surface: Surface, positions: Floats, color_by: str | None, limits: Limits) -> Callable[[BinaryIO], object]:
-    """A binary PLY: float64 vertices, and faces of four corners with colour and attributes."""
-    taken = ", ".join(_PLY_NAMES)
-    for name in surface.attributes:
-        if not re.fullmatch(r"[!-~]+", name) or name in _PLY_NAMES:
-            raise ValueError(f"attributes[{name!r}]: must be ASCII without blanks in a PLY file, and none of {taken}")
+    """A binary PLY: float64 vertices with colours, and faces of four corners with radius and attributes.
+
+    Colours sit at vertices, the mean of the quads around: several readers know no others, and trimesh fails at faces of
+    four corners that have colours of their own.
+    """
     values = {"radius": surface.quad_radius(), **surface.attributes}
-    faces = np.empty(
-        len(surface.quads),
-        dtype=[
-            ("corners", "u1"),
-            ("vertex_indices", "<i4", 4),
-            ("red", "u1"),
-            ("green", "u1"),
-            ("blue", "u1"),
-            *[(name, "<f8") for name in values],
-        ],
+    for name in values:
+        if not re.fullmatch(r"[!-~]+", name) or name in _PLY_CORNERS:
+            taken = ", ".join(_PLY_CORNERS)
+            raise ValueError(f"attributes[{name!r}]: must be ASCII without blanks in a PLY file, and none of {taken}")
+    colors = colors_of(_at_vertices(surface, _quad_values(surface, color_by)), limits)
+    east_north_up = zip("xyz", _z_up(positions).T, strict=True)
+    red_green_blue = zip(("red", "green", "blue"), colors.T[:3], strict=True)
+    vertices = _records(
+        [*((axis, "<f8", of) for axis, of in east_north_up), *((c, "u1", of) for c, of in red_green_blue)]
     )
-    faces["corners"] = 4
-    faces["vertex_indices"] = surface.quads
-    colors = _quad_colors(surface, color_by, limits)
-    for channel, name in enumerate(("red", "green", "blue")):
-        faces[name] = colors[:, channel]
-    for name, column in values.items():
-        faces[name] = column
+    corners = [(_PLY_CORNERS[0], "u1", np.uint8(4)), (_PLY_CORNERS[1], "4<i4", surface.quads)]
+    faces = _records([*corners, *((name, "<f8", of) for name, of in values.items())])
     header = [
         "ply",
         "format binary_little_endian 1.0",
         "comment helibore: x east, y north, z up, metres",
-        f"element vertex {len(positions)}",
+        f"element vertex {len(vertices)}",
         *[f"property double {axis}" for axis in "xyz"],
+        *[f"property uchar {channel}" for channel in ("red", "green", "blue")],
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
-        *[f"property uchar {channel}" for channel in ("red", "green", "blue")],
         *[f"property double {name}" for name in values],
         "end_header\n",
     ]
 
     def write(file: BinaryIO) -> None:
         file.write("\n".join(header).encode("ascii"))
-        file.write(_z_up(positions).astype("<f8").tobytes())
+        file.write(vertices.tobytes())
         file.write(faces.tobytes())
 
     return write
+
+
+def _records(columns: list[tuple[str, str, Any]]) -> npt.NDArray[np.void]:
+    """Columns (name, dtype, values) side by side, as PLY holds them."""
+    length = max(len(values) for _, _, values in columns if np.ndim(values))
+    records: npt.NDArray[np.void] = np.empty(length, dtype=[(name, dtype) for name, dtype, _ in columns])
+    for name, _, values in columns:
+        records[name] = values
+    return records
 
 
 def _obj(surface: Surface, positions: Floats, _color_by: str | None, _limits: Limits) -> Callable[[BinaryIO], object]:

@@ -175,8 +175,8 @@ class Surface:
         .glb    (east, up,       float32 on   triangles, a colour for every quad. Positions are local to a node whose
                 -north)          a local      translation is in full precision, so map coordinates keep their
                                  origin       millimetres
-        .ply    (east, north,    float64      quads, a colour for every quad, and ``radius`` and all attributes by name
-                up)
+        .ply    (east, north,    float64      quads, with ``radius`` and all attributes by name; colours at vertices,
+                up)                           the mean of the quads around
         .obj    (east, north,    text, 1e-8   triangles
                 up)
         .stl    (east, north,    float32      triangles; refused where float32 would move a vertex by over a millimetre
@@ -188,7 +188,7 @@ class Surface:
         filename
             Ends in .glb, .ply, .obj or .stl; replaced if it is there.
         color_by
-            The attribute that colours the quads of .glb and .ply; by default the radius. Missing values are grey.
+            The attribute that colours .glb and .ply; by default the radius. Missing values are grey.
         limits
             Values at the two ends of the colours; by default the least and the greatest.
         origin
