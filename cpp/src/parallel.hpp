@@ -46,7 +46,9 @@ void on_workers(int threads, const Run& run) {
 }
 
 // Part `which` of [0, n) cut into `parts` nearly equal ones.
-inline Range part(Index n, int parts, int which) { return {n * which / parts, n * (which + 1) / parts}; }
+inline Range part(Index n, int parts, int which) {
+    return {n * which / parts, n * (which + 1) / parts};
+}
 
 // Calls run(worker, i) for every i in [0, parts), each worker taking the next one when it is free.
 template <class Run>

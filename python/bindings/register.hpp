@@ -8,6 +8,7 @@ namespace helibore::bindings {
 void register_journal(pybind11::module_& m);
 void register_path(pybind11::module_& m);
 void register_surface(pybind11::module_& m);
+void register_wall(pybind11::module_& m);
 void register_wits(pybind11::module_& m);
 
 }  // namespace helibore::bindings

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from helibore._core import __version__
+from helibore.caliper import Caliper
 from helibore.surface import Surface, Volume
 from helibore.survey import Path, Survey
+from helibore.wall import Change, Settings, Wall, reconstruct
 
-__all__ = ["Path", "Surface", "Survey", "Volume", "__version__"]
+__all__ = ["Caliper", "Change", "Path", "Settings", "Surface", "Survey", "Volume", "Wall", "__version__", "reconstruct"]

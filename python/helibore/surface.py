@@ -31,9 +31,12 @@ if TYPE_CHECKING:
 class HelixSettings(Protocol):
     """What a wall must tell about its helix."""
 
-    sectors: int
-    pitch: float
-    start_toolface: float
+    @property
+    def sectors(self) -> int: ...
+    @property
+    def pitch(self) -> float: ...
+    @property
+    def start_toolface(self) -> float: ...
 
 
 class WallLike(Protocol):

@@ -1,0 +1,235 @@
+// Insertion of sorted batches into the chunked samples of a hole, and look-ups by depth and rank.
+#include "samples.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+namespace helibore {
+namespace {
+
+// A row of a chunk, to compare and to copy.
+struct Row {
+    double depth, time, toolface, radius;
+
+    static Row of(const Chunk& chunk, Index i, bool timed) {
+        return {chunk.depth()[i], timed ? chunk.time()[i] : 0.0, chunk.toolface()[i], chunk.radius()[i]};
+    }
+    friend auto operator<=>(const Row&, const Row&) = default;
+};
+
+// Reads chunks row after row.
+class Reader {
+  public:
+    Reader(const Chunks& chunks, bool timed) : chunks_(chunks), timed_(timed) {}
+    bool at_end() const { return chunk_ == chunks_.size(); }
+    Row row() const { return Row::of(*chunks_[chunk_], offset_, timed_); }
+    void next() {
+        if (++offset_ == chunks_[chunk_]->count) {
+            offset_ = 0;
+            ++chunk_;
+        }
+    }
+
+  private:
+    const Chunks& chunks_;
+    std::size_t chunk_ = 0;
+    Index offset_ = 0;
+    bool timed_;
+};
+
+// Writes rows into chunks, each filled before the next is made.
+class Writer {
+  public:
+    explicit Writer(bool timed) : timed_(timed) {}
+    void put(const Row& row) {
+        if (chunks.empty() || chunks.back()->free_room() == 0)
+            chunks.push_back(std::make_shared<Chunk>(Chunk::full, timed_));
+        Chunk& c = *chunks.back();
+        c.depth()[c.count] = row.depth;
+        c.toolface()[c.count] = row.toolface;
+        c.radius()[c.count] = row.radius;
+        if (timed_) c.time()[c.count] = row.time;
+        ++c.count;
+    }
+
+    Chunks chunks;
+
+  private:
+    bool timed_;
+};
+
+void copy_rows(const Chunk& from, Index first, Index n, Chunk& to, bool timed) {
+    const auto bytes = static_cast<std::size_t>(n) * sizeof(double);
+    std::memcpy(to.depth() + to.count, from.depth() + first, bytes);
+    std::memcpy(to.toolface() + to.count, from.toolface() + first, bytes);
+    std::memcpy(to.radius() + to.count, from.radius() + first, bytes);
+    if (timed) std::memcpy(to.time() + to.count, from.time() + first, bytes);
+    to.count += n;
+}
+
+// Merges chunks with the batch. Rows without a time keep their arrival order: old before new at equal
+// depth. Rows with one are compared whole, and equal rows are kept once.
+Chunks merge(const Chunks& old, SortedBatch& batch) {
+    Writer writer(batch.timed);
+    Reader a(old, batch.timed), b(batch.chunks, batch.timed);
+    while (!a.at_end() || !b.at_end()) {
+        if (b.at_end()) {
+            writer.put(a.row());
+            a.next();
+        } else if (a.at_end()) {
+            writer.put(b.row());
+            b.next();
+        } else {
+            const Row x = a.row(), y = b.row();
+            const bool old_first = batch.timed ? x <= y : x.depth <= y.depth;
+            if (batch.timed && x == y) {
+                ++batch.redundant;
+                --batch.count;
+                b.next();
+            } else if (old_first) {
+                writer.put(x);
+                a.next();
+            } else {
+                writer.put(y);
+                b.next();
+            }
+        }
+    }
+    return std::move(writer.chunks);
+}
+
+}  // namespace
+
+bool SortedBatch::any_within(double low, double high) const {
+    const auto chunk =
+        std::partition_point(chunks.begin(), chunks.end(), [&](const auto& c) { return c->last_depth() < low; });
+    if (chunk == chunks.end()) return false;
+    const double* depth = (*chunk)->depth();
+    return *std::lower_bound(depth, depth + (*chunk)->count, low) <= high;
+}
+
+Samples::Undo Samples::insert(SortedBatch& batch) {
+    if (batch.count == 0) return {.first = 0, .inserted = 0, .replaced = {}, .tail_count = 0, .count = count_};
+    if (count_ == 0) timed_ = batch.timed;
+    const Row front = Row::of(*batch.chunks.front(), 0, timed_);
+    const bool appends = count_ == 0 || (timed_ ? Row::of(*chunks_.back(), chunks_.back()->count - 1, true) < front
+                                                : last_depth() <= front.depth);
+    Undo undo = appends ? append(batch) : merge_in(batch);
+    undo.count = count_;
+    count_ += batch.count;
+    renumber(undo.first);
+    return undo;
+}
+
+Samples::Undo Samples::append(const SortedBatch& batch) {
+    Undo undo;
+    if (!chunks_.empty()) {
+        undo.first = chunks_.size() - 1;
+        undo.replaced = {chunks_.back()};
+        undo.tail_count = chunks_.back()->count;
+    }
+    const Index room = chunks_.empty() ? 0 : chunks_.back()->free_room();
+    const bool adopts = room == 0 && batch.count >= Chunk::full;
+    Chunks fresh = adopts ? batch.chunks : Chunks{};
+    for (Index left = batch.count - room; left > 0 && !adopts; left -= Chunk::full)
+        fresh.push_back(std::make_shared<Chunk>(Chunk::full, timed_));
+    reserve(fresh.size());
+    // Nothing below throws.
+    std::size_t to = undo.first;
+    chunks_.insert(chunks_.end(), fresh.begin(), fresh.end());
+    for (std::size_t from = 0; from < batch.chunks.size() && !adopts; ++from)
+        for (Index i = 0; i < batch.chunks[from]->count;) {
+            if (chunks_[to]->free_room() == 0) ++to;
+            const Index n = std::min(batch.chunks[from]->count - i, chunks_[to]->free_room());
+            copy_rows(*batch.chunks[from], i, n, *chunks_[to], timed_);
+            i += n;
+        }
+    undo.inserted = chunks_.size() - undo.first;
+    return undo;
+}
+
+Samples::Undo Samples::merge_in(SortedBatch& batch) {
+    const auto first = std::partition_point(chunks_.begin(), chunks_.end(),
+                                            [&](const auto& c) { return c->last_depth() < batch.first_depth(); });
+    const auto last = std::partition_point(first, chunks_.end(),
+                                           [&](const auto& c) { return c->first_depth() <= batch.last_depth(); });
+    Undo undo;
+    undo.first = static_cast<std::size_t>(first - chunks_.begin());
+    undo.replaced = Chunks(first, last);
+    undo.tail_count = undo.replaced.empty() ? 0 : undo.replaced.back()->count;
+    const Chunks merged = merge(undo.replaced, batch);
+    undo.inserted = merged.size();
+    reserve(merged.size());
+    // Nothing below throws: the reservation may have moved the chunks, so their places are counted anew.
+    const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
+    const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.replaced.size()));
+    chunks_.insert(rest, merged.begin(), merged.end());
+    return undo;
+}
+
+// Room for further chunks, growing in steps that keep appends cheap.
+void Samples::reserve(std::size_t further) {
+    const std::size_t needed = chunks_.size() + further;
+    if (needed > chunks_.capacity()) chunks_.reserve(std::max(needed, 2 * chunks_.capacity()));
+    if (needed > first_rank_.capacity()) first_rank_.reserve(chunks_.capacity());
+}
+
+void Samples::undo(Undo&& undo) noexcept {
+    if (undo.inserted == 0) return;
+    const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
+    if (!undo.replaced.empty()) undo.replaced.back()->count = undo.tail_count;
+    const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.inserted));
+    chunks_.insert(rest, undo.replaced.begin(), undo.replaced.end());  // fits: the capacity never shrank
+    count_ = undo.count;
+    renumber(undo.first);
+}
+
+void Samples::renumber(std::size_t from) {
+    first_rank_.resize(chunks_.size());
+    for (std::size_t i = from; i < chunks_.size(); ++i)
+        first_rank_[i] = i == 0 ? 0 : first_rank_[i - 1] + chunks_[i - 1]->count;
+}
+
+Samples::Place Samples::place(Index rank) const {
+    const auto after = std::upper_bound(first_rank_.begin(), first_rank_.end(), rank);
+    const auto chunk = static_cast<std::size_t>(after - first_rank_.begin()) - 1;
+    return {chunk, rank - first_rank_[chunk]};
+}
+
+Index Samples::count_to(double depth) const {
+    const auto chunk =
+        std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return c->last_depth() <= depth; });
+    if (chunk == chunks_.end()) return count_;
+    const double* first = (*chunk)->depth();
+    const auto within = std::upper_bound(first, first + (*chunk)->count, depth) - first;
+    return first_rank_[static_cast<std::size_t>(chunk - chunks_.begin())] + within;
+}
+
+double Samples::depth(Index rank) const {
+    const Place at = place(rank);
+    return chunks_[at.chunk]->depth()[at.offset];
+}
+
+Samples::Place Samples::step_to(double low, Place hint, Index stride) const {
+    const auto holds = [&](std::size_t i) {
+        return i < chunks_.size() && low <= chunks_[i]->last_depth() && (i == 0 || chunks_[i - 1]->last_depth() < low);
+    };
+    Place at = hint;
+    if (!holds(at.chunk)) {
+        const auto chunk =
+            std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return c->last_depth() < low; });
+        at = {static_cast<std::size_t>(chunk - chunks_.begin()), 0};
+        if (chunk == chunks_.end()) return at;
+        const double* first = (*chunk)->depth();
+        at.offset = std::lower_bound(first, first + (*chunk)->count, low) - first;
+        return at;
+    }
+    const double* depth = chunks_[at.chunk]->depth();
+    const Index count = chunks_[at.chunk]->count;
+    at.offset = std::min(at.offset, count - 1);
+    while (at.offset > 0 && depth[at.offset] >= low) at.offset = std::max<Index>(at.offset - stride, 0);
+    while (at.offset + stride < count && depth[at.offset + stride] < low) at.offset += stride;
+    return at;
+}
+
+}  // namespace helibore

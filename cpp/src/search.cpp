@@ -1,0 +1,235 @@
+// The search around the kernel: which samples a group may need, and whether it has seen enough.
+#include "search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "instruction_set.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr Index lanes = kernel::lanes;
+constexpr Index stride = 16;  // samples the depth bounds of a box are found to; a few too many do no harm
+
+}  // namespace
+
+// The depths and toolfaces a group covers.
+struct Search::Span {
+    double shallow, deep;       // depth
+    double center, half_width;  // toolface, degrees
+
+    Span(const kernel::Group& g, const Helix& helix)
+        : shallow(std::min(g.depth[0], g.depth[lanes - 1])), deep(std::max(g.depth[0], g.depth[lanes - 1])) {
+        half_width = 0.5 * static_cast<double>(lanes - 1) * 360.0 / static_cast<double>(helix.sectors);
+        center = wrap_toolface(g.toolface[0] + half_width);
+    }
+};
+
+Search::Scratch::Scratch() : columns(4 * (kernel::list_capacity + 1 + lanes)), keep(kernel::list_capacity + 1) {
+    const auto size = static_cast<std::size_t>(kernel::list_capacity + 1 + lanes);
+    list = {columns.data(),
+            columns.data() + size,
+            columns.data() + 2 * size,
+            columns.data() + 3 * size,
+            kernel::position_table(),
+            0};
+    list.depth[kernel::list_capacity] = kernel::none_depth;
+}
+
+// "None" up to the next multiple of eight.
+void Search::Scratch::pad() {
+    for (std::int64_t i = list.count; i % 8 != 0; ++i) {
+        list.depth[i] = kernel::none_depth;
+        list.toolface[i] = list.radius[i] = list.rank[i] = 0.0;
+    }
+    list.depth[kernel::list_capacity] = kernel::none_depth;
+    list.toolface[kernel::list_capacity] = list.radius[kernel::list_capacity] = 0.0;
+}
+
+Search::Search(const Settings& settings)
+    : settings_(settings), functions_(&kernel::functions_for(settings.instruction_set)) {
+    rules_.neighbors = settings.neighbors;
+    rules_.max_iterations = settings.max_iterations;
+    rules_.tolerance = settings.tolerance;
+    rules_.power = settings.power;
+    rules_.max_square = std::min(settings.max_distance * settings.max_distance, kernel::boundless_square);
+    rules_.scale = settings.angular_scale * std::numbers::pi / 180.0;
+    rules_.windowed = settings.window.has_value();
+    const Helix helix{0.0, settings.start_toolface, settings.pitch, settings.sectors};
+    toolface_.resize(static_cast<std::size_t>(settings.sectors));
+    for (Index k = 0; k < settings.sectors; ++k) toolface_[static_cast<std::size_t>(k)] = helix.toolface(k);
+}
+
+kernel::Group Search::start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const {
+    kernel::Group g{};
+    Index sector = group * lanes % helix.sectors;
+    for (Index i = 0; i < lanes; ++i) {
+        const Index k = group * lanes + i;
+        g.depth[i] = helix.depth(k);
+        g.toolface[i] = toolface_[static_cast<std::size_t>(sector)];
+        if (++sector == helix.sectors) sector = 0;
+        g.trial[i] = settings_.bit_diameter / 2.0;
+        g.active[i] = k < vertex_count ? 1.0 : 0.0;
+        if (rules_.windowed) {
+            const Index n = samples.size(), window = std::min(*settings_.window, n);
+            const Index first = std::clamp<Index>(samples.count_to(g.depth[i]) - *settings_.window / 2, 0, n - window);
+            g.window_first[i] = static_cast<double>(first);
+            g.window_last[i] = static_cast<double>(first + window);
+        }
+    }
+    return g;
+}
+
+void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+                 GroupResult& result) const {
+    kernel::Group g = start(samples, helix, group, vertex_count);
+    const Span span(g, helix);
+    if (rules_.windowed) {
+        constexpr kernel::Box everything{no_limit, no_limit, true};
+        do fetch_window(samples, g, scratch);
+        while (functions_->estimate(g, scratch.list, rules_, everything) != kernel::Verdict::done);
+    } else {
+        search_box(samples, span, g, scratch);
+    }
+    const Index used = std::min(lanes, vertex_count - group * lanes);
+    double reach = 0.0;
+    for (Index i = 0; i < used; ++i) {
+        result.radius[i] = g.radius[i];
+        result.nearest[i] = g.nearest[i];
+        result.support[i] = static_cast<std::uint16_t>(g.support[i]);
+        result.iterations[i] = static_cast<std::uint8_t>(g.iterations[i]);
+        reach = std::max(reach, g.reach_square[i]);
+    }
+    if (rules_.windowed)
+        window_reach(samples, g, used, result);
+    else {
+        // Rounded outwards; missing_square (too few samples, no limit) is out of any hole's reach.
+        reach = std::sqrt(reach) * (1.0 + 1e-6);
+        result.shallow = span.shallow - reach;
+        result.deep = span.deep + reach;
+    }
+}
+
+// A window changes when a sample falls into it, or, where the end of the samples has cut it short on one side, when
+// there are more on that side.
+void Search::window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const {
+    result.shallow = no_limit;
+    result.deep = -no_limit;
+    const Index n = samples.size();
+    for (Index i = 0; i < used; ++i) {
+        const Index centered = samples.count_to(g.depth[i]) - *settings_.window / 2;
+        const auto first = static_cast<Index>(g.window_first[i]), last = static_cast<Index>(g.window_last[i]);
+        const bool cut_above = centered<0, cut_below = centered + *settings_.window> n;
+        result.shallow = std::min(result.shallow, cut_above || n == 0 ? -no_limit : samples.depth(first));
+        result.deep = std::max(result.deep, cut_below || n == 0 ? no_limit : samples.depth(last - 1));
+    }
+}
+
+void Search::search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const {
+    if (scratch.half_height == 0.0) scratch.half_height = first_guess(samples);
+    double half_height = scratch.half_height;
+    for (;;) {
+        double least_trial = no_limit;
+        for (Index i = 0; i < lanes; ++i)
+            if (g.active[i] > 0.0) least_trial = std::min(least_trial, g.trial[i]);
+        const double width = half_height / (least_trial * rules_.scale);
+        const bool all_depths = samples.size() == 0 || (span.shallow - half_height <= samples.first_depth() &&
+                                                        span.deep + half_height >= samples.last_depth());
+        const bool all_toolfaces = span.half_width + width >= 180.0;
+        // No toolface difference in the box exceeds 180 degrees if it spans no more and does not cross 0/360.
+        const double reach = span.half_width + width + 1e-9;
+        const bool wraps = reach + span.half_width > 180.0 || span.center - reach < 0.0 || span.center + reach >= 360.0;
+        fetch_box(samples, span, half_height, reach, wraps, g, scratch);
+        const kernel::Box box{all_depths ? no_limit : half_height, all_toolfaces ? no_limit : width, wraps};
+        const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
+        if (verdict == kernel::Verdict::done) break;
+        if (verdict == kernel::Verdict::widen) half_height *= 1.5;
+    }
+    // The next group's first box: where samples are spread evenly, one vertex in a hundred needs twice the mean area.
+    const double mean = std::accumulate(g.reach_square, g.reach_square + lanes, 0.0) / lanes;
+    if (mean < kernel::missing_square) {
+        scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
+        scratch.half_height = std::sqrt(2.0 * scratch.mean_square);
+    }
+}
+
+// The distance within which a vertex would find its neighbours if the samples were spread evenly.
+double Search::first_guess(const Samples& samples) const {
+    const double n = static_cast<double>(std::max<Index>(samples.size(), 1));
+    const double length = samples.size() == 0 ? 0.0 : samples.last_depth() - samples.first_depth();
+    const double around = std::numbers::pi * settings_.bit_diameter * settings_.angular_scale;
+    const double area_a_sample = std::max(length, settings_.bit_diameter) * around / n;
+    const double guess = 1.2 * std::sqrt(settings_.neighbors * area_a_sample / std::numbers::pi);
+    return std::min(guess, 1.001 * settings_.max_distance);
+}
+
+void Search::fetch_box(const Samples& samples, const Span& span, double half_height, double half_width, bool wraps,
+                       kernel::Group& g, Scratch& scratch) const {
+    scratch.list.count = 0;
+    std::fill_n(g.discarded, lanes, kernel::boundless_square);
+    const double low = span.shallow - half_height, high = span.deep + half_height;
+    scratch.place = samples.step_to(low, scratch.place, stride);
+    Samples::Place place = scratch.place;
+    for (; place.chunk < samples.chunks().size(); ++place.chunk, place.offset = 0) {
+        const Chunk& chunk = *samples.chunks()[place.chunk];
+        Index stop = place.offset;
+        while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
+        stop = std::min(stop, chunk.count);
+        gather(chunk, place.offset, stop, {span.center, half_width, wraps, 0}, g, scratch);
+        if (stop < chunk.count) break;
+    }
+    scratch.pad();
+}
+
+void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scratch) const {
+    scratch.list.count = 0;
+    std::fill_n(g.discarded, lanes, kernel::boundless_square);
+    if (samples.size() == 0) return scratch.pad();
+    const auto rank = static_cast<Index>(*std::min_element(g.window_first, g.window_first + lanes));
+    const auto last = static_cast<Index>(*std::max_element(g.window_last, g.window_last + lanes));
+    for (Samples::Place place = samples.place(rank);; ++place.chunk, place.offset = 0) {
+        const Chunk& chunk = *samples.chunks()[place.chunk];
+        const Index stop = std::min(chunk.count, place.offset + last - samples.rank(place));
+        gather(chunk, place.offset, stop, {0.0, 360.0, true, samples.rank(place)}, g, scratch);
+        if (samples.rank(place) + stop - place.offset >= last) break;
+    }
+    scratch.pad();
+}
+
+// Rows [start, stop) of a chunk into the list; where it fills up, all but the nearest so far make room.
+void Search::gather(const Chunk& chunk, Index start, Index stop, Filter filter, kernel::Group& g,
+                    Scratch& scratch) const {
+    while (start < stop) {
+        const Index before = scratch.list.count;
+        const Index read =
+            functions_->gather(scratch.list, chunk.depth() + start, chunk.toolface() + start, chunk.radius() + start,
+                               stop - start, filter.center, filter.half_width, filter.wraps);
+        if (rules_.windowed)  // no toolface filter: the list holds the rows as they were read
+            for (Index i = before; i < scratch.list.count; ++i)
+                scratch.list.rank[i] = static_cast<double>(filter.rank + (i - before));
+        start += read;
+        filter.rank += read;
+        if (start < stop) shrink(g, scratch);
+    }
+}
+
+void Search::shrink(kernel::Group& g, Scratch& scratch) const {
+    scratch.pad();
+    std::fill(scratch.keep.begin(), scratch.keep.end(), static_cast<unsigned char>(0));
+    functions_->nominate(g, scratch.list, rules_, scratch.keep.data());
+    kernel::CandidateList& list = scratch.list;
+    std::int64_t kept = 0;
+    for (std::int64_t i = 0; i < list.count; ++i) {
+        if (!scratch.keep[static_cast<std::size_t>(i)]) continue;
+        list.depth[kept] = list.depth[i];
+        list.toolface[kept] = list.toolface[i];
+        list.radius[kept] = list.radius[i];
+        list.rank[kept++] = list.rank[i];
+    }
+    list.count = kept;
+}
+
+}  // namespace helibore

@@ -1,0 +1,79 @@
+// Finds the neighbours of groups of eight vertices and has the kernel estimate their radii.
+//
+// The samples lie in canonical order, so the box around a group (kernel.hpp) is a run of them filtered by toolface; the
+// half height of the box is carried over from the group before, and grows until the kernel says that nothing outside
+// can matter. How large the box was never shows in the result.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "helibore/settings.hpp"
+#include "helix.hpp"
+#include "kernel.hpp"
+#include "samples.hpp"
+
+namespace helibore {
+
+// What the search knows of a group when it is done.
+struct GroupResult {
+    double radius[kernel::lanes];
+    double nearest[kernel::lanes];
+    std::uint16_t support[kernel::lanes];
+    std::uint8_t iterations[kernel::lanes];
+    // A new sample shallower than `shallow` or deeper than `deep` changes nothing in this group.
+    double shallow, deep;
+};
+
+class Search {
+  public:
+    explicit Search(const Settings& settings);
+
+    // Memory of one worker: the candidate list, and where the last group was.
+    class Scratch {
+      public:
+        Scratch();
+
+      private:
+        friend class Search;
+        void pad();
+
+        std::vector<double> columns;
+        kernel::CandidateList list;
+        std::vector<unsigned char> keep;
+        Samples::Place place;
+        double half_height = 0.0;  // of the next group's first box; 0: not known yet
+        double mean_square = 0.0;  // of the reach of the groups before
+    };
+
+    // Vertices [8 group, 8 group + 8) of the helix, those from vertex_count on left out.
+    void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+             GroupResult& result) const;
+
+    const char* instruction_set() const { return functions_->name; }
+
+  private:
+    struct Span;     // the depths and toolfaces of a group
+    struct Filter {  // what of a run of samples goes into the list
+        double center, half_width;
+        bool wraps;
+        Index rank;  // of the first sample
+    };
+
+    kernel::Group start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const;
+    void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
+    void fetch_box(const Samples& samples, const Span& span, double half_height, double half_width, bool wraps,
+                   kernel::Group& g, Scratch& scratch) const;
+    void fetch_window(const Samples& samples, kernel::Group& g, Scratch& scratch) const;
+    void gather(const Chunk& chunk, Index start, Index stop, Filter filter, kernel::Group& g, Scratch& scratch) const;
+    void shrink(kernel::Group& g, Scratch& scratch) const;
+    void window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const;
+    double first_guess(const Samples& samples) const;
+
+    Settings settings_;
+    std::vector<double> toolface_;  // of the vertices of a turn
+    kernel::Rules rules_;
+    const kernel::Functions* functions_;
+};
+
+}  // namespace helibore

@@ -1,0 +1,339 @@
+// Validates a batch of samples and brings it into canonical order.
+//
+// Recorded data mostly come in order already: one pass finds that out and copies. Otherwise
+//
+//     rows -> buckets by depth, each row put where it belongs in the chunks -> each bucket sorted by itself
+//
+// Both steps are stable, so rows without a time stay in the order of their arrival, and both are shared out to threads
+// in a way that does not show in the result.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "helibore/error.hpp"
+#include "helix.hpp"
+#include "number_text.hpp"
+#include "parallel.hpp"
+#include "samples.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is refused, not guessed
+constexpr Index small_batch = 65536;    // not worth a second thread
+
+[[noreturn]] void refuse(const char* column, Index row, double value, const char* rule) {
+    throw InputError(std::string(column) + "[" + std::to_string(row) + "] = " + number_text(value) + ": " + rule);
+}
+
+// The first row that breaks the rule of a column, or none.
+template <class Good>
+void check(const char* name, std::span<const double> values, const char* rule, const Good& good) {
+    const auto bad = std::find_if_not(values.begin(), values.end(), good);
+    if (bad != values.end()) refuse(name, bad - values.begin(), *bad, rule);
+}
+
+bool finite(double x) {
+    return std::isfinite(x);
+}
+bool good_radius(double x) {
+    return x > 0.0 && x <= largest_radius;
+}
+
+void check_lengths(const SampleColumns& c) {
+    const auto same = [&](const char* name, std::size_t n) {
+        if (n != c.depth.size())
+            throw InputError(std::string(name) + " has " + std::to_string(n) + " values, depth has " +
+                             std::to_string(c.depth.size()) + ": must be equal");
+    };
+    same("toolface", c.toolface.size());
+    same("radius", c.radius.size());
+    if (!c.time.empty()) same("time", c.time.size());
+}
+
+void check_rows(const SampleColumns& c) {
+    check("depth", c.depth, "must be finite", finite);
+    check("toolface", c.toolface, "must be finite", finite);
+    check("radius", c.radius, "must be finite", finite);
+    check("radius", c.radius, "must be above 0 and at most 2 m", good_radius);
+    check("time", c.time, "must be finite", finite);
+}
+
+// What one pass over a part of the rows finds.
+struct Survey {
+    double least = no_limit, greatest = -no_limit;  // depth
+    bool valid = true, sorted = true;
+};
+
+bool in_order(const SampleColumns& c, std::size_t i) {  // row i against row i - 1
+    if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
+    const double a[3] = {c.time[i - 1], wrap_toolface(c.toolface[i - 1]), c.radius[i - 1]};
+    const double b[3] = {c.time[i], wrap_toolface(c.toolface[i]), c.radius[i]};
+    return std::lexicographical_compare(a, a + 3, b, b + 3);  // equal rows are not "in order": they go the long way
+}
+
+Survey survey(const SampleColumns& c, Range rows) {
+    Survey s;
+    bool valid = true, rises = true;
+    double least = no_limit, greatest = -no_limit, before = -no_limit;
+    const bool timed = !c.time.empty();
+    for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
+        const double depth = c.depth[i], radius = c.radius[i];
+        valid &= (std::abs(depth) < no_limit) & (std::abs(c.toolface[i]) < no_limit) & (radius > 0.0) &
+                 (radius <= largest_radius);
+        rises &= before <= depth;
+        before = depth;
+        least = depth < least ? depth : least;
+        greatest = depth > greatest ? depth : greatest;
+    }
+    if (timed)
+        for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i)
+            valid &= std::abs(c.time[i]) < no_limit;
+    s = {least, greatest, valid, rises};
+    if (s.valid && s.sorted && timed)
+        for (auto i = static_cast<std::size_t>(std::max<Index>(rows.start, 1)); i < static_cast<std::size_t>(rows.stop);
+             ++i)
+            if (!in_order(c, i)) {
+                s.sorted = false;
+                break;
+            }
+    if (s.valid && s.sorted && rows.start > 0) s.sorted = in_order(c, static_cast<std::size_t>(rows.start));
+    return s;
+}
+
+Survey survey_all(const SampleColumns& c, int threads) {
+    const auto n = static_cast<Index>(c.depth.size());
+    std::vector<Survey> parts(static_cast<std::size_t>(threads));
+    on_workers(threads, [&](int w) { parts[static_cast<std::size_t>(w)] = survey(c, part(n, threads, w)); });
+    return std::accumulate(parts.begin() + 1, parts.end(), parts[0], [](Survey a, const Survey& b) {
+        return Survey{std::min(a.least, b.least), std::max(a.greatest, b.greatest), a.valid && b.valid,
+                      a.sorted && b.sorted};
+    });
+}
+
+Chunks empty_chunks(Index count, bool timed) {
+    Chunks chunks;
+    chunks.reserve(static_cast<std::size_t>((count + Chunk::full - 1) / Chunk::full));
+    for (Index left = count; left > 0; left -= Chunk::full) {
+        const Index capacity = count < Chunk::full ? count : Chunk::full;  // a small batch is copied, not adopted
+        chunks.push_back(std::make_shared<Chunk>(capacity, timed));
+        chunks.back()->count = std::min(left, Chunk::full);
+    }
+    return chunks;
+}
+
+void copy_in_order(const SampleColumns& c, SortedBatch& batch, int threads) {
+    for_each_part(static_cast<Index>(batch.chunks.size()), threads, [&](int, Index i) {
+        Chunk& chunk = *batch.chunks[static_cast<std::size_t>(i)];
+        const auto first = static_cast<std::size_t>(i * Chunk::full);
+        const auto n = static_cast<std::size_t>(chunk.count);
+        std::memcpy(chunk.depth(), &c.depth[first], n * sizeof(double));
+        std::memcpy(chunk.radius(), &c.radius[first], n * sizeof(double));
+        for (std::size_t j = 0; j < n; ++j) chunk.toolface()[j] = wrap_toolface(c.toolface[first + j]);
+        if (batch.timed) std::memcpy(chunk.time(), &c.time[first], n * sizeof(double));
+    });
+}
+
+// Which bucket a depth belongs to: a non-decreasing function of it.
+struct Buckets {
+    double least, scale;
+    Index count;
+
+    Buckets(double low, double high, Index buckets) : least(low), scale(0.0), count(buckets) {
+        if (high > low) scale = static_cast<double>(buckets) / (high - low);
+        if (!(scale < 1e300)) scale = 0.0;
+    }
+    Index of(double depth) const { return std::min(static_cast<Index>((depth - least) * scale), count - 1); }
+};
+
+// Rows [start, stop) of the chunks, copied out, ordered and put back.
+class BucketSorter {
+  public:
+    void sort(SortedBatch& batch, Range rows) {
+        const auto n = static_cast<std::size_t>(rows.stop - rows.start);
+        if (n < 2) return;
+        for (auto* column : {&depth_, &toolface_, &radius_, &time_})
+            if (column->size() < n) column->resize(n);
+        load(batch, rows);
+        put_in_bins(n, batch.timed);
+        for (std::size_t i = 1; i < n; ++i) sift(i, batch.timed);
+        store(batch, rows);
+    }
+
+  private:
+    // Calls with each piece of a chunk the rows lie in: (chunk, offset in it, index in the rows, length).
+    template <class Call>
+    static void pieces(const SortedBatch& batch, Range rows, const Call& call) {
+        for (Index i = rows.start; i < rows.stop;) {
+            const Index offset = i % Chunk::full, n = std::min(rows.stop - i, Chunk::full - offset);
+            call(*batch.chunks[static_cast<std::size_t>(i / Chunk::full)], offset, i - rows.start, n);
+            i += n;
+        }
+    }
+
+    void load(const SortedBatch& batch, Range rows) {
+        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index n) {
+            std::copy_n(c.depth() + offset, n, depth_.begin() + at);
+            std::copy_n(c.toolface() + offset, n, toolface_.begin() + at);
+            std::copy_n(c.radius() + offset, n, radius_.begin() + at);
+            if (batch.timed) std::copy_n(c.time() + offset, n, time_.begin() + at);
+        });
+    }
+
+    void store(SortedBatch& batch, Range rows) const {
+        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index n) {
+            for (Index i = 0; i < n; ++i) {
+                const std::size_t from = order_[static_cast<std::size_t>(at + i)];
+                c.depth()[offset + i] = depth_[from];
+                c.toolface()[offset + i] = toolface_[from];
+                c.radius()[offset + i] = radius_[from];
+            }
+            if (batch.timed)
+                for (Index i = 0; i < n; ++i) c.time()[offset + i] = time_[order_[static_cast<std::size_t>(at + i)]];
+        });
+    }
+
+    // A stable counting sort into about one bin a row; bins that stay large are sorted by comparison at once.
+    void put_in_bins(std::size_t n, bool timed) {
+        const auto [low, high] = std::minmax_element(depth_.begin(), depth_.begin() + static_cast<std::ptrdiff_t>(n));
+        const Buckets bins(*low, *high, static_cast<Index>(n));
+        bin_.resize(std::max(bin_.size(), n));
+        order_.resize(std::max(order_.size(), n));
+        starts_.assign(n + 1, 0);
+        for (std::size_t i = 0; i < n; ++i) {
+            bin_[i] = static_cast<std::uint32_t>(bins.of(depth_[i]));
+            ++starts_[bin_[i] + 1];
+        }
+        std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+        for (std::size_t i = 0; i < n; ++i) order_[starts_[bin_[i]]++] = static_cast<std::uint32_t>(i);
+        // starts_[b] is now the end of bin b.
+        for (std::size_t b = 0, start = 0; b < n; start = starts_[b++])
+            if (starts_[b] - start > 32)
+                std::stable_sort(order_.begin() + static_cast<std::ptrdiff_t>(start), order_.begin() + starts_[b],
+                                 [&](std::uint32_t x, std::uint32_t y) { return before(x, y, timed); });
+    }
+
+    bool before(std::size_t x, std::size_t y, bool timed) const {
+        if (depth_[x] != depth_[y] || !timed) return depth_[x] < depth_[y];
+        if (time_[x] != time_[y]) return time_[x] < time_[y];
+        if (toolface_[x] != toolface_[y]) return toolface_[x] < toolface_[y];
+        return radius_[x] < radius_[y];
+    }
+
+    void sift(std::size_t i, bool timed) {
+        const std::uint32_t row = order_[i];
+        for (; i > 0 && before(row, order_[i - 1], timed); --i) order_[i] = order_[i - 1];
+        order_[i] = row;
+    }
+
+    std::vector<double> depth_, toolface_, radius_, time_;
+    std::vector<std::uint32_t> order_, bin_, starts_;
+};
+
+void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
+                int threads) {
+    const auto n = static_cast<Index>(c.depth.size());
+    const auto size = static_cast<std::size_t>(buckets.count);
+    std::vector<std::vector<Index>> next(static_cast<std::size_t>(threads), std::vector<Index>(size, 0));
+    on_workers(threads, [&](int w) {
+        auto& counts = next[static_cast<std::size_t>(w)];
+        const Range rows = part(n, threads, w);
+        for (Index i = rows.start; i < rows.stop; ++i)
+            ++counts[static_cast<std::size_t>(buckets.of(c.depth[static_cast<std::size_t>(i)]))];
+    });
+    Index total = 0;
+    ends.resize(size);
+    for (std::size_t b = 0; b < size; ++b) {
+        for (auto& counts : next) total += std::exchange(counts[b], total);
+        ends[b] = total;
+    }
+    on_workers(threads, [&](int w) {
+        auto& place = next[static_cast<std::size_t>(w)];
+        const Range rows = part(n, threads, w);
+        for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
+            const Index at = place[static_cast<std::size_t>(buckets.of(c.depth[i]))]++;
+            Chunk& chunk = *batch.chunks[static_cast<std::size_t>(at / Chunk::full)];
+            const Index offset = at % Chunk::full;
+            chunk.depth()[offset] = c.depth[i];
+            chunk.toolface()[offset] = wrap_toolface(c.toolface[i]);
+            chunk.radius()[offset] = c.radius[i];
+            if (batch.timed) chunk.time()[offset] = c.time[i];
+        }
+    });
+}
+
+// Timed rows equal in all four are kept once. Rare, so serial and simple.
+void drop_redundant(SortedBatch& batch) {
+    Chunks kept;
+    double last[4] = {};
+    for (const auto& from : batch.chunks)
+        for (Index i = 0; i < from->count; ++i) {
+            const double row[4] = {from->depth()[i], from->time()[i], from->toolface()[i], from->radius()[i]};
+            if (!kept.empty() && std::equal(row, row + 4, last)) {
+                ++batch.redundant;
+                continue;
+            }
+            if (kept.empty() || kept.back()->free_room() == 0)
+                kept.push_back(std::make_shared<Chunk>(Chunk::full, true));
+            Chunk& to = *kept.back();
+            to.depth()[to.count] = row[0];
+            to.time()[to.count] = row[1];
+            to.toolface()[to.count] = row[2];
+            to.radius()[to.count++] = row[3];
+            std::copy_n(row, 4, last);
+        }
+    batch.chunks = std::move(kept);
+    batch.count -= batch.redundant;
+}
+
+bool has_redundant(const SortedBatch& batch) {
+    const Chunk* chunk = nullptr;
+    Index last = 0;
+    for (const auto& next : batch.chunks)
+        for (Index i = 0; i < next->count; ++i) {
+            if (chunk && chunk->depth()[last] == next->depth()[i] && chunk->time()[last] == next->time()[i] &&
+                chunk->toolface()[last] == next->toolface()[i] && chunk->radius()[last] == next->radius()[i])
+                return true;
+            chunk = next.get();
+            last = i;
+        }
+    return false;
+}
+
+}  // namespace
+
+void SampleColumns::validate(int threads) const {
+    check_lengths(*this);
+    if (!survey_all(*this, static_cast<Index>(depth.size()) < small_batch ? 1 : threads).valid) check_rows(*this);
+}
+
+SortedBatch sort_batch(const SampleColumns& columns, int threads) {
+    check_lengths(columns);
+    SortedBatch batch;
+    batch.count = static_cast<Index>(columns.depth.size());
+    batch.timed = !columns.time.empty();
+    if (batch.count == 0) return batch;
+    if (batch.count < small_batch) threads = 1;
+
+    const Survey found = survey_all(columns, threads);
+    if (!found.valid) check_rows(columns);
+    batch.chunks = empty_chunks(batch.count, batch.timed);
+    if (found.sorted) {
+        copy_in_order(columns, batch, threads);
+        return batch;
+    }
+    const Buckets buckets(found.least, found.greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
+    std::vector<Index> ends;
+    distribute(columns, batch, buckets, ends, threads);
+    std::vector<BucketSorter> sorters(static_cast<std::size_t>(threads));
+    for_each_part(buckets.count, threads, [&](int w, Index b) {
+        const auto i = static_cast<std::size_t>(b);
+        sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]});
+    });
+    if (batch.timed && has_redundant(batch)) drop_redundant(batch);
+    return batch;
+}
+
+}  // namespace helibore

@@ -1,0 +1,77 @@
+// What a wall keeps of its vertices, in blocks so that a growing hole never copies what it has.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "search.hpp"
+
+namespace helibore {
+
+class Vertices {
+  public:
+    static constexpr Index block_size = 4096;
+    static constexpr Index groups_per_block = block_size / kernel::lanes;
+
+    struct Block {
+        std::array<double, block_size> radius;
+        std::array<double, block_size> nearest;
+        std::array<std::uint16_t, block_size> support;
+        std::array<std::uint8_t, block_size> iterations;
+        std::array<double, groups_per_block> shallow, deep;  // GroupResult's, for each group
+    };
+
+    // Makes room for vertices [0, count); those there keep their values.
+    void grow(Index count) {
+        const auto needed = static_cast<std::size_t>((count + block_size - 1) / block_size);
+        if (needed > blocks_.capacity()) blocks_.reserve(std::max(needed, 2 * blocks_.capacity()));
+        while (blocks_.size() < needed) blocks_.push_back(std::unique_ptr<Block>(new Block));  // not zeroed
+        hulls_.resize(needed);
+    }
+
+    Block& block(Index b) { return *blocks_[static_cast<std::size_t>(b)]; }
+    const Block& block(Index b) const { return *blocks_[static_cast<std::size_t>(b)]; }
+
+    void put(Index group, Index vertex_count, const GroupResult& result) {
+        Block& to = block(group / groups_per_block);
+        const Index g = group % groups_per_block, first = g * kernel::lanes;
+        const Index n = std::min<Index>(kernel::lanes, vertex_count - group * kernel::lanes);
+        std::copy_n(result.radius, n, to.radius.begin() + first);
+        std::copy_n(result.nearest, n, to.nearest.begin() + first);
+        std::copy_n(result.support, n, to.support.begin() + first);
+        std::copy_n(result.iterations, n, to.iterations.begin() + first);
+        to.shallow[static_cast<std::size_t>(g)] = result.shallow;
+        to.deep[static_cast<std::size_t>(g)] = result.deep;
+    }
+
+    // The depths between which a new sample can change a block.
+    struct Hull {
+        double shallow = no_limit, deep = -no_limit;
+    };
+    const Hull& hull(Index b) const { return hulls_[static_cast<std::size_t>(b)]; }
+    void measure_hull(Index b, Index group_count) {
+        const Block& of = block(b);
+        const auto n = static_cast<std::ptrdiff_t>(std::min(groups_per_block, group_count - b * groups_per_block));
+        hulls_[static_cast<std::size_t>(b)] = {*std::min_element(of.shallow.begin(), of.shallow.begin() + n),
+                                               *std::max_element(of.deep.begin(), of.deep.begin() + n)};
+    }
+
+    // Copies a member of the blocks for a range of vertices.
+    template <class T, std::size_t n, class Out>
+    void copy(std::array<T, n> Block::* member, Range range, Out* out) const {
+        for (Index k = range.start; k < range.stop;) {
+            const Index first = k % block_size, length = std::min(range.stop - k, block_size - first);
+            out = std::copy_n(((*blocks_[static_cast<std::size_t>(k / block_size)]).*member).begin() + first, length,
+                              out);
+            k += length;
+        }
+    }
+
+  private:
+    std::vector<std::unique_ptr<Block>> blocks_;
+    std::vector<Hull> hulls_;
+};
+
+}  // namespace helibore

@@ -1,0 +1,352 @@
+// The one stateful class: samples in, changed vertices out.
+//
+// An append is: sort the batch, insert it, find the groups of vertices it can change (GroupResult::shallow and deep say
+// what each depends on), search those anew beside the old values, compare, and only then write. Whatever throws does so
+// before the writing, and the insertion is undone.
+#include "helibore/wall.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "helibore/error.hpp"
+#include "instruction_set.hpp"
+#include "number_text.hpp"
+#include "parallel.hpp"
+#include "samples.hpp"
+#include "search.hpp"
+#include "vertices.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr Index lanes = kernel::lanes;
+constexpr Index groups_a_part = 64;  // of the work shared out to threads
+constexpr double most_vertices = 2147483648.0;
+
+Index groups_of(Index vertices) {
+    return (vertices + lanes - 1) / lanes;
+}
+
+template <class T>
+void require(bool good, const char* name, T value, const char* rule) {
+    if (good) return;
+    std::string text;
+    if constexpr (std::is_floating_point_v<T>)
+        text = number_text(value);
+    else
+        text = std::to_string(value);
+    throw InputError(std::string(name) + " = " + text + ": " + rule);
+}
+
+// Merges [start, stop) into sorted ranges that never touch.
+void add_range(std::vector<Range>& ranges, Range range) {
+    if (range.start == range.stop) return;
+    if (!ranges.empty() && ranges.back().stop == range.start)
+        ranges.back().stop = range.stop;
+    else
+        ranges.push_back(range);
+}
+
+}  // namespace
+
+void Settings::validate() const {
+    const auto positive = [](const char* name, double value) {
+        require(std::isfinite(value) && value > 0.0, name, value, "must be finite and above 0");
+    };
+    positive("bit_diameter", bit_diameter);
+    require(bit_diameter <= 4.0, "bit_diameter", bit_diameter, "must be at most 4 m");
+    require(sectors >= 3 && sectors <= 1000000, "sectors", sectors, "must lie in 3 to 1000000");
+    require(std::isfinite(pitch) && pitch != 0.0, "pitch", pitch, "must be finite and not 0");
+    if (start_depth) require(std::isfinite(*start_depth), "start_depth", *start_depth, "must be finite");
+    if (stop_depth) require(std::isfinite(*stop_depth), "stop_depth", *stop_depth, "must be finite");
+    require(std::isfinite(start_toolface), "start_toolface", start_toolface, "must be finite");
+    require(neighbors >= 1 && neighbors <= kernel::max_neighbors, "neighbors", neighbors, "must lie in 1 to 256");
+    if (window) require(*window >= 1, "window", *window, "must be at least 1");
+    positive("power", power);
+    require(max_distance > 0.0, "max_distance", max_distance, "must be above 0");
+    require(max_iterations >= 1 && max_iterations <= 255, "max_iterations", max_iterations, "must lie in 1 to 255");
+    require(tolerance >= 0.0, "tolerance", tolerance, "must be 0 or above");
+    positive("angular_scale", angular_scale);
+    require(threads >= 1 && threads <= 1024, "threads", threads, "must lie in 1 to 1024");
+}
+
+struct Wall::State {
+    explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
+        scratches.resize(static_cast<std::size_t>(s.threads));
+    }
+
+    Change append(const SampleColumns& columns);
+    Change update(const SortedBatch& batch);
+    Helix helix_now() const;
+    Index count_now(const Helix& next) const;
+    std::vector<Index> touched_groups(const SortedBatch& batch) const;
+    void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
+                       std::vector<GroupResult>& staged);
+    std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
+                               Index new_count) const;
+    Index settled_now() const;
+
+    template <class T, std::size_t n, class Out>
+    std::vector<Out> copy(std::array<T, n> Vertices::Block::* member) const {
+        const std::scoped_lock held(lock);
+        std::vector<Out> out(static_cast<std::size_t>(count));
+        vertices.copy(member, {0, count}, out.data());
+        return out;
+    }
+
+    mutable std::mutex lock;
+    Settings settings;
+    Search search;
+    Samples samples;
+    Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
+    Vertices vertices;
+    Index count = 0;
+    Index settled = 0;
+    std::vector<Search::Scratch> scratches;
+};
+
+Change Wall::State::append(const SampleColumns& columns) {
+    const std::scoped_lock held(lock);
+    const StandardArithmetic standard;
+    SortedBatch batch = sort_batch(columns, settings.threads);
+    if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
+        throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
+                                     : "time: missing, but the samples before carry one; give it for all or none");
+    Samples::Undo undo = samples.insert(batch);
+    try {
+        return update(batch);
+    } catch (...) {
+        samples.undo(std::move(undo));
+        throw;
+    }
+}
+
+// The helix starts at start_depth, or at the sample that comes first along it.
+Helix Wall::State::helix_now() const {
+    const bool down = settings.pitch > 0.0;
+    const double start = settings.start_depth.value_or(down ? samples.first_depth() : samples.last_depth());
+    return {start, settings.start_toolface, settings.pitch, settings.sectors};
+}
+
+Index Wall::State::count_now(const Helix& next) const {
+    const bool down = settings.pitch > 0.0;
+    const double stop = settings.stop_depth.value_or(down ? samples.last_depth() : samples.first_depth());
+    const double vertices_needed = next.count(stop);
+    if (!(vertices_needed <= most_vertices))
+        throw InputError("the wall from " + number_text(next.start_depth) + " m to " + number_text(stop) +
+                         " m would have " + number_text(vertices_needed) + " vertices: must be at most 2147483648");
+    return static_cast<Index>(vertices_needed);
+}
+
+// A wall has vertices from its first sample on.
+Change Wall::State::update(const SortedBatch& batch) {
+    if (samples.size() == 0) return {};
+    const Helix next = helix_now();
+    const Index new_count = count_now(next);
+    const bool moved = count > 0 && next.start_depth != helix.start_depth;
+    const Index kept = moved ? 0 : count;  // vertices that may keep their values
+
+    Vertices moved_vertices;
+    Vertices& into = moved ? moved_vertices : vertices;
+    into.grow(new_count);
+    std::vector<Index> old = moved ? std::vector<Index>{} : touched_groups(batch);
+    if (kept % lanes != 0 && new_count > kept && (old.empty() || old.back() != kept / lanes))
+        old.push_back(kept / lanes);  // the last group gains vertices
+    const Range fresh{groups_of(kept), groups_of(new_count)};
+    std::vector<GroupResult> staged(old.size());
+    search_groups(next, old, fresh, new_count, into, staged);
+
+    Change change;
+    change.accepted = batch.count;
+    change.redundant = batch.redundant;
+    change.ranges = compare(old, staged, new_count);
+    change.ranges.reserve(change.ranges.size() + 1);
+    add_range(change.ranges, {kept, std::max(kept, new_count)});
+
+    // Nothing below throws.
+    if (moved) std::swap(vertices, moved_vertices);
+    for (std::size_t i = 0; i < old.size(); ++i) vertices.put(old[i], new_count, staged[i]);
+    helix = next;
+    count = new_count;
+    Index measured = -1;
+    const auto measure = [&](Index b) {
+        if (b != std::exchange(measured, b)) vertices.measure_hull(b, groups_of(count));
+    };
+    for (const Index group : old) measure(group / Vertices::groups_per_block);
+    for (Index g = fresh.start; g < fresh.stop; g += Vertices::groups_per_block)
+        measure(g / Vertices::groups_per_block);
+    if (fresh.start < fresh.stop) measure((fresh.stop - 1) / Vertices::groups_per_block);
+    change.settled = settled = settled_now();
+    return change;
+}
+
+// The groups whose values some sample of the batch can change, in order.
+std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch) const {
+    std::vector<Index> touched;
+    if (batch.count == 0) return touched;
+    const Index groups = groups_of(count);
+    for (Index b = 0; b * Vertices::groups_per_block < groups; ++b) {
+        const Vertices::Hull& hull = vertices.hull(b);
+        if (hull.deep < batch.first_depth() || hull.shallow > batch.last_depth()) continue;
+        const Vertices::Block& block = vertices.block(b);
+        const Index n = std::min(Vertices::groups_per_block, groups - b * Vertices::groups_per_block);
+        for (Index g = 0; g < n; ++g) {
+            const auto i = static_cast<std::size_t>(g);
+            if (block.deep[i] < batch.first_depth() || block.shallow[i] > batch.last_depth()) continue;
+            if (batch.any_within(block.shallow[i], block.deep[i]))
+                touched.push_back(b * Vertices::groups_per_block + g);
+        }
+    }
+    return touched;
+}
+
+// Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
+void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
+                                Vertices& into, std::vector<GroupResult>& staged) {
+    const auto old_count = static_cast<Index>(old.size());
+    const Index total = old_count + fresh.stop - fresh.start;
+    const Index parts = (total + groups_a_part - 1) / groups_a_part;
+    for_each_part(parts, settings.threads, [&](int worker, Index part_index) {
+        Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
+        GroupResult result;
+        const Index stop = std::min(total, (part_index + 1) * groups_a_part);
+        for (Index i = part_index * groups_a_part; i < stop; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            if (i < old_count) {
+                search.run(samples, on, old[at], vertex_count, scratch, staged[at]);
+            } else {
+                const Index group = fresh.start + i - old_count;
+                search.run(samples, on, group, vertex_count, scratch, result);
+                into.put(group, vertex_count, result);
+            }
+        }
+    });
+}
+
+// The vertices of searched groups that differ in any bit from what is there, or are not there yet.
+std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
+                                        Index new_count) const {
+    std::vector<Range> ranges;
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+        const Vertices::Block& block = vertices.block(groups[i] / Vertices::groups_per_block);
+        for (Index lane = 0; lane < lanes && groups[i] * lanes + lane < new_count; ++lane) {
+            const Index k = groups[i] * lanes + lane;
+            const auto at = static_cast<std::size_t>(k % Vertices::block_size);
+            const GroupResult& now = staged[i];
+            const bool same =
+                k < count &&
+                std::bit_cast<std::uint64_t>(now.radius[lane]) == std::bit_cast<std::uint64_t>(block.radius[at]) &&
+                std::bit_cast<std::uint64_t>(now.nearest[lane]) == std::bit_cast<std::uint64_t>(block.nearest[at]) &&
+                now.support[lane] == block.support[at] && now.iterations[lane] == block.iterations[at];
+            if (!same && k < count) add_range(ranges, {k, k + 1});
+        }
+    }
+    return ranges;
+}
+
+// The first vertex whose group a sample at the far end of the hole, or beyond, could still change.
+Index Wall::State::settled_now() const {
+    if (samples.size() == 0) return 0;
+    const bool down = settings.pitch > 0.0;
+    const double end = down ? samples.last_depth() : samples.first_depth();
+    const auto open = [&](double shallow, double deep) { return down ? deep >= end : shallow <= end; };
+    const Index groups = groups_of(count);
+    for (Index b = 0; b * Vertices::groups_per_block < groups; ++b) {
+        if (!open(vertices.hull(b).shallow, vertices.hull(b).deep)) continue;
+        const Vertices::Block& block = vertices.block(b);
+        for (Index g = 0; g < std::min(Vertices::groups_per_block, groups - b * Vertices::groups_per_block); ++g)
+            if (open(block.shallow[static_cast<std::size_t>(g)], block.deep[static_cast<std::size_t>(g)]))
+                return (b * Vertices::groups_per_block + g) * lanes;
+    }
+    return count;
+}
+
+Wall::Wall(const Settings& settings) : state_(std::make_unique<State>(settings)) {}
+Wall::~Wall() = default;
+Wall::Wall(Wall&&) noexcept = default;
+Wall& Wall::operator=(Wall&&) noexcept = default;
+
+const Settings& Wall::settings() const {
+    return state_->settings;
+}
+Change Wall::append(const SampleColumns& samples) {
+    return state_->append(samples);
+}
+
+Index Wall::size() const {
+    const std::scoped_lock held(state_->lock);
+    return state_->count;
+}
+
+Index Wall::sample_count() const {
+    const std::scoped_lock held(state_->lock);
+    return state_->samples.size();
+}
+
+Index Wall::settled() const {
+    const std::scoped_lock held(state_->lock);
+    return state_->settled;
+}
+
+double Wall::start_depth() const {
+    const std::scoped_lock held(state_->lock);
+    return state_->helix.start_depth;
+}
+
+std::vector<double> Wall::depth() const {
+    const std::scoped_lock held(state_->lock);
+    std::vector<double> out(static_cast<std::size_t>(state_->count));
+    for (Index k = 0; k < state_->count; ++k) out[static_cast<std::size_t>(k)] = state_->helix.depth(k);
+    return out;
+}
+
+std::vector<double> Wall::toolface() const {
+    const std::scoped_lock held(state_->lock);
+    std::vector<double> out(static_cast<std::size_t>(state_->count));
+    for (Index k = 0; k < state_->count; ++k) out[static_cast<std::size_t>(k)] = state_->helix.toolface(k);
+    return out;
+}
+
+std::vector<double> Wall::radius() const {
+    return state_->copy<double, Vertices::block_size, double>(&Vertices::Block::radius);
+}
+std::vector<double> Wall::nearest() const {
+    return state_->copy<double, Vertices::block_size, double>(&Vertices::Block::nearest);
+}
+
+std::vector<std::int32_t> Wall::support() const {
+    return state_->copy<std::uint16_t, Vertices::block_size, std::int32_t>(&Vertices::Block::support);
+}
+
+std::vector<std::int32_t> Wall::iterations() const {
+    return state_->copy<std::uint8_t, Vertices::block_size, std::int32_t>(&Vertices::Block::iterations);
+}
+
+void Wall::copy_radius(Range range, std::span<double> out) const {
+    const std::scoped_lock held(state_->lock);
+    if (range.start < 0 || range.stop < range.start || range.stop > state_->count)
+        throw InputError("range = [" + std::to_string(range.start) + ", " + std::to_string(range.stop) +
+                         "): must lie within the wall's " + std::to_string(state_->count) + " vertices");
+    if (out.size() != static_cast<std::size_t>(range.stop - range.start))
+        throw InputError("out has " + std::to_string(out.size()) + " values, the range " +
+                         std::to_string(range.stop - range.start) + ": must be equal");
+    state_->vertices.copy(&Vertices::Block::radius, range, out.data());
+}
+
+std::vector<std::vector<double>> Wall::samples() const {
+    const std::scoped_lock held(state_->lock);
+    const bool timed = state_->samples.timed();
+    std::vector<std::vector<double>> columns(timed ? 4 : 3);
+    for (auto& column : columns) column.reserve(static_cast<std::size_t>(state_->samples.size()));
+    for (const auto& chunk : state_->samples.chunks()) {
+        const double* from[4] = {chunk->depth(), chunk->toolface(), chunk->radius(), timed ? chunk->time() : nullptr};
+        for (std::size_t i = 0; i < columns.size(); ++i)
+            columns[i].insert(columns[i].end(), from[i], from[i] + chunk->count);
+    }
+    return columns;
+}
+
+}  // namespace helibore

@@ -1,0 +1,123 @@
+// helibore._core.Wall and Change. Arrays come and go through arrays.hpp; the GIL is released before the wall's lock is
+// taken.
+#include "helibore/wall.hpp"
+
+#include <pybind11/stl.h>
+
+#include "arrays.hpp"
+#include "register.hpp"
+
+namespace helibore::bindings {
+namespace {
+
+InstructionSet instruction_set_named(const std::string& name) {
+    if (name == "automatic") return InstructionSet::automatic;
+    if (name == "plain") return InstructionSet::plain;
+    if (name == "avx2") return InstructionSet::avx2;
+    if (name == "avx512") return InstructionSet::avx512;
+    throw py::value_error("instruction_set = '" + name + "': must be automatic, plain, avx2 or avx512");
+}
+
+Settings settings_of(const py::kwargs& given) {
+    Settings s;
+    const auto take = [&](const char* name, auto& member) {
+        if (given.contains(name)) member = given[name].cast<std::remove_reference_t<decltype(member)>>();
+    };
+    take("bit_diameter", s.bit_diameter);
+    take("sectors", s.sectors);
+    take("pitch", s.pitch);
+    take("start_depth", s.start_depth);
+    take("stop_depth", s.stop_depth);
+    take("start_toolface", s.start_toolface);
+    take("neighbors", s.neighbors);
+    take("window", s.window);
+    take("power", s.power);
+    take("max_distance", s.max_distance);
+    take("max_iterations", s.max_iterations);
+    take("tolerance", s.tolerance);
+    take("angular_scale", s.angular_scale);
+    take("threads", s.threads);
+    if (given.contains("instruction_set"))
+        s.instruction_set = instruction_set_named(given["instruction_set"].cast<std::string>());
+    return s;
+}
+
+SampleColumns columns_of(const Column& depth, const Column& toolface, const Column& radius,
+                         const std::optional<Column>& time) {
+    SampleColumns columns{span_of(depth), span_of(toolface), span_of(radius)};
+    if (time) columns.time = span_of(*time);
+    return columns;
+}
+
+template <class T>
+auto reader(std::vector<T> (Wall::*read)() const) {
+    return [read](const Wall& wall) {
+        std::vector<T> values;
+        {
+            const py::gil_scoped_release released;
+            values = (wall.*read)();
+        }
+        return array_of(std::move(values));
+    };
+}
+
+py::array_t<Index> ranges_of(const Change& change) {
+    py::array_t<Index> out({static_cast<py::ssize_t>(change.ranges.size()), py::ssize_t{2}});
+    static_assert(sizeof(Range) == 2 * sizeof(Index));
+    if (!change.ranges.empty())
+        std::memcpy(out.mutable_data(), change.ranges.data(), change.ranges.size() * sizeof(Range));
+    return out;
+}
+
+}  // namespace
+
+void register_wall(py::module_& m) {
+    py::class_<Change>(m, "Change")
+        .def_property_readonly("ranges", &ranges_of)
+        .def_readonly("settled", &Change::settled)
+        .def_readonly("accepted", &Change::accepted)
+        .def_readonly("redundant", &Change::redundant);
+    py::class_<Wall>(m, "Wall")
+        .def(py::init([](const py::kwargs& settings) { return std::make_unique<Wall>(settings_of(settings)); }))
+        .def(
+            "append",
+            [](Wall& wall, const Column& depth, const Column& toolface, const Column& radius,
+               const std::optional<Column>& time) {
+                const SampleColumns columns = columns_of(depth, toolface, radius, time);
+                const py::gil_scoped_release released;
+                return wall.append(columns);
+            },
+            py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time") = py::none())
+        .def("__len__", &Wall::size)
+        .def_property_readonly("sample_count", &Wall::sample_count)
+        .def_property_readonly("settled", &Wall::settled)
+        .def_property_readonly("start_depth", &Wall::start_depth)
+        .def("depth", reader(&Wall::depth))
+        .def("toolface", reader(&Wall::toolface))
+        .def("radius", reader(&Wall::radius))
+        .def("nearest", reader(&Wall::nearest))
+        .def("support", reader(&Wall::support))
+        .def("iterations", reader(&Wall::iterations))
+        .def("samples", [](const Wall& wall) {
+            std::vector<std::vector<double>> columns;
+            {
+                const py::gil_scoped_release released;
+                columns = wall.samples();
+            }
+            py::list arrays;
+            for (auto& column : columns) arrays.append(array_of(std::move(column)));
+            return py::tuple(arrays);
+        });
+    m.def(
+        "check_samples",
+        [](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,
+           int threads) {
+            const SampleColumns columns = columns_of(depth, toolface, radius, time);
+            const py::gil_scoped_release released;
+            columns.validate(threads);
+        },
+        py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"), py::arg("threads"));
+    m.def("instruction_set_in_use", [] { return std::string(instruction_set_in_use()); });
+}
+
+}  // namespace helibore::bindings

@@ -1,0 +1,18 @@
+"""How many threads there are to use: the process's affinity mask, never the machine's count."""
+
+from __future__ import annotations
+
+import operator
+import os
+
+
+def available_threads() -> int:
+    """Return the number of processors this process may run on."""
+    if hasattr(os, "sched_getaffinity"):
+        return len(os.sched_getaffinity(0))
+    return os.cpu_count() or 1
+
+
+def thread_count(threads: int | None) -> int:
+    """Return ``threads`` as an int, all available ones for None."""
+    return available_threads() if threads is None else operator.index(threads)

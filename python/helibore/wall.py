@@ -1,0 +1,296 @@
+"""The wall: radius at every vertex of a uniform helix, batch or live.
+
+    wall = hb.reconstruct(caliper, bit_diameter=0.216)     # an empty Wall and one append
+    change = wall.append(depth, toolface, radius)          # more samples, anywhere in the hole
+
+Vertex k lies at toolface (start_toolface + k 360/K) mod 360 and depth start_depth + k pitch/K, K = sectors.
+"""
+
+from __future__ import annotations
+
+import math
+import operator
+from collections.abc import Sequence
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.arrays import Floats, Integers, column
+from helibore.caliper import Caliper
+from helibore.surface import Surface, Volume, surface_of, volume_of
+from helibore.survey import Path
+from helibore.threads import thread_count
+
+_INTEGERS = ("sectors", "neighbors", "max_iterations")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What a wall is built with; the method is Energies 2021, 14, 291.
+
+    Attributes
+    ----------
+    bit_diameter
+        Metres; the first trial radius is half of it.
+    sectors
+        K, vertices a turn; 3 or more.
+    pitch
+        Metres a turn along the hole; negative for a well logged upwards.
+    start_depth, stop_depth
+        Depths of the ends of the helix, metres; None: the first and the last sample along it.
+    start_toolface
+        Toolface of vertex 0, degrees.
+    neighbors
+        V, the nearest samples a vertex is estimated from; 1 to 256.
+    window
+        U: search only this many consecutive samples around the vertex's depth, as published; None: search all, exactly.
+    power
+        Weights are distance^-power.
+    max_distance
+        Metres; a sample farther away has no say; None: no limit.
+    max_iterations, tolerance
+        The estimate is repeated with the new radius until it moves by at most ``tolerance`` metres or this often.
+    angular_scale
+        1: distances along the wall are true arc lengths; 2: twice that, as the published Eq. 4 has it.
+    """
+
+    bit_diameter: float
+    sectors: int = 64
+    pitch: float = 0.1
+    start_depth: float | None = None
+    stop_depth: float | None = None
+    start_toolface: float = 0.0
+    neighbors: int = 8
+    window: int | None = None
+    power: float = 1.0
+    max_distance: float | None = 1.0
+    max_iterations: int = 4
+    tolerance: float = 1e-6
+    angular_scale: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is None and field.name in ("start_depth", "stop_depth", "window", "max_distance"):
+                continue
+            integer = field.name in _INTEGERS or field.name == "window"
+            try:
+                value = operator.index(value) if integer else float(value)
+            except (TypeError, ValueError):
+                kind = "an integer" if integer else "a number"
+                raise ValueError(f"{field.name} = {value!r}: must be {kind}") from None
+            object.__setattr__(self, field.name, value)
+
+    def _core_arguments(self) -> dict[str, Any]:
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        given["max_distance"] = math.inf if self.max_distance is None else self.max_distance
+        return given
+
+
+class Change:
+    """What an append changed.
+
+    Attributes
+    ----------
+    ranges
+        (m, 2) int64, sorted half-open (start, stop) ranges of vertices that are new or have other values than before.
+    settled
+        Vertices below this no longer change while the hole only gets deeper.
+    accepted
+        Samples taken.
+    redundant
+        Samples dropped because one equal in depth, time, toolface and radius was there.
+    """
+
+    __slots__ = ("accepted", "ranges", "redundant", "settled")
+
+    def __init__(self, ranges: Integers, settled: int, accepted: int, redundant: int) -> None:
+        self.ranges, self.settled, self.accepted, self.redundant = ranges, settled, accepted, redundant
+
+    def __len__(self) -> int:
+        """Return the number of vertices that are new or changed."""
+        return int((self.ranges[:, 1] - self.ranges[:, 0]).sum())
+
+    def __repr__(self) -> str:
+        return (
+            f"Change({len(self)} vertices in {len(self.ranges)} ranges, settled={self.settled}, "
+            f"accepted={self.accepted}, redundant={self.redundant})"
+        )
+
+
+class Wall:
+    """The wall of a hole, growing with its samples; empty at first.
+
+    Parameters
+    ----------
+    bit_diameter, **settings
+        As in `Settings`.
+    threads
+        None: all cores. The result does not depend on it.
+    instruction_set
+        'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
+
+    Raises
+    ------
+    ValueError
+        On a setting that breaks its rule: ``pitch = 0: must be finite and not 0``.
+
+    Notes
+    -----
+    A wall has vertices from its first sample on. It may be used from several threads: each call sees it before or after
+    another, never between. Every array it returns is an owned copy.
+    """
+
+    def __init__(
+        self, *, bit_diameter: float, threads: int | None = None, instruction_set: str = "automatic", **settings: Any
+    ) -> None:
+        self._settings = Settings(bit_diameter=bit_diameter, **settings)
+        self._core = _core.Wall(
+            **self._settings._core_arguments(), threads=thread_count(threads), instruction_set=instruction_set
+        )
+
+    @property
+    def settings(self) -> Settings:
+        """What the wall is built with."""
+        return self._settings
+
+    def append(
+        self,
+        depth: npt.ArrayLike,
+        toolface: npt.ArrayLike,
+        radius: npt.ArrayLike,
+        time: npt.ArrayLike | None = None,
+    ) -> Change:
+        """Take samples from anywhere in the hole and recompute the vertices they can change.
+
+        Parameters
+        ----------
+        depth, toolface, radius, time
+            As in `Caliper`. Either all samples of a wall carry a time or none does.
+
+        Returns
+        -------
+        Change
+            What is new or different.
+
+        Raises
+        ------
+        ValueError
+            As `Caliper`. The wall is then as it was, to the last bit.
+        """
+        depths = column("depth", depth)
+        change = self._core.append(
+            depths,
+            column("toolface", toolface, depths.size, "depth"),
+            column("radius", radius, depths.size, "depth"),
+            None if time is None else column("time", time, depths.size, "depth"),
+        )
+        return Change(change.ranges, change.settled, change.accepted, change.redundant)
+
+    def __len__(self) -> int:
+        """Return the number of vertices."""
+        return len(self._core)
+
+    @property
+    def sample_count(self) -> int:
+        """Samples kept."""
+        return self._core.sample_count
+
+    @property
+    def settled(self) -> int:
+        """Vertices below this no longer change while the hole only gets deeper."""
+        return self._core.settled
+
+    @property
+    def start_depth(self) -> float:
+        """Depth of vertex 0, metres; NaN while there is none."""
+        return self._core.start_depth
+
+    @property
+    def depth(self) -> Floats:
+        """(n,) float64 measured depth of each vertex, metres; a copy."""
+        return self._core.depth()
+
+    @property
+    def toolface(self) -> Floats:
+        """(n,) float64 toolface of each vertex, degrees in [0, 360); a copy."""
+        return self._core.toolface()
+
+    @property
+    def radius(self) -> Floats:
+        """(n,) float64 radius at each vertex, metres; NaN where no sample is in reach; a copy."""
+        return self._core.radius()
+
+    @property
+    def nearest(self) -> Floats:
+        """(n,) float64 distance from each vertex to the nearest sample used, metres; NaN where none is; a copy."""
+        return self._core.nearest()
+
+    @property
+    def support(self) -> npt.NDArray[np.int32]:
+        """(n,) int32 number of samples each vertex is estimated from; a copy."""
+        return self._core.support()
+
+    @property
+    def iterations(self) -> npt.NDArray[np.int32]:
+        """(n,) int32 number of estimates made for each vertex; a copy."""
+        return self._core.iterations()
+
+    @property
+    def samples(self) -> Caliper:
+        """The samples kept, in canonical order: depth, time or arrival, toolface, radius; a copy."""
+        return Caliper(*self._core.samples())
+
+    def surface(self, path: Path | None = None, start: float | None = None, stop: float | None = None) -> Surface:
+        """Place the wall along ``path`` and join neighbouring turns into quads: `surface_of` with this wall."""
+        return surface_of(self, path, start, stop)
+
+    def volume(
+        self,
+        path: Path | None = None,
+        shells: Sequence[float | npt.ArrayLike | Wall] = (0.05, 0.20),
+        start: float | None = None,
+        stop: float | None = None,
+    ) -> Volume:
+        """Thicken the wall outwards, shell by shell, into hexahedra: `volume_of` with this wall."""
+        return volume_of(self, path, shells, start, stop)
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Wall(empty)"
+        last = self.start_depth + (len(self) - 1) * self._settings.pitch / self._settings.sectors
+        return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
+
+
+def reconstruct(caliper: Caliper, *, bit_diameter: float, threads: int | None = None, **settings: Any) -> Wall:
+    """Rebuild the wall of a hole from its samples: an empty `Wall` and one append.
+
+    Parameters
+    ----------
+    caliper
+        The samples.
+    bit_diameter, threads, **settings
+        As in `Wall` and `Settings`.
+
+    Returns
+    -------
+    Wall
+        Which takes more samples by `Wall.append`.
+
+    Raises
+    ------
+    ValueError
+        On a setting that breaks its rule.
+
+    Examples
+    --------
+    >>> wall = reconstruct(Caliper([0.0, 0.1], [0.0, 180.0], [0.1, 0.1]), bit_diameter=0.2, sectors=4)
+    >>> wall.radius
+    array([0.1, 0.1, 0.1, 0.1, 0.1])
+    """
+    wall = Wall(bit_diameter=bit_diameter, threads=threads, **settings)
+    wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time)
+    return wall
