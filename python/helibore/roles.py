@@ -189,16 +189,18 @@ def _single_roles(one: LogSet, roles: dict[str, Role]) -> None:
     inclined = False
     for role, name, described in PATTERNS:
         for channel in one:
-            if len(channel.shape) != 1 or channel.shape[0] != one.rows or not _fits(channel, ROLES[role]):
-                continue
-            if channel.is_text and role != "time":
+            if len(channel.shape) != 1 or channel.shape[0] != one.rows or (channel.is_text and role != "time"):
                 continue
             how = _match(channel, name, described)
             if not how or roles[channel.name].role != "none":
                 continue
+            if not _fits(channel, ROLES[role]):
+                reason = f"{how}, like {role}, but {channel.unit!r} is no known unit of {ROLES[role]}"
+                roles[channel.name] = _none(channel, reason)
+                continue
             owner = next((each.channel for each in roles.values() if each.role == role), None)
             if owner is not None:
-                roles[channel.name] = _none(channel, f"{how}, like a {role}; {owner} is taken for it")
+                roles[channel.name] = _none(channel, f"{how}, like {role}; {owner} is taken for it")
             elif role == "azimuth" and not inclined:
                 reason = f"{how}, but there is no inclination: no survey (an angle around the hole is a toolface)"
                 roles[channel.name] = _none(channel, reason)

@@ -171,7 +171,8 @@ def samples(one: LogSet, roles: RoleMap | None = None, bit_diameter: float | Non
 def _needed(one: LogSet, roles: RoleMap, role: str) -> Role:
     found = roles.one(role)
     if found is None:
-        rule = f'no channel has the role {role}: name one in a map ([channels."..."] role = "{role}")'
+        near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]
+        rule = f'no channel has the role {role}: name one in a map ([channels."..."] role = "{role}"){"".join(near)}'
         raise complaint(one.path, rule)
     return found
 

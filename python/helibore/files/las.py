@@ -182,7 +182,7 @@ def _definition(source: Source, sections: list[Section], data: Section) -> Secti
     """The section that defines the columns of ``data``: the one it names after ``|``, else of the same stem."""
     named = data.title.partition("|")[2].strip().upper()
     stem = data.kind.replace("_DATA", "_DEFINITION")
-    wanted = [named] if named else [stem, "CURVE", "LOG_DEFINITION"]
+    wanted = [named] if named else [*([stem] if stem != data.kind else []), "CURVE", "LOG_DEFINITION"]
     for title in wanted:
         for section in sections:
             if section.kind == title or (title == "CURVE" and section.kind.startswith("C") and "_" not in section.kind):

@@ -88,7 +88,7 @@ def _wrapped(path: Path, kept: list[str], lines: list[str], first_line: int, nam
     count, odd = divmod(len(cells), len(names))
     if odd:
         rule = f"truncated: {len(cells)} wrapped values are not a multiple of {len(names)} columns"
-        raise complaint(path, rule, first_line + len(lines) - 1)
+        raise complaint(path, rule, _line_finder(lines, first_line)(len(kept) - 1))
     table = [cells[row * len(names) : (row + 1) * len(names)] for row in range(count)]
     line_of_cell = [
         number

@@ -75,10 +75,10 @@ def _axis(members: list[Channel]) -> SectorAxis | None:
     units = {member.axis.unit for member in members if member.axis is not None}
     if len(angles) < len(members) or len(units) != 1:
         return None
-    steps = np.diff(angles)
-    even = bool(np.all(np.abs(steps - steps[0]) <= 1e-6 * max(1.0, abs(float(steps[0])))))
-    step = (angles[-1] - angles[0]) / (len(angles) - 1) if even else np.nan
-    return SectorAxis(angles[0], step, units.pop())
+    step = (angles[-1] - angles[0]) / (len(angles) - 1)
+    # Files round their angles (2.8125 deg is written 2.81): half a percent of a sector is still even.
+    even = all(abs(angle - angles[0] - sector * step) <= 0.005 * abs(step) for sector, angle in enumerate(angles))
+    return SectorAxis(angles[0], step if even else np.nan, units.pop())
 
 
 def _stack(members: list[Channel]) -> Callable[[], Array]:
