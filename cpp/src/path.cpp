@@ -14,7 +14,7 @@
 
 #include "degrees.hpp"
 #include "helibore/error.hpp"
-#include "number.hpp"
+#include "number_text.hpp"
 #include "pieces.hpp"
 
 namespace helibore {
@@ -35,20 +35,20 @@ void require_equal_lengths(const char* name, std::size_t size, std::size_t depth
 
 void require_between(const char* name, std::span<const double> values, double low, double high) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!std::isfinite(values[i])) throw InputError(entry(name, Index(i), values[i]) + ": must be finite");
+        if (!std::isfinite(values[i])) throw InputError(entry_text(name, Index(i), values[i]) + ": must be finite");
         if (values[i] < low || values[i] > high) {
-            throw InputError(entry(name, Index(i), values[i]) + ": must lie in " + number(low) + " to " + number(high) +
-                             " degrees");
+            throw InputError(entry_text(name, Index(i), values[i]) + ": must lie in " + number_text(low) + " to " +
+                             number_text(high) + " degrees");
         }
     }
 }
 
 void require_growing(std::span<const double> depth) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        if (!std::isfinite(depth[i])) throw InputError(entry("depth", Index(i), depth[i]) + ": must be finite");
+        if (!std::isfinite(depth[i])) throw InputError(entry_text("depth", Index(i), depth[i]) + ": must be finite");
         if (i > 0 && depth[i] <= depth[i - 1]) {
-            throw InputError(entry("depth", Index(i), depth[i]) + ": must be greater than " +
-                             entry("depth", Index(i) - 1, depth[i - 1]));
+            throw InputError(entry_text("depth", Index(i), depth[i]) + ": must be greater than " +
+                             entry_text("depth", Index(i) - 1, depth[i - 1]));
         }
     }
 }
@@ -141,19 +141,19 @@ dvec3 append_curves(std::vector<CylinderCurve>& curves, const Station& above, co
 void require_arc(const Survey& survey, std::size_t below) {
     const dvec3 sum = station(survey, below).tangent + station(survey, below - 1).tangent;
     if (glm::length(sum) >= least_from_opposite) return;
-    throw InputError(entry("depth", Index(below), survey.depth()[below]) + ": the hole turns by 180 deg since " +
-                     entry("depth", Index(below) - 1, survey.depth()[below - 1]) +
+    throw InputError(entry_text("depth", Index(below), survey.depth()[below]) + ": the hole turns by 180 deg since " +
+                     entry_text("depth", Index(below) - 1, survey.depth()[below - 1]) +
                      ", which no one arc does: must be less than 180");
 }
 
 void require_sane(const PathSettings& settings) {
     for (std::size_t i = 0; i < 3; ++i) {
         if (!std::isfinite(settings.head[i])) {
-            throw InputError(entry("head", Index(i), settings.head[i]) + ": must be finite");
+            throw InputError(entry_text("head", Index(i), settings.head[i]) + ": must be finite");
         }
     }
     if (!(settings.extend >= 0.0 && std::isfinite(settings.extend))) {
-        throw InputError("extend = " + number(settings.extend) + ": must be finite and not negative");
+        throw InputError("extend = " + number_text(settings.extend) + ": must be finite and not negative");
     }
 }
 
@@ -187,7 +187,7 @@ Pieces pieces_of(const Survey& survey, const PathSettings& settings) {
 template <class Visit>
 void for_each_point(const Pieces& pieces, std::span<const double> depth, const Visit& visit) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        pieces.require_reach(depth[i], entry("depth", Index(i), depth[i]));
+        pieces.require_reach(depth[i], entry_text("depth", Index(i), depth[i]));
         const auto point = [&](const auto& piece) { return piece.at(depth[i] - piece.depth); };
         visit(i, pieces.curves.empty() ? point(piece_at(pieces.arcs, depth[i]))
                                        : point(piece_at(pieces.curves, depth[i])));
@@ -197,7 +197,7 @@ void for_each_point(const Pieces& pieces, std::span<const double> depth, const V
 template <Reference reference>
 Frame frame_at(const Pieces& pieces, const Point& p, Index i, double depth) {
     const Axes a = axes_of<reference>(p);
-    if (a.square < least_reference_angle * least_reference_angle) pieces.refuse_frame(entry("depth", i, depth));
+    if (a.square < least_reference_angle * least_reference_angle) pieces.refuse_frame(entry_text("depth", i, depth));
     const double scale = 1.0 / std::sqrt(a.square);
     return {{{a.zero_n * scale, a.zero_e * scale, a.zero_d * scale},
              {a.right_n * scale, a.right_e * scale, a.right_d * scale},
@@ -246,12 +246,13 @@ Reference reference_of(std::string_view name) {
 void Pieces::require_reach(double depth, const std::string& where) const {
     if (std::isnan(depth) || std::isinf(depth)) throw InputError(where + ": must be finite");
     if (depth < start_depth) {
-        throw InputError(where + ": must not lie above the first station of the survey, at " + number(start_depth) +
-                         " m");
+        throw InputError(where + ": must not lie above the first station of the survey, at " +
+                         number_text(start_depth) + " m");
     }
     if (depth > stop_depth) {
-        throw InputError(where + ": must not lie below the last station of the survey, at " + number(survey_depth) +
-                         " m, plus extend = " + number(stop_depth - survey_depth) + " m");
+        throw InputError(where + ": must not lie below the last station of the survey, at " +
+                         number_text(survey_depth) + " m, plus extend = " + number_text(stop_depth - survey_depth) +
+                         " m");
     }
 }
 
@@ -300,7 +301,7 @@ std::vector<double> Path::north_to_high_side(std::span<const double> depth) cons
     std::vector<double> degrees(depth.size());
     for_each_point(*pieces_, depth, [&](std::size_t i, const Point& p) {
         if (axes_of<Reference::high_side>(p).square < least_reference_angle * least_reference_angle) {
-            high_side.refuse_frame(entry("depth", Index(i), depth[i]));
+            high_side.refuse_frame(entry_text("depth", Index(i), depth[i]));
         }
         const double angle = std::atan2(-p.tan_e, p.tan_d * p.tan_n) / degree;
         const double positive = angle < 0.0 ? angle + 360.0 : angle + 0.0;  // + 0.0 turns -0 into 0

@@ -1,6 +1,6 @@
 // Placing vertices: P = C(depth) + R (cos(toolface) h + sin(toolface) right), for millions of them.
 //
-// Vertices go in chunks that lie on one piece of the path. A chunk is two plain loops without a library call or branch:
+// Vertices go in chunks that lie on one piece of the path. A chunk is plain loops without a library call or branch:
 // the piece's series give position and tangent, the tangent gives the frame, and K sines and cosines are all the
 // toolfaces there are. Each vertex's bits depend on its k alone, not on where chunks, runs or threads begin.
 #include <algorithm>
@@ -12,7 +12,7 @@
 #include "helibore/error.hpp"
 #include "helibore/surface.hpp"
 #include "helix.hpp"
-#include "number.hpp"
+#include "number_text.hpp"
 #include "parallel.hpp"
 #include "pieces.hpp"
 
@@ -52,8 +52,7 @@ int place_chunk(const Task& task, const Piece& piece, Index k, int count, Vector
     const double* radius = task.radius + (k - task.first);
     const double first = static_cast<double>(k), turn = static_cast<double>(sectors);
     const double start = task.helix.start_depth, pitch = task.helix.pitch;
-    double north[chunk_size], east[chunk_size], down[chunk_size];
-    int without = 0;
+    double north[chunk_size], east[chunk_size], down[chunk_size], square[chunk_size];
     for (int j = 0; j < count; ++j) {
         const double depth = start + (first + static_cast<double>(j)) * pitch / turn;  // Helix::depth, bit for bit
         const Point p = piece.at(depth - piece.depth);
@@ -62,9 +61,11 @@ int place_chunk(const Task& task, const Piece& piece, Index k, int count, Vector
         north[j] = p.north + (c * a.zero_n + s * a.right_n);
         east[j] = p.east + (c * a.zero_e + s * a.right_e);
         down[j] = p.down + (c * a.zero_d + s * a.right_d);
-        without += static_cast<int>(a.square < least_reference_angle * least_reference_angle);
+        square[j] = a.square;
     }
     for (int j = 0; j < count; ++j) out[j] = {north[j], east[j], down[j]};
+    int without = 0;  // counted apart: in the loop above it would keep compilers from vectorising that loop
+    for (int j = 0; j < count; ++j) without += square[j] < least_reference_angle * least_reference_angle ? 1 : 0;
     return without;
 }
 
@@ -116,7 +117,7 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
         for (const Index k : {run.k.start, run.k.stop - 1}) {
             const double depth = task.helix.depth(k);
             if (depth >= task.path.start_depth && depth <= task.path.stop_depth) continue;
-            task.path.require_reach(depth, "vertex " + std::to_string(k) + " at depth " + number(depth));
+            task.path.require_reach(depth, "vertex " + std::to_string(k) + " at depth " + number_text(depth));
         }
     }
 }
@@ -125,7 +126,7 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
 [[noreturn]] void refuse(const Task& task, const Path& path, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);
-        const std::string where = "vertex " + std::to_string(k) + " at depth " + number(depth);
+        const std::string where = "vertex " + std::to_string(k) + " at depth " + number_text(depth);
         const auto square = [&](const auto& piece) {
             const Point p = piece.at(depth - piece.depth);
             return task.path.reference == Reference::high_side ? axes_of<Reference::high_side>(p).square

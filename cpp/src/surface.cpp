@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "helibore/error.hpp"
-#include "number.hpp"
+#include "number_text.hpp"
 #include "parallel.hpp"
 
 namespace helibore {
@@ -18,11 +18,13 @@ constexpr Index least_share = 16384;  // cells a thread must have for its start 
 void require_helix(const HelixRadii& radii) {
     if (radii.sectors < 3) throw InputError("sectors = " + std::to_string(radii.sectors) + ": must be 3 or more");
     if (!std::isfinite(radii.pitch) || radii.pitch == 0.0) {
-        throw InputError("pitch = " + number(radii.pitch) + ": must be finite and not 0");
+        throw InputError("pitch = " + number_text(radii.pitch) + ": must be finite and not 0");
     }
+    if (radii.radius.empty()) return;  // an empty wall does not know where it starts
     for (const auto& [name, value] :
          {std::pair{"start_depth", radii.start_depth}, std::pair{"start_toolface", radii.start_toolface}}) {
-        if (!std::isfinite(value)) throw InputError(std::string(name) + " = " + number(value) + ": must be finite");
+        if (!std::isfinite(value))
+            throw InputError(std::string(name) + " = " + number_text(value) + ": must be finite");
     }
 }
 
@@ -53,7 +55,7 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
         i += static_cast<std::size_t>(length);
         for (const std::size_t stop = i + static_cast<std::size_t>(run_length(radius, i, false)); i < stop; ++i) {
             if (!std::isnan(radius[i])) {
-                throw InputError(entry(name, static_cast<Index>(i), radius[i]) +
+                throw InputError(entry_text(name, static_cast<Index>(i), radius[i]) +
                                  ": must be positive and finite, or nan");
             }
         }
@@ -96,9 +98,10 @@ void require_nested(std::span<const std::span<const double>> shells) {
         for (std::size_t i = 0; i < shells[s].size(); ++i) {
             if (!(shells[s][i] <= shells[s - 1][i])) continue;
             const auto index = static_cast<Index>(i);
-            const std::string below = s == 1 ? entry("radius", index, shells[0][i])
-                                             : entry("shells[" + std::to_string(s - 2) + "]", index, shells[s - 1][i]);
-            throw InputError(entry("shells[" + std::to_string(s - 1) + "]", index, shells[s][i]) +
+            const std::string below =
+                s == 1 ? entry_text("radius", index, shells[0][i])
+                       : entry_text("shells[" + std::to_string(s - 2) + "]", index, shells[s - 1][i]);
+            throw InputError(entry_text("shells[" + std::to_string(s - 1) + "]", index, shells[s][i]) +
                              ": must lie beyond " + below);
         }
     }
