@@ -1,0 +1,131 @@
+"""Placing vertices and emitting quads, beside copying the same bytes; saving a GLB, beside trimesh.
+
+    python -m bench.emission
+
+Each case checks the answer before it is timed, and times our work and its peer in turn in one run. The bar: emission at
+most 4 x the copy (np.copy of the vertices and of the quads, into fresh memory), all cores.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import statistics
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+import helibore as hb
+from helibore.surface import Surface, WallLike, surface_of
+
+SECTORS = 64
+
+
+def _wall(vertices: int, length: float) -> WallLike:
+    settings = SimpleNamespace(sectors=SECTORS, pitch=length * SECTORS / vertices, start_toolface=0.0)
+    radius = 0.108 + 0.02 * np.random.default_rng(1).random(vertices)
+    return SimpleNamespace(settings=settings, start_depth=0.0, radius=radius)
+
+
+def _path(method: str = "minimum-curvature") -> hb.Path:
+    """A curved survey of 101 stations, 30 m apart, up to 3 degrees of bend a station."""
+    random = np.random.default_rng(2)
+    inclination = np.clip(3 + np.cumsum(random.uniform(-1, 2, 101)), 1, 90)
+    azimuth = np.cumsum(random.uniform(-4, 4, 101)) % 360
+    return hb.Survey(np.arange(101) * 30.0, inclination, azimuth).path(method=method)  # type: ignore[arg-type]
+
+
+def _check(surface: Surface, wall: WallLike, path: hb.Path) -> None:
+    """Some vertices against the formula of the conventions, all quads against integer arithmetic."""
+    k = np.random.default_rng(3).integers(0, len(surface.vertices), 500)
+    depth = wall.start_depth + k * wall.settings.pitch / SECTORS
+    toolface = np.radians(k % SECTORS * 360 / SECTORS)
+    frame = path.frame(depth)
+    outward = np.cos(toolface)[:, None] * frame[:, 0] + np.sin(toolface)[:, None] * frame[:, 1]
+    expected = path.position(depth) + wall.radius[k, None] * outward
+    assert np.abs(surface.vertices[k] - expected).max() < 1e-11
+    first = np.arange(len(surface.vertices) - SECTORS - 1)[:, None]
+    assert (surface.quads == first + np.array([0, 1, 1 + SECTORS, SECTORS])).all()
+
+
+def _in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, float]:
+    """The median seconds of each, one after the other in every round, results dropped between."""
+    seconds: dict[str, list[float]] = {name: [] for name in works}
+    for _ in range(rounds):
+        for name, work in works.items():
+            start = time.perf_counter()
+            result = work()
+            seconds[name].append(time.perf_counter() - start)
+            del result
+    return {name: statistics.median(times) for name, times in seconds.items()}
+
+
+def emission(vertices: int, method: str = "minimum-curvature", rounds: int = 11) -> dict[str, Any]:
+    """Vertices and quads of a wall on a curved survey, on all cores and on one, beside their copy."""
+    wall, path = _wall(vertices, 2990.0), _path(method)
+    surface = surface_of(wall, path)
+    _check(surface, wall, path)
+    works = {
+        "ours": lambda: surface_of(wall, path),
+        "ours_one_thread": lambda: surface_of(wall, path, threads=1),
+        "copy": lambda: (np.copy(surface.vertices), np.copy(surface.quads)),
+    }
+    seconds = _in_turn(works, rounds)
+    return {
+        "case": f"emission, {vertices} vertices, {method}",
+        "seconds": seconds,
+        "ratio": seconds["ours"] / seconds["copy"],
+        "ratio_at_most": 4.0,
+    }
+
+
+def glb(vertices: int = 256_000 + SECTORS + 1, rounds: int = 5) -> dict[str, Any]:
+    """A surface to a GLB on disk, beside trimesh's export of the very mesh in that file, flushed likewise."""
+    import trimesh
+
+    surface = surface_of(_wall(vertices, 2990.0), _path())
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder) / "well.glb"
+        surface.save(file)
+        mesh = next(iter(trimesh.load_scene(file).geometry.values()))
+        assert len(mesh.faces) == 2 * len(surface.quads)
+        finished = {
+            "vertices": np.array(mesh.vertices),
+            "faces": np.array(mesh.faces),
+            "vertex_colors": np.array(mesh.visual.vertex_colors),
+        }
+
+        def peer() -> None:
+            scene: Any = trimesh.Scene([trimesh.Trimesh(**finished, process=False)])
+            with (Path(folder) / "peer.glb").open("wb") as out:
+                out.write(scene.export(file_type="glb"))
+                os.fsync(out.fileno())
+
+        seconds = _in_turn({"ours": lambda: surface.save(file), "trimesh": peer}, rounds)
+    return {
+        "case": f"GLB, {len(surface.quads)} quads",
+        "seconds": seconds,
+        "ratio": seconds["ours"] / seconds["trimesh"],
+        "ratio_at_most": 1.0,
+    }
+
+
+def cases() -> list[Callable[[], dict[str, Any]]]:
+    """The cases of this file, each of which returns its row."""
+    return [
+        lambda: emission(256_000),
+        lambda: emission(2_500_000),
+        lambda: emission(256_000, "radius-of-curvature"),
+        lambda: emission(2_500_000, "radius-of-curvature"),
+        glb,
+    ]
+
+
+if __name__ == "__main__":
+    for case in cases():
+        print(json.dumps(case()))
