@@ -2,27 +2,10 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
-
 from helibore._core import __version__
 from helibore.caliper import Caliper
 from helibore.surface import Surface, Volume
 from helibore.survey import Path, Survey
 from helibore.wall import Change, Settings, Wall, reconstruct
 
-if TYPE_CHECKING:
-    from helibore.files import open as open  # noqa: A004
-
 __all__ = ["Caliper", "Change", "Path", "Settings", "Surface", "Survey", "Volume", "Wall", "__version__", "reconstruct"]
-
-
-def __getattr__(name: str) -> Any:
-    """Load ``open`` when it is first asked for: the readers are no part of ``import helibore``.
-
-    It stays out of ``__all__``: a star import must not shadow the builtin.
-    """
-    if name == "open":
-        from helibore.files import open  # noqa: A004
-
-        return open
-    raise AttributeError(f"module 'helibore' has no attribute {name!r}")

@@ -131,7 +131,7 @@ def _at_vertices(surface: Surface, values: Floats) -> Floats:
 
 def _glb(surface: Surface, positions: Floats, color_by: str | None, limits: Limits) -> Callable[[BinaryIO], object]:
     colors = colors_of(_quad_values(surface, color_by), limits)
-    return lambda file: write_glb(file, positions, surface.quads, colors)
+    return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes)
 
 
 def _z_up(positions: Floats) -> Floats:

@@ -23,6 +23,7 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.arrays import Floats, Integers, column
 from helibore.survey import Path
+from helibore.threads import thread_count
 
 if TYPE_CHECKING:
     import trimesh
@@ -175,9 +176,9 @@ class Surface:
         ======  ===============  ===========  ==========================================================================
         ending  axes             numbers      holds
         ======  ===============  ===========  ==========================================================================
-        .glb    (east, up,       float32 on   triangles, a colour for every quad. Positions are local to a node whose
-                -north)          a local      translation is in full precision, so map coordinates keep their
-                                 origin       millimetres
+        .glb    (east, up,       float32 on   triangles, a colour for every quad, attributes (``_GR`` for GR; -999.25
+                -north)          a local      for missing values). Positions are local to a node whose translation is
+                                 origin       in full precision, so map coordinates keep their millimetres
         .ply    (east, north,    float64      quads, with ``radius`` and all attributes by name; colours at vertices,
                 up)                           the mean of the quads around
         .obj    (east, north,    text, 1e-8   triangles
@@ -307,7 +308,7 @@ def surface_of(
     first, last = _vertices_between(wall, radius.size, start, stop)
     stretch = column("radius", radius[first : last + wall.settings.sectors + 1])
     vertices, quads, vertex_ranges, quad_ranges = _core.surface(
-        _helix(wall), first, stretch, _core.Path() if path is None else path._core, _threads(threads)
+        _helix(wall), first, stretch, _core.Path() if path is None else path._core, thread_count(threads)
     )
     return Surface(vertices, quads, vertex_ranges, quad_ranges, radius, wall.settings.sectors)
 
@@ -346,7 +347,7 @@ def volume_of(
         first,
         [column("radius", values[stretch]) for values in (radius, *outer)],
         _core.Path() if path is None else path._core,
-        _threads(threads),
+        thread_count(threads),
     )
     return Volume(vertices, hexes, shell_ranges, layer_ranges, max(radius.size - wall.settings.sectors - 1, 0))
 
@@ -354,10 +355,6 @@ def volume_of(
 def _helix(wall: WallLike) -> tuple[float, float, float, int]:
     settings = wall.settings
     return (float(wall.start_depth), float(settings.start_toolface), float(settings.pitch), int(settings.sectors))
-
-
-def _threads(threads: int | None) -> int:
-    return len(os.sched_getaffinity(0)) if threads is None else int(threads)
 
 
 def _vertices_between(wall: WallLike, count: int, start: float | None, stop: float | None) -> tuple[int, int]:

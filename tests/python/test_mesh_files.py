@@ -100,8 +100,8 @@ def test_glb_keeps_its_promises_to_readers(tmp_path):
     assert scene["buffers"][0]["byteLength"] == len(binary)
     views = scene["bufferViews"]
     ends = np.cumsum([view["byteLength"] for view in views])
-    assert [view["byteOffset"] for view in views] == [0, *ends[:2]]
-    assert ends[2] == len(binary)
+    assert [view["byteOffset"] for view in views] == [0, *ends[:-1]]
+    assert ends[-1] == len(binary)
     corners = np.frombuffer(binary, "<u4", offset=views[2]["byteOffset"])
     assert corners[:6].tolist() == [0, 1, 2, 0, 2, 3]
     assert corners.max() == 4 * len(well.quads) - 1
@@ -126,6 +126,19 @@ def test_each_quad_has_a_colour_of_its_own_by_radius_or_attribute(tmp_path):
         assert brightness[there].max() > 150 > 30 > brightness[there].min()
         if color_by:
             assert len(set(colors[7, 0, :3].tolist())) == 1  # grey
+
+
+def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path):
+    well = surface(gap=[77])
+    well.attributes["GR"] = np.where(np.arange(len(well.quads)) == 7, np.nan, np.arange(len(well.quads)))
+    well.save(tmp_path / "well.glb", color_by="GR")
+    mesh = trimesh.load_scene(tmp_path / "well.glb").to_mesh()
+    expected = np.where(np.arange(len(well.quads)) == 7, -999.25, np.arange(len(well.quads)))
+    assert (mesh.vertex_attributes["_GR"].reshape(-1, 4) == expected[:, None]).all()
+    assert read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"] == {"missing": -999.25}
+    colors = mesh.visual.vertex_colors.reshape(-1, 4, 4)
+    assert (colors == colors[:, :1]).all()
+    assert len(np.unique(colors[:, 0], axis=0)) > 100
 
 
 def test_colors_span_the_values_or_the_limits():

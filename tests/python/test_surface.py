@@ -181,6 +181,22 @@ def test_walls_too_short_for_a_quad_and_empty_ones():
     assert empty.quad_index.shape == (0,)
 
 
+def test_surfaces_and_volumes_of_a_real_wall():
+    random = np.random.default_rng(5)
+    depth = np.sort(random.uniform(1000, 1020, 8_000))
+    caliper = hb.Caliper(depth, random.uniform(0, 360, 8_000), random.uniform(0.1, 0.12, 8_000))
+    wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=16, start_toolface=30.0)
+    surface = wall.surface(curved())
+    assert (
+        np.abs(surface.vertices - places(wall_of(wall.radius, 16, 0.1, wall.start_depth, 30.0), curved())).max() < 1e-12
+    )
+    assert len(surface.quads) == len(wall) - 17
+    assert len(wall.volume(curved(), shells=[0.1], start=1005, stop=1006).hexes) == 160
+    assert wall.surface(start=1005, stop=1006).quad_index[0] == math.ceil((1005 - wall.start_depth) * 160)
+    assert len(hb.Wall(bit_diameter=0.216).surface().vertices) == 0
+    assert len(hb.Wall(bit_diameter=0.216).volume().hexes) == 0
+
+
 def test_triangles_cut_each_quad_and_face_outwards():
     surface = surface_of(wall_of(rugged(100)), curved())
     assert surface.triangles()[:2].tolist() == [[0, 1, 17], [0, 17, 16]]
