@@ -2,7 +2,7 @@
 
 The wall has the shapes real holes have::
 
-    r = bit/2 + overgauge + ovality cos 2(toolface - t0) + rugosity + washouts + breakouts
+    r = bit/2 + overgauge + ovality cos 2(toolface - t0) + washouts + breakouts + roughness
 
 around a centre that itself runs on a helix (a spiral hole); seen from the axis, at psi from that centre's direction,
 ``R = e cos psi + sqrt(r^2 - e^2 sin^2 psi)``. It is the truth that
@@ -25,11 +25,12 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True)
 class Washout:
-    """A stretch [start, stop) (m) enlarged by up to ``enlargement`` (m of radius) all around."""
+    """A stretch [start, stop) (m) enlarged by up to ``enlargement`` (m of radius), its wall ``roughness`` times rougher."""
 
     start: float
     stop: float
     enlargement: float
+    roughness: float = 4.0
 
 
 @dataclass(frozen=True)
@@ -132,7 +133,7 @@ class Hole:
     ) -> Hole:
         """Return a hole with everything in it: oval, spiral, rough, washed out, broken out, in dipping beds.
 
-        The number of zones grows with the interval: about a washout each 25 m, a breakout each 15 m, a bed each 3 m.
+        The number of zones grows with the interval: about a washout each 20 m, a breakout each 12 m, a bed each 1.6 m.
         """
         rng = np.random.default_rng([seed, 1])
         length = stop - start
@@ -147,13 +148,13 @@ class Hole:
             spiral_length=1.1,
             rugosity=0.0006 * size,
             washouts=tuple(
-                Washout(at, at + rng.uniform(2.0, 4.5), size * rng.uniform(0.012, 0.025))
-                for at in _spread(rng, start, length, 25.0)
+                Washout(at, at + rng.uniform(2.0, 4.0), size * rng.uniform(0.012, 0.025))
+                for at in _spread(rng, start, length, 20.0)
             ),
             breakouts=tuple(
-                Breakout(at, at + rng.uniform(4.0, 8.0), 92.0 + rng.normal(0, 4.0), rng.uniform(45, 70),
+                Breakout(at, at + rng.uniform(3.0, 7.0), 92.0 + rng.normal(0, 4.0), rng.uniform(45, 70),
                          size * rng.uniform(0.012, 0.022))
-                for at in _spread(rng, start, length, 15.0)
+                for at in _spread(rng, start, length, 12.0)
             ),
             beds=_example_beds(rng, start, length),
             seed=seed,
@@ -203,12 +204,16 @@ class Hole:
         radius = np.full(depth.size, 0.5 * self.bit_diameter + self.overgauge)
         if self.ovality:
             radius += self.ovality * np.cos(2.0 * (phi - np.radians(self.ovality_toolface)))
+        rough = np.zeros(depth.size)
         for around, along, phase, amplitude in self._modes:
-            radius += amplitude * np.cos(around * phi + along * depth + phase)
+            rough += amplitude * np.cos(around * phi + along * depth + phase)
         low, high = (depth.min(), depth.max()) if depth.size else (0.0, 0.0)
         for washout in self.washouts:
             if washout.start < high and low < washout.stop:
-                radius += washout.enlargement * _taper(depth, washout.start, washout.stop)
+                share = _taper(depth, washout.start, washout.stop)
+                radius += washout.enlargement * share
+                rough *= 1.0 + (washout.roughness - 1.0) * share
+        radius += rough
         for breakout in self.breakouts:
             if breakout.start < high and low < breakout.stop:
                 radius += _taper(depth, breakout.start, breakout.stop) * _lobes(toolface, breakout)
@@ -260,10 +265,11 @@ def _spread(rng: np.random.Generator, start: float, length: float, spacing: floa
 
 
 def _example_beds(rng: np.random.Generator, start: float, length: float) -> tuple[Bed, ...]:
-    """Sand and shale in turn, dipping steeply to the hole, with a slow change of dip and direction."""
-    depths = _spread(rng, start, length, 3.0)
-    dip = np.linspace(62.0, 74.0, len(depths))
-    direction = np.linspace(200.0, 160.0, len(depths)) + rng.normal(0, 4.0, len(depths))
-    shale = np.arange(len(depths)) % 2
-    gamma = np.where(shale, rng.uniform(95, 135, len(depths)), rng.uniform(25, 55, len(depths)))
+    """Sand and shale in turn, thick and thin, dipping steeply to the hole, with a slow change of dip and direction."""
+    depths = _spread(rng, start, length, 1.6)
+    count = len(depths)
+    dip = np.linspace(70.0, 80.0, count)
+    direction = np.linspace(215.0, 150.0, count) + rng.normal(0, 5.0, count)
+    shale = rng.random(count) < np.where(np.arange(count) % 2, 0.85, 0.15)
+    gamma = np.where(shale, rng.uniform(85, 140, count), rng.uniform(20, 60, count))
     return tuple(Bed(*bed) for bed in zip(depths, gamma.tolist(), dip.tolist(), direction.tolist(), strict=True))
