@@ -1,0 +1,157 @@
+"""A wrong configuration never starts, and says what is wrong where."""
+
+from __future__ import annotations
+
+import pytest
+
+from helibore.live.configuration import Address, Item, load, parse
+
+WALL = "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"
+SOURCE = '[source.rig]\naddress = "tcp://127.0.0.1:9872"\nunits = "metric"\n'
+CALIPER = "[source.rig.caliper]\n"
+
+
+def test_a_full_configuration_is_read_in_core_units():
+    c = parse(
+        WALL + 'sectors = 32\n[journal]\nfolder = "j"\nsync_ms = 50\n[layers]\nream = ["ream"]\n'
+        '[source.rig]\naddress = "listen://[::1]:9872"\nunits = "fps"\nnulls = [-9999, 9999.5]\n'
+        'mode = "poll"\nevery = 2\n'
+        'items = { bit_depth = "0108", hole_depth = { item = "0110", unit = "m" }, rotation = "0120" }\n'
+        'caliper = { first = "5010", groups = 2, order = ["radius", "toolface"], measures = "diameter",'
+        " offset = 12.5 }\n"
+        'image.GR = { first = "5110", count = 4, unit = "gAPI" }\nsurvey = { azimuth = "0714" }\n'
+    )
+    rig = c.sources["rig"]
+    assert rig.address == Address("listen", "::1", 9872)
+    assert rig.items == {"bit_depth": Item(108, 0.3048), "hole_depth": Item(110, 1.0), "rotation": Item(120)}
+    assert rig.nulls == (-9999.0, 9999.5)
+    assert (rig.mode, rig.every, rig.allow) == ("poll", 2.0, ("127.0.0.1", "::1"))
+    assert [item.code for item in rig.caliper.radius] == [5010, 5012]
+    assert [item.code for item in rig.caliper.toolface] == [5011, 5013]
+    assert rig.caliper.radius[0].scale == 0.0254 / 2
+    assert rig.caliper.depth == ()
+    assert [item.code for item in rig.images[0].sectors] == [5110, 5111, 5112, 5113]
+    assert [(item.code, item.scale) for item in rig.survey] == [(708, 0.3048), (713, 1.0), (714, 1.0)]
+    assert rig.records() == [1, 7, 50, 51]
+    assert c.layers == {"main": ("drill", "rescan", "unknown"), "ream": ("ream",)}
+    assert (c.journal, c.sync_interval, c.wall["sectors"]) == ("j", 0.05, 32)
+
+
+@pytest.mark.parametrize(
+    ("address", "expected"),
+    [
+        ("tcp://10.0.0.7:5001", Address("tcp", "10.0.0.7", 5001)),
+        ("serial:///dev/ttyUSB0?baud=115200", Address("serial", file="/dev/ttyUSB0", baud=115200)),
+        ("file:///x/y.wits?speed=960", Address("file", file="/x/y.wits", speed=960.0)),
+        ("host", Address("host")),
+    ],
+)
+def test_addresses(address, expected):
+    assert parse(WALL + SOURCE.replace("tcp://127.0.0.1:9872", address)).sources["rig"].address == expected
+
+
+def test_what_is_only_transport_does_not_change_the_meaning():
+    one = parse(WALL + SOURCE)
+    other = parse(WALL + '[source.rig]\naddress = "host"\nunits = "metric"\nmode = "heartbeat"\nallow = []\n')
+    assert one.meaning() == other.meaning()
+    assert parse(WALL + SOURCE.replace("metric", "fps")).meaning() != one.meaning()
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("", "wall.bit_diameter: must be set: metres"),
+        ("[wall]\nbit_diameter = 0.2\n", "wall.start_depth: must be set: metres, the depth of the first vertex"),
+        (WALL, "source: must be set: at least one table [source.NAME]"),
+        (WALL + "x = 1\n" + SOURCE, "wall.x: is not a setting"),
+        (WALL + "pitch = 0\n" + SOURCE, "wall.pitch = 0: must be finite and not 0"),
+        (WALL.replace("0.2", '"8 in"') + SOURCE, "wall.bit_diameter = '8 in': must be a finite number"),
+        (
+            WALL + '[source.rig]\naddress = "host"\n',
+            'source.rig.units: must be set: "metric" or "fps" (nothing on the wire says which)',
+        ),
+        (WALL + SOURCE.replace("metric", "SI"), 'source.rig.units = \'SI\': must be "metric" or "fps"'),
+        (
+            WALL + SOURCE.replace("tcp", "udp"),
+            "source.rig.address = 'udp://127.0.0.1:9872': must be tcp://HOST:PORT, "
+            "listen://HOST:PORT, serial:///DEVICE?baud=N, file:///PATH?speed=BYTES_A_SECOND or host",
+        ),
+        (WALL + SOURCE + "speed = 3\n", "source.rig.speed: is not a setting"),
+        (
+            WALL + SOURCE + 'items = { bit_depth = "108" }\n',
+            "source.rig.items.bit_depth = '108': must be four digits RRII, 01 to 99 each",
+        ),
+        (WALL + SOURCE + 'items = { depth = "0108" }\n', "source.rig.items.depth: is not a setting"),
+        (
+            WALL + SOURCE + 'items = { bit_depth = { item = "0108", unit = "fathom" } }\n',
+            "source.rig.items.bit_depth = '0108': not known; known are "
+            "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, min, h",
+        ),
+        (WALL + SOURCE + CALIPER, "source.rig.caliper.toolface: must be set: a list of items, one for each triple"),
+        (
+            WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011", "5012"]\n',
+            "source.rig.caliper: toolface, radius and depth must have equally many items, "
+            "not {'toolface': 1, 'radius': 2}",
+        ),
+        (
+            WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["50x1"]\n',
+            "source.rig.caliper.radius[0] = '50x1': must be four digits RRII, 01 to 99 each",
+        ),
+        (
+            WALL + SOURCE + CALIPER + 'first = "5010"\ngroups = 31\n',
+            "source.rig.caliper.groups = 31: items 5010 and 92 more must not pass item 99",
+        ),
+        (
+            WALL + SOURCE + CALIPER + 'first = "5010"\ngroups = 3\norder = ["radius"]\n',
+            'source.rig.caliper.order = [\'radius\']: must name "toolface" and "radius" once each, '
+            'and "depth" at most once',
+        ),
+        (
+            WALL + SOURCE + CALIPER + 'toolface = ["5010"]\nradius = ["5011"]\n',
+            "source.rig.caliper: has no depth items, and no source maps bit_depth",
+        ),
+        (
+            WALL + SOURCE + 'image.GR = { first = "5110", count = 4, unit = "gAPI" }\n',
+            "source.rig.image.GR: has no depth item, no source maps bit_depth",
+        ),
+        (
+            WALL
+            + SOURCE
+            + 'items = { bit_depth = "0108" }\n'
+            + SOURCE.replace("rig", "b")
+            + 'items = { bit_depth = "0108" }\n',
+            "source.b.items.bit_depth: is mapped by source.rig too; one source only",
+        ),
+        (WALL + SOURCE + 'nulls = ["x"]\n', "source.rig.nulls = ['x']: must be a list of numbers"),
+        (WALL + SOURCE + "line_limit = 3\n", "source.rig.line_limit = 3: must be a whole number from 16 to 16777216"),
+        (WALL + SOURCE + "every = 0\n", "source.rig.every = 0: must be from 0.05 to 3600"),
+        (
+            WALL + SOURCE + '[layers]\na = ["swim"]\n',
+            "layers.a = 'swim': must be passes out of drill, ream, rescan, trip, unknown",
+        ),
+        (
+            WALL + SOURCE + "[path]\nhead = [1]\n",
+            "path.head = [1.0]: must be three numbers: north, east, down in metres",
+        ),
+        (
+            WALL + SOURCE + "[path]\nstations = [[1, 2]]\n",
+            "path.stations[0] = [1, 2]: must be [depth m, inclination deg, azimuth deg]",
+        ),
+        (WALL + SOURCE + "[passes]\nmax_depth_gap = -1\n", "passes.max_depth_gap = -1: must be from 0.001 to 3600"),
+        (WALL + SOURCE + "[other]\n", "other: is not a setting"),
+        ("wall = 3", "wall = 3: must be a table"),
+    ],
+)
+def test_what_is_wrong_is_named(text, error):
+    with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
+        parse(text)
+    assert str(raised.value) == error
+
+
+def test_a_file_is_named_in_its_errors(tmp_path):
+    file = tmp_path / "rig.toml"
+    file.write_text("[wall\n")
+    with pytest.raises(ValueError, match=r"rig\.toml: is not TOML: "):
+        load(file)
+    file.write_text(WALL + SOURCE)
+    assert load(file).sources["rig"].mode == "listen"
