@@ -1,0 +1,51 @@
+"""The model's time: seconds that never go back, whatever is done to the wall clock.
+
+    time = anchor + (monotonic - monotonic at the anchor)        one anchor a session
+
+A session begins when the journal is opened. Its anchor is the wall clock then, but never before the time reached.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+SECOND = 1_000_000_000
+JUMP = 2 * SECOND
+"""A wall clock that strays further than this from the model's time since it was last looked at was set."""
+
+
+class ModelClock:
+    """Turns (wall, monotonic) receive times into model time, ns."""
+
+    def __init__(self) -> None:
+        self._anchor = 0
+        self._start = 0
+        self._drift = 0
+        self.now = 0
+        self.began = 0
+
+    def begin_session(self, wall: int, monotonic: int) -> int:
+        """Anchor a session; returns by how many ns the wall clock stands before the time already reached (0: fine)."""
+        self._anchor = max(wall, self.now)
+        self._start = monotonic
+        self._drift = wall - self._anchor
+        self.began = self.began or self._anchor
+        behind = self._anchor - wall
+        self.now = self._anchor
+        return behind
+
+    def times(self, monotonic: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+        """Return the model time of each record; they never decrease."""
+        times = np.maximum.accumulate(np.maximum(self._anchor + (monotonic - self._start), self.now))
+        self.now = int(times[-1])
+        return times
+
+    def jump(self, wall: int, time: int) -> int:
+        """Return by how many ns the wall clock was set since it was last looked at, or 0."""
+        drift = wall - time
+        moved = drift - self._drift
+        if abs(moved) < JUMP:
+            return 0
+        self._drift = drift
+        return moved

@@ -1,0 +1,164 @@
+"""Where a sensor was when it measured, and what the string was doing: bit depth, offset, latency, passes.
+
+    bit depth  *-------*-------*-----      entries as they arrive
+    sample             ^   |               received here: depth from its own frame, or
+                           ^ - latency     interpolated in time at receive time - latency
+    sensor depth = bit depth - offset
+
+A sample is placed once the entries on both sides of its time are there, so it does not matter how the stream was cut
+into packets. Depth is never extrapolated, nor interpolated over more than ``max_depth_gap``. Heave and stretch of the
+string are not modelled.
+
+What the string does is decided at each bit depth entry:
+
+    activity 4, 5: ream     8, 9: trip     on bottom: drill     off bottom, turning: rescan     off bottom, not: trip
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.live.clock import SECOND
+from helibore.live.configuration import PASSES, PassRules
+from helibore.live.events import Flag
+
+Times = npt.NDArray[np.int64]
+Values = npt.NDArray[np.float64]
+DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
+
+
+class Track:
+    """Entries (time, order, value) of one quantity, in order of arrival; ``order`` grows with every frame."""
+
+    def __init__(self) -> None:
+        self.time = np.empty(0, np.int64)
+        self.order = np.empty(0, np.int64)
+        self.value = np.empty(0)
+
+    def append(self, time: Times, order: Times, value: Values) -> None:
+        """Take the entries that have a value."""
+        known = np.isfinite(value)
+        if known.any():
+            self.time = np.concatenate([self.time, time[known]])
+            self.order = np.concatenate([self.order, order[known]])
+            self.value = np.concatenate([self.value, value[known]])
+
+    def before(self, order: Times) -> Times:
+        """Return the index of the last entry at or before each frame, -1 where there is none."""
+        return np.searchsorted(self.order, order, side="right") - 1
+
+    def forget(self, count: int) -> None:
+        """Let go of the first ``count`` entries."""
+        self.time, self.order, self.value = self.time[count:], self.order[count:], self.value[count:]
+
+
+class Rig:
+    """Bit depth, hole depth, rotation and activity over time, and the pass at each bit depth entry."""
+
+    def __init__(self, rules: PassRules) -> None:
+        self._rules = rules
+        self.tracks = {name: Track() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
+        self.kind = np.empty(0, np.int64)
+        self.off_bottom = np.empty(0, bool)
+        self._deepest = -np.inf
+
+    def settle(self) -> None:
+        """Decide the pass at bit depth entries that are new; call when all frames up to now were appended."""
+        bit = self.tracks["bit_depth"]
+        first = len(self.kind)
+        if first == len(bit.value):
+            return
+        order, time, depth = bit.order[first:], bit.time[first:], bit.value[first:]
+        deepest = np.maximum.accumulate(np.maximum(depth, self._deepest))
+        self._deepest = float(deepest[-1])
+        hole = self._latest("hole_depth", order)
+        off = np.where(np.isnan(hole), deepest, hole) - depth > self._rules.on_bottom
+        turning = self._turning(order, time)
+        activity = self._latest("activity", order, time)
+        kind = np.where(off, np.where(turning == 0, TRIP, RESCAN), DRILL)
+        kind = np.where((activity == 4) | (activity == 5), REAM, kind)
+        kind = np.where((activity == 8) | (activity == 9), TRIP, kind)
+        self.kind = np.concatenate([self.kind, kind])
+        self.off_bottom = np.concatenate([self.off_bottom, off])
+
+    def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
+        """The last value at or before each frame; NaN where there is none, or where it is stale by ``time``."""
+        track = self.tracks[name]
+        at = track.before(order)
+        values = np.where(at >= 0, track.value[at] if len(track.value) else np.nan, np.nan)
+        if time is not None and len(track.time):
+            values = np.where(time - track.time[at] > self._rules.stale * SECOND, np.nan, values)
+        return values
+
+    def _turning(self, order: Times, time: Times) -> Times:
+        """1 turning, 0 not, -1 not known."""
+        rotation = self._latest("rotation", order, time)
+        return np.where(np.isnan(rotation), -1, (rotation >= self._rules.rotating).astype(np.int64))
+
+    def place(
+        self, time: Times, order: Times, depth: Values, offset: Values, now: int
+    ) -> tuple[Values, Times, Times, npt.NDArray[np.bool_]]:
+        """Return (depth, pass, flags, ready) of measurements made at ``time``.
+
+        Parameters
+        ----------
+        time
+            When they were made, ns.
+        order
+            The frame they came in, where it is also when they were made; -1 where they are older (latency).
+        depth
+            The sensor's depth where it was sent, NaN where it follows from the bit.
+        offset
+            Metres from the bit up to the sensor.
+        now
+            The time of the latest frame; what cannot be placed any more is ready with NO_DEPTH.
+        """
+        bit = self.tracks["bit_depth"]
+        at = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
+        sent = ~np.isnan(depth)
+        flags = np.zeros(len(time), np.int64)
+        if not len(bit.value):
+            expired = now - time > self._rules.max_depth_gap * SECOND
+            flags[~sent] |= Flag.NO_DEPTH
+            return depth, np.full(len(time), UNKNOWN), flags, sent | expired
+        known = at >= 0
+        kind = np.where(known, self.kind[at], UNKNOWN)
+        flags[known & self.off_bottom[at]] |= Flag.OFF_BOTTOM
+        flags[self._still(time, order)] |= Flag.NOT_ROTATING
+        found, ready = self._from_bit(time, at, now)
+        flags[~sent & np.isnan(found)] |= Flag.NO_DEPTH
+        return np.where(sent, depth, found - offset), kind, flags, sent | ready
+
+    def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
+        """Bit depth at ``time``, between entries ``at`` and ``at + 1`` (NaN: none), and whether that is final."""
+        bit = self.tracks["bit_depth"]
+        gap = int(self._rules.max_depth_gap * SECOND)
+        last = len(bit.value) - 1
+        low, high = np.maximum(at, 0), np.minimum(at + 1, last)
+        after, before = time - bit.time[low], bit.time[high] - time
+        exact = (at >= 0) & (after == 0)
+        between = (at >= 0) & (at < last) & (after <= gap) & (before <= gap)
+        span = np.maximum(bit.time[high] - bit.time[low], 1)
+        depth = bit.value[low] + (bit.value[high] - bit.value[low]) * (after / span)
+        depth = np.where(exact, bit.value[low], np.where(between, depth, np.nan))
+        final = exact | (at < 0) | (at < last) | (after > gap) | (now - time > gap)
+        return depth, final
+
+    def _still(self, time: Times, order: Times) -> npt.NDArray[np.bool_]:
+        track = self.tracks["rotation"]
+        if not len(track.value):
+            return np.zeros(len(time), bool)
+        at = np.where(order >= 0, track.before(order), np.searchsorted(track.time, time, side="right") - 1)
+        fresh = (at >= 0) & (time - track.time[at] <= self._rules.stale * SECOND)
+        return fresh & (track.value[at] < self._rules.rotating)
+
+    def forget(self, time: int) -> None:
+        """Let go of entries that no measurement made at ``time`` or later can need."""
+        for name, track in self.tracks.items():
+            needed = time - int(max(self._rules.stale, self._rules.max_depth_gap) * SECOND)
+            spare = int(np.searchsorted(track.time, needed)) - 1
+            if spare > 4096:
+                track.forget(spare)
+                if name == "bit_depth":
+                    self.kind, self.off_bottom = self.kind[spare:], self.off_bottom[spare:]

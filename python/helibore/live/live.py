@@ -1,0 +1,301 @@
+"""``hb.Live``: a wall that grows from bytes on a wire, with every byte in a journal first.
+
+    live = hb.Live("rig.toml", journal="well-7.journal")      # recovers what the journal holds, then goes on
+    update = live.receive("mwd", chunk)                       # stored, read, drawn
+    update.changes["main"].ranges                             # the vertices that are new or changed
+    live.wall.radius, live.path, live.images["GR"].arrays()
+
+For software that owns its own transport: no thread, no callback. ``helibore live`` adds sockets and a status page.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import secrets
+import threading
+import time
+from collections.abc import Callable, Iterator
+from pathlib import Path as FilePath
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.arrays import column
+from helibore.live import journal as journals
+from helibore.live.configuration import Configuration, load, parse
+from helibore.live.journal import Journal, Segment, segments
+from helibore.live.model import ImageRows, Model, Rows, Update, joined
+from helibore.survey import Path, Survey
+from helibore.wall import Wall
+
+RECORD = np.dtype(
+    [("sequence", "u8"), ("wall", "i8"), ("monotonic", "i8"), ("offset", "i8"), ("length", "u4"), ("connection", "u4"),
+     ("source", "u2"), ("kind", "u2"), ("unused", "u4")]
+)  # fmt: skip
+WINDOW_BYTES = 1 << 20
+WINDOW_RECORDS = 8192
+
+
+class Live:
+    """The walls, images and path of a well while it is drilled.
+
+    Parameters
+    ----------
+    configuration
+        A Configuration, or the TOML file that holds it.
+    journal
+        Folder of the journal; what it holds is read first. None: nothing is stored (for trials).
+    clock
+        Returns (wall ns, monotonic ns).
+
+    Raises
+    ------
+    ValueError
+        On a wrong configuration, a journal another process writes, or one begun with a configuration of another
+        meaning (units, items, walls; another address is fine).
+    """
+
+    def __init__(
+        self,
+        configuration: Configuration | str | os.PathLike[str],
+        journal: str | os.PathLike[str] | None = None,
+        *,
+        clock: Callable[[], tuple[int, int]] = lambda: (time.time_ns(), time.monotonic_ns()),
+    ) -> None:
+        self.configuration = configuration if isinstance(configuration, Configuration) else load(configuration)
+        self.model = Model(self.configuration)
+        self._lock = threading.Lock()
+        self._clock = clock
+        self._sequence = 0
+        self.journal: Journal | None = None
+        session = {"session": secrets.token_hex(8), "meaning": self.configuration.meaning(),
+                   "configuration": self.configuration.text}  # fmt: skip
+        opening = json.dumps(session).encode()
+        if journal is None:
+            self._store(0, 0, opening, journals.OPENED)
+            return
+        if journals.paths(FilePath(journal)):
+            _check_meaning(FilePath(journal), self.configuration)
+        self.journal = Journal(
+            journal,
+            opening,
+            segment_bytes=self.configuration.segment_bytes,
+            sync_interval=self.configuration.sync_interval,
+            clock=clock,
+        )
+        for note in self.journal.recovery.notes:
+            self.model.tell("journal", note)
+        for _ in read_into(self.model, FilePath(journal)):
+            pass
+
+    @classmethod
+    def replay(cls, folder: str | os.PathLike[str], configuration: Configuration | None = None) -> Live:
+        """Return what a journal gives, read only: the same bits as live. By default with its own configuration."""
+        live = cls(configuration or recorded_configuration(FilePath(folder)))
+        live.model = Model(live.configuration)
+        for _ in read_into(live.model, FilePath(folder)):
+            pass
+        return live
+
+    @property
+    def wall(self) -> Wall:
+        """The wall of layer ``main``."""
+        return self.model.layers["main"]
+
+    @property
+    def layers(self) -> dict[str, Wall]:
+        """The wall of each layer of the configuration."""
+        return self.model.layers
+
+    @property
+    def images(self) -> dict[str, ImageRows]:
+        """The rows of each sector image."""
+        return self.model.images
+
+    @property
+    def survey(self) -> Survey | None:
+        """The survey so far; None while it has fewer than two stations."""
+        return self.model.stations.survey
+
+    @property
+    def path(self) -> Path | None:
+        """The path through the survey; None while there is none."""
+        return self.model.stations.path
+
+    def receive(self, source: str, payload: bytes, connection: int = 1) -> Update:
+        """Store and read bytes of one connection of a source.
+
+        Returns
+        -------
+        Update
+            What changed, in every layer, image and the path.
+
+        Raises
+        ------
+        ValueError
+            If the source is not in the configuration.
+        JournalFullError
+            If the bytes could not be stored; then they were not read either, and may be given again.
+        """
+        number = self._number(source)
+        update = Update()
+        for start in range(0, len(payload), journals.LONGEST_PAYLOAD):
+            part = payload[start : start + journals.LONGEST_PAYLOAD]
+            _merge(update, self._store(number, connection, part, journals.BYTES))
+        return update
+
+    def connected(self, source: str, connection: int, peer: str) -> Update:
+        """Note that a connection began."""
+        return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
+
+    def closed(self, source: str, connection: int) -> Update:
+        """Note that a connection ended: a frame that was open is given up."""
+        return self._store(self._number(source), connection, b"", journals.CLOSED)
+
+    def append_samples(
+        self, depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None = None
+    ) -> Update:
+        """Store and draw samples that the host already placed; as `Wall.append`, into layers that take ``unknown``.
+
+        Raises
+        ------
+        ValueError
+            As `Caliper`; nothing was stored then.
+        """
+        depths = column("depth", depth)
+        columns = {
+            "depth": depths,
+            "toolface": column("toolface", toolface, depths.size, "depth"),
+            "radius": column("radius", radius, depths.size, "depth"),
+        }
+        if time is not None:
+            columns["time"] = column("time", time, depths.size, "depth")
+        for name, values in columns.items():
+            for index in np.flatnonzero(~np.isfinite(values))[:1].tolist():
+                raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
+        for index in np.flatnonzero(columns["radius"] <= 0)[:1].tolist():
+            raise ValueError(f"radius[{index}] = {columns['radius'][index]:g}: must be larger than 0")
+        update = Update()
+        step = journals.LONGEST_PAYLOAD // 32
+        for start in range(0, depths.size, step):
+            part = [values[start : start + step] for values in columns.values()]
+            table = np.vstack([*part, *([] if time is not None else [np.full(len(part[0]), np.nan)])])
+            _merge(update, self._store(0, 0, table.tobytes(), journals.SAMPLES))
+        return update
+
+    def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:
+        """Store and take survey stations, metres and degrees; a bad one becomes an event and is left out."""
+        depths = column("depth", depth)
+        table = [depths, column("inclination", inclination, depths.size, "depth"),
+                 column("azimuth", azimuth, depths.size, "depth")]  # fmt: skip
+        return self._store(0, 0, np.vstack(table).tobytes(), journals.STATIONS)
+
+    def append_image(self, name: str, depth: npt.ArrayLike, values: npt.NDArray[np.float64], unit: str = "") -> Update:
+        """Store and take rows of a sector image: depth (r,) in metres, values (r, sectors)."""
+        depths = column("depth", depth)
+        if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
+            raise ValueError(f"image '{name}': comes from a source already")
+        if np.ndim(values) != 2 or len(values) != depths.size:
+            raise ValueError(f"values has shape {np.shape(values)}: must be ({depths.size}, sectors)")
+        sectors = values.shape[1]
+        if name in self.images and self.images[name].sectors != sectors:
+            raise ValueError(f"values has {sectors} sectors: image '{name}' has {self.images[name].sectors}")
+        head = json.dumps([name, sectors, unit]).encode() + b"\n"
+        table = np.column_stack([depths, values]).astype(np.float64)
+        return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
+
+    def _number(self, source: str) -> int:
+        if source not in self.model.numbers:
+            raise ValueError(f"source '{source}': is not in the configuration")
+        return self.model.numbers[source]
+
+    def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
+        """Journal first, then the model."""
+        with self._lock:
+            if self.journal is not None:
+                sequence, wall, monotonic = self.journal.append(source, connection, payload, kind)
+            else:
+                (wall, monotonic), sequence = self._clock(), self._sequence
+                self._sequence += 1
+            record = np.array([(sequence, wall, monotonic, 0, len(payload), connection, source, kind, 0)], dtype=RECORD)
+            return self.model.take(record, [payload])
+
+    def sync(self) -> None:
+        """Have the journal on the disk itself."""
+        if self.journal is not None:
+            self.journal.sync()
+
+    def close(self) -> None:
+        """Sync and let go of the journal."""
+        if self.journal is not None:
+            self.journal.close()
+
+    def __enter__(self) -> Live:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+
+def _merge(update: Update, more: Update) -> None:
+    for name, change in more.changes.items():
+        update.changes[name] = joined(update.changes.get(name), change)
+    for name, (start, stop) in more.images.items():
+        update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+    if more.path_from is not None:
+        update.path_from = more.path_from if update.path_from is None else min(update.path_from, more.path_from)
+    update.events += more.events
+
+
+def read_into(model: Model, folder: FilePath) -> Iterator[Update]:
+    """Give a journal's records to ``model``, a window at a time; damage becomes events."""
+    for segment in segments(folder):
+        for text in segment.damage_texts():
+            model.tell("journal", text)
+        for start, stop in windows(segment.records):
+            payloads = [segment.payload(row) for row in range(start, stop)]
+            yield model.take(segment.records[start:stop], payloads)
+
+
+def windows(records: Rows) -> Iterator[tuple[int, int]]:
+    """Yield row ranges of at most WINDOW_RECORDS records or about WINDOW_BYTES bytes."""
+    ends = np.cumsum(records["length"].astype(np.int64))
+    start = 0
+    while start < len(records):
+        before = int(ends[start - 1]) if start else 0
+        stop = int(np.searchsorted(ends, before + WINDOW_BYTES, side="right"))
+        stop = max(start + 1, min(stop, start + WINDOW_RECORDS))
+        yield start, stop
+        start = stop
+
+
+def _openings(folder: FilePath) -> Iterator[dict[str, str]]:
+    for segment in segments(folder):
+        opened: Segment = segment
+        for row in np.flatnonzero(opened.records["kind"] == journals.OPENED).tolist():
+            yield json.loads(opened.payload(row))
+
+
+def recorded_configuration(folder: FilePath) -> Configuration:
+    """Return the configuration a journal was begun with.
+
+    Raises
+    ------
+    ValueError
+        If it holds none.
+    """
+    for opening in _openings(folder):
+        if opening.get("configuration"):
+            return parse(opening["configuration"])
+    raise ValueError(f"{folder}: holds no configuration; give one")
+
+
+def _check_meaning(folder: FilePath, configuration: Configuration) -> None:
+    for opening in _openings(folder):
+        if opening.get("meaning") != configuration.meaning():
+            raise ValueError(
+                f"{folder}: was begun with another configuration of walls, units or items: give the old one, or begin "
+                "another journal"
+            )
+        return

@@ -1,0 +1,275 @@
+"""From a source's bytes to columns in core units: rig quantities, caliper triples, image rows, survey stations.
+
+    frames x mapped items  ->  one table of float64, one of states (absent, value, null, invalid)  ->  columns
+
+Everything is done for many frames at once; only bad input and gaps are looked at one by one. A frame repeated word for
+word within the last 4096 frames that carried measurements is a duplicate when a repeat can be told from a new
+measurement: it carries a sequence number or the sensor's own depth.
+"""
+
+from __future__ import annotations
+
+from collections import OrderedDict
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.live import wits
+from helibore.live.configuration import ImageItems, Item, Source
+from helibore.live.events import Event, EventBook, Flag
+from helibore.live.sequence import SequenceWatch
+
+Integers = npt.NDArray[np.int64]
+Values = npt.NDArray[np.float64]
+
+ABSENT, VALUE, NULL, INVALID = range(4)
+REMEMBERED = 4096
+LISTED = 32
+
+
+@dataclass(slots=True)
+class Chunk:
+    """Bytes of one connection and the receive time, order and wall clock of each record they came in."""
+
+    connection: int
+    payloads: list[bytes]
+    time: Integers
+    order: Integers
+    wall: Integers
+    closes: bool = False
+
+
+@dataclass(slots=True)
+class Reading:
+    """Columns of one chunk. Triples and image rows carry the row of their frame in ``time`` and ``order``."""
+
+    time: Integers
+    order: Integers
+    wall: Integers
+    rig: dict[str, Values] = field(default_factory=dict)
+    triple_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
+    triples: Values = field(default_factory=lambda: np.empty((0, 3)))
+    triple_flags: Integers = field(default_factory=lambda: np.empty(0, np.int64))
+    images: list[tuple[ImageItems, Integers, Values, Values, Integers]] = field(default_factory=list)
+    stations: Values = field(default_factory=lambda: np.empty((0, 3)))
+    keep_alives: int = 0
+
+
+class SourceReader:
+    """Reads one source: a parser for each connection, then the mapping."""
+
+    def __init__(self, source: Source, events: EventBook) -> None:
+        self.source = source
+        self._events = events
+        self._parser = self._new_parser()
+        self._connection = -1
+        self.counts = dict.fromkeys(self._parser.counts, 0)
+        self.watches: dict[int, SequenceWatch] = {100 * record + 4: SequenceWatch() for record in source.records()}
+        self._column = np.full(10_000, -1, np.int64)
+        self._codes: list[int] = []
+        for code in sorted({*self.watches, *self._mapped()}):
+            self._column[code] = len(self._codes)
+            self._codes.append(code)
+        self._measured = np.array(sorted({self._column[c] for c in self._measurements()}), np.int64)
+        self._caliper_places = [self._places(items) for items in self._item_groups()]
+        told_apart = [*self.watches]
+        if caliper := source.caliper:
+            told_apart += [item.code for item in caliper.depth]
+        told_apart += [image.depth.code for image in source.images if image.depth]
+        told_apart += [item.code for item in (source.survey or ())[:1]]
+        self._told_apart = np.array([self._column[code] for code in told_apart], np.int64)
+        self._recent: OrderedDict[bytes, None] = OrderedDict()
+
+    def _new_parser(self) -> wits.Parser:
+        return wits.Parser(self.source.nulls, *self.source.limits)
+
+    def _measurements(self) -> list[int]:
+        items: list[Item] = list(self.source.survey or ())
+        if caliper := self.source.caliper:
+            items += [*caliper.toolface, *caliper.radius, *caliper.depth]
+        for image in self.source.images:
+            items += [*image.sectors, *([image.depth] if image.depth else [])]
+        return [item.code for item in items]
+
+    def _item_groups(self) -> list[tuple[Item, ...]]:
+        caliper = self.source.caliper
+        return [caliper.depth, caliper.toolface, caliper.radius] if caliper else []
+
+    def _places(self, items: tuple[Item, ...]) -> tuple[Integers, Values]:
+        """Columns of the table and the scales of ``items``."""
+        return self._column[[item.code for item in items]], np.array([item.scale for item in items])
+
+    def _mapped(self) -> list[int]:
+        return [item.code for item in self.source.items.values()] + self._measurements()
+
+    def read(self, chunk: Chunk) -> list[Reading]:
+        """Return the columns of the frames that ``chunk`` completes."""
+        readings = []
+        if chunk.connection != self._connection:
+            if self._connection >= 0:
+                readings.append(self._columns(self._parser.finish(), chunk, np.zeros(1, np.int64)))
+            self._add_counts()
+            self._parser, self._connection = self._new_parser(), chunk.connection
+        if chunk.payloads:
+            ends = self._parser.counts["bytes"] + np.cumsum([len(payload) for payload in chunk.payloads])
+            batch = self._parser.feed(b"".join(chunk.payloads))
+            readings.append(self._columns(batch, chunk, ends))
+        if chunk.closes:
+            readings.append(self._columns(self._parser.finish(), chunk, np.zeros(1, np.int64)))
+        return readings
+
+    def _add_counts(self) -> None:
+        for name, count in self._parser.counts.items():
+            self.counts[name] += count
+
+    def total(self, name: str) -> int:
+        """Return a parser count over all connections."""
+        return self.counts[name] + self._parser.counts[name]
+
+    def _columns(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> Reading:
+        """Columns of a batch; ``ends`` are the stream offsets where the chunk's records end."""
+        at = np.minimum(np.searchsorted(ends, batch.frames["stop"]), len(chunk.time) - 1)
+        within = np.arange(len(at)) - np.searchsorted(at, at)
+        reading = Reading(chunk.time[at], (chunk.order[at] << 20) + within, chunk.wall[at])
+        self._tell_bad_text(batch, chunk, ends)
+        if not len(batch.frames):
+            return reading
+        values, states = self._table(batch, reading)
+        repeated = self._repeats(batch, states, reading)
+        flags = self._sequence(values, reading)
+        reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
+        self._triples(reading, values, states, flags | repeated)
+        self._images(reading, values, states, flags | repeated)
+        if self.source.survey:
+            columns = [self._value(values, item) for item in self.source.survey]
+            stations = np.column_stack(columns)
+            reading.stations = stations[np.isfinite(stations).all(axis=1) & (repeated == 0)]
+        return reading
+
+    def _table(self, batch: wits.Batch, reading: Reading) -> tuple[Values, npt.NDArray[np.uint8]]:
+        items, frames = batch.items, batch.frames
+        values = np.full((len(frames), len(self._codes)), np.nan)
+        states = np.zeros(values.shape, np.uint8)
+        column = self._column[items["code"]]
+        mapped = np.flatnonzero(column >= 0)[::-1]  # backwards: of an item sent twice in a frame, the first stays
+        row = np.repeat(np.arange(len(frames)), frames["items"])[mapped]
+        values[row, column[mapped]] = items["value"][mapped]
+        states[row, column[mapped]] = np.array([VALUE, NULL, INVALID, INVALID], np.uint8)[items["flags"][mapped]]
+        reading.keep_alives = int(np.count_nonzero((frames["items"] == 1) & self._is_keep_alive(batch)))
+        bad = mapped[items["flags"][mapped] == wits.INVALID][::-1]
+        self._tell_items(bad, batch, reading, "invalid", "is not a number")
+        if len(mapped) != np.count_nonzero(states):
+            pairs = row * len(self._codes) + column[mapped]
+            kept = np.zeros(len(mapped), bool)
+            kept[len(pairs) - 1 - np.unique(pairs[::-1], return_index=True)[1]] = True
+            self._tell_items(
+                mapped[~kept][::-1], batch, reading, "twice", "is there twice in a frame: the first counts"
+            )
+        return values, states
+
+    @staticmethod
+    def _is_keep_alive(batch: wits.Batch) -> npt.NDArray[np.bool_]:
+        first = np.minimum(batch.frames["first"], max(len(batch.items) - 1, 0))
+        if not len(batch.items):
+            return np.zeros(len(batch.frames), bool)
+        alone: npt.NDArray[np.bool_] = (batch.items["code"][first] == 111) & (batch.items["flags"][first] == wits.NULL)
+        return alone
+
+    def _tell_items(self, rows: Integers, batch: wits.Batch, reading: Reading, rule: str, words: str) -> None:
+        """One event for each of the first few items, counted all."""
+        for place, row in enumerate(rows[:LISTED].tolist()):
+            item = batch.items[row]
+            frame = int(np.searchsorted(batch.frames["first"], row, side="right")) - 1
+            text = f"item {item['code']:04d} = {batch.text_of(row)[:60]!r}: {words}"
+            times = 1 + max(len(rows) - LISTED, 0) if place == 0 else 1
+            self._tell(int(reading.wall[frame]), rule, text, offset=int(item["offset"]), times=times)
+
+    def _tell_bad_text(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> None:
+        rules = batch.events["rule"]
+        for rule in np.unique(rules).tolist():
+            name = wits.RULE_NAMES[rule]
+            rows = np.flatnonzero(rules == rule)
+            for place, row in enumerate(rows[:LISTED].tolist()):
+                event = batch.events[row]
+                start = int(event["offset"]) - batch.base
+                raw = batch.text[max(start, 0) : start + min(int(event["length"]), 60)]
+                at = min(int(np.searchsorted(ends, event["offset"], side="right")), len(chunk.wall) - 1)
+                times = 1 + max(len(rows) - LISTED, 0) if place == 0 else 1
+                self._tell(int(chunk.wall[at]), name, f"{raw!r}: {wits.RULES[name]}",
+                           int(event["line"]), int(event["offset"]), times)  # fmt: skip
+
+    def _tell(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1, times: int = 1) -> None:
+        self._events.tell(Event(wall, self.source.name, self._connection, line, offset, rule, text), times)
+
+    def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
+        """DUPLICATE for frames with measurements whose text was there before."""
+        flags = np.zeros(len(batch.frames), np.int64)
+        measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._told_apart] == VALUE).any(
+            axis=1
+        )
+        rows = np.flatnonzero(measured)
+        recent, text = self._recent, batch.text
+        starts = (batch.frames["start"][rows] - batch.base).tolist()
+        stops = (batch.frames["stop"][rows] - batch.base).tolist()
+        for row, start, stop in zip(rows.tolist(), starts, stops, strict=True):
+            words = text[start:stop]
+            if words in recent:
+                flags[row] = Flag.DUPLICATE
+                self._tell(int(reading.wall[row]), "duplicate", "a frame was sent twice", offset=start + batch.base)
+                continue
+            recent[words] = None
+            if len(recent) > REMEMBERED:
+                recent.popitem(last=False)
+        return flags
+
+    def _sequence(self, values: Values, reading: Reading) -> Integers:
+        flags = np.zeros(len(values), np.int64)
+        for code, watch in self.watches.items():
+            numbers = values[:, self._column[code]]
+            if np.isnan(numbers).all():
+                continue
+            found, told = watch.take(numbers)
+            flags |= found
+            for index, rule, text in told:
+                self._tell(int(reading.wall[index]), rule, f"record {code // 100:02d}: {text}")
+        return flags
+
+    def _value(self, values: Values, item: Item) -> Values:
+        scaled: Values = values[:, self._column[item.code]] * item.scale
+        return scaled
+
+    def _triples(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
+        caliper = self.source.caliper
+        if caliper is None:
+            return
+        places = self._caliper_places
+        columns = [values[:, column] * scale for column, scale in places]
+        if not caliper.depth:
+            columns[0] = np.full_like(columns[1], np.nan)
+        given = np.stack([states[:, column] for column, _ in places if len(column)])
+        frame, group = np.nonzero((given != ABSENT).any(axis=0))
+        found = given[:, frame, group]
+        depth, toolface, radius = (column[frame, group] for column in columns)
+        triple_flags = flags[frame]
+        triple_flags = triple_flags | np.where(
+            (found == NULL).any(axis=0) | (found == ABSENT).any(axis=0), Flag.NULL, 0
+        )
+        triple_flags |= np.where((found == INVALID).any(axis=0), Flag.INVALID, 0)
+        low, high = caliper.radius_range
+        triple_flags |= np.where((radius < low) | (radius > high) | (np.abs(toolface) > 1e6), Flag.RANGE, 0)
+        toolface = np.mod(toolface + caliper.toolface_offset, 360.0)
+        toolface[toolface == 360.0] = 0.0
+        reading.triple_frame, reading.triple_flags = frame, triple_flags
+        reading.triples = np.column_stack([depth, toolface, radius])
+
+    def _images(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
+        for image in self.source.images:
+            sectors = [int(self._column[item.code]) for item in image.sectors]
+            frame = np.flatnonzero((states[:, sectors] == VALUE).any(axis=1))
+            if not len(frame):
+                continue
+            depth = np.full(len(values), np.nan) if image.depth is None else self._value(values, image.depth)
+            lacking = image.depth is not None and np.isnan(depth[frame])
+            row_flags = flags[frame] | np.where(lacking, Flag.NULL, 0)
+            reading.images.append((image, frame, depth[frame], values[frame][:, sectors], row_flags))

@@ -1,0 +1,374 @@
+"""Records in, walls out: everything the live wall knows is a pure function of the journal's records, in order.
+
+    records -> parser and mapping of each source -> rig tracks -> samples placed -> layers (walls), images, path
+
+The same records give the same bits whether they are taken one by one as they arrive or by the thousand at a replay:
+samples carry their time, so the wall does not depend on how they were grouped, and a sample is placed only when the
+depth entries on both sides of it are known. No sockets, no files, no clocks here.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.live import journal
+from helibore.live.clock import SECOND, ModelClock
+from helibore.live.configuration import PASSES, Configuration
+from helibore.live.depth import Rig
+from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
+from helibore.live.mapping import Chunk, Reading, SourceReader
+from helibore.live.stations import Stations
+from helibore.wall import Change, Wall
+
+Rows = npt.NDArray[np.void]
+PENDING = np.dtype(
+    [("time", "i8"), ("order", "i8"), ("received", "i8"), ("depth", "f8"), ("offset", "f8"), ("toolface", "f8"),
+     ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8")]
+)  # fmt: skip
+
+
+@dataclass(slots=True)
+class Update:
+    """What one call changed.
+
+    Attributes
+    ----------
+    changes
+        For each layer that took samples, the wall's Change: ``ranges`` of vertices, ``settled``.
+    images
+        For each image that grew, its new rows [start, stop) in order of arrival.
+    path_from
+        Depth below which the path moved, metres; None when it did not.
+    events
+        What is worth telling.
+    """
+
+    changes: dict[str, Change] = field(default_factory=dict)
+    images: dict[str, tuple[int, int]] = field(default_factory=dict)
+    path_from: float | None = None
+    events: list[Event] = field(default_factory=list)
+
+
+class ImageRows:
+    """Rows of one sector image in order of arrival: depth m, values, time s."""
+
+    def __init__(self, sectors: int, unit: str) -> None:
+        self.sectors, self.unit = sectors, unit
+        self._depth: list[npt.NDArray[np.float64]] = [np.empty(0)]
+        self._values: list[npt.NDArray[np.float64]] = [np.empty((0, sectors))]
+        self._count = 0
+
+    def append(self, depth: npt.NDArray[np.float64], values: npt.NDArray[np.float64]) -> tuple[int, int]:
+        """Take rows; returns their range."""
+        self._depth.append(depth)
+        self._values.append(values)
+        start, self._count = self._count, self._count + len(depth)
+        return start, self._count
+
+    def __len__(self) -> int:
+        return self._count
+
+    def arrays(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Return (depth (r,), values (r, sectors)) sorted by depth; of rows at one depth only the latest."""
+        self._depth, self._values = [np.concatenate(self._depth)], [np.concatenate(self._values)]
+        depth, values = self._depth[0], self._values[0]
+        order = np.lexsort((np.arange(len(depth)), depth))
+        latest = np.append(np.diff(depth[order]) > 0, True)[: len(order)]
+        return depth[order][latest], values[order][latest]
+
+
+class Model:
+    """The walls, images and path that a configuration and records give.
+
+    Attributes
+    ----------
+    layers
+        A wall for each layer of the configuration; ``layers["main"]`` is the wall.
+    images, stations
+        What came beside the caliper.
+    events, counts
+        Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
+    """
+
+    def __init__(self, configuration: Configuration) -> None:
+        self.configuration = configuration
+        self.events = EventBook()
+        self.counts: Counter[str] = Counter()
+        self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
+        self.stations = Stations(configuration.path)
+        self.images: dict[str, ImageRows] = {}
+        self.readers = {
+            number: SourceReader(configuration.sources[name], self.events)
+            for number, name in enumerate(sorted(configuration.sources), 1)
+        }
+        self.numbers = {name: number for number, name in enumerate(sorted(configuration.sources), 1)}
+        self._image_list = [image for source in configuration.sources.values() for image in source.images]
+        for image in self._image_list:
+            self.images[image.name] = ImageRows(len(image.sectors), image.unit)
+        self.clock = ModelClock()
+        self.rig = Rig(configuration.passes)
+        self._drawn_by = np.zeros((len(configuration.layers), len(PASSES)), bool)
+        for row, kinds in enumerate(configuration.layers.values()):
+            self._drawn_by[row, [PASSES.index(kind) for kind in kinds]] = True
+        self._pending = np.empty(0, PENDING)
+        self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
+        self._next_row = 0
+        self._session = ""
+        latencies = [image.latency for image in self._image_list]
+        latencies += [source.caliper.latency for source in configuration.sources.values() if source.caliper]
+        self._longest_latency = int(max(latencies, default=0.0) * SECOND)
+        self._deepest = dict.fromkeys(self.layers, -np.inf)
+        self.last_seen: dict[str, int] = {}
+
+    @property
+    def waiting(self) -> int:
+        """Samples and image rows whose depth is not known yet."""
+        return len(self._pending)
+
+    def take(self, records: Rows, payloads: list[bytes]) -> Update:
+        """Take records in order; any grouping of the same records ends in the same walls."""
+        update = Update()
+        opened = np.flatnonzero(records["kind"] == journal.OPENED).tolist()
+        for start, stop in zip([0, *opened], [*opened, len(records)], strict=True):
+            if start in opened and start < stop:
+                self._open(records[start], payloads[start])
+            if start < stop:
+                self._take_session(records[start:stop], payloads[start:stop], update)
+        update.events = self.events.take()
+        return update
+
+    def tell(self, rule: str, text: str) -> None:
+        """Tell an event that belongs to no record."""
+        self.events.tell(Event(0, "", 0, 0, -1, rule, text))
+
+    def _open(self, record: np.void, payload: bytes) -> None:
+        session = json.loads(payload or b"{}").get("session", "")
+        if session == self._session:
+            return  # the same session goes on in a new segment
+        self._session = session
+        behind = self.clock.begin_session(int(record["wall"]), int(record["monotonic"]))
+        if behind:
+            self._tell(
+                record, "clock", f"the wall clock is {behind / SECOND:.3f} s behind the last session: not followed"
+            )
+
+    def _tell(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
+        self.events.tell(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
+
+    def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
+        times = self.clock.times(records["monotonic"])
+        jumped = self.clock.jump(int(records["wall"][-1]), int(times[-1]))
+        if jumped:
+            self._tell(records[-1], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
+        found: list[Rows] = []
+        for number in np.unique(records["source"]).tolist():
+            rows = np.flatnonzero(records["source"] == number)
+            if number in self.readers:
+                found += self._read(number, rows, records, payloads, times, update)
+            else:
+                found += self._pushed(rows, records, payloads, times, update)
+        self.rig.settle()
+        if found or len(self._pending):
+            self._pending = np.concatenate([self._pending, *found])
+            self._place(int(times[-1]), int(records["wall"][-1]), update)
+        oldest = int(self._pending["time"].min()) if len(self._pending) else int(times[-1])
+        self.rig.forget(min(oldest, int(times[-1]) - self._longest_latency))
+
+    def _read(
+        self, number: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
+        times: npt.NDArray[np.int64], update: Update,
+    ) -> list[Rows]:  # fmt: skip
+        """Feed one source's records to its reader, a run of one connection at a time."""
+        reader = self.readers[number]
+        name = reader.source.name
+        found: list[Rows] = []
+        self._watch_silence(name, rows, records, times)
+        closed = records["kind"][rows] == journal.CLOSED
+        connection = records["connection"][rows]
+        cuts = np.flatnonzero((np.diff(connection) != 0) | closed[:-1]) + 1
+        for run in np.split(rows, cuts):
+            kinds = records["kind"][run]
+            got = run[kinds == journal.BYTES]
+            closes = bool((kinds == journal.CLOSED).any())
+            for row in run[kinds == journal.CONNECTED].tolist():
+                self.counts[f"connections {name}"] += 1
+                self._tell(
+                    records[row],
+                    "connected",
+                    payloads[row].decode(errors="replace"),
+                    name,
+                    int(records["connection"][row]),
+                )
+            if not len(got) and not closes:
+                continue
+            stamps = got if len(got) else run[-1:]
+            chunk = Chunk(int(records["connection"][run[0]]), [payloads[row] for row in got.tolist()], times[stamps],
+                          records["sequence"][stamps].astype(np.int64), records["wall"][stamps], closes)  # fmt: skip
+            for reading in reader.read(chunk):
+                found += self._use(reading, reader, update)
+        return found
+
+    def _watch_silence(
+        self, name: str, rows: npt.NDArray[np.int64], records: Rows, times: npt.NDArray[np.int64]
+    ) -> None:
+        heard = rows[records["kind"][rows] == journal.BYTES]
+        if not len(heard):
+            return
+        silence = int(self.configuration.sources[name].silence * SECOND)
+        before = np.concatenate([[self.last_seen.get(name, int(times[heard[0]]))], times[heard]])
+        for index in np.flatnonzero(np.diff(before) > silence).tolist():
+            quiet = (int(before[index + 1]) - int(before[index])) / SECOND
+            self._tell(records[heard[index]], "silence", f"nothing came for {quiet:.1f} s", name)
+        self.last_seen[name] = int(times[heard[-1]])
+
+    def _use(self, reading: Reading, reader: SourceReader, update: Update) -> list[Rows]:
+        """Rig quantities to their tracks, stations to the path; triples and image rows become pending rows."""
+        self.counts["keep_alives"] += reading.keep_alives
+        for name, values in reading.rig.items():
+            self.rig.tracks[name].append(reading.time, reading.order, values)
+        for station in reading.stations.tolist():
+            self._station(station, reader.source.name, int(reading.wall[-1]), update)
+        found = []
+        caliper = reader.source.caliper
+        if caliper and len(reading.triple_frame):
+            rows = self._pending_rows(reading, reading.triple_frame, caliper.latency, caliper.offset)
+            rows["depth"], rows["toolface"], rows["radius"] = reading.triples.T
+            rows["flags"], rows["image"] = reading.triple_flags, -1
+            found.append(rows)
+        for image, frame, depth, values, flags in reading.images:
+            rows = self._pending_rows(reading, frame, image.latency, image.offset)
+            rows["depth"], rows["flags"], rows["image"] = depth, flags, self._image_list.index(image)
+            rows["row"] = np.arange(self._next_row, self._next_row + len(rows))
+            self._held_rows.update(zip(rows["row"].tolist(), values, strict=True))
+            self._next_row += len(rows)
+            found.append(rows)
+        return found
+
+    @staticmethod
+    def _pending_rows(reading: Reading, frame: npt.NDArray[np.int64], latency: float, offset: float) -> Rows:
+        rows = np.zeros(len(frame), PENDING)
+        rows["received"] = reading.order[frame]
+        rows["time"] = reading.time[frame] - int(latency * SECOND)
+        rows["order"] = reading.order[frame] if latency == 0 else -1
+        rows["offset"] = offset
+        return rows
+
+    def _station(self, station: list[float], source: str, wall: int, update: Update) -> None:
+        moved, refused = self.stations.take(*station)
+        if refused:
+            self.events.tell(Event(wall, source, 0, 0, -1, "station", refused))
+        if moved is not None:
+            update.path_from = moved if update.path_from is None else min(moved, update.path_from)
+
+    def _pushed(
+        self, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes], times: npt.NDArray[np.int64],
+        update: Update,
+    ) -> list[Rows]:  # fmt: skip
+        """What the host pushed: samples, stations, image rows, each with its depth."""
+        found = []
+        for row in rows.tolist():
+            kind, payload, time = int(records["kind"][row]), payloads[row], int(times[row])
+            if kind == journal.SAMPLES:
+                depth, toolface, radius, stamp = np.frombuffer(payload).reshape(4, -1)
+                pending = np.zeros(len(depth), PENDING)
+                pending["depth"], pending["toolface"], pending["radius"] = depth, np.mod(toolface, 360.0), radius
+                pending["time"] = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
+                pending["order"], pending["image"] = int(records["sequence"][row]) << 20, -1
+                pending["received"] = pending["order"]
+                found.append(pending)
+            elif kind == journal.STATIONS:
+                for station in np.frombuffer(payload).reshape(3, -1).T.tolist():
+                    self._station(station, "", int(records["wall"][row]), update)
+            elif kind == journal.IMAGE:
+                head, _, values = payload.partition(b"\n")
+                name, sectors, unit = json.loads(head)
+                table = np.frombuffer(values).reshape(-1, sectors + 1)
+                image = self.images.setdefault(name, ImageRows(sectors, unit))
+                start, stop = image.append(table[:, 0], table[:, 1:])
+                update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+        return found
+
+    def _place(self, now: int, wall: int, update: Update) -> None:
+        """Give depths to what waits, draw what is ready, keep the rest."""
+        rows = self._pending
+        depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
+        flags = flags | rows["flags"]
+        ready |= (rows["flags"] & int(NEVER_DRAWN)) != 0  # needs no depth
+        self._pending = rows[~ready]
+        late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
+        flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known
+        triples = ready & (rows["image"] < 0)
+        self._draw(rows[triples], depth[triples], kind[triples], flags[triples], wall, update)
+        for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
+            self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
+
+    def _draw(
+        self, rows: Rows, depth: npt.NDArray[np.float64], kind: npt.NDArray[np.int64], flags: npt.NDArray[np.int64],
+        wall: int, update: Update,
+    ) -> None:  # fmt: skip
+        if not len(rows):
+            return
+        self.counts["received"] += len(rows)
+        if flags.any():
+            for flag in Flag:
+                self.counts[f"flag {flag.name}"] += int(np.count_nonzero(flags & flag))
+        good = (flags & int(NEVER_DRAWN)) == 0
+        time = (rows["time"] - self.clock.began) / SECOND
+        drawn = np.zeros(len(rows), bool)
+        for row, (name, layer) in enumerate(self.layers.items()):
+            chosen = good & self._drawn_by[row, kind]
+            if not chosen.any():
+                continue
+            drawn |= chosen
+            update.changes[name] = joined(update.changes.get(name), layer.append(
+                depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
+            self._watch_depth(name, depth[chosen], wall)
+        self.counts["drawn"] += int(np.count_nonzero(drawn))
+        self.counts["kept apart"] += int(np.count_nonzero(good & ~drawn))
+        self.counts["not drawn"] += int(np.count_nonzero(~good))
+
+    def _watch_depth(self, name: str, depth: npt.NDArray[np.float64], wall: int) -> None:
+        """An event where the wall jumps over more depth than its samples reach."""
+        limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
+        deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
+        for index in np.flatnonzero(np.diff(deepest) > limit)[:10].tolist():
+            if np.isfinite(deepest[index]):
+                text = f"layer {name}: no samples from {deepest[index]:.3f} m to {depth[index]:.3f} m"
+                self.events.tell(Event(wall, "", 0, 0, -1, "depth_gap", text))
+        self._deepest[name] = float(deepest[-1])
+
+    def _draw_image(
+        self, index: int, rows: Rows, depth: npt.NDArray[np.float64], flags: npt.NDArray[np.int64],
+        chosen: npt.NDArray[np.bool_], update: Update,
+    ) -> None:  # fmt: skip
+        name = self._image_list[index].name
+        good = chosen & ((flags & NEVER_DRAWN) == 0)
+        held = {int(row): self._held_rows.pop(int(row)) for row in rows["row"][chosen].tolist()}
+        self.counts[f"image {name} rows not drawn"] += int(np.count_nonzero(chosen & ~good))
+        if good.any():
+            values = np.array([held[row] for row in rows["row"][good].tolist()])
+            start, stop = self.images[name].append(depth[good], values)
+            update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+
+
+def joined(first: Change | None, second: Change) -> Change:
+    """Return one Change for two in a row."""
+    if first is None:
+        return second
+    ranges: list[list[int]] = []
+    for start, stop in sorted([*first.ranges.tolist(), *second.ranges.tolist()]):
+        if ranges and start <= ranges[-1][1]:
+            ranges[-1][1] = max(stop, ranges[-1][1])
+        else:
+            ranges.append([start, stop])
+    return Change(
+        np.array(ranges, np.int64).reshape(-1, 2),
+        second.settled,
+        first.accepted + second.accepted,
+        first.redundant + second.redundant,
+    )

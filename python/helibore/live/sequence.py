@@ -1,0 +1,75 @@
+"""Sequence numbers (item 04) of one record of one source: gaps, late arrivals, resets, the wrap at 2^31.
+
+    expected n = last + 1     n > last + 1: numbers are missing     n <= last and missing: late     else: repeated
+
+A repeated number whose successor follows is a counter that was reset. Whether a repeated frame is a duplicate is
+decided by its text (``mapping.py``), not here: two frames with one number and other values are both kept.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.live.events import Flag
+
+WRAP = 1 << 31
+LONGEST_GAP = 65536
+
+
+class SequenceWatch:
+    """Watches one counter.
+
+    Attributes
+    ----------
+    missing
+        Numbers that were skipped and may still come.
+    lost
+        Numbers skipped so far that have not come.
+    """
+
+    def __init__(self) -> None:
+        self.last: int | None = None
+        self.missing: set[int] = set()
+        self.lost = 0
+        self._repeated: int | None = None
+
+    def take(self, numbers: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], list[tuple[int, str, str]]]:
+        """Return flags (GAP_BEFORE, LATE) for each number, and (index, rule, text) of what is worth an event."""
+        flags = np.zeros(len(numbers), np.int64)
+        known = np.flatnonzero((numbers >= 0) & (numbers < WRAP))
+        if not len(known):
+            return flags, []
+        whole = numbers[known].astype(np.int64)
+        if self.last is not None and whole[0] == self.last + 1 and (np.diff(whole) == 1).all():
+            self.last, self._repeated = int(whole[-1]), None
+            return flags, []
+        told: list[tuple[int, str, str]] = []
+        for index, number in zip(known.tolist(), whole.tolist(), strict=True):
+            flag, rule, text = self._step(number)
+            flags[index] |= flag
+            if rule:
+                told.append((index, rule, text))
+        return flags, told
+
+    def _step(self, number: int) -> tuple[int, str, str]:
+        last = self.last
+        if last is None or number == last + 1 or (last == WRAP - 1 and number == 0):
+            self.last, self._repeated = number, None
+            return 0, "", ""
+        if number > last and number - last <= LONGEST_GAP:
+            self.missing.update(range(last + 1, number))
+            if len(self.missing) > LONGEST_GAP:
+                self.missing = set(sorted(self.missing)[-LONGEST_GAP:])
+            self.lost += number - last - 1
+            self.last, self._repeated = number, None
+            return Flag.GAP_BEFORE, "gap", f"sequence number {number} after {last}: {number - last - 1} missing"
+        if number in self.missing:
+            self.missing.discard(number)
+            self.lost -= 1
+            return Flag.LATE, "late", f"sequence number {number} after {last}: late"
+        if number > last or number == (self._repeated if self._repeated is not None else number) + 1:
+            self.last, self._repeated, self.missing = number, None, set()
+            return Flag.GAP_BEFORE, "reset", f"sequence number {number} after {last}: the counter was reset"
+        self._repeated = number
+        return 0, "repeated", f"sequence number {number} after {last}: repeated"
