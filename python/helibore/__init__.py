@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
 from helibore.caliper import Caliper
@@ -11,6 +11,7 @@ from helibore.survey import Path, Survey
 from helibore.wall import Change, Settings, Wall, reconstruct
 
 if TYPE_CHECKING:
+    from helibore.files import open as open  # noqa: A004
     from helibore.live.live import Live
 
 __all__ = [
@@ -28,10 +29,17 @@ __all__ = [
 ]
 
 
-def __getattr__(name: str) -> type[Live]:
-    """Load the live part when it is asked for; `import helibore` stays small."""
+def __getattr__(name: str) -> Any:
+    """Load the live part and the readers when they are asked for; `import helibore` stays small.
+
+    ``open`` stays out of ``__all__``: a star import must not shadow the builtin.
+    """
     if name == "Live":
         from helibore.live.live import Live
 
         return Live
+    if name == "open":
+        from helibore.files import open  # noqa: A004
+
+        return open
     raise AttributeError(f"module 'helibore' has no attribute '{name}'")

@@ -1,0 +1,112 @@
+"""How long opening field files takes, beside the libraries that read them: plain functions that return dicts.
+
+    las()    P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it, beside lasio
+    table()  a CSV of samples of 100 MB (depth, toolface, radius, time), beside pyarrow's own read
+
+Both sides run in turn in one process; a ratio is taken of each turn, and its median and spread are told. Every value is
+loaded on our side (nulls replaced and counted), and the values are compared first.
+
+    python bench/file_reading.py [las file]
+"""
+
+from __future__ import annotations
+
+import statistics
+import sys
+import tempfile
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+import helibore as hb
+
+REAL = Path(__file__).parents[2] / "shared" / "data" / "lwd-images" / "P11-A-02_Composite_MEM_Image_NF.las"
+
+
+def las(path: Path | None = None, turns: int = 7) -> dict[str, float | str]:
+    """Opening a LAS 2.0 image file and loading every channel, beside ``lasio.read``. Bar: at most 1.2 times."""
+    import lasio
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = path or (REAL if REAL.exists() else written_las(Path(folder) / "like.las"))
+        theirs = lasio.read(path)
+        ours = hb.open(path).set()
+        for curve in theirs.curves:
+            np.testing.assert_array_equal(ours[curve.mnemonic].values, curve.data)
+        return {"file": path.name} | alternately(lambda: load(path), lambda: lasio.read(path), turns)
+
+
+def table(megabytes: int = 100, turns: int = 5) -> dict[str, float | str]:
+    """Opening a CSV of samples and loading every column, beside ``pyarrow.csv.read_csv``. Bar: at most 1.5 times."""
+    from pyarrow import csv
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = written_table(Path(folder) / "samples.csv", megabytes)
+        theirs = csv.read_csv(path)
+        ours = hb.open(path).set()
+        for name in theirs.column_names:
+            np.testing.assert_array_equal(ours[name].values, theirs[name].to_numpy())
+        del theirs, ours
+        size = path.stat().st_size
+        return {"bytes": size} | alternately(lambda: load(path), lambda: csv.read_csv(path), turns)
+
+
+def load(path: Path) -> None:
+    """Open a file and load every value."""
+    for channel in hb.open(path).set():
+        _ = channel.values
+
+
+def alternately(ours: Callable[[], object], theirs: Callable[[], object], turns: int) -> dict[str, float | str]:
+    """Time two calls in turn: seconds of each (median), and the ratio's median, smallest and largest."""
+    seconds: list[tuple[float, float]] = []
+    for _ in range(turns):
+        pair = []
+        for call in (ours, theirs):
+            start = time.perf_counter()
+            call()
+            pair.append(time.perf_counter() - start)
+        seconds.append((pair[0], pair[1]))
+    ratios = [our / their for our, their in seconds]
+    return {
+        "seconds": statistics.median(our for our, _ in seconds),
+        "peer_seconds": statistics.median(their for _, their in seconds),
+        "ratio": statistics.median(ratios),
+        "ratio_smallest": min(ratios),
+        "ratio_largest": max(ratios),
+    }
+
+
+def written_table(path: Path, megabytes: int) -> Path:
+    """Write samples of a turning tool until the file has the size."""
+    random = np.random.default_rng(1)
+    rows = 100_000
+    with path.open("w") as file:
+        file.write("depth_m,toolface_deg,radius_m,time_s\n")
+        start = 0
+        while file.tell() < megabytes * 1_000_000:
+            count = np.arange(start, start + rows)
+            columns = (1000 + count * 4e-5, count * 37.1 % 360, 0.108 + random.normal(0, 0.001, rows), count * 0.001)
+            np.savetxt(file, np.column_stack(columns), fmt=["%.5f", "%.3f", "%.6f", "%.3f"], delimiter=",")
+            start += rows
+    return path
+
+
+def written_las(path: Path, rows: int = 7361, columns: int = 52) -> Path:
+    """Write a LAS 2.0 file of the shape of P11-A-02 for machines that do not have it."""
+    curves = "".join(f" C{number:02d}M .g/cc : curve\n" for number in range(1, columns))
+    values = np.random.default_rng(2).normal(2.3, 0.1, (rows, columns))
+    values[np.random.default_rng(3).random((rows, columns)) < 0.1] = -999.25
+    values[:, 0] = 1950 + 0.1 * np.arange(rows)
+    head = "~V\n VERS. 2.0 :\n WRAP. NO :\n~W\n STRT.m 1950 :\n STOP.m 2686 :\n STEP.m 0.1 :\n NULL. -999.25 :\n"
+    with path.open("w") as file:
+        file.write(f"{head}~C\n DEPT .m : depth\n{curves}~A\n")
+        np.savetxt(file, values, fmt="%10.4f")
+    return path
+
+
+if __name__ == "__main__":
+    print("las  ", las(Path(sys.argv[1]) if len(sys.argv) > 1 else None))
+    print("table", table())

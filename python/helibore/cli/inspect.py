@@ -1,0 +1,132 @@
+"""``helibore inspect FILE``: what a file holds, what each channel is taken for and why, and the map to change it.
+
+Prints a table for each set (or the one named), the remarks of the reader, and the role map as TOML, ready to edit and
+to pass back with ``--map``. Builds nothing.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Literal
+
+import click
+import numpy as np
+from rich.console import Console
+from rich.markup import escape
+from rich.table import Table
+
+import helibore
+from helibore.files.channel import Channel, LogFile, LogSet
+from helibore.role_map import read_map, write_map
+from helibore.roles import ROLES, Role, RoleMap, guess
+
+
+@click.command()
+@click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
+@click.option(
+    "--map", "map_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), help="TOML map of roles."
+)
+@click.option("--set", "set_name", help="Look at this set only (a file may hold several).")
+@click.option("--toml", is_flag=True, help="Print the role map alone, for a file.")
+def inspect(file: Path, map_file: Path | None, set_name: str | None, toml: bool) -> None:
+    """List the channels of FILE, their units, ranges and gaps, and what each is taken for."""
+    try:
+        with helibore.open(file) as opened:
+            mapped = read_map(map_file, opened) if map_file else None
+            if mapped:
+                set_name = _same_set(set_name, mapped)
+            if toml and set_name is None:
+                set_name = opened.set().name
+            chosen = [opened.set(set_name)] if set_name is not None else list(opened.sets)
+            several = len(opened.sets) > 1
+            if toml:
+                click.echo(write_map(mapped or guess(chosen[0]), several))
+                return
+            show(Console(), opened, chosen, mapped)
+    except (ValueError, ImportError) as error:
+        raise click.UsageError(str(error)) from error
+
+
+def _same_set(set_name: str | None, mapped: RoleMap) -> str | None:
+    if set_name not in (None, mapped.set_name):
+        raise ValueError(f"--set {set_name}: the map is for the set {mapped.set_name}")
+    return mapped.set_name
+
+
+def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap | None) -> None:
+    """Print one table a set, the remarks, and the map."""
+    console.print(f"[bold]{escape(opened.path.name)}[/]: {escape(opened.format)}, {len(opened.sets)} set(s)")
+    for one in sets:
+        roles = mapped or guess(one)
+        console.print(table(one, roles))
+        for remark in [*one.remarks, *depth_remarks(one, roles)]:
+            console.print(f"  - {escape(remark)}", highlight=False)
+        console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
+        # Printed bare: neither wrapped nor coloured, so that it can be copied.
+        click.echo(write_map(roles, len(opened.sets) > 1))
+
+
+def table(one: LogSet, roles: RoleMap) -> Table:
+    """Return the channels of a set as a table."""
+    drawn = Table(title=f"{one.name}: {one.rows:,} rows", title_justify="left")
+    for heading in ("channel", "unit", "sectors", "range", "missing", "role", "why"):
+        justify: Literal["left", "right"] = "right" if heading in ("sectors", "missing") else "left"
+        drawn.add_column(heading, justify=justify, overflow="fold", min_width=30 if heading == "why" else None)
+    for channel in one:
+        role = roles.roles.get(channel.name) or Role(channel.name, "none", "")
+        drawn.add_row(
+            escape(channel.name),
+            _unit(role),
+            str(channel.shape[1]) if len(channel.shape) == 2 else "",
+            escape(span(channel)),
+            share(channel),
+            "" if role.role == "none" else f"[green]{role.role}[/]",
+            escape(role.reason),
+        )
+    return drawn
+
+
+def _unit(role: Role) -> str:
+    needed = bool(ROLES[role.role]) and role.role != "time"
+    return escape(role.unit) or ("[red]missing[/]" if needed else "")
+
+
+def span(channel: Channel) -> str:
+    """Smallest and largest value, or the first text."""
+    if channel.is_text:
+        return f"text: {str(channel.values.flat[0])[:24]!r} ..." if channel.values.size else "text"
+    found = channel.values[np.isfinite(channel.values)]
+    return f"{found.min():.7g} .. {found.max():.7g}" if found.size else "no values"
+
+
+def share(channel: Channel) -> str:
+    """Missing values: count and percent."""
+    total = channel.values.size
+    return f"{channel.missing:,} ({100 * channel.missing / total:.1f} %)" if channel.missing and total else "0"
+
+
+def depth_remarks(one: LogSet, roles: RoleMap) -> list[str]:
+    """Direction, repeats and gaps of the depth channel, as sentences; a gap is over three times the median step."""
+    role = roles.one("depth")
+    if role is None or one[role.channel].is_text:
+        return []
+    depth = one.numbers(role.channel)
+    steps = np.diff(depth[np.isfinite(depth)])
+    if not steps.size:
+        return []
+    found = []
+    rising, falling, level = (int(np.count_nonzero(mask)) for mask in (steps > 0, steps < 0, steps == 0))
+    if rising and falling:
+        found.append(f"{role.channel}: rises {rising:,} and falls {falling:,} times: passes, or samples in no order")
+    elif falling:
+        found.append(f"{role.channel}: falls: logged upwards")
+    if level:
+        found.append(f"{role.channel}: {level:,} rows repeat the depth before")
+    sizes = np.abs(steps[steps != 0])
+    if sizes.size:
+        usual = float(np.median(sizes))
+        gaps = sizes[sizes > 3.0 * usual]
+        found.append(f"{role.channel}: median step {usual:.6g} {role.unit}".rstrip())
+        if gaps.size:
+            found.append(f"{role.channel}: {gaps.size:,} gaps, the largest {gaps.max():.6g} {role.unit}".rstrip())
+    return found

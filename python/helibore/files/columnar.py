@@ -1,0 +1,129 @@
+"""Parquet tables and NPZ archives: binary columns, each read when first asked.
+
+Parquet: a number column -> (n,); a list column of constant length K -> (n, K); unit from the field's metadata
+         ("unit" or "uom"), else from the name
+NPZ:     arrays with the most common first length n are channels (n,) or (n, K); an array of length K beside an
+         (n, K) one is that image's sector axis
+"""
+
+from __future__ import annotations
+
+import zipfile
+import zlib
+from collections import Counter
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+
+from .channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
+from .headings import describe
+from .source import GZIP_FREE, GZIP_RATIO, Source, complaint, missing_library
+
+
+def read_parquet(source: Source, nulls: tuple[float, ...]) -> LogFile:
+    """Open a Parquet file; columns are read when asked."""
+    try:
+        import pyarrow as pa
+        from pyarrow import parquet
+    except ImportError as error:
+        raise missing_library("pyarrow", "parquet") from error
+    try:
+        file = parquet.ParquetFile(source.path)
+        schema, rows = file.schema_arrow, file.metadata.num_rows
+        names = unique(list(schema.names))
+    except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
+        raise complaint(source.path, f"truncated or damaged Parquet ({str(error).splitlines()[0]})") from error
+    if not rows or not names:
+        raise complaint(source.path, "Parquet without rows" if names else "Parquet without columns")
+    channels = []
+    remarks = []
+    for position, name in enumerate(names):
+        kind = schema.field(position).type
+        load = _parquet_loader(source, file, schema.names[position])
+        shape: tuple[int, ...] = (rows,)
+        if pa.types.is_list(kind) or pa.types.is_large_list(kind) or pa.types.is_fixed_size_list(kind):
+            shape = load().shape
+            kind = kind.value_type
+        number = pa.types.is_integer(kind) or pa.types.is_floating(kind) or pa.types.is_boolean(kind)
+        if pa.types.is_nested(kind):
+            remarks.append(f"{name}: a {kind} is not read")
+            continue
+        unit = _field_unit(schema.field(position)) or describe(name)
+        channels.append(Channel(name, unit, "", shape, load, nulls, None, not number and not pa.types.is_null(kind)))
+    one = LogSet(source.path, "table", channels, rows, None, {}, remarks)
+    return LogFile(source.path, "parquet", [one], file.close)
+
+
+def _field_unit(column: Any) -> str:
+    stated = column.metadata or {}
+    return (stated.get(b"unit") or stated.get(b"uom") or b"").decode("utf-8", "replace")
+
+
+def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]:
+    def load() -> Array:
+        import pyarrow as pa
+
+        try:
+            column = file.read([name]).column(0).combine_chunks()
+        except (pa.ArrowException, OSError, ValueError) as error:
+            raise complaint(source.path, f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
+        if not pa.types.is_nested(column.type):
+            return column.to_numpy(zero_copy_only=False)  # type: ignore[no-any-return]
+        lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
+        if len(lengths) != 1 or column.null_count:
+            raise complaint(source.path, f"lists of {len(lengths)} different lengths: must be one", column=name)
+        return column.flatten().to_numpy(zero_copy_only=False).reshape(len(column), -1)  # type: ignore[no-any-return]
+
+    return load
+
+
+def read_npz(source: Source, nulls: tuple[float, ...]) -> LogFile:
+    """Open an NPZ archive (never unpickling); arrays are read when asked."""
+    with zipfile.ZipFile(source.path) as archive:
+        unpacked = sum(entry.file_size for entry in archive.infolist())
+        packed = max(1, sum(entry.compress_size for entry in archive.infolist()))
+    if unpacked > GZIP_FREE and unpacked > GZIP_RATIO * packed:
+        raise complaint(source.path, f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
+    try:
+        archive = np.load(source.path, allow_pickle=False)
+        arrays = {name: archive[name] for name in archive.files}
+    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
+        raise complaint(source.path, f"damaged archive of arrays ({error})") from error
+    shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]
+    if not shapes:
+        raise complaint(source.path, "no array of one or two dimensions")
+    rows = _row_count(shapes)
+    channels = []
+    remarks = []
+    for name, array in arrays.items():
+        axis = _axis_beside(array, rows, arrays)
+        is_axis = array.ndim == 1 and any(other.shape == (rows, array.size) for other in arrays.values())
+        if array.ndim not in (1, 2) or array.dtype.kind not in "fiuUSb" or not (len(array) == rows or is_axis):
+            remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
+            continue
+        text = array.dtype.kind in "US"
+        channels.append(Channel(name, describe(name), "", array.shape, _keep(array), nulls, axis, text))
+    return LogFile(source.path, "npz", [LogSet(source.path, "arrays", channels, rows, None, {}, remarks)])
+
+
+def _row_count(shapes: list[tuple[int, ...]]) -> int:
+    """First length of the images if there are any, else the most common length."""
+    images = [shape[0] for shape in shapes if len(shape) == 2]
+    return Counter(images or [shape[0] for shape in shapes]).most_common(1)[0][0]
+
+
+def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxis | None:
+    """The evenly spaced column of length K that lies beside an (n, K) image."""
+    if array.ndim != 2 or array.shape[0] != rows:
+        return None
+    for name, other in arrays.items():
+        if other.shape == (array.shape[1],) and array.shape[1] != rows and other.dtype.kind in "fiu" and other.size > 1:
+            steps = np.diff(other.astype(np.float64))
+            even = np.allclose(steps, steps[0], rtol=1e-6, atol=1e-9)
+            return SectorAxis(float(other[0]), float(steps[0]) if even else float("nan"), describe(name))
+    return None
+
+
+def _keep(array: Array) -> Callable[[], Array]:
+    return lambda: array

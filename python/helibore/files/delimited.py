@@ -1,0 +1,283 @@
+"""CSV, TSV and semicolon tables, plain or gzipped, read with pyarrow.
+
+    # comment lines                      kept as remarks
+    depth_m,toolface_deg,radius_mm       the header; a second line of units is taken as such
+    1000.0,12.5,108.1
+
+A column is numbers when everything in its first 2 MiB is; a cell that is not a number after that is an error that names
+its line. Decimal commas and blank-separated columns are refused, not guessed. Units come from the header
+(``helibore.files.headings``).
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from itertools import islice
+from types import ModuleType
+from typing import Any
+
+from .channel import EXACT, Array, Channel, LogFile, LogSet, unique
+from .headings import describe, is_number, is_units_row
+from .source import LINE_LIMIT, UTF8_BOM, Source, complaint, decode, missing_library
+
+DELIMITERS = (",", "\t", ";", "|")
+NULL_TEXTS = ("", "-", "--", "NaN", "nan", "NAN", "null", "NULL", "(null)", "N/A", "n/a", "NA", "#N/A", "None", "-nan")
+# What pyarrow says of a cell that does not fit its column.
+NOT_A_NUMBER = re.compile(r"In CSV column #(?P<column>\d+): .*invalid value '(?P<cell>.*)'", re.DOTALL)
+
+HEADING_LINES = 500
+"""The header must stand within this many lines."""
+
+
+@dataclass
+class Layout:
+    """How a table is laid out: what stands above the rows, and what separates the cells."""
+
+    delimiter: str
+    names: list[str]
+    units: list[str] | None
+    skip: int
+    remarks: list[str] = field(default_factory=list)
+
+
+def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
+    """Open a delimited table."""
+    head, remark = _head_text(source)
+    layout = find_layout(source, head)
+    if remark:
+        layout.remarks.append(remark)
+    table = _table(source, layout, head, "utf8" if not remark else "cp1252")
+    names = unique(layout.names)
+    channels = []
+    for position, name in enumerate(names):
+        unit = layout.units[position] if layout.units else describe(name)
+        column = table.column(position)
+        text = str(column.type) in ("string", "large_string")
+        channels.append(Channel(name, unit, "", (table.num_rows,), _loader(column), nulls, is_text=text))
+    line_of = _line_finder(source, layout)
+    one = LogSet(source.path, "table", channels, table.num_rows, None, {}, layout.remarks, line_of)
+    return LogFile(source.path, "csv", [one])
+
+
+def _head_text(source: Source) -> tuple[str, str]:
+    """The first 2 MiB of the file, cut at the last whole line, and the remark on the encoding."""
+    with source.stream() as stream:
+        head = stream.read(2 * LINE_LIMIT)
+        more = bool(stream.read(1))
+    if more:
+        end = head.rfind(b"\n")
+        if end < 0:
+            raise source.line_too_long(1)
+        if len(head) - end > LINE_LIMIT:
+            raise source.line_too_long(head.count(b"\n") + 1)
+        head = head[: end + 1]
+    return decode(source.path, head)
+
+
+def find_layout(source: Source, head: str) -> Layout:
+    """Find delimiter, header and units row in the first lines of a table, or say which rule they break."""
+    remarks = []
+    lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
+    start = 0
+    while start < len(lines) and (not lines[start].strip() or lines[start].lstrip().startswith("#")):
+        if comment := lines[start].strip(" #\t"):
+            remarks.append(f"comment: {comment}")
+        start += 1
+    rows = [line for line in lines[start:] if line.strip()]
+    if not rows:
+        raise complaint(source.path, f"no header and no rows within {HEADING_LINES} lines", start)
+    delimiter = _delimiter(source, rows, start + 1)
+    first = split(rows[0], delimiter)
+    if all(is_number(cell) for cell in first):
+        return _without_header(lines, start, delimiter, len(first), remarks)
+    if any(not cell for cell in first) and not first[-1] and len(rows) > 1 and not split(rows[1], delimiter)[-1]:
+        remarks.append("the header and the rows end in a delimiter: the last column has no name")
+    names = [cell or f"column {number}" for number, cell in enumerate(first, 1)]
+    second = split(rows[1], delimiter) if len(rows) > 1 else []
+    units = None
+    skip = lines.index(rows[0], start) + 1
+    if len(second) == len(names) and is_units_row(second):
+        units = [cell.strip("()[] ") for cell in second]
+        skip = lines.index(rows[1], skip) + 1
+    return Layout(delimiter, names, units, skip, remarks)
+
+
+def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> Layout:
+    """Names for a table that starts with numbers: the last comment line if it fits (numpy.savetxt), else numbered."""
+    for line in reversed(lines[:start]):
+        names = split(line.strip().lstrip("#"), delimiter)
+        if len(names) == width and width > 1 and all(names):
+            remarks = [remark for remark in remarks if remark != f"comment: {line.strip(' #')}"]
+            return Layout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
+    remarks = [*remarks, f"line {start + 1}: numbers, so there is no header: columns are named by their number"]
+    return Layout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
+
+
+def split(line: str, delimiter: str) -> list[str]:
+    """Split one line into cells, quotes honoured, blanks trimmed."""
+    if '"' not in line:
+        return [cell.strip() for cell in line.split(delimiter)]
+    cells, cell, quoted = [], "", False
+    for piece in line:
+        if piece == '"':
+            quoted = not quoted
+        elif piece == delimiter and not quoted:
+            cells.append(cell.strip())
+            cell = ""
+        else:
+            cell += piece
+    return [*cells, cell.strip()]
+
+
+def _delimiter(source: Source, rows: list[str], line: int) -> str:
+    """The delimiter that cuts the first rows into the same number (above one) of cells."""
+    sample = rows[:20]
+    widths = {mark: [len(split(row, mark)) for row in sample] for mark in DELIMITERS}
+    even = [mark for mark in DELIMITERS if widths[mark][0] > 1 and len(set(widths[mark])) == 1]
+    if len(even) > 1:  # "1,5;2,5" cuts evenly at both: a header without commas means decimal commas
+        even = [mark for mark in even if not (mark == "," and ";" in even)]
+        even.sort(key=lambda mark: -widths[mark][0])
+    if even:
+        return even[0]
+    likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
+    if widths[likely][0] > 1:
+        return likely  # ragged: pyarrow names the row
+    if len(sample) > 1 and len(rows[0].split()) > 1:
+        rule = "columns are separated by blanks: read are comma, tab, semicolon and |"
+        raise complaint(source.path, rule, line)
+    if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
+        rule = "the header has one column, the rows have more: another delimiter?"
+        raise complaint(source.path, rule, line)
+    if len(sample) > 1 and all(is_number(row) for row in sample[1:]):
+        return ","  # one column of numbers under a name
+    raise complaint(source.path, "not a table: no comma, tab, semicolon or | separates columns", line)
+
+
+def _arrow() -> tuple[ModuleType, Any]:
+    try:
+        import pyarrow as pa
+        from pyarrow import csv
+    except ImportError as error:
+        raise missing_library("pyarrow", "parquet") from error
+    return pa, csv
+
+
+def _table(source: Source, layout: Layout, head: str, encoding: str) -> Any:
+    """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall."""
+    pa, csv = _arrow()
+    numbered = [str(position) for position in range(len(layout.names))]  # repeated names would be refused
+    parse = csv.ParseOptions(delimiter=layout.delimiter, newlines_in_values=False)
+
+    def options(types: dict[str, Any] | None) -> dict[str, Any]:
+        return {
+            "read_options": csv.ReadOptions(
+                skip_rows=layout.skip, column_names=numbered, encoding=encoding, block_size=LINE_LIMIT
+            ),
+            "parse_options": parse,
+            "convert_options": csv.ConvertOptions(
+                null_values=list(NULL_TEXTS), column_types=types, strings_can_be_null=True, timestamp_parsers=[]
+            ),
+        }
+
+    start = UTF8_BOM if encoding == "utf8" and source.head.startswith(UTF8_BOM) else b""
+    try:
+        sample = csv.read_csv(io.BytesIO(start + head.encode(encoding)), **options(None))
+        if not sample.num_rows:
+            raise complaint(source.path, "a header and no rows", layout.skip)
+        types = {name: _column_type(pa, sample.column(name)) for name in numbered}
+        path = source.stream() if source.compressed else str(source.path)
+        table = csv.read_csv(path, **options(types))
+    except pa.ArrowInvalid as error:
+        raise _explain(source, layout, error) from error
+    except UnicodeDecodeError as error:
+        raise complaint(source.path, f"encodings are mixed: {error.reason} past the first 2 MiB") from error
+    if any(types[name] == pa.string() and _spans_lines(table.column(name)) for name in numbered):
+        raise _explain(source, layout, ValueError("a cell holds a line break"))
+    return table
+
+
+def _column_type(pa: ModuleType, column: Any) -> Any:
+    kind = column.type
+    if pa.types.is_integer(kind):
+        low, high = min_max(column)
+        return pa.int64() if max(abs(low), abs(high)) > EXACT else pa.float64()
+    if pa.types.is_floating(kind) or pa.types.is_null(kind):
+        return pa.float64()
+    return pa.string()
+
+
+def _spans_lines(column: Any) -> bool:
+    """Whether a cell holds a line break: an open quote swallows rows, and pyarrow lets it."""
+    import pyarrow.compute as pc
+
+    return bool(pc.any(pc.match_substring(column, "\n")).as_py())
+
+
+def min_max(column: Any) -> tuple[int, int]:
+    """Smallest and largest of an integer column, (0, 0) when it is empty."""
+    import pyarrow.compute as pc
+
+    both = pc.min_max(column).as_py()
+    return both["min"] or 0, both["max"] or 0
+
+
+def _loader(column: Any) -> Callable[[], Array]:
+    return lambda: column.to_numpy()
+
+
+def _explain(source: Source, layout: Layout, error: Exception) -> ValueError:
+    """Find the line that pyarrow stumbled over: it names none when it reads in threads."""
+    told = NOT_A_NUMBER.search(str(error))
+    if told and (found := _not_a_number(source, layout, int(told["column"]), told["cell"])):
+        return found
+    width = len(layout.names)
+    for line, raw in enumerate(islice(source.lines(), layout.skip, None), layout.skip + 1):
+        if b'"' not in raw and raw.count(layout.delimiter.encode()) == width - 1:
+            continue
+        text = raw.decode("utf-8", "replace").rstrip("\r\n")
+        if not text.strip():
+            continue
+        cells = split(text, layout.delimiter)
+        if len(cells) != width:
+            return complaint(source.path, f"{len(cells)} cells where the header has {width}{_hint(text, layout)}", line)
+        if text.count('"') % 2:
+            return complaint(source.path, "a quote is opened and not closed", line)
+    return complaint(source.path, str(error).splitlines()[0])
+
+
+def _hint(text: str, layout: Layout) -> str:
+    other = [mark for mark in DELIMITERS if mark != layout.delimiter and text.count(mark) == len(layout.names) - 1]
+    return f" (it has {len(layout.names)} when cut at {other[0]!r}: another delimiter?)" if other else ""
+
+
+def _not_a_number(source: Source, layout: Layout, position: int, cell: str) -> ValueError | None:
+    """The first line that has this cell in this column, None when an open quote hides it."""
+    if "\n" in cell:
+        return None
+    wanted = cell.strip()
+    for line, raw in enumerate(islice(source.lines(), layout.skip, None), layout.skip + 1):
+        if wanted.encode() not in raw:
+            continue
+        cells = split(raw.decode("utf-8", "replace"), layout.delimiter)
+        if len(cells) > position and cells[position] == wanted:
+            return complaint(source.path, f"{wanted[:40]!r} is not a number", line, layout.names[position])
+    return None
+
+
+def _line_finder(source: Source, layout: Layout) -> Callable[[int], int]:
+    """A function from row to line: blank lines are not rows, so it counts, and only when an error is to be told."""
+
+    def line_of(row: int) -> int:
+        line = layout.skip
+        for raw in islice(source.lines(), layout.skip, None):
+            line += 1
+            if raw.strip():
+                row -= 1
+                if row < 0:
+                    break
+        return line
+
+    return line_of

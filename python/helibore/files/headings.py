@@ -1,0 +1,55 @@
+"""Column headings: the unit written in a name (``depth_m``, ``Depth (ft)``, ``tdep_0.1in``), numbers, unit rows.
+
+    "pfc1_x_in" -> "in"      "Depth [ft]" -> "ft"      "MD" -> ""
+
+Only the spelling is read here; what a unit means is in ``helibore.units``.
+"""
+
+from __future__ import annotations
+
+import re
+
+# Spellings that may end a name after "_" or stand in a units row. Written in lower case; compared in lower case.
+_SPELLED = """
+    m mm cm km ft in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
+    deg degree degrees dega rad radian radians grad gon
+    s sec second seconds ms us min minute h hr hour hours day days
+    g/cc g/cm3 g/c3 kg/m3 gapi api ohm.m ohmm pu v/v % unitless b/e rpm c/min m/h m/hr ft/h ft/hr
+    psi kpa mpa bar pa degc degf klbf kn kkgf us/ft us/m mv v hz
+"""
+SPELLINGS = frozenset(_SPELLED.split())
+AMBIGUOUS = frozenset({"min", "v", "h", "pa", "grad", "second", "minute", "hour", "day", "days", "seconds", "hz"})
+"""Units of a units row that mean something else at the end of a name: ``radius_min``, ``res_h``."""
+
+BRACKETED = re.compile(r"[\[(]\s*([^\[\]()]+?)\s*[\])]\s*$")
+NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+
+
+def describe(name: str) -> str:
+    """Return the unit a column name ends in, as written, ``""`` where it states none."""
+    bracketed = BRACKETED.search(name)
+    if bracketed and not bracketed[1].isdigit():
+        return bracketed[1]
+    stem, mark, last = name.rpartition("_")
+    if mark and stem and last.lower() in SPELLINGS - AMBIGUOUS:
+        return last
+    camel = re.search(r"[a-z](Deg|Rad)$", name)
+    return camel[1].lower() if camel else ""
+
+
+def is_number(cell: str) -> bool:
+    """Whether a cell is a finite decimal number (not ``nan``, ``inf``, ``1_000`` or ``0x1f``)."""
+    return NUMBER.fullmatch(cell.strip()) is not None
+
+
+def to_float(cell: str) -> float:
+    """Return a cell as a number. Unlike ``float`` it takes neither ``1_000`` nor digits of other scripts."""
+    if "_" in cell or not cell.isascii():
+        raise ValueError(cell)
+    return float(cell)
+
+
+def is_units_row(cells: list[str]) -> bool:
+    """Whether a row is one of units: known spellings, perhaps in brackets, and blanks or dashes; at least one unit."""
+    spellings = [cell.strip("()[] -").lower() for cell in cells]
+    return any(spellings) and all(not spelling or spelling in SPELLINGS for spelling in spellings)

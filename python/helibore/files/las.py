@@ -1,0 +1,257 @@
+"""LAS 2.0 and LAS 3.0 files.
+
+    ~Version  VERS, WRAP, DLM                   one LogSet for each data section:
+    ~Well     STRT, STOP, STEP, NULL, WELL ...    ~A (LAS 2),  ~Log_Data[1] | Log_Definition[1] (LAS 3)
+    ~Curve    NAME.UNIT  value : description {AF8.3;10deg}
+
+The header of LAS 2 is read by lasio, which knows its many dialects. LAS 3 is read here: lasio 0.32 makes no arrays, no
+sets, and takes comma-delimited rows for one column without a word. The rows of both are read by ``las_rows``.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+
+from .channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
+from .las_rows import Rows, read_rows
+from .source import Source, complaint, missing_library
+
+# MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
+ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
+FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
+# One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
+SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")
+
+
+@dataclass
+class Section:
+    """One ~section: its title without the tilde, the line its title is on, and the lines below."""
+
+    title: str
+    line: int
+    lines: list[str] = field(default_factory=list)
+
+    @property
+    def kind(self) -> str:
+        """The title up to the first blank or bar, in upper case: ``LOG_DATA[1]``."""
+        return re.split(r"[\s|]", self.title.strip(), maxsplit=1)[0].upper()
+
+
+@dataclass
+class Curve:
+    """One line of a definition section."""
+
+    name: str
+    unit: str
+    description: str
+    axis: SectorAxis | None = None
+
+
+def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
+    """Open a LAS file of version 2 or 3."""
+    text, remark = source.text()
+    sections = find_sections(source, text)
+    version = _items(_section(source, sections, "V"))
+    number = version.get("VERS", "").strip()
+    try:
+        major = int(float(number))
+    except ValueError:
+        raise complaint(source.path, f"VERS = {number!r}: must be 2.0 or 3.0", sections[0].line) from None
+    if major not in (1, 2, 3):
+        raise complaint(source.path, f"VERS = {number}: LAS 2.0 and 3.0 are read", sections[0].line)
+    well = _items(_section(source, sections, "W")) if major == 3 else {}
+    remarks = [remark] if remark else []
+    if major == 3:
+        sets = _las3(source, sections, version, well, nulls, remarks)
+    else:
+        if major == 1:
+            remarks.append("LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section")
+        sets = [_las2(source, sections, version, nulls, remarks)]
+    return LogFile(source.path, f"LAS {number}", sets)
+
+
+def find_sections(source: Source, text: str) -> list[Section]:
+    """Cut the text at its ~ lines. Comments stay: rows and line numbers are told apart later."""
+    sections: list[Section] = []
+    for number, line in enumerate(text.split("\n"), 1):
+        if line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha()):
+            sections.append(Section(line.strip()[1:], number))
+        elif sections:
+            sections[-1].lines.append(line)
+    if len(sections) < 2:
+        raise complaint(source.path, "truncated: no section after ~Version", sections[0].line if sections else 1)
+    return sections
+
+
+def _section(source: Source, sections: list[Section], letter: str) -> Section:
+    for section in sections:
+        if section.kind.startswith(letter):
+            return section
+    name = {"V": "Version", "W": "Well", "C": "Curve", "A": "A(scii)"}[letter]
+    raise complaint(source.path, f"truncated or damaged: no ~{name} section")
+
+
+def _items(section: Section) -> dict[str, str]:
+    """Mnemonic to value of a header section of the form MNEM.UNIT VALUE : DESCRIPTION."""
+    values: dict[str, str] = {}
+    for line in section.lines:
+        match = ITEM.match(line)
+        if match and not line.lstrip().startswith("#"):
+            values.setdefault(match["name"].upper(), match["rest"].rpartition(":")[0].strip() or match["rest"].strip())
+    return values
+
+
+def _las2(
+    source: Source, sections: list[Section], version: dict[str, str], nulls: tuple[float, ...], remarks: list[str]
+) -> LogSet:
+    """The one set of a LAS 2 file: header by lasio, rows by ours."""
+    data = _section(source, sections, "A")
+    if data is not sections[-1]:
+        last = sections[-1]
+        remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
+    header = _lasio_header(source, sections, data)
+    names = unique([item.original_mnemonic.strip() or "UNKNOWN" for item in header.curves])
+    curves = [Curve(name, item.unit or "", item.descr or "") for name, item in zip(names, header.curves, strict=True)]
+    if not curves:
+        raise complaint(source.path, "the ~Curve section defines no curve", _section(source, sections, "C").line)
+    wrapped = version.get("WRAP", "NO").upper().startswith("Y")
+    rows = read_rows(source.path, data.lines, data.line + 1, [curve.name for curve in curves], None, wrapped)
+    well = {item.mnemonic: str(item.value) for item in header.well}
+    units = {item.mnemonic: item.unit for item in header.well}
+    declared = _null(well.get("NULL"))
+    one = _set(source, "log", curves, rows, nulls + declared, well, remarks)
+    _check_range(one, well, units)
+    return one
+
+
+def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any:
+    try:
+        import lasio
+    except ImportError as error:
+        raise missing_library("lasio", "las") from error
+    lines = []
+    for section in sections:
+        if section is not data:
+            lines += ["~" + section.title, *section.lines]
+    try:
+        return lasio.read(io.StringIO("\n".join([*lines, "~ASCII", ""])), ignore_data=True)
+    except Exception as error:  # lasio has no error class of its own: KeyError, LASHeaderError, IndexError ...
+        raise complaint(source.path, f"the header is damaged ({type(error).__name__}: {error})") from error
+
+
+def _null(text: str | None) -> tuple[float, ...]:
+    try:
+        return (float(text),) if text else ()
+    except ValueError:
+        return ()
+
+
+def _las3(
+    source: Source,
+    sections: list[Section],
+    version: dict[str, str],
+    well: dict[str, str],
+    nulls: tuple[float, ...],
+    remarks: list[str],
+) -> list[LogSet]:
+    """One set for each data section of a LAS 3 file that holds rows."""
+    delimiter = {"": None, "SPACE": None, "COMMA": ",", "TAB": "\t"}.get(version.get("DLM", "").upper(), "?")
+    if delimiter == "?":
+        raise complaint(source.path, f"DLM = {version['DLM']}: must be SPACE, COMMA or TAB", sections[0].line)
+    sets = []
+    for section in sections:
+        if not (section.kind.startswith(("A", "LOG_DATA")) or re.search(r"_DATA(\[\d+\])?$", section.kind)):
+            continue
+        definition = _definition(source, sections, section)
+        curves = _curves(source, definition)
+        rows = read_rows(source.path, section.lines, section.line + 1, [c.name for c in curves], delimiter, False)
+        declared = _null(well.get("NULL"))
+        sets.append(_set(source, section.kind.title(), curves, rows, nulls + declared, dict(well), list(remarks)))
+    if not sets:
+        raise complaint(source.path, "truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
+    return sets
+
+
+def _definition(source: Source, sections: list[Section], data: Section) -> Section:
+    """The section that defines the columns of ``data``: the one it names after ``|``, else of the same stem."""
+    named = data.title.partition("|")[2].strip().upper()
+    stem = data.kind.replace("_DATA", "_DEFINITION")
+    wanted = [named] if named else [*([stem] if stem != data.kind else []), "CURVE", "LOG_DEFINITION"]
+    for title in wanted:
+        for section in sections:
+            if section.kind == title or (title == "CURVE" and section.kind.startswith("C") and "_" not in section.kind):
+                return section
+    raise complaint(source.path, f"~{data.kind}: no section ~{wanted[0].title()} defines its columns", data.line)
+
+
+def _curves(source: Source, section: Section) -> list[Curve]:
+    """The columns a definition section defines, array members named ``NAME[1]`` with their angle."""
+    curves = []
+    for number, line in enumerate(section.lines, section.line + 1):
+        if not line.strip() or line.lstrip().startswith("#"):
+            continue
+        match = ITEM.match(line)
+        if not match or not match["name"]:
+            raise complaint(source.path, f"{line.strip()[:40]!r}: must read NAME.UNIT : DESCRIPTION", number)
+        rest = match["rest"]
+        form = FORMAT.search(rest)
+        axis = _axis(form["format"]) if form else None
+        described = FORMAT.sub("", rest).partition("|")[0]
+        curves.append(Curve(match["name"], match["unit"], described.partition(":")[2], axis))
+    if not curves:
+        raise complaint(source.path, f"~{section.kind} defines no column", section.line)
+    for curve, name in zip(curves, unique([curve.name for curve in curves]), strict=True):
+        curve.name = name
+    return curves
+
+
+def _axis(form: str) -> SectorAxis | None:
+    """The angle in an array format such as ``AF10.4;0deg``; a second axis (``;10ft``) is not an angle."""
+    parts = form.split(";")
+    if len(parts) < 2 or not parts[0].strip().upper().startswith("A"):
+        return None
+    spacing = SPACING.match(parts[1])
+    return SectorAxis(float(spacing["value"]), np.nan, spacing["unit"]) if spacing else None
+
+
+def _set(
+    source: Source,
+    name: str,
+    curves: list[Curve],
+    rows: Rows,
+    nulls: tuple[float, ...],
+    header: dict[str, str],
+    remarks: list[str],
+) -> LogSet:
+    channels = []
+    for curve, column in zip(curves, rows.columns, strict=True):
+        text = column.dtype.kind == "U"
+        channels.append(
+            Channel(curve.name, curve.unit, curve.description, column.shape, _keep(column), nulls, curve.axis, text)
+        )
+    return LogSet(source.path, name, channels, rows.count, curves[0].name, header, remarks + rows.remarks, rows.line_of)
+
+
+def _keep(column: Array) -> Callable[[], Array]:
+    return lambda: column
+
+
+def _check_range(one: LogSet, well: dict[str, str], units: dict[str, str]) -> None:
+    """Compare STRT, STOP and the index unit of the header with the rows; differences become remarks."""
+    index = one[str(one.index)]
+    if index.is_text or not one.rows:
+        return
+    for name, row in (("STRT", 0), ("STOP", -1)):
+        declared = _null(well.get(name))
+        found = float(index.values[row])
+        if declared and not np.isclose(declared[0], found, rtol=0, atol=1e-3 * max(1.0, abs(found) * 1e-3)):
+            one.remarks.append(f"{name} = {declared[0]:g} in the header, {found:g} in the rows: truncated or edited?")
+    unit = units.get("STRT") or ""
+    if unit and index.unit and unit.lower() != index.unit.lower():
+        one.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")

@@ -1,0 +1,85 @@
+"""Sector columns become one image: ABDC1M..ABDC16M, GRAS0M..7M, GRIM[1].., GRIM:1.., GRIM1.. -> (n, K).
+
+    stem  number  suffix            joined when: numbers run without a gap from 0 or 1, at least four of them,
+    ABDC    16      M               one unit, plain columns of numbers
+
+A series with a gap is left as columns and remarked on. Whether an image is what it looks like is for the roles.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+
+import numpy as np
+
+from .channel import Array, Channel, SectorAxis
+
+FEWEST = 4
+"""Fewer columns than this are not taken for an image: pairs and triples of sensors are common."""
+
+# The last run of digits counts the sector: GRIM[12], GRIM_12, GRIM:12, GRIM(12), ABDC12M.
+NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<suffix>\D{0,8})$")
+
+
+def join_sectors(channels: list[Channel], index: str | None) -> tuple[list[Channel], list[str]]:
+    """Return the channels with every series of sector columns joined, and remarks on series that have gaps."""
+    series: dict[tuple[str, str, str], list[tuple[int, Channel]]] = {}
+    for channel in channels:
+        match = NUMBERED.match(channel.name)
+        if match and len(channel.shape) == 1 and channel.name != index and not channel.is_text:
+            stem = match["stem"].rstrip("[_:(. -")
+            series.setdefault((stem, match["suffix"], channel.unit), []).append((int(match["number"]), channel))
+    images: dict[str, Channel] = {}
+    inside: set[str] = set()
+    remarks = []
+    taken = {channel.name for channel in channels}
+    for (stem, suffix, _), found in series.items():
+        numbers = [number for number, _ in found]
+        if len(found) < FEWEST or numbers[0] not in (0, 1):
+            continue
+        if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
+            remarks.append(f"{stem}{numbers[0]}{suffix} ...: {_gap(numbers)}; left as single columns")
+            continue
+        members = [channel for _, channel in found]
+        name = next(each for each in (stem, stem + suffix, f"{stem}#{suffix}", f"{stem}##") if each not in taken)
+        taken.add(name)
+        images[members[0].name] = _image(name, members)
+        inside.update(member.name for member in members)
+    joined = [
+        images.get(channel.name, channel)
+        for channel in channels
+        if channel.name in images or channel.name not in inside
+    ]
+    return joined, remarks
+
+
+def _gap(numbers: list[int]) -> str:
+    lacking = sorted(set(range(numbers[0], max(numbers) + 1)) - set(numbers))
+    if lacking:
+        return f"number {lacking[0]} of {numbers[0]}..{max(numbers)} is not in the file"
+    return "the numbers do not rise one by one"
+
+
+def _image(name: str, members: list[Channel]) -> Channel:
+    first = members[0]
+    described = next((member.description for member in members if member.description), "")
+    image = Channel(name, first.unit, described, (first.shape[0], len(members)), _stack(members), axis=_axis(members))
+    image.members = tuple(member.name for member in members)
+    return image
+
+
+def _axis(members: list[Channel]) -> SectorAxis | None:
+    """The members' own angles as one axis; step NaN where they are not evenly spaced."""
+    angles = [member.axis.first for member in members if member.axis is not None]
+    units = {member.axis.unit for member in members if member.axis is not None}
+    if len(angles) < len(members) or len(units) != 1:
+        return None
+    step = (angles[-1] - angles[0]) / (len(angles) - 1)
+    # Files round their angles (2.8125 deg is written 2.81): half a percent of a sector is still even.
+    even = all(abs(angle - angles[0] - sector * step) <= 0.005 * abs(step) for sector, angle in enumerate(angles))
+    return SectorAxis(angles[0], step if even else np.nan, units.pop())
+
+
+def _stack(members: list[Channel]) -> Callable[[], Array]:
+    return lambda: np.stack([member.values for member in members], axis=1)

@@ -1,0 +1,240 @@
+"""A file's bytes, read with bounds: plain or gzip, never more in memory than a caller asked for.
+
+    path -> magic bytes -> format name          (the extension is not looked at)
+    path -> stream()    -> bytes, gunzipped, a gzip bomb refused, a line longer than 1 MiB refused
+
+Knows nothing of channels.
+"""
+
+from __future__ import annotations
+
+import codecs
+import gzip
+import io
+import zipfile
+import zlib
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any, BinaryIO, cast
+
+LINE_LIMIT = 1 << 20
+"""Longest line (bytes) any text format may have; also the step in which text is read."""
+
+HEAD = 1 << 16
+"""Bytes looked at to tell the format."""
+
+TEXT_LIMIT = 1 << 30
+"""Largest text (bytes) of a format that is read whole (LAS)."""
+
+GZIP_FREE = 1 << 26
+"""Bytes a gzip stream may always unpack to; beyond them the ratio below holds."""
+
+GZIP_RATIO = 200
+"""Unpacked bytes per packed byte. Logs that are mostly -999.25 reach 100; the worst gzip can do is 1,032."""
+
+UTF8_BOM = codecs.BOM_UTF8
+
+# First bytes of what people do hand over, and what to tell them.
+FOREIGN = {
+    b"\xff\xfe": "UTF-16 text: save it as UTF-8",
+    b"\xfe\xff": "UTF-16 text: save it as UTF-8",
+    b"BZh": "bzip2: unpack it first",
+    b"\xfd7zXZ": "xz: unpack it first",
+    b"\x28\xb5\x2f\xfd": "zstandard: unpack it first",
+    b"7z\xbc\xaf": "a 7-zip archive: unpack it first",
+    b"\x89HDF": "HDF5: not one of the formats read",
+    b"\xd0\xcf\x11\xe0": "an Excel or Word file: export the sheet as CSV",
+    b"%PDF": "a PDF: not one of the formats read",
+}
+
+
+def complaint(path: Path, rule: str, line: int | str | None = None, column: str | None = None) -> ValueError:
+    """The one shape of every reader's error: file, then line (or "row 7") and column where known, then the rule."""
+    place = path.name
+    if line is not None:
+        place += f", line {line}" if isinstance(line, int) else f", {line}"
+    if column is not None:
+        place += f", column {column}"
+    return ValueError(f"{place}: {rule}")
+
+
+def missing_library(library: str, extra: str) -> ImportError:
+    """Return the error that names the extra which brings ``library``."""
+    return ImportError(f'needs {library}: pip install "helibore[{extra}]"')
+
+
+class Gunzip(io.RawIOBase):
+    """A gzip stream that refuses to unpack a bomb and turns every defect into an error with the file's name."""
+
+    def __init__(self, path: Path) -> None:
+        self._path = path
+        self._packed = path.open("rb")
+        self._plain = gzip.GzipFile(fileobj=self._packed, mode="rb")
+        self._unpacked = 0
+
+    def readable(self) -> bool:
+        return True
+
+    def readinto(self, buffer: Any) -> int:
+        try:
+            piece = self._plain.read(len(buffer))
+        except EOFError as error:
+            raise complaint(self._path, "truncated: the gzip stream ends early") from error
+        except (OSError, zlib.error) as error:
+            raise complaint(self._path, f"damaged gzip stream ({error})") from error
+        self._unpacked += len(piece)
+        if self._unpacked > GZIP_FREE and self._unpacked > GZIP_RATIO * self._packed.tell():
+            rule = f"unpacks to more than {GZIP_RATIO} times its size: refused as a gzip bomb"
+            raise complaint(self._path, rule)
+        buffer[: len(piece)] = piece
+        return len(piece)
+
+    def close(self) -> None:
+        if not self.closed:
+            self._plain.close()
+            self._packed.close()
+        super().close()
+
+
+class Source:
+    """One file on disk: its path, its first bytes, and its bytes as a stream."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        with path.open("rb") as file:
+            self.compressed = file.read(2) == b"\x1f\x8b"
+        with self.stream() as stream:
+            self.head = read_exactly(stream, HEAD)
+
+    def stream(self) -> BinaryIO:
+        """Return the (unpacked) bytes from the start. The caller closes it."""
+        if self.compressed:
+            return cast(BinaryIO, io.BufferedReader(Gunzip(self.path), LINE_LIMIT))
+        return self.path.open("rb")
+
+    def lines(self) -> Iterator[bytes]:
+        """Yield every line with its ending; a line longer than ``LINE_LIMIT`` is an error that names it."""
+        with self.stream() as stream:
+            number = 1
+            while line := stream.readline(LINE_LIMIT + 1):
+                if len(line) > LINE_LIMIT:
+                    raise self.line_too_long(number)
+                yield line
+                number += 1
+
+    def line_too_long(self, line: int | None) -> ValueError:
+        return complaint(self.path, f"a line is longer than {LINE_LIMIT:,} bytes", line)
+
+    def text(self) -> tuple[str, str]:
+        """Return the whole text and a remark on its encoding ('' for UTF-8); bounded only in its lines.
+
+        UTF-8 is read as such. Text that is not UTF-8 anywhere is read as Windows-1252 and remarked on. Text with both
+        is refused: no single reading is right.
+        """
+        pieces: list[bytes] = []
+        with self.stream() as stream:
+            while piece := read_exactly(stream, LINE_LIMIT):
+                if len(piece) == LINE_LIMIT and b"\n" not in piece and b"\r" not in piece:
+                    raise self.line_too_long(sum(earlier.count(b"\n") for earlier in pieces) + 1)
+                pieces.append(piece)
+                if len(pieces) * LINE_LIMIT > TEXT_LIMIT:
+                    raise complaint(self.path, f"more than {TEXT_LIMIT >> 20} MiB of text: it is read whole; split it")
+        return decode(self.path, b"".join(pieces))
+
+
+def decode(path: Path, content: bytes) -> tuple[str, str]:
+    """Return ``content`` as text, newlines made ``\\n``, with a remark on the encoding ('' for UTF-8)."""
+    content = content.removeprefix(UTF8_BOM)
+    at = content.find(b"\0")
+    if at >= 0:
+        raise complaint(path, "a zero byte: not text, or damaged", content.count(b"\n", 0, at) + 1)
+    try:
+        text, remark = content.decode("utf-8"), ""
+    except UnicodeDecodeError as error:
+        line = content.count(b"\n", 0, error.start) + 1
+        odd = _utf8_line(content)
+        if odd is not None:
+            rule = f"encodings are mixed: line {odd} is UTF-8, byte 0x{content[error.start]:02x} here is not"
+            raise complaint(path, rule, line) from error
+        try:
+            text = content.decode("cp1252")
+        except UnicodeDecodeError as other:
+            rule = f"byte 0x{content[other.start]:02x} is neither UTF-8 nor Windows-1252"
+            raise complaint(path, rule, content.count(b"\n", 0, other.start) + 1) from error
+        remark = f"not UTF-8 (line {line}): read as Windows-1252"
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return text, remark
+
+
+def _utf8_line(content: bytes) -> int | None:
+    """The number of the first line that holds a multi-byte character in good UTF-8, None where there is none."""
+    for number, line in enumerate(content.split(b"\n"), 1):
+        if line.isascii():
+            continue
+        try:
+            line.decode("utf-8")
+        except UnicodeDecodeError:
+            continue
+        return number
+    return None
+
+
+def read_exactly(stream: BinaryIO, size: int) -> bytes:
+    """Read ``size`` bytes, fewer only at the end; no more memory is taken than there are bytes."""
+    pieces = []
+    while size and (piece := stream.read(min(size, LINE_LIMIT))):
+        pieces.append(piece)
+        size -= len(piece)
+    return b"".join(pieces)
+
+
+def tell_format(source: Source) -> str:
+    """Return the name of the format: csv, parquet, las, dlis, json, witsml or npz, told by content alone."""
+    head, path = source.head, source.path
+    if not head:
+        raise complaint(path, "empty: 0 bytes")
+    for magic, advice in FOREIGN.items():
+        if head.startswith(magic):
+            raise complaint(path, advice)
+    binary = _tell_binary(source)
+    if binary:
+        if source.compressed:
+            raise complaint(path, f"a gzipped {binary} file: unpack it first")
+        return binary
+    if b"\0" in head:
+        raise complaint(path, "binary, and none of the formats read (DLIS, Parquet, NPZ)")
+    text = head.removeprefix(UTF8_BOM).lstrip()
+    if not text:
+        raise complaint(path, "empty: nothing but blanks")
+    if text.startswith(b"<"):
+        return "witsml"
+    if text.startswith((b"{", b"[")):
+        return "json"
+    for line in text.splitlines():
+        if line.strip() and not line.lstrip().startswith(b"#"):
+            return "las" if line.lstrip().startswith(b"~") else "csv"
+    return "csv"
+
+
+def _tell_binary(source: Source) -> str:
+    head = source.head
+    if head.startswith(b"PAR1"):
+        return "parquet"
+    # The storage unit label of RP66 V1 (80 bytes): sequence number, "V1.00", "RECORD"; tape marks may precede it.
+    if b"V1.00RECORD" in head[:200]:
+        return "dlis"
+    if head.startswith(b"PK\x03\x04"):
+        if not source.compressed and _holds_arrays(source.path):
+            return "npz"
+        raise complaint(source.path, "a zip archive (or Excel sheet): unpack it, or export the sheet as CSV")
+    return ""
+
+
+def _holds_arrays(path: Path) -> bool:
+    try:
+        with zipfile.ZipFile(path) as archive:
+            names = archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
+        raise complaint(path, f"truncated or damaged zip archive ({error})") from error
+    return bool(names) and all(name.endswith(".npy") for name in names)

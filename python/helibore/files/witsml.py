@@ -1,0 +1,267 @@
+"""WITSML 1.4.1.1 (and 1.3.1.1) logs and trajectories, streamed.
+
+    <logs><log>  <logCurveInfo><mnemonic/><unit/></logCurveInfo> ...     one LogSet a log
+                 <logData><mnemonicList/><unitList/><data>1,2,3</data> ...
+    <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one LogSet a trajectory
+
+Units are read from ``uom`` and kept as written (radians stay radians). Any document type or entity declaration is
+refused before the parser sees it; text runs, nesting and element count per station are bounded.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from typing import BinaryIO
+
+import numpy as np
+
+from .channel import Array, Channel, LogFile, LogSet, unique
+from .headings import to_float
+from .las_rows import NULL_WORDS
+from .source import LINE_LIMIT, Source, complaint
+
+NESTING = 32
+"""Deepest element that is read; WITSML reaches 6."""
+
+KEPT = ("trajectoryStation", "logCurveInfo")
+"""Elements whose children are kept until their end; all others are freed one by one."""
+
+CHILDREN = 10_000
+"""Most elements within one of them; WITSML has some 60."""
+
+FORBIDDEN = re.compile(rb"<!\s*(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)", re.IGNORECASE)
+ENCODING = re.compile(rb"""^\s*<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
+ENCODINGS = (b"utf-8", b"us-ascii", b"iso-8859-1", b"windows-1252")
+
+# Numbers of a trajectory station that become channels, in the order they are shown.
+STATION = ("md", "tvd", "incl", "azi", "mtf", "gtf", "dispNs", "dispEw", "vertSect", "dls", "rateTurn", "rateBuild")
+
+
+class Checked(io.RawIOBase):
+    """The bytes of an XML file, each piece looked at before the parser gets it."""
+
+    def __init__(self, source: Source, stream: BinaryIO) -> None:
+        self._source = source
+        self._stream = stream
+        self._tail = b""
+        self._since_tag = 0
+        encoding = ENCODING.match(source.head.removeprefix(b"\xef\xbb\xbf"))
+        if encoding and encoding[1].lower() not in ENCODINGS:
+            raise complaint(source.path, f"encoding {encoding[1].decode()}: must be UTF-8 or ISO-8859-1", 1)
+
+    def readable(self) -> bool:
+        return True
+
+    def read(self, size: int = -1) -> bytes:
+        piece = self._stream.read(min(size, LINE_LIMIT) if size > 0 else LINE_LIMIT)
+        window = self._tail + piece
+        if match := FORBIDDEN.search(window):
+            what = match[1].decode().upper()
+            raise complaint(self._source.path, f"<!{what} ...>: document types and entities are refused")
+        self._tail = window[-64:]
+        last = piece.rfind(b"<")
+        self._since_tag = self._since_tag + len(piece) if last < 0 else len(piece) - last
+        if self._since_tag > LINE_LIMIT:
+            raise complaint(self._source.path, f"more than {LINE_LIMIT:,} bytes without a tag")
+        return piece
+
+
+@dataclass
+class Log:
+    """A log under construction."""
+
+    name: str = ""
+    index: str = ""
+    null: str = ""
+    curves: dict[str, tuple[str, str]] = field(default_factory=dict)  # mnemonic -> unit, description
+    mnemonics: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    rows: list[list[str]] = field(default_factory=list)
+    header: dict[str, str] = field(default_factory=dict)
+
+
+@dataclass
+class Trajectory:
+    """A trajectory under construction: one row of (value, uom) by element name a station."""
+
+    name: str = ""
+    stations: list[dict[str, tuple[str, str]]] = field(default_factory=list)
+    header: dict[str, str] = field(default_factory=dict)
+
+
+def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
+    """Open a WITSML document of logs or trajectories."""
+    found: list[Log | Trajectory] = []
+    with source.stream() as stream:
+        try:
+            for path, element in _elements(source, stream):
+                _take(found, path, element)
+        except ET.ParseError as error:
+            line, character = error.position
+            cut = "truncated: " if "no element" in str(error) or "unclosed" in str(error) else ""
+            raise complaint(source.path, f"{cut}{error.msg.split(':')[0]} (character {character})", line) from error
+        except (LookupError, UnicodeError) as error:
+            raise complaint(source.path, f"not in the encoding it declares ({error})") from error
+    names = unique([one.name or type(one).__name__.lower() for one in found])
+    sets = [
+        _log_set(source, name, one, nulls) if isinstance(one, Log) else _trajectory_set(source, name, one, nulls)
+        for name, one in zip(names, found, strict=True)
+    ]
+    if not sets:
+        raise complaint(source.path, "WITSML without a log or trajectory")
+    kinds = sorted({type(one).__name__.lower() for one in found})
+    return LogFile(source.path, f"WITSML {' and '.join(kinds)}", sets)
+
+
+def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
+    """Yield (path of local names, element) at every end tag; children of what was used are dropped by the caller."""
+    path: list[str] = []
+    parents: list[ET.Element] = []
+    inside = 0
+    for event, element in ET.iterparse(Checked(source, stream), events=("start", "end")):
+        name = element.tag.rpartition("}")[2]
+        if event == "start":
+            path.append(name)
+            parents.append(element)
+            inside = inside + 1 if any(kept in path for kept in KEPT) else 0
+            if inside > CHILDREN:
+                raise complaint(source.path, f"more than {CHILDREN:,} elements in one {path[2]}")
+            if len(path) == 1 and name not in ("logs", "trajectorys", "log", "trajectory"):
+                rule = f"<{name}> is no WITSML 1.x document of logs or trajectories (<logs> or <trajectorys>)"
+                raise complaint(source.path, rule)
+            if len(path) > NESTING:
+                raise complaint(source.path, f"elements nested deeper than {NESTING}")
+            if name in ("log", "trajectory"):
+                yield [*path, "start"], element
+        else:
+            yield path, element
+            path.pop()
+            parents.pop()
+            if parents and not any(kept in path for kept in KEPT):
+                del parents[-1][:]
+                inside = 0
+
+
+def _take(found: list[Log | Trajectory], path: list[str], element: ET.Element) -> None:
+    """Use one element and free it."""
+    name = path[-1]
+    text = (element.text or "").strip()
+    if name == "start":
+        found.append(Log() if path[-2] == "log" else Trajectory())
+        return
+    if not found:
+        return
+    one = found[-1]
+    parent = path[-2] if len(path) > 1 else ""
+    if isinstance(one, Trajectory):
+        if name == "trajectoryStation":
+            one.stations.append(_station(element))
+            element.clear()
+        elif parent == "trajectory":
+            one.header[name] = text
+            one.name = text if name == "name" else one.name
+        return
+    if parent == "log" and name not in ("logCurveInfo", "logData"):
+        one.header[name] = text
+    if name == "data" and parent == "logData":
+        one.rows.append(text.split(","))
+        element.clear()
+    elif name == "mnemonicList":
+        one.mnemonics = [cell.strip() for cell in text.split(",")]
+    elif name == "unitList":
+        one.units = [cell.strip() for cell in text.split(",")]
+    elif name == "logCurveInfo":
+        curve = {child.tag.rpartition("}")[2]: (child.text or "").strip() for child in element}
+        one.curves[curve.get("mnemonic", "")] = (curve.get("unit", ""), curve.get("curveDescription", ""))
+        element.clear()
+    elif parent == "log" and name in ("name", "indexCurve", "nullValue"):
+        setattr(one, {"name": "name", "indexCurve": "index", "nullValue": "null"}[name], text)
+
+
+def _station(element: ET.Element) -> dict[str, tuple[str, str]]:
+    row = {}
+    for child in element:
+        name = child.tag.rpartition("}")[2]
+        if name in STATION or name in ("dTimStn", "typeTrajStation"):
+            row[name] = ((child.text or "").strip(), child.get("uom", ""))
+    return row
+
+
+def _trajectory_set(source: Source, name: str, one: Trajectory, nulls: tuple[float, ...]) -> LogSet:
+    if not one.stations:
+        raise complaint(source.path, f"trajectory {name!r}: no stations")
+    channels = []
+    for label in ("dTimStn", "typeTrajStation", *STATION):
+        cells = [station.get(label, ("", "")) for station in one.stations]
+        if not any(text for text, _ in cells):
+            continue
+        units = {unit for text, unit in cells if text}
+        if len(units) > 1:
+            rule = f"units change between stations ({', '.join(sorted(map(repr, units)))})"
+            raise complaint(source.path, rule, column=label)
+        text = label not in STATION
+        values = _text(cells) if text else _numbers(source, name, label, [value for value, _ in cells])
+        channels.append(Channel(label, units.pop(), "", values.shape, _keep(values), nulls, None, text))
+    return LogSet(source.path, name, channels, len(one.stations), "md", one.header)
+
+
+def _text(cells: list[tuple[str, str]]) -> Array:
+    return np.array([value for value, _ in cells], dtype=np.str_)
+
+
+def _numbers(source: Source, name: str, label: str, cells: list[str]) -> Array:
+    """Cells as float64, null words as NaN; a cell that is no number is an error with its row."""
+    numbers = np.full(len(cells), np.nan)
+    for row, cell in enumerate(cells):
+        if cell.lower() in NULL_WORDS:
+            continue
+        try:
+            numbers[row] = to_float(cell)
+        except ValueError:
+            rule = f"{name}, row {row}: {cell[:40]!r} is not a number"
+            raise complaint(source.path, rule, column=label) from None
+    return numbers
+
+
+def _log_set(source: Source, name: str, one: Log, nulls: tuple[float, ...]) -> LogSet:
+    mnemonics = one.mnemonics or list(one.curves)
+    if not mnemonics or not one.rows:
+        raise complaint(source.path, f"log {name!r}: no {'rows' if mnemonics else 'curves'}")
+    if one.units and len(one.units) != len(mnemonics):
+        raise complaint(source.path, f"log {name!r}: {len(one.units)} units for {len(mnemonics)} mnemonics")
+    for number, row in enumerate(one.rows):
+        if len(row) != len(mnemonics):
+            rule = f"log {name!r}, row {number}: {len(row)} values where {len(mnemonics)} curves are listed"
+            raise complaint(source.path, rule)
+    labels = unique(mnemonics)
+    declared = nulls
+    if one.null:
+        declared = (*nulls, float(_numbers(source, name, "nullValue", [one.null])[0]))
+    channels = []
+    for position, label in enumerate(labels):
+        unit, described = one.curves.get(mnemonics[position], ("", ""))
+        unit = one.units[position] if one.units else unit
+        cells = [row[position].strip() for row in one.rows]
+        values = _log_column(source, name, label, cells)
+        text = values.dtype.kind == "U"
+        channels.append(Channel(label, unit, described, values.shape, _keep(values), declared, None, text))
+    index = one.index if one.index in labels else labels[0]
+    return LogSet(source.path, name, channels, len(one.rows), index, one.header)
+
+
+def _log_column(source: Source, name: str, label: str, cells: list[str]) -> Array:
+    """Numbers where the first cell that is not null is one, else text (times, comments)."""
+    first = next((cell for cell in cells if cell.lower() not in NULL_WORDS), "0")
+    try:
+        float(first)
+    except ValueError:
+        return np.array(cells, dtype=np.str_)
+    return _numbers(source, name, label, cells)
+
+
+def _keep(values: Array) -> Callable[[], Array]:
+    return lambda: values

@@ -1,0 +1,120 @@
+"""DLIS written by dliswriter comes back identical; damaged DLIS is refused."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import helibore as hb
+
+pytest.importorskip("dlisio")
+dliswriter = pytest.importorskip("dliswriter")
+
+
+def write(path: Path, sectors: int, rows: int = 60, frames: int = 1, stated: bool = True) -> np.ndarray:
+    """One logical file; each frame has depth (0.1 in), gamma and a radius image of ``sectors``."""
+    image = np.random.default_rng(sectors).normal(108, 2, (rows, sectors)).astype(np.float32)
+    image[5, 3] = -999.25
+    file = dliswriter.DLISFile()
+    logical = file.add_logical_file()
+    logical.add_origin("ORIGIN", file_set_number=1, company="C", well_name="W-9")
+    step = 360.0 / sectors
+    degrees = dliswriter.AttrSetup([sector * step for sector in range(sectors)], units="deg")
+    axis = logical.add_axis("AZIMUTH", axis_id="AZIMUTH", coordinates=degrees, spacing=step)
+    for number in range(frames):
+        depth = logical.add_channel(f"TDEP{number or ''}", data=400_000 + 60.0 * np.arange(rows), units="0.1 in")
+        gamma = logical.add_channel(f"GR{number or ''}", data=np.arange(rows, dtype=np.float32) + number, units="gAPI")
+        radius = logical.add_channel(
+            f"RADI{number or ''}",
+            data=image,
+            units="mm",
+            long_name="radius image",
+            **({"axis": axis} if stated else {}),
+        )
+        logical.add_frame(f"MAIN{number or ''}", channels=(depth, gamma, radius), index_type="BOREHOLE-DEPTH")
+    file.write(path, output_chunk_size=2**20)
+    return image
+
+
+@pytest.mark.parametrize("sectors", [36, 128])
+def test_images_come_back_identical(tmp_path: Path, sectors: int) -> None:
+    image = write(tmp_path / "renamed.las", sectors)
+    with hb.open(tmp_path / "renamed.las") as file:
+        one = file.set()
+        assert (file.format, one.name, one.rows, one.index, one.header["well"]) == ("DLIS", "MAIN", 60, "TDEP", "W-9")
+        assert [(c.name, c.unit, c.shape) for c in one] == [
+            ("TDEP", "0.1 in", (60,)), ("GR", "gAPI", (60,)), ("RADI", "mm", (60, sectors)),
+        ]  # fmt: skip
+        assert one["RADI"].values.dtype == np.float32
+        assert (one["RADI"].missing, one["RADI"].description) == (1, "radius image")
+        expected = image.copy()
+        expected[5, 3] = np.nan
+        np.testing.assert_array_equal(one["RADI"].values, expected)
+        np.testing.assert_array_equal(one["GR"].values, np.arange(60))
+        assert one["RADI"].axis == hb.files.SectorAxis(0.0, 360.0 / sectors, "deg")
+        found = file.samples()
+        assert found.radius.size == 60 * sectors - 1
+        assert found.dropped == {"RADI": 1}
+        np.testing.assert_allclose(found.depth[:1], 400_000 * 0.00254)
+        view = file.image("RADI")
+        np.testing.assert_allclose(view.depth, (400_000 + 60.0 * np.arange(60)) * 0.00254)
+
+
+def test_values_stay_after_close_and_frames_are_sets(tmp_path: Path) -> None:
+    write(tmp_path / "w.dlis", 36, frames=2)
+    file = hb.open(tmp_path / "w.dlis")
+    assert [one.name for one in file.sets] == ["MAIN", "MAIN1"]
+    gamma = file.set("MAIN1")["GR1"]
+    first = gamma.values[0]
+    file.close()
+    assert gamma.values[0] == first == 1.0
+
+
+def test_image_without_a_stated_axis(tmp_path: Path) -> None:
+    write(tmp_path / "w.dlis", 36, stated=False)
+    with hb.open(tmp_path / "w.dlis") as file:
+        assert (file.image("RADI").first, file.image("RADI").step) == (None, None)
+        with pytest.raises(ValueError, match=r"^w.dlis, column RADI: the angles of its sectors are not stated"):
+            file.samples()
+
+
+def test_truncated_anywhere_is_refused(tmp_path: Path) -> None:
+    write(tmp_path / "w.dlis", 36)
+    whole = (tmp_path / "w.dlis").read_bytes()
+    cut = tmp_path / "cut.dlis"
+    for size in range(90, len(whole), len(whole) // 23):
+        cut.write_bytes(whole[:size])
+        with pytest.raises(ValueError, match=r"^cut.dlis: "):
+            _read_everything(cut)
+
+
+def _read_everything(path: Path) -> None:
+    with hb.open(path) as file:
+        for one in file.sets:
+            for channel in one:
+                _ = channel.values
+
+
+def test_damage_is_read_or_refused(tmp_path: Path) -> None:
+    from test_files_fuzz import damaged, opened_or_refused
+
+    write(tmp_path / "w.dlis", 36, rows=10)
+    whole = (tmp_path / "w.dlis").read_bytes()
+    spoiled = tmp_path / "spoiled"
+    opened = 0
+    for seed in range(150):
+        spoiled.write_bytes(damaged(whole, seed))
+        opened += opened_or_refused(spoiled)
+    assert opened > 0
+
+
+def test_text_that_is_not_utf8_is_told(tmp_path: Path) -> None:
+    write(tmp_path / "w.dlis", 36)
+    whole = (tmp_path / "w.dlis").read_bytes()
+    assert whole.count(b"radius image") == 1
+    (tmp_path / "w.dlis").write_bytes(whole.replace(b"radius image", b"radius imag\xe9"))
+    with hb.open(tmp_path / "w.dlis") as file:
+        assert file["RADI"].description == "radius imagé"
+        assert any("unable to decode" in remark for remark in file.set().remarks)

@@ -1,0 +1,185 @@
+"""JSON Well Log Format and WITSML 1.4.1.1, good and bad."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.files import witsml
+
+NAMESPACE = 'xmlns="http://www.witsml.org/schemas/1series"'
+
+
+def json_file(folder: Path, tree: Any) -> Path:
+    path = folder / "log.json"
+    path.write_text(tree if isinstance(tree, str) else json.dumps(tree))
+    return path
+
+
+def curve(name: str, **more: Any) -> dict[str, Any]:
+    return {"name": name, "unit": "m", "valueType": "float", "dimensions": 1} | more
+
+
+def refused(path: Path, rule: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
+        hb.open(path)
+    assert str(caught.value).startswith(path.name)
+
+
+def test_json_arrays_text_and_sets(tmp_path: Path) -> None:
+    curves = [curve("MD"), curve("RADI", dimensions=3, unit="mm"), curve("T", valueType="datetime", unit=None)]
+    log = {"header": {"name": "A", "well": "W"}, "curves": curves, "data": []}
+    log["data"] = [[1, [1, 2, None], "2020-01-01T00:00:00Z"], [2.5, None, None]]
+    file = hb.open(json_file(tmp_path, [log, log | {"header": None}]))
+    assert [one.name for one in file.sets] == ["A", "log"]
+    one = file.set("A")
+    np.testing.assert_array_equal(one["RADI"].values, [[1, 2, np.nan], [np.nan] * 3])
+    assert one["T"].values.tolist() == ["2020-01-01T00:00:00Z", ""]
+    assert [one[name].missing for name in one.names] == [0, 4, 1]
+    assert one.header["well"] == "W"
+    packed = tmp_path / "packed"
+    packed.write_bytes(gzip.compress((tmp_path / "log.json").read_bytes()))
+    assert len(hb.open(packed).sets) == 2
+
+
+def log_of(curves: Any, data: Any) -> list[dict[str, Any]]:
+    return [{"header": {}, "curves": curves, "data": data}]
+
+
+@pytest.mark.parametrize(
+    ("tree", "rule"),
+    [
+        ('[{"header": {}, "curves": [', "truncated: Expecting value"),
+        ('[{"header": {}\n "curves": []}]', "line 2: Expecting ',' delimiter"),
+        ("[1, 2]", 'not JSON Well Log Format: each log must hold "header", "curves" and "data"'),
+        ("[" * 100_000, "not sensible JSON (RecursionError)"),
+        (log_of([], [[1]]), '"curves" must be a list'),
+        (log_of([curve("A")], []), '"data" has no rows'),
+        (log_of([curve("A")], [[1], [1, 2]]), "row 1: 2 values where 1 curves are defined"),
+        (log_of([curve("A")], [[1], 3]), "row 1: no list of values"),
+        (log_of([curve("A")], [[1], ["x"]]), "column A: row 1: 'x' is not a number"),
+        (log_of([curve("A")], [[1], [True]]), "column A: row 1: 'True' is not a number"),
+        (log_of([curve("A")], [[1], [[1]]]), "column A: row 1: a list in a curve of one dimension"),
+        (log_of([curve("A", dimensions=2)], [[[1, 2]], [[1]]]), "column A: row 1: must hold 2 values"),
+        (log_of([curve("A", dimensions=2)], [[[1, "x"]]]), "column A: row 0: holds something that is not a number"),
+        (log_of([curve("A", dimensions=0.5)], [[1]]), "column A: dimensions = 0.5"),
+        (log_of([curve("A")], [[10**400]]), "column A: holds a whole number too large"),
+        ({"wells": {"W": {"header": {}}}}, "well 'W': holds no columns"),
+        ({"wells": {"W": 3}}, "well 'W': must be an object of columns"),
+        ({"wells": {}}, "JSON wells: holds no channels"),
+    ],
+)
+def test_bad_json(tmp_path: Path, tree: Any, rule: str) -> None:
+    refused(json_file(tmp_path, tree), rule)
+
+
+def test_large_json_is_refused_unread(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("helibore.files.json_log.SIZE_LIMIT", 1000)
+    refused(json_file(tmp_path, "[" + " " * 2000 + "]"), "JSON of more than")
+
+
+LOG = f"""<?xml version="1.0" encoding="UTF-8"?>
+<logs {NAMESPACE} version="1.4.1.1"><log uid="L"><nameWell>W</nameWell><name>run 1</name>
+<indexType>measured depth</indexType><indexCurve>DEPT</indexCurve><nullValue>-77</nullValue>
+<logCurveInfo uid="1"><mnemonic>DEPT</mnemonic><unit>m</unit><curveDescription>depth</curveDescription></logCurveInfo>
+<logCurveInfo uid="2"><mnemonic>TIME</mnemonic><unit>s</unit></logCurveInfo>
+<logCurveInfo uid="3"><mnemonic>GR</mnemonic><unit>api</unit></logCurveInfo>
+<logData><mnemonicList>TIME, DEPT,GR</mnemonicList><unitList>unitless,ft,gAPI</unitList>
+<data>2020-01-01T00:00:00Z,1,50</data><data>2020-01-01T00:00:10Z,2,</data><data>,3,-77</data></logData></log></logs>
+"""
+
+
+def xml_file(folder: Path, text: str) -> Path:
+    path = folder / "w.xml"
+    path.write_text(text)
+    return path
+
+
+def test_witsml_log(tmp_path: Path) -> None:
+    one = hb.open(xml_file(tmp_path, LOG)).set()
+    assert (one.name, one.index, one.rows, one.header["nameWell"]) == ("run 1", "DEPT", 3, "W")
+    assert [(c.name, c.unit, c.description) for c in one] == [
+        ("TIME", "unitless", ""), ("DEPT", "ft", "depth"), ("GR", "gAPI", ""),
+    ]  # fmt: skip
+    np.testing.assert_array_equal(one["GR"].values, [50, np.nan, np.nan])
+    assert one["TIME"].values.tolist() == ["2020-01-01T00:00:00Z", "2020-01-01T00:00:10Z", ""]
+    plain = LOG.replace(' xmlns="http://www.witsml.org/schemas/1series"', "").replace("1.4.1.1", "1.3.1.1")
+    assert hb.open(xml_file(tmp_path, plain)).set()["DEPT"].values.tolist() == [1, 2, 3]
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("<logs", "<!DOCTYPE logs><logs", "<!DOCTYPE ...>: document types and entities are refused"),
+        ("<logs", '<!DOCTYPE x [<!ENTITY a "b">]><logs', "document types and entities are refused"),
+        ("</logs>", "", "truncated: no element found"),
+        ("<data>,3,-77</data></logData></log></logs>", "<data>,3", "line 9: truncated: no element found"),
+        ("<data>,3,-77</data>", "<data>3,-77</data>", "log 'run 1', row 2: 2 values where 3 curves are listed"),
+        ("<data>,3,-77</data>", "<data>,x,-77</data>", "column DEPT: run 1, row 2: 'x' is not a number"),
+        ("<data>,3,-77</data>", "<data>,3,-77</date>", "mismatched tag"),
+        ("unitless,ft,gAPI", "ft,gAPI", "2 units for 3 mnemonics"),
+        ('encoding="UTF-8"', 'encoding="UTF-7"', "line 1: encoding UTF-7: must be UTF-8 or ISO-8859-1"),
+        ("<nameWell>W</nameWell>", "<a>" * 40 + "</a>" * 40, "elements nested deeper than 32"),
+        ("<nameWell>W</nameWell>", "<nameWell>&W;</nameWell>", "undefined entity"),
+        ("-77</nullValue>", "x</nullValue>", "column nullValue: run 1, row 0: 'x' is not a number"),
+    ],
+)
+def test_bad_witsml(tmp_path: Path, old: str, new: str, rule: str) -> None:
+    assert old in LOG
+    refused(xml_file(tmp_path, LOG.replace(old, new)), rule)
+
+
+def test_a_declaration_over_a_block_border_is_still_seen(tmp_path: Path) -> None:
+    for shift in (0, 3, 9):
+        filler = "<a>" + " " * (witsml.LINE_LIMIT - 20 - shift - len(f"<logs {NAMESPACE}>") - 7)
+        text = f"<logs {NAMESPACE}>{filler}</a>" + "     <!DOCTYPE x><log/></logs>"
+        refused(xml_file(tmp_path, text), "document types and entities are refused")
+
+
+def test_endless_text_is_refused(tmp_path: Path) -> None:
+    text = LOG.replace("<nameWell>W", "<nameWell>" + "W" * (3 << 20))
+    refused(xml_file(tmp_path, text), "more than 1,048,576 bytes without a tag")
+
+
+def trajectory(stations: list[tuple[float, float, float]], angle: str = "dega") -> str:
+    rows = "".join(
+        f'<trajectoryStation><md uom="m">{md}</md><incl uom="{angle}">{incl}</incl><azi uom="{angle}">{azi}</azi>'
+        "</trajectoryStation>"
+        for md, incl, azi in stations
+    )
+    return f"<trajectorys {NAMESPACE}><trajectory><name>T</name>{rows}</trajectory></trajectorys>"
+
+
+def test_trajectory_units_and_order(tmp_path: Path) -> None:
+    stations = [(0, 0, 0), (30, 0.1, 1), (60, 0.2, 1.1), (90, 0.3, 1.2), (120, 0.4, 1.3)]
+    survey = hb.open(xml_file(tmp_path, trajectory(stations, "rad"))).survey()
+    np.testing.assert_allclose(survey.azimuth, np.degrees([0, 1, 1.1, 1.2, 1.3]))
+    with pytest.raises(ValueError, match=r"^w.xml, column azi: no azimuth is beyond 1.3 .* looks like radians"):
+        hb.open(xml_file(tmp_path, trajectory(stations))).survey()
+    with pytest.raises(ValueError, match=r"^w.xml, column incl: unit missing"):
+        hb.open(xml_file(tmp_path, trajectory(stations, ""))).survey()
+    for unit in ("furlong", "m"):
+        rule = f"incl is named incl, like inclination, but '{unit}' is no known unit of angle"
+        with pytest.raises(ValueError, match=rf"^w.xml: no channel has the role inclination: .*{rule}"):
+            hb.open(xml_file(tmp_path, trajectory(stations, unit))).survey()
+    for last, word in ((90, "repeats"), (80, "falls from")):
+        bad = [*stations[:4], (last, 40.0, 200.0)]
+        with pytest.raises(ValueError, match=rf"^w.xml, row 4, column md: depth {last} m {word} 90 m: must grow"):
+            hb.open(xml_file(tmp_path, trajectory(bad))).survey()
+    mixed = trajectory(stations).replace('<md uom="m">60', '<md uom="ft">60')
+    refused(xml_file(tmp_path, mixed), "column md: units change between stations ('ft', 'm')")
+    refused(xml_file(tmp_path, trajectory([])), "trajectory 'T': no stations")
+
+
+def test_a_station_without_a_value_is_left_out_and_told(tmp_path: Path) -> None:
+    stations = [(0, 0, 0), (30, 10, 100), (60, -999.25, 110), (90, 30, 120)]
+    file = hb.open(xml_file(tmp_path, trajectory(stations)))
+    assert len(file.survey()) == 3
+    assert file.set().remarks == ["survey: 1 of 4 stations left out: a value is missing"]

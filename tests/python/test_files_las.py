@@ -1,0 +1,218 @@
+"""LAS 2.0 and LAS 3.0: arrays, sets, delimiters, flaws."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import helibore as hb
+
+pytest.importorskip("lasio")
+
+HEAD2 = """~Version
+ VERS. 2.0 : CWLS
+ WRAP. NO : one line a row
+~Well
+ STRT.M 1 : start
+ STOP.M {stop} : stop
+ STEP.M 1 : step
+ NULL. -99 : null
+ WELL. W-1 : name
+~Curve
+ DEPT.M : depth
+ GR.GAPI : gamma
+ CAL.IN : caliper
+"""
+
+
+def las2(folder: Path, rows: str, head: str = HEAD2, stop: int = 3, name: str = "w.las") -> Path:
+    path = folder / name
+    path.write_text(head.format(stop=stop) + "~ASCII\n" + rows)
+    return path
+
+
+def refused(path: Path, rule: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
+        hb.open(path)
+    assert str(caught.value).startswith(path.name)
+
+
+def test_las2(tmp_path: Path) -> None:
+    one = hb.open(las2(tmp_path, "1 50 8.5\n# a comment\n2 -99 -999.25\n\n3 NaN 8.75\n", name="w.csv")).set()
+    assert (one.index, one.rows, one.header["WELL"], one.header["NULL"]) == ("DEPT", 3, "W-1", "-99")
+    assert [(c.name, c.unit, c.description) for c in one] == [
+        ("DEPT", "M", "depth"), ("GR", "GAPI", "gamma"), ("CAL", "IN", "caliper"),
+    ]  # fmt: skip
+    np.testing.assert_array_equal(one["GR"].values, [50, np.nan, np.nan])
+    np.testing.assert_array_equal(one["CAL"].values, [8.5, np.nan, 8.75])
+    assert [one[name].missing for name in one.names] == [0, 2, 1]
+    assert [one.place(row) for row in range(3)] == ["line 15", "line 17", "line 19"]
+    assert one.remarks == []
+
+
+def test_las2_flaws_are_mended_and_told(tmp_path: Path) -> None:
+    one = hb.open(las2(tmp_path, "1 50-999.25\n2 51.5-99.0\n3 1.#QNAN (null)\n", stop=9)).set()
+    np.testing.assert_array_equal(one["GR"].values, [50, 51.5, np.nan])
+    assert one["CAL"].missing == 3
+    assert one.remarks == [
+        "2 rows held numbers run together (12.5-999.25): parted before the minus sign",
+        "STOP = 9 in the header, 3 in the rows: truncated or edited?",
+    ]
+
+
+def test_las2_text_column_and_wrapped(tmp_path: Path) -> None:
+    one = hb.open(las2(tmp_path, "1 ab 8\n2 1,5 9\n")).set()
+    assert one["GR"].values.tolist() == ["ab", "1,5"]
+    with pytest.raises(ValueError, match=r"^w.las, line 15, column GR: 'ab' is not a number"):
+        one.numbers("GR")
+    wrapped = HEAD2.replace("WRAP. NO", "WRAP. YES")
+    one = hb.open(las2(tmp_path, "1\n50 8.5\n2\n51\n9.5\n3\n52 9\n", wrapped)).set()
+    np.testing.assert_array_equal(one["CAL"].values, [8.5, 9.5, 9.0])
+    assert [one.place(row) for row in range(3)] == ["line 15", "line 17", "line 20"]
+    refused(
+        las2(tmp_path, "1\n50 8.5\n2\n51\n", wrapped), "line 18: truncated: 5 wrapped values are not a multiple of 3"
+    )
+
+
+def test_las2_sector_columns(tmp_path: Path) -> None:
+    for names in ([f"GRIM[{n}]" for n in range(1, 9)], ["GRIM"] * 8, [f"GRIM{n}" for n in range(8)]):
+        head = HEAD2.replace(" GR.GAPI : gamma\n", "".join(f" {name}.GAPI : sector\n" for name in names))
+        one = hb.open(las2(tmp_path, "1 1 2 3 4 5 6 7 8 9\n2 1 2 3 4 5 6 7 -99 9\n", head, stop=2)).set()
+        assert one["GRIM"].shape == (2, 8)
+        np.testing.assert_array_equal(one["GRIM"].values[1], [1, 2, 3, 4, 5, 6, 7, np.nan])
+        assert one.names == ("DEPT", "GRIM", "CAL")
+        assert one["GRIM"].axis is None
+
+
+@pytest.mark.parametrize(
+    ("rows", "rule"),
+    [
+        ("", "line 15: truncated: the data section has no rows"),
+        ("1 2 3\n4 5\n", "line 16: truncated: 2 values where 3 columns are defined"),
+        ("1 2 3\n4 5\n6 7 8\n", "line 16: 2 values where 3 columns are defined"),
+        ("1 2 3 4\n", "line 15: 4 values where 3 columns are defined"),
+        ("1 2 3\n4 x 5\n", "line 16, column GR: 'x' is not a number"),
+        ("1 2 3\n4 1_0 5\n", "line 16, column GR: '1_0' is not a number"),
+        ("1 2 3\n4 2,5 5\n", "line 16, column GR: '2,5' is not a number: a decimal comma?"),
+        ("1,2,3\n4,5,6\n", "line 15: 3 columns are defined and the rows are cut by commas, not blanks"),
+    ],
+)
+def test_las2_bad_rows(tmp_path: Path, rows: str, rule: str) -> None:
+    refused(las2(tmp_path, rows), rule)
+
+
+def test_bad_headers(tmp_path: Path) -> None:
+    for text, rule in (
+        ("~V\nVERS. 2.0:\n", "line 1: truncated: no section after ~Version"),
+        ("~V\nVERS. 2.0:\n~W\nSTRT.M 1:\n", "no ~A(scii) section"),
+        ("~V\nVERS. 5:\n~W\n~C\n~A\n1\n", "line 1: VERS = 5: LAS 2.0 and 3.0 are read"),
+        ("~V\nVERS. x:\n~W\n~C\n~A\n1\n", "line 1: VERS = 'x': must be 2.0 or 3.0"),
+        ("~W\nSTRT.M 1:\n~C\nDEPT.M:\n~A\n1\n", "no ~Version section"),
+        ("~V\nVERS. 2.0:\n~W\n~C\n~A\n1\n", "line 4: the ~Curve section defines no curve"),
+        ("~V\nVERS. 3.0:\nDLM. DOT:\n~W\n~A\n1\n", "line 1: DLM = DOT: must be SPACE, COMMA or TAB"),
+        ("~V\nVERS. 3.0:\n~W\n~Log_Data | Log_Definition\n1\n", "line 4: ~LOG_DATA: no section ~Log_Definition"),
+        ("~V\nVERS. 3.0:\n~W\n~Curve\nDEPT.M:\n", "line 4: truncated: no data section"),
+        ("~V\nVERS. 3.0:\n~W\n~Curve\nrubbish\n~A\n1\n", "line 5: 'rubbish': must read NAME.UNIT : DESCRIPTION"),
+    ):
+        (tmp_path / "w.las").write_text(text)
+        refused(tmp_path / "w.las", rule)
+
+
+def test_long_line_and_windows_text(tmp_path: Path) -> None:
+    path = las2(tmp_path, "1 2 3\n")
+    path.write_bytes(path.read_bytes() + b" " * (3 << 20))
+    refused(path, "line 16: a line is longer than 1,048,576 bytes")
+    path.write_bytes(HEAD2.replace("gamma", "\xb0 gamma").encode("latin-1") + b"~A\n1 2 3\n3 3 3\n")
+    one = hb.open(path).set()
+    assert one["GR"].description == "° gamma"
+    assert one.remarks[0] == "not UTF-8 (line 12): read as Windows-1252"
+
+
+def las3(image: np.ndarray, delimiter: str, step: float | None = None) -> str:
+    """A LAS 3 file with an array of sectors, written after the examples of the CWLS document (pages 25 to 29)."""
+    sectors = image.shape[1]
+    mark = {"SPACE": " ", "COMMA": ",", "TAB": "\t"}[delimiter]
+    step = 360.0 / sectors if step is None else step
+    members = "".join(f" RADI[{n + 1}].MM : radius {{AF10.4;{n * step:g}deg}}\n" for n in range(sectors))
+    rows = "\n".join(
+        mark.join([f"{1000 + row / 4:.2f}", *(repr(float(cell)) for cell in cells), "8.5"])
+        for row, cells in enumerate(image)
+    )
+    return (
+        f"~Version\nVERS. 3.0 : LAS\nWRAP. NO :\nDLM. {delimiter} :\n~Well\nNULL. -999.25 :\nWELL. W :\n"
+        f"~Log_Definition\n DEPT.M : depth {{F}}\n{members} BS.IN : bit size {{F}}\n"
+        f"~Log_Data | Log_Definition\n{rows}\n"
+    )
+
+
+@pytest.mark.parametrize("delimiter", ["SPACE", "COMMA", "TAB"])
+@pytest.mark.parametrize("sectors", [4, 36, 128])
+def test_las3_arrays_come_back_identical(tmp_path: Path, delimiter: str, sectors: int) -> None:
+    image = np.random.default_rng(sectors).normal(110, 3, (50, sectors))
+    (tmp_path / "w.las").write_text(las3(image, delimiter))
+    file = hb.open(tmp_path / "w.las")
+    one = file.set()
+    assert one.names == ("DEPT", "RADI", "BS")
+    np.testing.assert_array_equal(one["RADI"].values, image)
+    axis = one["RADI"].axis
+    assert axis is not None
+    assert (axis.first, axis.unit) == (0.0, "deg")
+    assert axis.step == pytest.approx(360.0 / sectors, rel=1e-5)  # written with six digits
+    assert one["RADI"].members[-1] == f"RADI[{sectors}]"
+    np.testing.assert_array_equal(one["DEPT"].values, 1000 + np.arange(50) / 4)
+    found = file.samples()
+    np.testing.assert_array_equal(found.radius.reshape(50, sectors), image * 0.001)
+    expected = np.arange(sectors) * 360.0 / sectors
+    np.testing.assert_allclose(found.toolface.reshape(50, sectors)[3], expected, rtol=1e-5)
+
+
+def test_las3_uneven_angles_are_not_stated_as_even(tmp_path: Path) -> None:
+    text = las3(np.full((3, 4), 100.0), "COMMA").replace("{AF10.4;180deg}", "{AF10.4;181deg}")
+    (tmp_path / "w.las").write_text(text)
+    axis = hb.open(tmp_path / "w.las").set()["RADI"].axis
+    assert axis is not None
+    assert np.isnan(axis.step)
+    with pytest.raises(ValueError, match=r"column RADI: the angles of its sectors are not stated"):
+        hb.open(tmp_path / "w.las").samples()
+
+
+def test_las3_repeated_sections_quotes_and_empty_cells(tmp_path: Path) -> None:
+    text = (
+        "~Version\nVERS. 3.0 :\nDLM. COMMA :\n~Well\nNULL. -999.25 :\n"
+        "~Log_Definition[1]\nDEPT.M : {F}\nGR.GAPI :{F}\n~Log_Data[1] | Log_Definition[1]\n1,50\n2,\n"
+        "~Inclinometry_Definition\nMD.M : {F}\nTIE.DEG : {F}\nNOTE. : {S}\n"
+        "~Inclinometry_Data | Inclinometry_Definition\n"
+        '0,0.5,"a, b"\n30,1.5,c\n'
+        "~Log_Definition[2]\nDEPT.M : {F}\nCAL.IN : {F}\n~Log_Data[2] | Log_Definition[2]\n5,8.5\n"
+    )
+    (tmp_path / "w.las").write_text(text)
+    file = hb.open(tmp_path / "w.las")
+    assert [one.name for one in file.sets] == ["Log_Data[1]", "Inclinometry_Data", "Log_Data[2]"]
+    np.testing.assert_array_equal(file.set("Log_Data[1]")["GR"].values, [50, np.nan])
+    assert file.set("Inclinometry_Data")["NOTE"].values.tolist() == ["a, b", "c"]
+    assert file.set("Inclinometry_Data").place(1) == "line 18"
+    assert file.set("Log_Data[2]")["CAL"].values.tolist() == [8.5]
+    with pytest.raises(ValueError, match="holds 3 sets"):
+        file["CAL"]
+    with pytest.raises(ValueError, match="no set 'x'; it holds 'Log_Data"):
+        file.set("x")
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    cells=st.lists(st.lists(st.floats(-1e9, 1e9), min_size=3, max_size=3), min_size=1, max_size=8),
+    delimiter=st.sampled_from([" ", "   "]),
+)
+def test_las2_returns_what_was_written(
+    tmp_path_factory: pytest.TempPathFactory, cells: list[list[float]], delimiter: str
+) -> None:
+    rows = "\n".join(delimiter.join(map(repr, row)) for row in cells) + "\n"
+    one = hb.open(las2(tmp_path_factory.mktemp("l"), rows)).set()
+    for position, name in enumerate(("DEPT", "GR", "CAL")):
+        expected = [np.nan if row[position] in (-99, *hb.files.CUSTOMARY_NULLS) else row[position] for row in cells]
+        np.testing.assert_array_equal(one[name].values, expected)

@@ -1,0 +1,257 @@
+"""Delimited tables, Parquet and NPZ."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra import numpy as hnp
+
+import helibore as hb
+
+pa = pytest.importorskip("pyarrow")
+from pyarrow import parquet  # noqa: E402
+
+
+def write(folder: Path, text: str | bytes, name: str = "t.csv") -> Path:
+    path = folder / name
+    path.write_bytes(text.encode() if isinstance(text, str) else text)
+    return path
+
+
+def refused(path: Path, rule: str) -> None:
+    def read_all() -> None:
+        one = hb.open(path).set()
+        for channel in one:
+            one.numbers(channel.name)
+
+    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
+        read_all()
+    assert str(caught.value).startswith(path.name)
+
+
+@pytest.mark.parametrize("mark", [",", "\t", ";", "|"])
+def test_delimiters(tmp_path: Path, mark: str) -> None:
+    path = write(tmp_path, f"md_m{mark}tf_deg\n1.5{mark}10\n2.5{mark}20\n", "any.name")
+    file = hb.open(path)
+    assert [(channel.name, channel.unit) for channel in file] == [("md_m", "m"), ("tf_deg", "deg")]
+    np.testing.assert_array_equal(file["md_m"].values, [1.5, 2.5])
+
+
+def test_header_units_comments_nulls(tmp_path: Path) -> None:
+    path = write(
+        tmp_path,
+        "# run 2\n\nDepth [ft],RB (deg),cal_in,radius_min,note\n1,2,-999.25,5,a\n\n2,,NaN,-9999,\n3,inf,8.5,1,b\n",
+    )
+    one = hb.open(path).set()
+    assert [channel.unit for channel in one] == ["ft", "deg", "in", "", ""]
+    assert one.remarks == ["comment: run 2"]
+    assert [channel.missing for channel in one] == [0, 2, 2, 1, 1]
+    assert one["note"].values.tolist() == ["a", "", "b"]
+    assert [one.place(row) for row in range(3)] == ["line 4", "line 6", "line 7"]
+
+
+def test_units_row_and_savetxt_header(tmp_path: Path) -> None:
+    one = hb.open(write(tmp_path, "MD,TF,R\nm,(deg),mm\n1,2,3\n")).set()
+    assert [channel.unit for channel in one] == ["m", "deg", "mm"]
+    assert one.rows == 1
+    one = hb.open(write(tmp_path, "# md_m,tf_deg\n1,2\n3,4\n")).set()
+    assert one.names == ("md_m", "tf_deg")
+    assert one.remarks == ["the header is a comment line"]
+    one = hb.open(write(tmp_path, "1,2\n3,4\n")).set()
+    assert one.names == ("column 1", "column 2")
+    assert one["column 2"].values.tolist() == [2.0, 4.0]
+    assert "no header" in one.remarks[0]
+
+
+def test_missing_first_cells_are_no_units_row(tmp_path: Path) -> None:
+    one = hb.open(write(tmp_path, "a,b\n-,-\n1,2\n")).set()
+    assert one["a"].missing == 1
+    assert one.rows == 2
+
+
+def test_repeated_and_sector_columns(tmp_path: Path) -> None:
+    head = "depth_m," + ",".join(["GR"] * 4) + "," + ",".join(f"R{n}" for n in (1, 2, 4, 5))
+    one = hb.open(write(tmp_path, head + "\n" + ",".join(map(str, range(9))) + "\n")).set()
+    assert one["GR"].members == ("GR:1", "GR:2", "GR:3", "GR:4")
+    assert one["GR"].values.tolist() == [[1.0, 2.0, 3.0, 4.0]]
+    assert one.remarks == ["R1 ...: number 3 of 1..5 is not in the file; left as single columns"]
+
+
+def test_integers_beyond_float64_stay_integers(tmp_path: Path) -> None:
+    one = hb.open(write(tmp_path, "t_ns,a\n1700000000000000001,1\n1700000000000000002,2\n")).set()
+    assert one["t_ns"].values.tolist() == [1700000000000000001, 1700000000000000002]
+    assert one["a"].values.dtype == np.float64
+
+
+def test_integers_then_fractions_across_blocks(tmp_path: Path) -> None:
+    # The first 2 MiB hold only whole numbers and an empty column; both go on otherwise.
+    rows = "".join(f"{row},\n" for row in range(400_000)) + "0.5,7.25\n"
+    one = hb.open(write(tmp_path, "a,b\n" + rows)).set()
+    assert one["a"].values[-1] == 0.5
+    assert (one["b"].missing, one["b"].values[-1]) == (400_000, 7.25)
+
+
+def test_a_word_far_down_is_named_with_its_line(tmp_path: Path) -> None:
+    path = write(tmp_path, "a,b\n" + "1,2\n" * 600_000 + "1,oops\n1,2\n")
+    refused(path, "t.csv, line 600002, column b: 'oops' is not a number")
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("", "empty: 0 bytes"),
+        (" \n\n", "empty: nothing but blanks"),
+        ("md,r\n", "line 1: a header and no rows"),
+        ("md,r\n1,2\n3\n", "line 3: 1 cells where the header has 2"),
+        ("md,r\n1,2\n3;4\n", "line 3: 1 cells where the header has 2 (it has 2 when cut at ';': another delimiter?)"),
+        ("md r\n1 2\n3 4\n", "line 1: columns are separated by blanks"),
+        ("md,r\n1,2\n3,x\n", "line 3, column r: 'x' is not a number"),
+        ('md,r\n1,"2\n3,4\n', "line 2: a quote is opened and not closed"),
+        ('md,note\n1,a\n2,"b\n3,c\n', "line 3: a quote is opened and not closed"),
+        ("md;r\n1,5;2,5\n", "line 2, column md: '1,5' is not a number"),
+        ("hello\nworld\n", "line 1: not a table: no comma, tab, semicolon or | separates columns"),
+        (b"md,r\n1,2\n\x00\x00\x00\n", "binary, and none of the formats read"),
+        (b"\xff\xfem\x00d\x00", "UTF-16 text: save it as UTF-8"),
+        (b"md,\xc3\xa9\n1,2\n3,\xe9\n", "line 3: encodings are mixed: line 1 is UTF-8, byte 0xe9 here is not"),
+        ("md,r\n" + "1" * (1 << 21) + ",2\n", "a line is longer than 1,048,576 bytes"),
+        ("<html><body></body></html>", "<html> is no WITSML"),
+        ("{}", "not JSON Well Log Format"),
+        (b"PK\x03\x04rest", "truncated or damaged zip archive"),
+        (b"%PDF-1.4", "a PDF"),
+    ],
+)
+def test_bad_tables(tmp_path: Path, text: str | bytes, rule: str) -> None:
+    refused(write(tmp_path, text), rule)
+
+
+def test_windows_encoding_is_remarked(tmp_path: Path) -> None:
+    one = hb.open(write(tmp_path, b"md_m,tf_\xb0\n1,2\n")).set()
+    assert one.names == ("md_m", "tf_°")
+    assert one.remarks == ["not UTF-8 (line 1): read as Windows-1252"]
+
+
+def test_gzip(tmp_path: Path) -> None:
+    packed = gzip.compress(b"md_m,r_mm\n1,2\n" * 1 + b"3,4\n" * 1000)
+    assert hb.open(write(tmp_path, packed, "renamed.txt")).set().rows == 1001
+    for cut in (15, len(packed) // 2, len(packed) - 1):
+        with pytest.raises(ValueError, match=r"^x.gz: (truncated: the gzip stream ends early|damaged gzip)"):
+            hb.open(write(tmp_path, packed[:cut], "x.gz"))
+    damaged = bytearray(packed)
+    damaged[12] ^= 0xFF
+    with pytest.raises(ValueError, match=r"^x.gz: damaged gzip stream"):
+        hb.open(write(tmp_path, bytes(damaged), "x.gz"))
+
+
+def columns() -> st.SearchStrategy[dict[str, np.ndarray]]:
+    floats = hnp.arrays(
+        np.float64, 5, elements=st.floats(-1e6, 1e6).filter(lambda x: x not in hb.files.CUSTOMARY_NULLS)
+    )
+    return st.dictionaries(st.sampled_from("abcdefgh"), floats, min_size=2)
+
+
+@settings(max_examples=40, deadline=None)
+@given(table=columns())
+def test_csv_and_parquet_return_what_was_written(
+    tmp_path_factory: pytest.TempPathFactory, table: dict[str, np.ndarray]
+) -> None:
+    folder = tmp_path_factory.mktemp("t")
+    rows = "\n".join(",".join(repr(float(cell)) for cell in row) for row in zip(*table.values(), strict=True))
+    written = write(folder, ",".join(table) + "\n" + rows + "\n")
+    parquet.write_table(pa.table(table), folder / "t.parquet")
+    for path in (written, folder / "t.parquet"):
+        file = hb.open(path)
+        for name, values in table.items():
+            np.testing.assert_array_equal(file[name].values, values)
+
+
+def parquet_table() -> pa.Table:
+    fields = [
+        pa.field("depth", pa.float64(), metadata={"unit": "ft"}),
+        pa.field("img", pa.list_(pa.float32(), 8), metadata={"uom": "mm"}),
+        pa.field("loose", pa.list_(pa.float64())),
+        pa.field("gr_gAPI", pa.int16()),
+        pa.field("note", pa.string()),
+        pa.field("odd", pa.struct([("x", pa.int8())])),
+    ]
+    image = np.arange(24, dtype=np.float32).reshape(3, 8)
+    values = [
+        [1.0, None, -999.25], image.tolist(), [[1.0, 2.0]] * 3, [1, 2, None], ["a", None, "c"], [{"x": 1}] * 3,
+    ]  # fmt: skip
+    return pa.table([pa.array(v, f.type) for v, f in zip(values, fields, strict=True)], pa.schema(fields))
+
+
+def test_parquet(tmp_path: Path) -> None:
+    parquet.write_table(parquet_table(), tmp_path / "renamed.csv")
+    with hb.open(tmp_path / "renamed.csv") as file:
+        one = file.set()
+        assert file.format == "parquet"
+        assert [(c.name, c.unit, c.shape) for c in one] == [
+            ("depth", "ft", (3,)), ("img", "mm", (3, 8)), ("loose", "", (3, 2)), ("gr_gAPI", "gAPI", (3,)),
+            ("note", "", (3,)),
+        ]  # fmt: skip
+        assert one["depth"].missing == 2
+        assert one["img"].values.dtype == np.float32
+        np.testing.assert_array_equal(one["img"].values, np.arange(24).reshape(3, 8))
+        assert one["gr_gAPI"].values[:2].tolist() == [1.0, 2.0]
+        assert one["note"].values.tolist() == ["a", "", "c"]
+        assert one.remarks == ["odd: a struct<x: int8> is not read"]
+
+
+def test_bad_parquet(tmp_path: Path) -> None:
+    parquet.write_table(parquet_table(), tmp_path / "good")
+    good = (tmp_path / "good").read_bytes()
+    refused(write(tmp_path, good[: len(good) // 2], "cut.parquet"), "cut.parquet: truncated or damaged Parquet")
+    parquet.write_table(pa.table({"a": pa.array([], pa.float64())}), tmp_path / "none.parquet")
+    refused(tmp_path / "none.parquet", "Parquet without rows")
+    ragged = pa.table({"a": pa.array([[1.0], [1.0, 2.0]])})
+    parquet.write_table(ragged, tmp_path / "ragged.parquet")
+    refused(tmp_path / "ragged.parquet", "column a: lists of 2 different lengths: must be one")
+
+
+def test_npz(tmp_path: Path) -> None:
+    image = np.arange(12.0).reshape(3, 4)
+    np.savez(
+        tmp_path / "a", depth_ft=[1, 2, 3], image=image, angle_deg=[0.0, 90.0, 180.0, 270.0], cube=np.ones((2, 2, 2))
+    )
+    one = hb.open(tmp_path / "a.npz").set()
+    assert one.names == ("depth_ft", "image", "angle_deg")
+    assert one["image"].axis == hb.files.SectorAxis(0.0, 90.0, "deg")
+    assert one.remarks == ["cube: shape (2, 2, 2) of float64 does not fit 3 rows; left out"]
+    np.savez_compressed(tmp_path / "bomb", a=np.zeros(1 << 24))
+    with pytest.raises(ValueError, match=r"^bomb.npz: unpacks to more than 200 times its size"):
+        hb.open(tmp_path / "bomb.npz")
+    np.savez(tmp_path / "pickled", a=np.array([{}, 1], dtype=object))
+    with pytest.raises(ValueError, match=r"^pickled.npz: damaged archive of arrays \(Object arrays"):
+        hb.open(tmp_path / "pickled.npz")
+
+
+def test_missing_library_names_the_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    for library, content, message in (
+        ("pyarrow", b"a,b\n1,2\n", 'needs pyarrow: pip install "helibore[parquet]"'),
+        ("lasio", b"~V\nVERS. 2.0:\n~W\n~C\nDEPT.M:\n~A\n1\n", 'needs lasio: pip install "helibore[las]"'),
+        ("dlisio", b"\0" * 4 + b"V1.00RECORD" + b" " * 90, 'needs dlisio: pip install "helibore[dlis]"'),
+    ):
+        monkeypatch.setitem(sys.modules, library, None)
+        with pytest.raises(ImportError, match=re.escape(message)):
+            hb.open(write(tmp_path, content))
+
+
+def test_unknown_channel_and_folder(tmp_path: Path) -> None:
+    file = hb.open(write(tmp_path, "a,b\n1,2\n"))
+    with pytest.raises(KeyError, match="no channel 'c'; it holds a, b"):
+        file["c"]
+    with pytest.raises(IsADirectoryError):
+        hb.open(tmp_path)
+    with pytest.raises(FileNotFoundError):
+        hb.open(tmp_path / "none.csv")
+    values = file["a"].values
+    with pytest.raises(ValueError, match="read-only"):
+        values[0] = 3.0

@@ -1,0 +1,370 @@
+"""Roles: guesses with reasons, maps that override them, and the samples, surveys and images that follow."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+import helibore as hb
+from helibore.files.channel import Channel, LogSet, SectorAxis
+from helibore.role_map import overlay, quoted, read_map, write_map
+from helibore.roles import ROLES, guess
+
+
+def channel(
+    name: str, unit: str = "", values: object = (1.0, 2.0, 3.0), described: str = "", **more: object
+) -> Channel:
+    array = np.array(values)
+    return Channel(name, unit, described, array.shape, lambda: array, is_text=array.dtype.kind == "U", **more)  # type: ignore[arg-type]
+
+
+def log_set(*channels: Channel, index: str | None = None) -> LogSet:
+    return LogSet(Path("f.las"), "s", list(channels), channels[0].shape[0], index)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "described", "role"),
+    [
+        ("DEPT", "m", "", "depth"),
+        ("Measured Depth", "ft", "", "depth"),
+        ("md_m", "m", "", "depth"),
+        ("TDEP", "0.1 in", "", "depth"),
+        ("XYZ", "m", "Measured depth", "depth"),
+        ("DEPT", "deg", "", "none"),
+        ("TIME", "s", "", "time"),
+        ("etim_s", "s", "", "time"),
+        ("RPTHM", "min", "Resistivity Time Since Drilled", "none"),
+        ("RB", "deg", "", "toolface"),
+        ("toolface_rad", "rad", "", "toolface"),
+        ("AT2GTFM", "deg", "", "toolface"),
+        ("X", "deg", "Relative Bearing", "toolface"),
+        ("INC", "deg", "", "inclination"),
+        ("DEVI", "deg", "", "inclination"),
+        ("BITSIZE", "in", "", "bit-diameter"),
+        ("BS", "in", "Bit Size", "bit-diameter"),
+        ("TVD", "m", "", "tvd"),
+        ("radius", "mm", "", "radius"),
+        ("R", "ohm.m", "", "none"),
+        ("CALI", "in", "", "mean-diameter"),
+        ("CALCM", "in", "Acoustic Caliper - Corrected", "mean-diameter"),
+        ("GR", "gAPI", "", "none"),
+        ("NPCLFM", "", "Neutron Porosity Caliper Filtered", "none"),
+        ("pass", "", "", "pass"),
+        ("AZI", "deg", "", "none"),
+        ("UCHO", "IN", "Ultrasonic Caliper, Horizontal Diameter", "diameter"),
+        ("diameter", "in", "", "mean-diameter"),
+    ],
+)
+def test_single_channels(name: str, unit: str, described: str, role: str) -> None:
+    found = guess(log_set(channel(name, unit, described=described)))[name]
+    assert found.role == role
+    assert found.reason
+
+
+def test_reasons_are_sentences_about_this_channel() -> None:
+    roles = guess(
+        log_set(channel("DEPTH", "m"), channel("MD", "m"), channel("INC", "m"), channel("AZ", "deg"), index="MD")
+    )
+    assert {role.channel: role.reason for role in roles} == {
+        "DEPTH": "named DEPTH, like depth; MD is taken for it",
+        "MD": "named MD and it is the index",
+        "INC": "named INC, like inclination, but 'm' is no known unit of angle",
+        "AZ": "named AZ, but there is no inclination: no survey (an angle around the hole is a toolface)",
+    }
+    roles = guess(log_set(channel("IDX", "m"), channel("GR", "gAPI"), index="IDX"))
+    assert (roles["IDX"].role, roles["IDX"].reason) == ("depth", "it is the index and a length")
+
+
+def test_arms_go_in_pairs() -> None:
+    both = guess(log_set(channel("cal_x", "in"), channel("cal_y", "in"), channel("RB", "deg")))
+    assert (both["cal_x"].role, both["cal_x"].angle, both["cal_y"].angle) == ("diameter", 0.0, 90.0)
+    alone = guess(log_set(channel("cal_x", "in"), channel("RB", "deg")))
+    assert (alone["cal_x"].role, alone["cal_x"].angle) == ("none", None)
+    assert "its partner at right angles is missing" in alone["cal_x"].reason
+
+
+def test_images_say_what_they_are() -> None:
+    grid = np.ones((3, 8))
+    axis = SectorAxis(0.5, 0.25, "rad")
+    roles = guess(log_set(channel("A", "mm", grid, axis=axis), channel("B", "gAPI", grid)))
+    assert (roles["A"].role, roles["B"].role) == ("radius-image", "image")
+    assert roles["A"].first == pytest.approx(np.degrees(0.5))
+    assert roles["A"].step == pytest.approx(np.degrees(0.25))
+    assert roles["B"].reason == "stored as an array of 8; the angle of its first sector is not stated"
+
+
+def samples_of(*channels: Channel, **more: object) -> object:
+    return log_set(*channels).samples(**more)  # type: ignore[arg-type]
+
+
+DEPTH = channel("MD", "m", np.arange(40.0))
+TURN = channel("TF", "deg", np.arange(40.0) * 9.0)
+
+
+def radius(metres: float) -> Channel:
+    return channel("radius", "m", np.full(40, metres))
+
+
+@pytest.mark.parametrize(
+    ("channels", "rule"),
+    [
+        ((DEPTH, TURN, radius(0.2159)), "column radius: median 0.216: looks like a diameter"),
+        ((DEPTH, TURN, radius(108.0)), "median 108 m after reading m: no radius of a borehole (would fit mm)"),
+        ((DEPTH, TURN, channel("radius", "", np.full(40, 0.1))), "column radius: unit missing: state it in a map"),
+        ((DEPTH, TURN, radius(np.nan)), "column radius: every value is missing"),
+        (
+            (DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), radius(0.1)),
+            "column TF: values between 0 and 6.28 deg: looks like radians",
+        ),
+        ((DEPTH, channel("TF", "", np.linspace(0, 6.28, 40)), radius(0.1)), "column TF: unit missing"),
+        (
+            (DEPTH, channel("TF", "deg", np.full(40, 1e4)), radius(0.1)),
+            "row 0, column TF: 10000 deg: an angle lies within -720 and 720",
+        ),
+        ((DEPTH, radius(0.1)), "column radius: no toolface: name the toolface channel"),
+        ((TURN, radius(0.1)), "no channel has the role depth"),
+        ((DEPTH, TURN), "no channel has the role radius, diameter or radius-image"),
+        (
+            (DEPTH, channel("cal_x", "in", np.full(40, 8.5)), channel("cal_y", "in", np.full(40, 8.5))),
+            "an arm pair that turns with the tool needs a toolface",
+        ),
+        (
+            (channel("MD", "m", np.full(40, np.nan)), TURN, radius(0.1)),
+            "no row has depth, toolface and a radius (40 values missing in MD)",
+        ),
+        (
+            (DEPTH, TURN, channel("radius", "mm", np.full(40, 216.0)), channel("BS", "in", np.full(40, 8.5))),
+            "median 0.216: looks like a diameter",
+        ),
+        (
+            (DEPTH, TURN, channel("diameter", "mm", np.full(40, 8.5))),
+            "median 0.0085 m after reading mm: no diameter of a borehole (would fit cm or in)",
+        ),
+    ],
+)
+def test_samples_that_cannot_be(channels: tuple[Channel, ...], rule: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
+        samples_of(*channels)
+    assert str(caught.value).startswith("f.las")
+
+
+def test_a_caliper_holds_no_impossible_radius() -> None:
+    for metres in (0.0, -0.1, 2.5):
+        one = log_set(DEPTH, TURN, channel("radius", "m", np.where(np.arange(40) == 7, metres, 0.1)))
+        assert one.samples().radius[7] == metres  # for conditioning to judge
+        rule = (
+            rf"^f.las, row 7: radius {metres:g} m: must be larger than 0 and at most 2 m; condition the samples first"
+        )
+        with pytest.raises(ValueError, match=rule):
+            one.caliper()
+
+
+def test_a_caliper_holds_the_samples() -> None:
+    one = log_set(DEPTH, TURN, channel("diameter", "in", np.full(40, 8.5)))
+    caliper, found = one.caliper(), one.samples()
+    assert isinstance(caliper, hb.Caliper)
+    np.testing.assert_array_equal(caliper.depth, found.depth)
+    np.testing.assert_array_equal(caliper.toolface, found.toolface)
+    np.testing.assert_array_equal(caliper.radius, found.radius)
+    assert caliper.time is None
+
+
+def test_a_survey_of_one_station_names_the_file() -> None:
+    one = log_set(channel("MD", "m", [1.0]), channel("INC", "deg", [1.0]), channel("AZI", "deg", [1.0]))
+    with pytest.raises(ValueError, match=r"^f.las: survey has 1 station"):
+        one.survey()
+
+
+def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
+    one = log_set(DEPTH, TURN, radius(0.2159))
+    confirmed = overlay(guess(one), one, {"radius": {"role": "radius", "unit": "m"}}, "map")
+    assert one.samples(confirmed).radius[0] == 0.2159
+    assert one.samples(bit_diameter=0.4064).radius[0] == 0.2159  # a 16 in hole
+    as_diameter = overlay(guess(one), one, {"radius": {"role": "diameter", "angle": 0.0}}, "map")
+    assert one.samples(as_diameter).radius[0] == pytest.approx(0.10795)
+    with pytest.raises(ValueError, match="looks like a diameter"):
+        one.samples(confirmed, bit_diameter=0.2159)
+    slow = log_set(DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), channel("radius", "m", np.full(40, 0.1)))
+    mapped = overlay(guess(slow), slow, {"TF": {"unit": "rad"}}, "map")
+    assert slow.samples(mapped).toolface.max() == pytest.approx(np.degrees(6.28))
+
+
+@pytest.mark.parametrize("inches", [6.0, 8.5, 12.25, 17.5])
+def test_gauge_holes_are_not_suspected(inches: float) -> None:
+    assert log_set(DEPTH, TURN, radius(inches * 0.0127 * 1.005)).samples().rows == 40
+
+
+def test_missing_values_are_left_out_and_counted() -> None:
+    depth = channel("MD", "ft", [1.0, -999.25, 3.0, 4.0, 5.0, 6.0])
+    turn = channel("RB", "deg", [-10.0, 20.0, np.nan, 350.0, 400.0, 0.0])
+    x = channel("C1", "in", [8.0, 8.0, 8.0, -9999.0, 8.0, 8.0])
+    y = channel("C2", "in", [9.0, 9.0, 9.0, 9.0, np.inf, 9.0])
+    found = log_set(depth, turn, x, y, channel("TIME", "min", [0, 1, 2, 3, 4, 5.0])).samples()
+    assert found.dropped == {"MD": 1, "RB": 1, "C1": 1, "C2": 1}
+    assert found.row.tolist() == [0] * 4 + [3] * 2 + [4] * 2 + [5] * 4
+    np.testing.assert_allclose(found.toolface, [350, 170, 80, 260, 80, 260, 40, 220, 0, 180, 90, 270])
+    np.testing.assert_allclose(found.radius[:4], [0.1016, 0.1016, 0.1143, 0.1143])
+    np.testing.assert_allclose(found.depth[4:6], 4 * 0.3048)
+    assert found.time is not None
+    assert found.time.tolist() == [0.0] * 4 + [180.0] * 2 + [240.0] * 2 + [300.0] * 4
+    assert found.notes[0] == "MD is depth in ft: named MD"
+
+
+def test_dates_become_seconds() -> None:
+    when = channel("TIME", "", ["1970-01-01T00:00:10Z", "", "1970-01-02T00:00:00.5"])
+    one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), when)
+    found = one.samples()
+    assert found.time is not None
+    assert found.time.tolist() == [10.0, 86400.5]
+    assert found.dropped == {"TIME": 1}
+    bad = channel("TIME", "", ["1970-01-01T00:00:10Z", "noon", ""])
+    one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), bad)
+    with pytest.raises(ValueError, match=r"^f.las, row 1, column TIME: 'noon' is no ISO 8601 date and time"):
+        one.samples()
+
+
+def test_radius_image_turns_with_the_tool() -> None:
+    grid = np.full((2, 4), 110.0)
+    grid[1, 2] = np.nan
+    one = log_set(channel("MD", "m", [1.0, 2.0]), channel("RB", "deg", [350.0, 10.0]), channel("FING", "mm", grid))
+    mapped = overlay(guess(one), one, {"FING": {"first": 45, "step": 90.0}}, "map")
+    found = one.samples(mapped)
+    assert found.toolface.tolist() == [35.0, 125.0, 215.0, 305.0, 55.0, 145.0, 325.0]
+    assert found.dropped == {"FING": 1}
+
+
+def test_image_depth_must_run_one_way() -> None:
+    grid = np.arange(12.0).reshape(3, 4)
+    up = log_set(channel("MD", "m", [3.0, 2.0, 1.0]), channel("I", "", grid)).image("I")
+    assert up.depth.tolist() == [3.0, 2.0, 1.0]
+    holes = log_set(channel("MD", "m", [1.0, np.nan, 2.0]), channel("I", "", grid)).image("I")
+    assert (holes.values[:, 0].tolist(), holes.dropped) == ([0.0, 8.0], 1)
+    for depth, rule in (
+        ([1.0, 1.0, 2.0], "row 1, column MD: depth 1 m after 1 m"),
+        ([1.0, 3.0, 2.0], "row 2, column MD"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(rule)):
+            log_set(channel("MD", "m", depth), channel("I", "", grid)).image("I")
+    with pytest.raises(ValueError, match=r"column MD: has no sectors; the images are I"):
+        log_set(channel("MD", "m"), channel("I", "", grid)).image("MD")
+
+
+def xy_file(folder: Path) -> Path:
+    path = folder / "xy.csv"
+    path.write_text(
+        "md_m,rb_deg,cal_x_in,cal_y_in,bs\n" + "".join(f"{n},{n * 9 % 360},8.6,8.7,8.5\n" for n in range(40))
+    )
+    return path
+
+
+def test_map_round_trip(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    file = hb.open(xy_file(tmp_path))
+    roles = guess(file.set())
+    (tmp_path / "m.toml").write_text(write_map(roles))
+    again = read_map(tmp_path / "m.toml", file)
+    for role in roles:
+        assert (again[role.channel].role, again[role.channel].angle, again[role.channel].unit) == (
+            role.role, role.angle, role.unit,
+        )  # fmt: skip
+        assert again[role.channel].confirmed == (role.role != "none")
+    (tmp_path / "m.toml").write_text(
+        '[channels."bs"]\nrole = "bit-diameter"\nunit = "in"\n[channels.cal_x_in]\nangle = 45\n'
+    )
+    again = read_map(tmp_path / "m.toml", file)
+    assert (again["bs"].unit, again["cal_x_in"].angle, again["cal_x_in"].unit) == ("in", 45.0, "in")
+    assert file.samples(again).toolface[0] == 45.0
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("channels = 3", "m.toml: channels must be tables"),
+        ("x = 1", "m.toml: x: must be one of set, channels"),
+        ("[", "m.toml: not TOML"),
+        ('set = "other"', "xy.csv: no set 'other'; it holds 'table'"),
+        ("[channels.nope]", "m.toml: no channel 'nope'; the set holds md_m, rb_deg"),
+        ("[channels.bs]\nrole = 'bit'", "m.toml: bs: role = 'bit': must be one of depth"),
+        ("[channels.bs]\nunit = 3", "m.toml: bs: unit = 3: must be text"),
+        ("[channels.bs]\nangle = 'x'", "m.toml: bs: angle = 'x': must be a number"),
+        ("[channels.bs]\nangles = 3", "m.toml: bs: angles: must be one of role, unit, angle"),
+        (
+            "[channels.bs]\nrole = 'depth'\nunit = 'deg'",
+            "m.toml: bs: unit = 'deg': must be a unit of length for a depth",
+        ),
+        ("[channels.bs]\nrole = 'depth'\n[channels.md_m]\nrole = 'depth'", "m.toml: bs: md_m is the depth already"),
+        ("[channels]\nbs = 3", "m.toml: bs: must be a table"),
+    ],
+)
+def test_bad_maps(tmp_path: Path, text: str, rule: str) -> None:
+    pytest.importorskip("pyarrow")
+    file = hb.open(xy_file(tmp_path))
+    (tmp_path / "m.toml").write_text(text)
+    with pytest.raises(ValueError, match=re.escape(rule)):
+        read_map(tmp_path / "m.toml", file)
+
+
+def test_mapping_a_role_takes_it_from_the_guess(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    one = hb.open(xy_file(tmp_path)).set()
+    roles = overlay(guess(one), one, {"bs": {"role": "depth", "unit": "m"}}, "map")
+    assert (roles["bs"].role, roles["md_m"].role, roles["md_m"].reason) == (
+        "depth",
+        "none",
+        "bs is mapped as the depth",
+    )
+
+
+def test_quoted_names_survive() -> None:
+    import tomllib
+
+    name = 'a"b\\c\n\x7f é [1]'
+    assert tomllib.loads(f"x = {quoted(name)}")["x"] == name
+
+
+def test_inspect(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    from helibore.cli.inspect import inspect
+
+    path = xy_file(tmp_path)
+    shown = CliRunner().invoke(inspect, [str(path)], env={"COLUMNS": "160"})
+    assert shown.exit_code == 0
+    for text in (
+        "table: 40 rows",
+        "cal_x_in",
+        "8.6 .. 8.6",
+        "md_m: median step 1 m",
+        '[channels."cal_y_in"]',
+        "angle = 90.0",
+    ):
+        assert text in shown.output
+    bare = CliRunner().invoke(inspect, [str(path), "--toml"])
+    (tmp_path / "m.toml").write_text(bare.output)
+    assert set(read_map(tmp_path / "m.toml", hb.open(path)).roles) == set(hb.open(path).set().names)
+    mapped = CliRunner().invoke(inspect, [str(path), "--map", str(tmp_path / "m.toml")], env={"COLUMNS": "160"})
+    assert "the map" in mapped.output
+    (tmp_path / "empty").touch()
+    bad = CliRunner().invoke(inspect, [str(tmp_path / "empty")])
+    assert (bad.exit_code, "empty: empty: 0 bytes" in bad.output) == (2, True)
+    wrong = CliRunner().invoke(inspect, [str(path), "--map", str(tmp_path / "m.toml"), "--set", "x"])
+    assert (wrong.exit_code, "the map is for the set table" in wrong.output) == (2, True)
+
+
+def test_depth_remarks() -> None:
+    from helibore.cli.inspect import depth_remarks
+
+    one = log_set(channel("MD", "m", [1, 2, 3, 9, 8, 8.0]))
+    assert depth_remarks(one, guess(one)) == [
+        "MD: rises 3 and falls 1 times: passes, or samples in no order",
+        "MD: 1 rows repeat the depth before",
+        "MD: median step 1 m",
+        "MD: 1 gaps, the largest 6 m",
+    ]
+
+
+def test_every_role_is_documented() -> None:
+    assert {"depth", "toolface", "radius", "diameter", "image", "none"} <= set(ROLES)
