@@ -13,6 +13,7 @@ from helibore.wall import Change, Settings, Wall, reconstruct
 if TYPE_CHECKING:
     from helibore.files import open as open  # noqa: A004
     from helibore.live.live import Live
+    from helibore.viewer import view as view
 
 __all__ = [
     "Caliper",
@@ -26,6 +27,7 @@ __all__ = [
     "Wall",
     "__version__",
     "reconstruct",
+    "view",
 ]
 
 
@@ -42,4 +44,8 @@ def __getattr__(name: str) -> Any:
         from helibore.files import open  # noqa: A004
 
         return open
+    if name == "view":
+        from helibore.viewer import view
+
+        return view
     raise AttributeError(f"module 'helibore' has no attribute '{name}'")

@@ -1,0 +1,131 @@
+"""See a wall in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
+
+    producer --> Feed --> Scene --> Client (one a page) --> websocket --> web/ (the page)
+                 feed.py  scene.py  client.py               server.py
+
+The page is our own, needs no network beyond this machine, and gets every new quad once, in about 12 bytes.
+Needs the extra ``view``; this module itself imports NumPy only.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy.typing as npt
+
+from helibore.viewer.feed import Feed, WallLike
+from helibore.viewer.messages import Vertices
+from helibore.viewer.scene import Attribute, Frames, Helix, Scene, WallScene
+
+if TYPE_CHECKING:
+    from helibore.viewer.run import Server
+
+__all__ = ["Attribute", "Frames", "Helix", "Scene", "Vertices", "Viewer", "WallLike", "WallScene", "view"]
+
+
+class Viewer:
+    """A wall on a page. Made by `view`; `update` after every append, `close` at the end.
+
+    Attributes
+    ----------
+    url : str
+        Where the page is, the token included where one is set.
+    scene : Scene
+        What is shown; for `state` (bit depth, time of the newest sample).
+    """
+
+    def __init__(self, feed: Feed, server: Server) -> None:
+        self._feed, self._server = feed, server
+        self.scene = feed.scene
+        self.url = server.url
+
+    def update(self, change: Any = None) -> None:
+        """Show what an append changed; without `change`, everything. Returns at once, another thread does the work."""
+        self._feed.update(change)
+
+    def set_path(self, path: Any | None) -> None:
+        """Place the wall along a new or corrected path; the wall itself is not sent again."""
+        self._feed.set_path(path)
+
+    def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
+        """Set one value per quad of an attribute that was named when the viewer was made."""
+        self._feed.set_attribute(name, values)
+
+    def wait(self) -> None:
+        """Serve until Ctrl-C."""
+        self._server.wait()
+
+    def close(self) -> None:
+        """Stop serving and free the port. May be called twice."""
+        self._feed.close()
+        self._server.close()
+
+    def __enter__(self) -> Viewer:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _repr_html_(self) -> str:
+        return f'<iframe src="{self.url}" style="width: 100%; height: 720px; border: 0" title="helibore"></iframe>'
+
+    def __repr__(self) -> str:
+        return f"Viewer({self.url})"
+
+
+def view(
+    wall: WallLike,
+    *,
+    path: Any | None = None,
+    attributes: Mapping[str | Attribute, npt.ArrayLike] | None = None,
+    well: str = "",
+    host: str = "127.0.0.1",
+    port: int = 0,
+    token: str | None = None,
+    browser: bool = False,
+) -> Viewer:
+    """Show a wall on a page in the browser, growing or finished.
+
+    Parameters
+    ----------
+    wall
+        A `helibore.Wall`. It is read, never changed or kept locked.
+    path
+        The `helibore.Path` it lies on; None is a straight vertical hole.
+    attributes
+        Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`.
+    well
+        The well's name, for the page.
+    host, port
+        Address to serve on. Port 0 takes a free one.
+    token
+        Secret that the address must carry. Required when `host` is not this machine alone.
+    browser
+        Open the page in the default browser.
+
+    Returns
+    -------
+    Viewer
+        Already serving. In a notebook it displays itself as a frame.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        Without the extra: ``needs starlette: pip install "helibore[view]"``.
+    ValueError
+        If the wall has no vertex, reaches beyond `path`, an attribute's length is not the number of vertices or quads,
+        or `host` needs a token.
+    OSError
+        If the port is taken; the text names it.
+    """
+    from helibore.viewer.run import Server
+
+    feed = Feed(wall, path=path, attributes=attributes or {}, well=well)
+    server = Server(feed.scene, host=host, port=port, token=token)
+    feed.start()
+    if browser:
+        import webbrowser
+
+        webbrowser.open(server.url)
+    return Viewer(feed, server)

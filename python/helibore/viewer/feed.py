@@ -1,0 +1,181 @@
+"""From a wall to the scene: which vertices changed, read once, by a thread of its own.
+
+The producer's `update` only notes ranges. The feed's thread reads the wall's columns when it gets to it, so ten appends
+between two reads cost one read, and a producer in a hurry is never held up. After a read it rests at least as long
+as the read took, so that a wall of millions of vertices does not spend its time being copied.
+"""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Mapping
+from typing import Any, Protocol
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.viewer import dirty, frames
+from helibore.viewer.messages import Vertices
+from helibore.viewer.scene import Attribute, Helix, Scene
+
+PIECE = 1 << 17  # vertices written at a time: pages may send in between
+
+
+class WallLike(Protocol):
+    """What the viewer reads of a wall."""
+
+    @property
+    def settings(self) -> Any: ...
+    @property
+    def depth(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def toolface(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def radius(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def nearest(self) -> npt.NDArray[np.float64]: ...
+    @property
+    def support(self) -> npt.NDArray[np.int32]: ...
+    @property
+    def settled(self) -> int: ...
+    def __len__(self) -> int: ...
+
+
+class Feed:
+    """Keeps a scene equal to a wall."""
+
+    def __init__(
+        self, wall: WallLike, *, path: Any | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str
+    ) -> None:
+        self.scene = Scene()
+        self.path = path
+        self._wall = wall
+        if len(wall) == 0:
+            raise ValueError("the wall has no vertex yet: append samples first")
+        named = {_attribute(key): np.asarray(values, np.float64) for key, values in attributes.items()}
+        self._helix = _helix(wall, tuple(named), well, path is not None)
+        self._values = {attribute.name: values for attribute, values in named.items()}
+        for name, values in self._values.items():
+            self._check(name, values)
+        self._check_path(path)
+        self._changed = threading.Condition()
+        self._ranges: list[dirty.Interval] = []
+        self._settled = 0
+        self._new_path = False
+        self._closed = False
+        self._thread: threading.Thread | None = None
+        self.scene.begin(self._helix)
+        self._extend_path()
+        self._read([(0, len(wall))], wall.settled)
+
+    def start(self) -> None:
+        """Start the thread that reads what `update` notes."""
+        self._thread = threading.Thread(target=self._run, name="helibore-view-feed", daemon=True)
+        self._thread.start()
+
+    def update(self, change: Any = None) -> None:
+        """Note what an append changed; None: anything may have."""
+        ranges = [(0, len(self._wall))] if change is None else [tuple(part) for part in change.ranges]
+        with self._changed:
+            for start, stop in ranges:
+                self._ranges = dirty.add(self._ranges, int(start), int(stop))
+            self._settled = self._wall.settled if change is None else int(change.settled)
+            self._changed.notify()
+
+    def set_path(self, path: Any | None) -> None:
+        """Take another path; only frames are sent."""
+        self._check_path(path)
+        with self._changed:
+            self.path = path
+            self._new_path = True
+            self._changed.notify()
+
+    def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
+        """Take new values of a named attribute."""
+        if name not in self._values:
+            raise ValueError(f"attribute {name}: was not named when the viewer was made")
+        taken = np.asarray(values, np.float64)
+        self._check(name, taken)
+        with self._changed:
+            self._values[name] = taken
+            self._ranges = dirty.add(self._ranges, 0, len(self._wall))
+            self._changed.notify()
+
+    def close(self) -> None:
+        """Stop the thread."""
+        with self._changed:
+            self._closed = True
+            self._changed.notify()
+        if self._thread is not None:
+            self._thread.join()
+            self._thread = None
+
+    def _run(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._ranges or self._new_path or self._closed)
+                if self._closed:
+                    return
+                ranges, self._ranges = self._ranges, []
+                settled, new_path, self._new_path = self._settled, self._new_path, False
+            began = time.monotonic()
+            if new_path:
+                self._extend_path(again=True)
+            if ranges:
+                self._extend_path()
+                self._read(ranges, settled)
+            time.sleep(time.monotonic() - began)
+
+    def _read(self, ranges: list[dirty.Interval], settled: int) -> None:
+        radius, nearest, support = self._wall.radius, self._wall.nearest, self._wall.support
+        for start, stop in ranges:
+            for first in range(start, min(stop, len(radius)), PIECE):
+                part = slice(first, min(first + PIECE, stop, len(radius), len(nearest), len(support)))
+                values = {name: column[part] for name, column in self._values.items()}
+                self.scene.write(first, Vertices(radius[part], nearest[part], support[part]), values)
+        self.scene.settle(settled)
+
+    def _extend_path(self, *, again: bool = False) -> None:
+        level = self.scene.levels[0]
+        have = 0 if again else len(self.scene.frames.centre)
+        need = frames.count_for(self._helix, max(len(self._wall), level.size), level.rows)
+        if need > have:
+            self.scene.trajectory(have, frames.on_path(self._helix, self.path, have, need))
+
+    def _check(self, name: str, values: npt.NDArray[np.float64]) -> None:
+        n, K = len(self._wall), self._helix.sectors
+        if values.ndim != 1 or len(values) not in (n, max(0, n - K - 1)):
+            raise ValueError(
+                f"attribute {name} has shape {values.shape}: must be one value for each of {n} vertices "
+                f"or {max(0, n - K - 1)} quads"
+            )
+
+    def _check_path(self, path: Any | None) -> None:
+        if path is None:
+            return
+        end = self._helix.start_depth + (len(self._wall) - 1) * self._helix.pitch / self._helix.sectors
+        top, bottom = sorted((self._helix.start_depth, end))
+        if top < path.start_depth - 1e-9 or bottom > path.stop_depth + 1e-9:
+            raise ValueError(
+                f"the wall lies from {top:.2f} to {bottom:.2f} m, the path from {path.start_depth:.2f} to "
+                f"{path.stop_depth:.2f} m: give the survey's path extend= metres, or a longer survey"
+            )
+
+
+def _attribute(key: str | Attribute) -> Attribute:
+    return key if isinstance(key, Attribute) else Attribute(key)
+
+
+def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str, has_path: bool) -> Helix:
+    settings = wall.settings
+    return Helix(
+        sectors=int(settings.sectors),
+        pitch=float(settings.pitch),
+        start_depth=float(wall.depth[0]),
+        start_toolface=float(wall.toolface[0]),
+        bit_diameter=float(settings.bit_diameter),
+        well=well,
+        attributes=attributes,
+        has_path=has_path,
+    )

@@ -1,0 +1,34 @@
+"""Where the hole runs, for the page: frames of the path at every `FRAME_STEP` metres of the wall's depth.
+
+The page places a wall point itself: centre + R (cos(toolface) high + sin(toolface) right), centre and directions linear
+between frames. Without a path the hole is straight and vertical below (0, 0), toolface 0 to the north.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from helibore.viewer.messages import FRAME_STEP
+from helibore.viewer.scene import Frames, Helix
+
+
+def count_for(helix: Helix, vertices: int, rows: int) -> int:
+    """Frames needed for a wall of `vertices`, up to the end of its last tile, so that no tile waits for one."""
+    tile = rows * helix.sectors
+    span = (-(-max(vertices, 1) // tile) * tile + helix.sectors + 1) * abs(helix.pitch) / helix.sectors
+    return int(np.ceil(span / FRAME_STEP)) + 2
+
+
+def on_path(helix: Helix, path: Any | None, first: int, stop: int) -> Frames:
+    """Return frames [first, stop). Past either end of the path they run on straight."""
+    depth = helix.start_depth + np.arange(first, stop) * np.copysign(FRAME_STEP, helix.pitch)
+    count = len(depth)
+    if path is None:
+        centre = np.column_stack([np.zeros(count), np.zeros(count), depth])
+        return Frames(centre, np.tile([1.0, 0.0, 0.0], (count, 1)), np.tile([0.0, 1.0, 0.0], (count, 1)))
+    inside = np.clip(depth, path.start_depth, path.stop_depth)
+    frame = np.asarray(path.frame(inside), np.float64)
+    beyond = (depth - inside)[:, None] * frame[:, 2]
+    return Frames(np.asarray(path.position(inside), np.float64) + beyond, frame[:, 0], frame[:, 1])

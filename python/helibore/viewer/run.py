@@ -1,0 +1,102 @@
+"""The server in a thread of its own: uvicorn on a socket that we bound ourselves, so that a taken port is an OSError
+here and not a line in a log there."""
+
+from __future__ import annotations
+
+import contextlib
+import ipaddress
+import socket
+import threading
+import time
+from typing import Any
+
+from helibore.viewer.scene import Scene
+
+START_SECONDS = 20.0
+
+
+class Server:
+    """Serves a scene until closed."""
+
+    def __init__(self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False) -> None:
+        if not _is_loopback(host) and not token:
+            raise ValueError(f"host {host}: is open to other machines, so it needs a token")
+        uvicorn = _uvicorn()
+        from helibore.viewer.server import LOOPBACK, MOST_TEXT, application
+
+        self._socket = _bind(host, port)
+        name = f"[{host}]" if ":" in host else host
+        bound = self._socket.getsockname()[1]
+        self.url = f"http://{name}:{bound}/" + (f"?token={token}" if token else "")
+        config = uvicorn.Config(
+            application(scene, token, (*LOOPBACK, name)),
+            ws="websockets-sansio",
+            ws_max_size=2 * MOST_TEXT,
+            ws_per_message_deflate=compress,
+            log_level="critical",
+            access_log=False,
+            lifespan="on",
+            timeout_graceful_shutdown=1,
+        )
+        self._server = uvicorn.Server(config)
+        self._thread = threading.Thread(target=self._run, name="helibore-view-server", daemon=True)
+        self._thread.start()
+        self._wait_until_started()
+
+    def wait(self) -> None:
+        """Block until Ctrl-C, then close."""
+        try:
+            while self._thread.is_alive():
+                self._thread.join(0.5)
+        except KeyboardInterrupt:
+            pass
+        finally:
+            self.close()
+
+    def close(self) -> None:
+        """Let the pages go and free the port. May be called twice."""
+        self._server.should_exit = True
+        self._thread.join(10)
+        self._socket.close()
+
+    def _run(self) -> None:
+        self._server.run(sockets=[self._socket])
+
+    def _wait_until_started(self) -> None:
+        until = time.monotonic() + START_SECONDS
+        while not self._server.started:
+            if not self._thread.is_alive() or time.monotonic() > until:
+                self.close()
+                raise RuntimeError("the viewer's server did not start: this is a bug in helibore")
+            time.sleep(0.005)
+
+
+def _uvicorn() -> Any:
+    try:
+        import starlette  # noqa: F401
+        import uvicorn
+        import websockets  # noqa: F401
+    except ModuleNotFoundError as error:
+        raise ModuleNotFoundError(f'needs {error.name}: pip install "helibore[view]"', name=error.name) from error
+    return uvicorn
+
+
+def _is_loopback(host: str) -> bool:
+    if host == "localhost":
+        return True
+    with contextlib.suppress(ValueError):
+        return ipaddress.ip_address(host).is_loopback
+    return False
+
+
+def _bind(host: str, port: int) -> socket.socket:
+    family = socket.AF_INET6 if ":" in host else socket.AF_INET
+    bound = socket.socket(family, socket.SOCK_STREAM)
+    bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+    try:
+        bound.bind((host, port))
+        bound.listen(128)
+    except OSError as error:
+        bound.close()
+        raise OSError(error.errno, f"{host} port {port}: {error.strerror}; give another port, or 0") from error
+    return bound

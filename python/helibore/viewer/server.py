@@ -1,0 +1,360 @@
+"""The page's server: a handful of addresses, one websocket, and the checks before any of them.
+
+    /  /app.js  /app.css  /licences.txt     the page, from the package
+    /ws                                     greeting and state as text, values as binary (messages.py)
+    /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
+    /healthz                                alive
+
+Every request passes `Guard`: the Host must be one we answer to (a page elsewhere cannot reach us through its own name
+for 127.0.0.1), the Origin, where a browser sends one, must be ourselves, and beyond loopback the token must match.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import hmac
+import json
+import math
+import time
+from collections.abc import AsyncIterator, Callable
+from importlib import resources
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.routing import Route, WebSocketRoute
+from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from helibore.viewer import exports, messages
+from helibore.viewer.client import BadMessageError, Client, read_subscription
+from helibore.viewer.scene import Attribute, Scene
+
+TICK = 0.05  # seconds between two looks at what is dirty: at most 20 sends a second for a growing wall
+MOST_CLIENTS = 64
+MOST_TEXT = 8192  # bytes of a message from a page
+LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
+NO_PAGE = (
+    "This helibore was built without its page, because Node.js 18 or newer was not there. "
+    "Install Node.js and npm, then build the package again: pip install --force-reinstall --no-deps helibore"
+)
+POLICY = (
+    "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
+)
+TYPES = {
+    "index.html": "text/html; charset=utf-8",
+    "app.js": "text/javascript; charset=utf-8",
+    "app.css": "text/css; charset=utf-8",
+    "licences.txt": "text/plain; charset=utf-8",
+}
+
+
+def page(name: str) -> bytes | None:
+    """Return a file of the built page, or None where the package was built without it."""
+    file = resources.files("helibore.viewer").joinpath("page", name)
+    return file.read_bytes() if file.is_file() else None
+
+
+def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] = LOOPBACK) -> ASGIApp:
+    """Return the ASGI application that shows `scene`."""
+    hub = Hub(scene)
+    routes = [
+        Route("/", _page_file("index.html")),
+        *(Route(f"/{name}", _page_file(name)) for name in ("app.js", "app.css", "licences.txt")),
+        Route("/healthz", _health(scene, hub)),
+        Route("/api/vertex/{k:int}", _vertex(scene)),
+        Route("/api/section.csv", _section(scene)),
+        WebSocketRoute("/ws", hub.serve),
+    ]
+    return Guard(Starlette(routes=routes, lifespan=hub.lifespan), token, hosts)
+
+
+class Guard:
+    """Checks Host, Origin and token, and sets the headers that keep the page to itself."""
+
+    def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
+        self.app, self.token, self.hosts = app, token, hosts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        if scope["type"] not in ("http", "websocket"):
+            await self.app(scope, receive, send)
+            return
+        refusal = self.refusal(scope)
+        if refusal is None:
+            await self.app(scope, receive, self._with_headers(send) if scope["type"] == "http" else send)
+        elif scope["type"] == "http":
+            await self._with_headers_response(PlainTextResponse(refusal + "\n", 403), scope, receive, send)
+        else:
+            await receive()
+            await send({"type": "websocket.close", "code": 4403, "reason": refusal[:120]})
+
+    def refusal(self, scope: Scope) -> str | None:
+        """Return why a request is turned away, or None."""
+        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
+        host = headers.get("host", "")
+        if self.token is None and _name(host) not in self.hosts:
+            return f"host {host[:60]!r}: this viewer answers to {', '.join(self.hosts)} only"
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return f"origin {origin[:60]!r}: only the viewer's own page may connect"
+        open_to_all = scope["type"] == "http" and scope["path"] in ("/app.js", "/app.css", "/licences.txt", "/healthz")
+        if self.token is not None and not open_to_all:
+            given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+            if not hmac.compare_digest(given.encode(), self.token.encode()):
+                return "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
+        return None
+
+    @staticmethod
+    def _with_headers(send: Send) -> Send:
+        async def sending(message: Any) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [
+                    *message["headers"],
+                    (b"content-security-policy", POLICY.encode()),
+                    (b"x-content-type-options", b"nosniff"),
+                    (b"referrer-policy", b"no-referrer"),
+                    (b"cache-control", b"no-cache"),
+                ]
+            await send(message)
+
+        return sending
+
+    async def _with_headers_response(self, response: Response, scope: Scope, receive: Receive, send: Send) -> None:
+        await response(scope, receive, self._with_headers(send))
+
+
+def _name(host: str) -> str:
+    """Return a Host header without its port."""
+    return host.rsplit(":", 1)[0] if ":" in host and not host.endswith("]") else host
+
+
+class Hub:
+    """The pages that are connected, and the loop's side of waking them."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.pages: set[_Page] = set()
+        self.loop: asyncio.AbstractEventLoop | None = None
+        self.woken = False
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        self.loop = asyncio.get_running_loop()
+        self.scene.on_change = self.wake
+        yield
+        self.scene.on_change = lambda: None
+        self.loop = None
+
+    def wake(self) -> None:
+        """Tell every page that something changed; from any thread, at the cost of one flag while one is pending."""
+        if self.woken or self.loop is None:
+            return
+        self.woken = True
+        with contextlib.suppress(RuntimeError):  # the loop closed between the check and here
+            self.loop.call_soon_threadsafe(self._wake_pages)
+
+    def _wake_pages(self) -> None:
+        self.woken = False
+        for one in self.pages:
+            one.wake.set()
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Serve one page until it leaves."""
+        await socket.accept()
+        if len(self.pages) >= MOST_CLIENTS:
+            await socket.close(4429, f"{MOST_CLIENTS} pages are connected already")
+            return
+        if not self.scene.begun:
+            await socket.close(4425, "the wall has not begun")
+            return
+        one = _Page(self.scene, socket)
+        self.pages.add(one)
+        with self.scene.lock:
+            self.scene.marks.append(one.mark)
+        sender = asyncio.create_task(one.send_all())
+        try:
+            await one.receive_all()
+        except BadMessageError as error:
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+                await socket.close(4400, str(error)[:120])
+        except WebSocketDisconnect:
+            pass
+        finally:
+            sender.cancel()
+            await asyncio.gather(sender, return_exceptions=True)
+            self.pages.discard(one)
+            with self.scene.lock:
+                self.scene.marks.remove(one.mark)
+
+
+class _Page:
+    """One connected page: a task that receives and a task that sends."""
+
+    def __init__(self, scene: Scene, socket: WebSocket) -> None:
+        self.scene, self.socket = scene, socket
+        self.wake = asyncio.Event()
+        self.client: Client | None = None
+        self.told = ""
+
+    def mark(self, level: int, start: int, stop: int) -> None:
+        if self.client is not None and self.client.session == self.scene.session:
+            self.client.mark(level, start, stop)
+
+    async def send_all(self) -> None:
+        """Send what is dirty, nearest first, whenever there is room; look again at most every `TICK`."""
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                await self._greet()
+                while (message := self._take()) is not None:
+                    await self.socket.send_bytes(message)
+                await self.wake.wait()
+                self.wake.clear()
+                if self.client is not None and self.client.room:
+                    await asyncio.sleep(TICK if not self.client.asked else 0)
+
+    async def _greet(self) -> None:
+        """Say hello to a new page or a new wall, and tell the state where it changed."""
+        with self.scene.lock:
+            hello = None
+            if self.client is None or self.client.session != self.scene.session:
+                self.client = Client(self.scene)
+                hello = greeting(self.scene)
+            told = json.dumps(state(self.scene))
+        if hello is not None:
+            await self.socket.send_text(json.dumps(hello))
+        if told != self.told:
+            self.told = told
+            await self.socket.send_text(told)
+
+    def _take(self) -> bytes | None:
+        with self.scene.lock:
+            return None if self.client is None else self.client.take()
+
+    async def receive_all(self) -> None:
+        """Read acknowledgements and subscriptions; anything else ends the connection with a sentence."""
+        while True:
+            message = await self.socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            text = message.get("text")
+            if text is None or len(text) > MOST_TEXT:
+                raise BadMessageError(f"a page sends text of at most {MOST_TEXT} bytes")
+            try:
+                said = json.loads(text)
+            except (ValueError, RecursionError) as error:
+                raise BadMessageError("not JSON") from error
+            self._hear(said)
+            self.wake.set()
+
+    def _hear(self, said: Any) -> None:
+        with self.scene.lock:
+            if not isinstance(said, dict) or self.client is None:
+                raise BadMessageError("must be an object, after the greeting")
+            if said.get("session") != self.client.session:
+                return  # meant for the wall before this one
+            if "ack" in said:
+                self.client.acknowledge(said["ack"] if type(said["ack"]) is int else -1)
+            elif "subscribe" in said:
+                self.client.subscribe(read_subscription(said["subscribe"], len(self.scene.helix.attributes)))
+            else:
+                raise BadMessageError("neither ack nor subscribe")
+
+
+def greeting(scene: Scene) -> dict[str, Any]:
+    """Return what a page must know before any value."""
+    helix = scene.helix
+    wall, over = scene.levels
+    return {
+        "type": "hello",
+        "version": 1,
+        "session": scene.session,
+        "well": helix.well,
+        "bit_diameter": helix.bit_diameter,
+        "start_depth": helix.start_depth,
+        "start_toolface": helix.start_toolface,
+        "vertices": wall.size,
+        "radius_unit": helix.radius_unit,
+        "nearest_unit": messages.NEAREST_UNIT,
+        "levels": [
+            {"sectors": wall.sectors, "rows": wall.rows, "pitch": helix.pitch},
+            {"sectors": over.sectors, "rows": over.rows, "pitch": helix.pitch * 16},
+        ],
+        "has_path": helix.has_path,
+        "frame_step": math.copysign(messages.FRAME_STEP, helix.pitch),
+        "attributes": [_described(attribute) for attribute in helix.attributes],
+    }
+
+
+def _described(attribute: Attribute) -> dict[str, Any]:
+    return {
+        "name": attribute.name,
+        "unit": attribute.unit,
+        "low": attribute.low,
+        "high": attribute.high,
+        "log": attribute.log,
+        "colours": attribute.colours,
+    }
+
+
+def state(scene: Scene) -> dict[str, Any]:
+    """Return where the bit is and how old the newest sample is, as of now on the server's clock."""
+    bit, newest = scene.bit_depth, scene.newest
+    return {
+        "type": "state",
+        "bit_depth": bit if math.isfinite(bit) else None,
+        "newest": newest if math.isfinite(newest) else None,
+        "now": round(time.time(), 1) if math.isfinite(newest) else None,
+        "ended": scene.ended,
+    }
+
+
+Endpoint = Callable[[Request], Any]
+
+
+def _page_file(name: str) -> Endpoint:
+    async def answer(_: Request) -> Response:
+        body = page(name)
+        if body is None:
+            return PlainTextResponse(NO_PAGE + "\n", 503)
+        return Response(body, media_type=TYPES[name])
+
+    return answer
+
+
+def _health(scene: Scene, hub: Hub) -> Endpoint:
+    async def answer(_: Request) -> Response:
+        vertices = scene.levels[0].size if scene.begun else 0
+        return JSONResponse({"vertices": vertices, "pages": len(hub.pages), "page_built": page("app.js") is not None})
+
+    return answer
+
+
+def _vertex(scene: Scene) -> Endpoint:
+    async def answer(request: Request) -> Response:
+        k = request.path_params["k"]
+        with scene.lock:
+            if k >= scene.levels[0].size:
+                return PlainTextResponse(f"vertex {k}: the wall has {scene.levels[0].size}\n", 404)
+            return JSONResponse(exports.vertex(scene, k))
+
+    return answer
+
+
+def _section(scene: Scene) -> Endpoint:
+    async def answer(request: Request) -> Response:
+        try:
+            start, stop = (float(request.query_params[name]) for name in ("start", "stop"))
+            rows = exports.section(scene, start, stop)
+        except KeyError as missing:
+            return PlainTextResponse(f"{missing.args[0]}: missing; ask for ?start=DEPTH&stop=DEPTH in metres\n", 400)
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        name = f"section-{start:.1f}-{stop:.1f}.csv"
+        disposition = {"content-disposition": f"attachment; filename={name}"}
+        return StreamingResponse(rows, media_type="text/csv", headers=disposition)
+
+    return answer

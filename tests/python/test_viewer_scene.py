@@ -1,0 +1,303 @@
+"""The viewer's scene and bytes: packing, halo, dirty intervals, the overview, and that a page always ends up equal."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from helibore.viewer import Attribute, Frames, Helix, Scene, Vertices, dirty, messages, overview
+from helibore.viewer.client import BadMessageError, Client, Subscription, read_subscription
+
+K = 8
+HELIX = Helix(sectors=K, pitch=0.1, start_depth=100.0, bit_diameter=0.2, attributes=(Attribute("GR"), Attribute("RES")))
+
+
+def begun(helix: Helix = HELIX) -> Scene:
+    scene = Scene()
+    scene.begin(helix)
+    return scene
+
+
+class Page:
+    """What the page does with messages, in Python: the texels and columns of every tile it was sent."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene, self.client = scene, Client(scene)
+        scene.marks.append(self.client.mark)
+        self.tiles: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
+
+    def drain(self) -> list[messages.Write]:
+        got = []
+        while (raw := self.client.take()) is not None:
+            message = messages.unpack(raw)
+            got.append(message)
+            self.client.acknowledge(message.sequence)
+            if message.kind == messages.WRITE:
+                self.apply(message)
+        return got
+
+    def apply(self, message: messages.Write) -> None:
+        level = self.scene.levels[message.level]
+        size = level.tile_size + level.halo
+        empty = np.zeros((size, messages.TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
+        texels, columns = self.tiles.setdefault((message.level, message.tile), empty)
+        part = slice(message.first, message.first + message.count)
+        texels[part] = message.texels
+        for i, values in enumerate(message.columns):
+            columns[i, part] = values
+
+    def expected(self, level: int, tile: int) -> tuple[np.ndarray, np.ndarray]:
+        store = self.scene.levels[level]
+        start, size = tile * store.tile_size, store.tile_size + store.halo
+        texels, columns = np.zeros((size, messages.TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
+        stop = min(start + size, store.size)
+        texels[: stop - start] = store.texels[start:stop]
+        columns[:, : stop - start] = [column[start:stop] for column in store.columns]
+        return texels, columns
+
+
+def test_a_radius_survives_packing_to_ten_micrometres() -> None:
+    radius = np.array([0.1, 0.10801, np.nan, 0.65535, 0.7, 1e-9])
+    nearest = np.array([0.0, 0.0123, np.nan, 5.0, 9.0, 0.00004])
+    support = np.array([8, 300, 0, 1, 2, 3])
+    texels = messages.pack_vertices(Vertices(radius, nearest, support, np.array([0, 1, 0, 0, 0, 0], bool)), 1e-5)
+    assert texels[:, messages.RADIUS].tolist() == [10000, 10801, 0, 65535, 65535, 1]
+    assert texels[:, messages.NEAREST].tolist() == [0, 123, 65535, 50000, 65535, 0]
+    assert (texels[:, messages.STATE] & messages.SUPPORT_MASK).tolist() == [8, 255, 0, 1, 2, 3]
+    assert [bool(s & messages.CLIPPED) for s in texels[:, messages.STATE]] == [False, False, False, False, True, False]
+    assert [bool(s & messages.PROVISIONAL) for s in texels[:, messages.STATE]] == [False, True, *[False] * 4]
+    back = messages.radius_of(texels, 1e-5)
+    np.testing.assert_allclose(back[:2], radius[:2], atol=5e-6)
+    assert np.isnan(back[2])
+
+
+def test_a_message_shorter_than_it_says_is_refused() -> None:
+    with pytest.raises(ValueError, match=r"^message of 3 bytes: a head has 32$"):
+        messages.unpack(b"abc")
+    head = messages.head(messages.WRITE, 0, 1, 0, 0, 2, 2, 0.0)
+    with pytest.raises(ValueError, match=r"^message of 32 bytes: its head says 56$"):
+        messages.unpack(bytes(head))
+    with pytest.raises(ValueError, match=r"^message type 9: must be 1 or 3$"):
+        messages.unpack(bytes(messages.head(9, 0, 0, 0, 0, 0, 0, 0.0)))
+
+
+def test_every_array_of_a_message_is_aligned() -> None:
+    for count in (1, 2, 3):
+        assert messages.HEAD.size % 8 == 0
+        assert (messages.HEAD.size + count * 2 * messages.TEXEL) % 4 == 0
+
+
+def test_a_write_across_a_seam_reaches_the_halo_of_the_tile_above() -> None:
+    scene = begun()
+    tile = scene.levels[0].tile_size
+    scene.write(0, Vertices(np.full(2 * tile, 0.1)), {})
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 2),), 0, 0b11))
+    page.drain()
+    scene.write(tile, Vertices(np.full(3, 0.12)), {})
+    got = [m for m in page.drain() if m.level == 0]
+    assert [(m.tile, m.first, m.count) for m in sorted(got, key=lambda m: m.tile)] == [(0, tile, 3), (1, 0, 3)]
+    assert all(m.live for m in got)
+    scene.write(tile + K + 1, Vertices(np.full(3, 0.12)), {})
+    assert [m.tile for m in page.drain() if m.level == 0] == [1], "beyond the halo the tile above is not told"
+
+
+def test_new_quads_cost_sixteen_bytes_each_with_two_attributes() -> None:
+    helix = Helix(
+        sectors=64, pitch=0.1, start_depth=0, bit_diameter=0.2, attributes=(Attribute("GR"), Attribute("RES"))
+    )
+    scene = begun(helix)
+    scene.write(0, Vertices(np.full(100_000, 0.1)), {})
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 10),), 6, 0b11))
+    page.drain()
+    scene.write(100_000, Vertices(np.full(1000, 0.1)), {})
+    sent = []
+    while (raw := page.client.take()) is not None:
+        sent.append(len(raw))
+    assert sum(sent) <= 17_500
+
+
+def test_the_first_pass_is_kept_and_a_rescan_marked() -> None:
+    scene = begun()
+    scene.write(0, Vertices(np.array([0.1, 0.1, np.nan, 0.1])), {})
+    scene.write(1, Vertices(np.array([0.11])), {})  # not settled yet: the first pass follows
+    scene.settle(3)
+    scene.write(0, Vertices(np.array([0.1, 0.12, 0.13, 0.14])), {})
+    texels = scene.levels[0].texels[:4]
+    assert texels[:, messages.FIRST].tolist() == [10000, 11000, 13000, 14000]
+    assert [bool(s & messages.RESCANNED) for s in texels[:, messages.STATE]] == [False, True, False, False]
+
+
+@given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 40)), max_size=30))
+def test_dirty_intervals_cover_everything_in_bounded_memory(parts: list[tuple[int, int]]) -> None:
+    kept: list[tuple[int, int]] = []
+    for start, length in parts:
+        kept = dirty.add(kept, start, start + length)
+        assert len(kept) <= dirty.MOST
+        assert all(a < b for a, b in kept)
+        assert all(kept[i][1] < kept[i + 1][0] for i in range(len(kept) - 1))
+    covered = {k for a, b in kept for k in range(a, b)}
+    assert {k for start, length in parts for k in range(start, start + length)} <= covered
+
+
+def test_an_empty_interval_changes_nothing() -> None:
+    assert dirty.add([(1, 3)], 5, 5) == [(1, 3)]
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.lists(st.tuples(st.floats(0, 1), st.integers(1, 4000), st.booleans(), st.integers(0, 2)), max_size=8))
+def test_a_page_ends_up_equal_to_the_scene(steps: list[tuple[float, int, bool, int]]) -> None:
+    """Whatever is written where, and whenever the page reads, in the end every tile it holds is the scene's."""
+    scene, rng = begun(), np.random.default_rng(1)
+    scene.write(0, Vertices(rng.uniform(0.09, 0.12, 500)), {"GR": rng.uniform(0, 150, 500)})
+    page = Page(scene)
+    held = ((0, 2), (3, 5))
+    page.client.subscribe(Subscription(held, 0, 0b11))
+    for share, count, reads, focus in steps:
+        first = int(share * scene.levels[0].size)
+        radius = np.where(rng.random(count) < 0.1, np.nan, rng.uniform(0.09, 0.12, count))
+        scene.write(first, Vertices(radius), {"GR": rng.uniform(0, 150, count)})
+        page.client.subscribe(Subscription(held, focus, 0b11))
+        if reads:
+            page.drain()
+    page.drain()
+    for (level, tile), (texels, columns) in page.tiles.items():
+        want_texels, want_columns = page.expected(level, tile)
+        np.testing.assert_array_equal(texels, want_texels)
+        np.testing.assert_array_equal(columns, want_columns)
+    last = -(-scene.levels[0].size // scene.levels[0].tile_size)
+    assert {t for level, t in page.tiles if level == 0} >= {t for t in (0, 1, 3, 4) if t < last}
+
+
+def test_a_stalled_page_costs_intervals_not_messages() -> None:
+    scene = begun()
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 1000),), 0, 0b11))
+    for first in range(0, 200_000, 400):
+        scene.write(first, Vertices(np.full(400, 0.1)), {})
+    kept = sum(len(intervals) for intervals in page.client.dirty.values())
+    assert kept <= dirty.MOST * len(page.client.dirty)
+    assert len(page.client.dirty) <= 200_000 // scene.levels[0].tile_size + 3
+    sent = 0
+    while (raw := page.client.take()) is not None:
+        sent += len(raw)
+    assert sent < 2 * (1 << 20), "without acknowledgements nothing beyond the room is sent"
+
+
+def test_the_tile_looked_at_comes_first_and_the_overview_before_the_far_ones() -> None:
+    scene = begun()
+    tile = scene.levels[0].tile_size
+    scene.write(0, Vertices(np.full(20 * tile, 0.1)), {})
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 20),), 12, 0b11))
+    order = [(m.level, m.tile) for m in page.drain()]
+    assert order[0] == (0, 12)
+    assert {t for level, t in order[:9] if level == 0} == set(range(8, 17))
+    assert order[9][0] == 1
+    assert list(page.drain()) == []
+
+
+def test_frames_are_sent_whole_and_then_only_what_changed() -> None:
+    scene = begun()
+    rng = np.random.default_rng(3)
+    scene.trajectory(0, Frames(*rng.normal(size=(3, 9000, 3))))
+    page = Page(scene)
+    assert [(m.first, m.count) for m in page.drain()] == [(0, 4096), (4096, 4096), (8192, 808)]
+    scene.trajectory(8990, Frames(*rng.normal(size=(3, 20, 3))))
+    (message,) = page.drain()
+    assert (message.first, message.count, message.total) == (8990, 20, 9010)
+    np.testing.assert_array_equal(message.centre, scene.frames.centre[8990:])
+    np.testing.assert_array_equal(message.directions[:, 3:], scene.frames.right[8990:].astype(np.float32))
+    with pytest.raises(ValueError, match=r"^first = 9011: the scene holds 9010 frames, none may be left out$"):
+        scene.trajectory(9011, Frames(*rng.normal(size=(3, 1, 3))))
+
+
+def slow_overview(scene: Scene, R: int, C: int) -> tuple[float, float, int, int]:
+    """Mean radius, mean attribute, largest distance, smallest support around overview vertex (R, C), one by one."""
+    level = scene.levels[0]
+    sectors, turns = level.sectors, overview.TURNS
+    over = overview.sectors(sectors)
+    centre = R * turns + C * turns // over
+    radii, values, nearest, support = [], [], [0], []
+    for row in range(centre - turns // 2, centre + turns // 2):
+        for col in range(sectors):
+            away = (col / sectors - C / over + 0.5) % 1 - 0.5
+            k = row * sectors + col
+            if abs(away) > 0.5 / over + 1e-12 or row < 0:
+                continue
+            known = k < level.size
+            texel = level.texels[k] if known else np.zeros(4, np.uint16)
+            if row < -(-level.size // sectors):
+                nearest.append(int(texel[messages.NEAREST]))
+                support.append(int(texel[messages.STATE]) & 255)
+            if known and texel[messages.RADIUS]:
+                radii.append(int(texel[messages.RADIUS]))
+            if known and np.isfinite(level.columns[0][k]):
+                values.append(float(level.columns[0][k]))
+    mean = np.mean(radii) if radii else 0.0
+    return mean, np.mean(values) if values else np.nan, max(nearest), min(support, default=255)
+
+
+@pytest.mark.parametrize("sectors", [5, 8, 16, 36, 64])
+def test_the_overview_is_the_mean_of_its_window(sectors: int) -> None:
+    scene = begun(Helix(sectors=sectors, pitch=-0.1, start_depth=0, bit_diameter=0.2, attributes=(Attribute("GR"),)))
+    rng = np.random.default_rng(sectors)
+    n = sectors * 70 + 3
+    radius = np.where(rng.random(n) < 0.2, np.nan, rng.uniform(0.09, 0.13, n))
+    radius[sectors * 30 : sectors * 55] = np.nan
+    values = {"GR": np.where(rng.random(n) < 0.1, np.nan, rng.uniform(0, 150, n))}
+    for first in range(0, n, 777):  # in pieces: what a write can change must be recomputed
+        part = slice(first, first + 777)
+        scene.write(first, Vertices(radius[part], rng.uniform(0, 1, len(radius[part]))), {"GR": values["GR"][part]})
+    over = scene.levels[1]
+    assert over.size == overview.size_of(n, sectors)
+    for j in range(over.size):
+        mean, value, nearest, support = slow_overview(scene, j // over.sectors, j % over.sectors)
+        texel = over.texels[j]
+        assert abs(int(texel[messages.RADIUS]) - mean) <= 1, j
+        np.testing.assert_allclose(over.columns[0][j], value, rtol=1e-6, equal_nan=True)
+        assert (int(texel[messages.NEAREST]), int(texel[messages.STATE])) == (nearest, support), j
+
+
+@pytest.mark.parametrize(
+    ("wrong", "text"),
+    [
+        ({"sectors": 2}, "sectors = 2: the viewer draws 3 to 2048 sectors"),
+        ({"pitch": 0.0}, "pitch = 0.0: must be finite and not zero"),
+        ({"bit_diameter": -1.0}, "bit_diameter = -1.0: must be finite and positive"),
+        ({"attributes": (Attribute("GR"), Attribute("GR"))}, r"attributes \['GR', 'GR'\]: each name may appear once"),
+        ({"attributes": tuple(Attribute(str(i)) for i in range(17))}, "17 attributes: the viewer takes at most 16"),
+    ],
+)
+def test_a_helix_that_cannot_be_drawn_is_refused(wrong: dict[str, object], text: str) -> None:
+    good: dict[str, object] = {"sectors": 64, "pitch": 0.1, "start_depth": 0.0, "bit_diameter": 0.2}
+    with pytest.raises(ValueError, match=f"^{text}$"):
+        Helix(**(good | wrong))  # type: ignore[arg-type]
+
+
+def test_writes_that_make_no_sense_are_refused() -> None:
+    scene = begun()
+    with pytest.raises(ValueError, match=r"^first = -1: must not be negative$"):
+        scene.write(-1, Vertices(np.ones(1)), {})
+    with pytest.raises(ValueError, match=r"^attribute XX: was not named when the scene began$"):
+        scene.write(0, Vertices(np.ones(1)), {"XX": np.ones(1)})
+
+
+@pytest.mark.parametrize(
+    ("said", "text"),
+    [
+        (7, "subscribe: must be an object"),
+        ({"tiles": [[0, 1]] * 65}, "subscribe.tiles: must be a list of at most 64 ranges"),
+        ({"tiles": [[3, 2]]}, "subscribe.tiles: [3, 2] is not a range [start, stop) of tiles"),
+        ({"tiles": [[0, True]]}, "subscribe.tiles: [0, True] is not a range [start, stop) of tiles"),
+        ({"tiles": [], "focus": -1}, "subscribe.focus = -1: must be a tile's number"),
+        ({"tiles": [], "focus": 0, "mask": 4}, "subscribe.mask = 4: there are 2 attributes"),
+    ],
+)
+def test_a_bad_subscription_is_named(said: object, text: str) -> None:
+    with pytest.raises(BadMessageError) as caught:
+        read_subscription(said, 2)
+    assert str(caught.value) == text

@@ -1,0 +1,263 @@
+"""The viewer's server and feed: greeting, values over the websocket, the guard, bad input, and a real port."""
+
+from __future__ import annotations
+
+import json
+import time
+import urllib.error
+import urllib.request
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+starlette = pytest.importorskip("starlette", reason='the viewer needs the extra: pip install "helibore[view]"')
+pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
+pytest.importorskip("httpx2", reason="starlette's test client needs httpx2")
+
+from made_wall import MadeWall, curved_path, gamma  # noqa: E402
+from starlette.testclient import TestClient  # noqa: E402
+from starlette.websockets import WebSocketDisconnect  # noqa: E402
+
+import helibore as hb  # noqa: E402
+from helibore.viewer import Attribute, messages  # noqa: E402
+from helibore.viewer.feed import Feed  # noqa: E402
+from helibore.viewer.server import application  # noqa: E402
+
+HOST = "127.0.0.1"
+
+
+@pytest.fixture
+def feed() -> Any:
+    wall = MadeWall(40_000)
+    feed = Feed(wall, path=curved_path(), attributes={"GR": gamma(wall.depth, wall.toolface)}, well="A-1")
+    feed.start()
+    yield SimpleNamespace(wall=wall, feed=feed, scene=feed.scene)
+    feed.close()
+
+
+@pytest.fixture
+def client(feed: Any) -> Any:
+    with TestClient(application(feed.scene), base_url=f"http://{HOST}") as client:
+        yield client
+
+
+class Talk:
+    """A page's half of the conversation: acknowledges every binary message."""
+
+    def __init__(self, socket: Any) -> None:
+        self.socket = socket
+        self.hello: dict[str, Any] = json.loads(socket.receive_text())
+        self.state: dict[str, Any] = json.loads(socket.receive_text())
+
+    def say(self, **words: Any) -> None:
+        self.socket.send_text(json.dumps({"session": self.hello["session"], **words}))
+
+    def message(self) -> messages.Write:
+        message = messages.unpack(self.socket.receive_bytes())
+        self.say(ack=message.sequence)
+        return message
+
+    def listen(self) -> None:
+        while True:
+            self.socket.receive_bytes()
+
+    def until(self, wanted: Any, most: int = 50) -> messages.Write:
+        for _ in range(most):
+            if wanted(message := self.message()):
+                return message
+        raise AssertionError("the message never came")
+
+
+def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: Any) -> None:
+    with client.websocket_connect(f"ws://{HOST}/ws") as socket:
+        talk = Talk(socket)
+        assert talk.hello["well"] == "A-1"
+        assert talk.hello["levels"][0] == {"sectors": 64, "rows": 256, "pitch": 0.1}
+        assert talk.hello["levels"][1] == {"sectors": 8, "rows": 1024, "pitch": 1.6}
+        assert talk.hello["attributes"][0]["name"] == "GR"
+        talk.say(subscribe={"tiles": [[1, 2]], "focus": 1, "mask": 1})
+        write = talk.until(lambda m: m.kind == messages.WRITE and m.level == 0)
+        assert (write.tile, write.first, write.count, write.live) == (1, 0, 16384 + 65, False)
+        radius = messages.radius_of(write.texels, talk.hello["radius_unit"])
+        part = slice(16384, 16384 + write.count)
+        np.testing.assert_allclose(radius, feed.wall.radius[part], atol=5.1e-6)
+        np.testing.assert_array_equal(
+            write.columns[0], gamma(feed.wall.depth, feed.wall.toolface)[part].astype(np.float32)
+        )
+        change = feed.wall.grow(1000)
+        feed.feed.update(change)
+        talk.say(subscribe={"tiles": [[1, 4]], "focus": 1, "mask": 1})
+        news = talk.until(lambda m: m.level == 0 and m.total == 41_000 and m.tile == 2)
+        assert news.first + news.count == 41_000 - 2 * 16384
+
+
+def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
+    with client.websocket_connect(f"ws://{HOST}/ws") as socket:
+        talk = Talk(socket)
+        feed.scene.begin(feed.scene.helix)
+        while True:
+            frame = socket.receive()
+            if frame.get("text") and json.loads(frame["text"])["type"] == "hello":
+                break
+        assert json.loads(frame["text"])["session"] != talk.hello["session"]
+
+
+@pytest.mark.parametrize(
+    ("said", "reason"),
+    [
+        ("{", "not JSON"),
+        ("[" * 5000, "not JSON"),
+        ("7", "must be an object, after the greeting"),
+        ('{"session": "%s"}', "neither ack nor subscribe"),
+        ('{"session": "%s", "ack": 99}', "ack 99: no such message is on its way"),
+        ('{"session": "%s", "subscribe": {"tiles": 3}}', "subscribe.tiles: must be a list of at most 64 ranges"),
+        ("x" * 9000, "a page sends text of at most 8192 bytes"),
+    ],
+)
+def test_a_malformed_message_ends_that_page_only(client: TestClient, said: str, reason: str) -> None:
+    with client.websocket_connect(f"ws://{HOST}/ws") as socket:
+        talk = Talk(socket)
+        socket.send_text(said % talk.hello["session"] if "%s" in said else said)
+        with pytest.raises(WebSocketDisconnect) as closed:
+            talk.listen()
+        assert (closed.value.code, closed.value.reason) == (4400, reason)
+    assert client.get("/healthz").status_code == 200
+
+
+def test_a_foreign_host_or_origin_is_turned_away(client: TestClient) -> None:
+    answer = client.get("/healthz", headers={"host": "evil.example"})
+    assert (answer.status_code, answer.text) == (
+        403,
+        "host 'evil.example': this viewer answers to 127.0.0.1, localhost, [::1], ::1 only\n",
+    )
+    with (
+        pytest.raises(WebSocketDisconnect) as closed,
+        client.websocket_connect(f"ws://{HOST}/ws", headers={"origin": "http://evil.example"}),
+    ):
+        pass
+    assert closed.value.code == 4403
+    with client.websocket_connect(f"ws://{HOST}/ws", headers={"origin": f"http://{HOST}"}) as socket:
+        assert Talk(socket).hello["type"] == "hello"
+
+
+def test_a_token_is_asked_for_where_one_is_set(feed: Any) -> None:
+    with TestClient(application(feed.scene, token="s3cret"), base_url="http://rig") as client:
+        assert client.get("/api/vertex/1").status_code == 403
+        assert client.get("/api/vertex/1?token=s3cre").text.startswith("token: missing or wrong.")
+        assert client.get("/api/vertex/1?token=s3cret").status_code == 200
+        with pytest.raises(WebSocketDisconnect), client.websocket_connect("ws://rig/ws"):
+            pass
+        with client.websocket_connect("ws://rig/ws?token=s3cret") as socket:
+            assert Talk(socket).hello["type"] == "hello"
+
+
+def test_headers_keep_the_page_to_itself(client: TestClient) -> None:
+    headers = client.get("/healthz").headers
+    assert headers["content-security-policy"].startswith("default-src 'self';")
+    assert "unsafe" not in headers["content-security-policy"]
+    assert headers["x-content-type-options"] == "nosniff"
+
+
+def test_one_vertex_and_a_section_as_text(client: TestClient, feed: Any) -> None:
+    k = 12_345
+    got = client.get(f"/api/vertex/{k}").json()
+    assert got["depth"] == pytest.approx(feed.wall.depth[k], abs=1e-9)
+    assert got["toolface"] == pytest.approx(feed.wall.toolface[k])
+    assert got["radius"] == pytest.approx(feed.wall.radius[k], abs=5.1e-6)
+    assert client.get("/api/vertex/40000").text == "vertex 40000: the wall has 40000\n"
+    lines = client.get("/api/section.csv?start=1011.9&stop=1012.1").text.splitlines()
+    assert lines[0] == 'vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support,"GR []"'
+    assert len(lines) == 1 + 129
+    assert lines[-1].split(",")[3:6] == ["", "", ""], "a vertex without a sample has no radius, not zero"
+    assert client.get("/api/section.csv?start=1").text.startswith("stop: missing;")
+    assert client.get("/api/section.csv?start=nan&stop=2").text == "start = nan, stop = 2.0: must be finite\n"
+
+
+def test_a_corrected_path_sends_frames_only(client: TestClient, feed: Any) -> None:
+    with client.websocket_connect(f"ws://{HOST}/ws") as socket:
+        talk = Talk(socket)
+        talk.say(subscribe={"tiles": [[0, 3]], "focus": 0, "mask": 1})
+        seen = 0
+        while seen < 5:  # frames, three tiles, the overview
+            talk.message()
+            seen += 1
+        feed.feed.set_path(hb.Survey([970, 12000], [20, 20], [90, 90]).path())
+        message = talk.message()
+        assert message.kind == messages.FRAMES
+        np.testing.assert_allclose(message.centre, feed.scene.frames.centre[: message.count])
+
+
+def test_view_serves_a_wall_on_a_real_port() -> None:
+    wall = MadeWall(5000)
+    with hb.view(wall, well="B") as viewer:
+        with urllib.request.urlopen(viewer.url + "healthz") as answer:
+            assert json.load(answer)["vertices"] == 5000
+        viewer.update(wall.grow(500))
+        until = time.monotonic() + 10
+        while viewer.scene.levels[0].size < 5500 and time.monotonic() < until:
+            time.sleep(0.01)
+        assert viewer.scene.levels[0].size == 5500
+        assert viewer._repr_html_() == (
+            f'<iframe src="{viewer.url}" style="width: 100%; height: 720px; border: 0" title="helibore"></iframe>'
+        )
+        port = int(viewer.url.rsplit(":", 1)[1].strip("/"))
+        with pytest.raises(
+            OSError, match=rf"^\[Errno \d+\] 127\.0\.0\.1 port {port}: Address already in use; give another port"
+        ):
+            hb.view(wall, port=port)
+    with pytest.raises(urllib.error.URLError):
+        urllib.request.urlopen(viewer.url, timeout=2)
+    viewer.close()
+
+
+def shown(scene: hb.viewer.Scene, size: int) -> np.ndarray:
+    """Radii of the scene once it has reached `size` vertices and the wall's last change."""
+    until = time.monotonic() + 10
+    while scene.levels[0].size < size and time.monotonic() < until:
+        time.sleep(0.01)
+    return messages.radius_of(scene.levels[0].texels[: scene.levels[0].size], scene.helix.radius_unit)
+
+
+def test_a_live_wall_is_followed_append_by_append() -> None:
+    rng = np.random.default_rng(5)
+    depth = 1000 + np.sort(rng.uniform(0, 30, 30_000))
+    toolface, radius = rng.uniform(0, 360, 30_000), 0.11 + 0.004 * rng.random(30_000)
+    wall = hb.Wall(bit_diameter=0.216, start_depth=1000.0)
+    wall.append(depth[:5000], toolface[:5000], radius[:5000])
+    with hb.view(wall) as viewer:
+        for first in range(5000, 30_000, 2500):
+            part = slice(first, first + 2500)
+            viewer.update(wall.append(depth[part], toolface[part], radius[part]))
+        viewer.update(wall.append([1010.0, 1010.01], [40.0, 41.0], [0.15, 0.15]))
+        shown(viewer.scene, len(wall))
+        time.sleep(0.2)
+        np.testing.assert_allclose(shown(viewer.scene, len(wall)), wall.radius, atol=5.1e-6)
+        again = viewer.scene.levels[0].texels[:, messages.STATE] & messages.RESCANNED
+        touched = wall.depth[np.flatnonzero(again)]
+        assert len(touched)
+        assert abs(touched - 1010).max() < 1.0, "only what the late samples reach is a re-scan"
+
+
+def test_what_cannot_be_viewed_is_said() -> None:
+    wall = MadeWall(5000)
+    with pytest.raises(ValueError, match=r"^host 0\.0\.0\.0: is open to other machines, so it needs a token$"):
+        hb.view(wall, host="0.0.0.0")
+    with pytest.raises(
+        ValueError, match=r"^attribute GR has shape \(3,\): must be one value for each of 5000 vertices or 4935 quads$"
+    ):
+        hb.view(wall, attributes={"GR": [1, 2, 3]})
+    short = hb.Survey([990, 1002], [1, 1], [0, 0]).path()
+    with pytest.raises(
+        ValueError, match=r"^the wall lies from 1000\.00 to 1007\.81 m, the path from 990\.00 to 1002\.00 m: give"
+    ):
+        hb.view(wall, path=short)
+    with pytest.raises(ValueError, match=r"^the wall has no vertex yet: append samples first$"):
+        hb.view(MadeWall(0))
+    viewer = hb.view(wall, attributes={Attribute("GR", "gAPI"): np.ones(4935)})
+    try:
+        with pytest.raises(ValueError, match=r"^attribute XX: was not named when the viewer was made$"):
+            viewer.set_attribute("XX", np.ones(5000))
+    finally:
+        viewer.close()
