@@ -1,0 +1,112 @@
+// The caliper track: smallest and largest diameter of every turn (green, blue), bit size dashed, filled between; orange
+// beyond the bit, red where the hole is tighter than the bit, hatched where a turn has no pair of radii.
+
+import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
+import { niceStep } from './lod.js';
+import { hatched, line } from './tracks.js';
+import { tileTurns } from './turns.js';
+import { LENGTHS } from './units.js';
+
+// Smallest Cmin and largest Cmax of the turns under each pixel row: {min, max, seen}; seen 0 beyond the wall.
+export function profile({ store, view, imagePieces, rects }) {
+  const { height } = rects.caliper;
+  const rows = Math.ceil(height);
+  const [min, max] = [0, 1].map(() => new Float32Array(rows).fill(NaN));
+  const seen = new Uint8Array(rows);
+  const perRow = (view.bottom - view.top) / height;
+  for (const { tile, top, bottom } of imagePieces) {
+    const turns = tileTurns(store, tile, view.pass === 'first');
+    const { pitch } = tile.level;
+    const last = (tile.level.size - 1 - tile.index * tile.level.tileSize) / tile.level.sectors;
+    const from = Math.max(0, Math.floor((top - view.top) / perRow));
+    for (let y = from; y < Math.min(rows, (bottom - view.top) / perRow); y++) {
+      const ends = [y, y + 1].map((p) => (view.top + p * perRow - tile.startDepth) / pitch);
+      const first = Math.max(0, Math.floor(Math.min(...ends)));
+      for (let row = first; row <= Math.min(Math.max(...ends), tile.level.rows - 1, last - 1); row++) {
+        seen[y] = 1;
+        if (!(turns.min[row] >= min[y])) min[y] = turns.min[row];
+        if (!(turns.max[row] <= max[y])) max[y] = turns.max[row];
+      }
+    }
+  }
+  return { min, max, seen };
+}
+
+// Ends of the scale: 15 % under bit size to a round number over the widest turn.
+export function scaleFor(bit, max) {
+  const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.2);
+  const step = niceStep((widest - bit * 0.85) / 8);
+  return [Math.floor((bit * 0.85) / step) * step, Math.ceil(widest / step) * step];
+}
+
+export function drawCaliper(ink, look) {
+  const { store, view, rects } = look;
+  const palette = PALETTES[view.theme];
+  const rect = rects.caliper;
+  const bit = 2 * store.bitRadius;
+  const { min, max, seen } = profile(look);
+  const [low, high] = scaleFor(bit, max);
+  const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
+  ink.fillStyle = palette.panel;
+  ink.fillRect(rect.left, rect.top, rect.width, rect.height);
+  ink.save();
+  ink.beginPath();
+  ink.rect(rect.left, rect.top, rect.width, rect.height);
+  ink.clip();
+  gaps(ink, rect, min, seen, palette);
+  for (let y = 0; y < min.length; y++) {
+    if (Number.isNaN(min[y])) continue;
+    const py = rect.top + y;
+    band(ink, x(min[y]), x(max[y]), py, palette.fill);
+    if (max[y] > bit) band(ink, x(Math.max(bit, min[y])), x(max[y]), py, palette.washout);
+    if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.tight);
+  }
+  curve(ink, rect, min, x, palette.min);
+  curve(ink, rect, max, x, palette.max);
+  line(ink, x(bit), rect.top, x(bit), rect.top + rect.height, palette.ink, [5, 4]);
+  ink.restore();
+  ink.strokeStyle = palette.line;
+  ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
+  head(ink, look, rect, [low, bit, high], x, palette);
+}
+
+const band = (ink, a, b, y, colour) => {
+  ink.fillStyle = colour;
+  ink.fillRect(a, y, b - a, 1);
+};
+
+function gaps(ink, rect, min, seen, palette) {
+  for (let y = 0; y < min.length; y++) {
+    const start = y;
+    while (y < min.length && seen[y] && Number.isNaN(min[y])) y++;
+    if (y > start) hatched(ink, rect.left, rect.top + start, rect.width, y - start, palette);
+  }
+}
+
+function curve(ink, rect, values, x, colour) {
+  ink.strokeStyle = colour;
+  ink.lineWidth = 1.4;
+  ink.beginPath();
+  let drawing = false;
+  for (let y = 0; y < values.length; y++) {
+    if (Number.isNaN(values[y])) drawing = false;
+    else {
+      ink[drawing ? 'lineTo' : 'moveTo'](x(values[y]), rect.top + y + 0.5);
+      drawing = true;
+    }
+  }
+  ink.stroke();
+}
+
+function head(ink, { view }, { left, width }, [low, bit, high], x, palette) {
+  const { scale, unit } = LENGTHS[view.units];
+  const show = (v) => (view.units === 'mm' ? (v * scale).toFixed(0) : (v * scale).toFixed(2));
+  label(ink, `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
+  label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
+  label(ink, 'Cmax', left + width - 2, 29, { colour: palette.max, align: 'right', font: BOLD });
+  label(ink, `bit ${show(bit)}`, x(bit), HEAD - 25, { colour: palette.ink, align: 'center', font: SMALL, halo: palette.paper });
+  line(ink, x(bit), HEAD - 18, x(bit), HEAD, palette.ink, [3, 2]);
+  label(ink, show(low), left + 1, HEAD - 9, { colour: palette.soft, font: SMALL });
+  label(ink, show(high), left + width - 1, HEAD - 9, { colour: palette.soft, align: 'right', font: SMALL });
+}
+

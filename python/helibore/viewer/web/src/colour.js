@@ -1,0 +1,178 @@
+// What is coloured and how: the quantities, their colour maps, and the range of a map from the values in view.
+//
+//   colour = map[(value - low) / (high - low)], both logarithmic where the quantity is      no value: hatched grey
+//
+// Static: one range everywhere, the same colour is the same value. Dynamic: the range of each depth is the mean plus and
+// minus two standard deviations of a window around it, which brings out layers; then the same colour is NOT the same value.
+
+import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
+
+const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
+
+// viridis and cividis: 17 anchors of the published maps (CC0). No map contains the grey of missing values.
+export const MAPS = {
+  image: { label: 'Image (tan)', anchors: hex('1c0d02 4a2406 7d430c b06a1c d6943c efc06e fbe3a8 fffbe6') },
+  viridis: {
+    label: 'Viridis',
+    anchors: hex('440154 48186a 472d7b 424086 3b528b 33638d 2c728e 26828e 21918c 1fa088 28ae80 3fbc73 5ec962 84d44b addc30 d8e219 fde725'),
+  },
+  cividis: {
+    label: 'Cividis (colour-blind safe)',
+    anchors: hex('00224e 002e6a 1a386f 32436d 434e6c 535a6d 61656f 6f7073 7d7c78 8c8878 9b9476 aba072 bcae6c cdbb63 dec958 f0d846 fee838'),
+  },
+  gamma: { label: 'Gamma (sand to shale)', anchors: hex('fff27a f3d14e d9a93a a87b34 74552f 4b3a2b 2b2320') },
+  difference: { label: 'Difference (zero white)', anchors: hex('123a8c 3f74c4 93b9e4 f4f4f2 f0a98d cc5140 7d0f1d') },
+};
+
+export function lookup(name, count = 256) {
+  const { anchors } = MAPS[name] ?? MAPS.viridis;
+  const table = new Uint8Array(4 * count);
+  for (let i = 0; i < count; i++) {
+    const place = (i / (count - 1)) * (anchors.length - 1);
+    const a = Math.min(Math.floor(place), anchors.length - 2);
+    const t = place - a;
+    for (let c = 0; c < 3; c++) table[4 * i + c] = Math.round(anchors[a][c] + t * (anchors[a + 1][c] - anchors[a][c]));
+    table[4 * i + 3] = 255;
+  }
+  return table;
+}
+
+export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [0, 1, 2, 3, 4, 5];
+
+// The quantities a wall offers, attributes last. Lengths are in metres; `length` says so, for the units on screen.
+export function quantities(store) {
+  const R = store.bitRadius;
+  const fixed = [
+    { id: 'over', name: 'Over bit size', mode: Q_OVER, length: true, low: -0.002, high: 0.02, map: 'viridis' },
+    { id: 'radius', name: 'Radius', mode: Q_RADIUS, length: true, low: R - 0.002, high: R + 0.02, map: 'image' },
+    { id: 'nearest', name: 'Nearest sample', mode: Q_NEAREST, length: true, low: 0, high: 0.1, map: 'cividis' },
+    { id: 'support', name: 'Samples used', mode: Q_SUPPORT, unit: '', low: 0, high: 8, map: 'cividis' },
+    { id: 'change', name: 'Change since first pass', mode: Q_CHANGE, length: true, low: -0.01, high: 0.01, map: 'difference' },
+  ];
+  const own = store.attributes.map((attribute, index) => ({
+    id: attribute.name,
+    name: attribute.name,
+    mode: Q_ATTRIBUTE,
+    attribute: index,
+    unit: attribute.unit,
+    low: attribute.low ?? NaN,
+    high: attribute.high ?? NaN,
+    log: attribute.log,
+    map: MAPS[attribute.colours] ? attribute.colours : /^(gr|gamma)/i.test(attribute.name) ? 'gamma' : 'image',
+  }));
+  return [...fixed, ...own].map((quantity) => ({ dynamic: false, log: false, ...quantity }));
+}
+
+// A quantity of the vertex at place `at` of a tile; NaN where there is none. `pass` 'first' reads the first pass.
+export function valueAt(store, quantity, tile, at, pass = 'latest') {
+  const t = TEXEL * at;
+  const { texels } = tile;
+  if (texels[t + RADIUS] === 0) return NaN;
+  const radius = texels[t + (pass === 'first' ? FIRST : RADIUS)];
+  switch (quantity.mode) {
+    case Q_RADIUS:
+      return radius ? radius * store.radiusUnit : NaN;
+    case Q_OVER:
+      return radius ? radius * store.radiusUnit - store.bitRadius : NaN;
+    case Q_NEAREST:
+      return texels[t + NEAREST] * store.nearestUnit;
+    case Q_SUPPORT:
+      return texels[t + STATE] & SUPPORT_MASK;
+    case Q_CHANGE:
+      return texels[t + FIRST] ? (texels[t + RADIUS] - texels[t + FIRST]) * store.radiusUnit : NaN;
+    default:
+      return tile.columns[quantity.attribute]?.[at] ?? NaN;
+  }
+}
+
+// At most `most` values of the pieces in view, evenly picked and sorted: for the histogram and for percentiles.
+export function sampleOf(store, quantity, pieces, pass, most = 8000) {
+  const total = pieces.reduce((sum, { tile }) => sum + tile.level.tileSize, 0);
+  const stride = Math.max(1, Math.floor(total / most)) | 1;
+  const values = [];
+  for (const { tile, top, bottom } of pieces) {
+    for (let at = 0; at < tile.level.tileSize; at += stride) {
+      const depth = tile.startDepth + (at * tile.level.pitch) / tile.level.sectors;
+      if (depth < top || depth > bottom) continue;
+      const value = valueAt(store, quantity, tile, at, pass);
+      if (Number.isFinite(value) && !(quantity.log && value <= 0)) values.push(value);
+    }
+  }
+  return Float64Array.from(values).sort();
+}
+
+export function percentile(sorted, share) {
+  if (sorted.length === 0) return NaN;
+  const place = share * (sorted.length - 1);
+  const a = Math.floor(place);
+  return sorted[a] + (place - a) * ((sorted[a + 1] ?? sorted[a]) - sorted[a]);
+}
+
+// Range between the 2nd and 98th percentile, never empty; a difference stays centred on zero.
+export function fitRange(quantity, sorted) {
+  if (sorted.length === 0) return { low: quantity.low, high: quantity.high };
+  let [low, high] = [percentile(sorted, 0.02), percentile(sorted, 0.98)];
+  if (quantity.mode === Q_CHANGE) [low, high] = [-1, 1].map((s) => s * Math.max(-low, high));
+  const least = quantity.length ? 1e-4 : Math.max(1e-6, Math.abs(high) * 1e-4);
+  if (high - low < least) [low, high] = quantity.log ? [low / 1.01, high * 1.01] : [low - least, high + least];
+  return { low, high };
+}
+
+export function histogram(sorted, low, high, log, bins = 64) {
+  const counts = new Uint32Array(bins);
+  const f = log ? Math.log : (x) => x;
+  const [a, b] = [f(low), f(high)];
+  for (const value of sorted) {
+    const bin = Math.floor(((f(value) - a) / (b - a)) * bins);
+    if (bin >= 0 && bin < bins) counts[bin]++;
+  }
+  return counts;
+}
+
+const WINDOW = 1.0; // metres of the dynamic range
+
+// Per row of a tile: low and high of its window, as a Float32Array [low, high] x rows. Windows reach into neighbours.
+export function dynamicRange(store, quantity, tile, pass) {
+  const { level } = tile;
+  const reach = Math.max(1, Math.round(WINDOW / 2 / Math.abs(level.pitch)));
+  const sums = [-1, 0, 1].map((step) => rowSums(store, quantity, level.tiles.get(tile.index + step), pass));
+  const at = (row) => (row < 0 ? [sums[0], row + level.rows] : row < level.rows ? [sums[1], row] : [sums[2], row - level.rows]);
+  const total = [0, 0, 0];
+  const add = (row, sign) => {
+    const [from, i] = at(row);
+    if (from && i >= 0 && i < level.rows) for (let c = 0; c < 3; c++) total[c] += sign * from[3 * i + c];
+  };
+  for (let row = -reach; row < reach; row++) add(row, 1);
+  const out = new Float32Array(2 * level.rows);
+  for (let row = 0; row < level.rows; row++) {
+    add(row + reach, 1);
+    const [n, sum, square] = total;
+    const mean = sum / n;
+    const spread = 2 * Math.sqrt(Math.max(0, square / n - mean * mean)) || 1e-6;
+    const ends = [mean - spread, mean + spread].map((v) => (quantity.log ? Math.exp(v) : v));
+    out.set(n > 1 ? ends : [quantity.low, quantity.high], 2 * row);
+    add(row - reach, -1);
+  }
+  return out;
+}
+
+// Per row: count, sum and sum of squares (of logarithms for a logarithmic quantity), kept until the tile changes.
+function rowSums(store, quantity, tile, pass) {
+  if (!tile) return null;
+  const key = `${quantity.id}/${pass}/${quantity.log}`;
+  if (tile.sums?.key === key && tile.sums.version === tile.version) return tile.sums.values;
+  const { rows, sectors } = tile.level;
+  const values = new Float64Array(3 * rows);
+  for (let row = 0; row < rows; row++) {
+    for (let col = 0; col < sectors; col++) {
+      let value = valueAt(store, quantity, tile, row * sectors + col, pass);
+      if (quantity.log) value = Math.log(value);
+      if (!Number.isFinite(value)) continue;
+      values[3 * row] += 1;
+      values[3 * row + 1] += value;
+      values[3 * row + 2] += value * value;
+    }
+  }
+  tile.sums = { key, version: tile.version, values };
+  return values;
+}

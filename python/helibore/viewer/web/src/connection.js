@@ -1,0 +1,73 @@
+// The websocket: greets, acknowledges, subscribes, and comes back by itself after a break (0.5 s, doubling to 8 s).
+// Messages are applied as they arrive, not when a frame is drawn: a hidden tab stays up to date and sends its acks.
+
+import { decode, encodeAck, encodeSubscribe, FRAMES, toRanges } from './protocol.js';
+
+const SLOWEST = 8000;
+
+// What the server's closing codes mean to the user.
+const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages are open', 4400: 'The page broke the protocol' };
+
+export class Connection {
+  constructor(address, on) {
+    this.address = address;
+    this.on = on; // {hello, state, write, frames, status}
+    this.wait = 500;
+    this.stats = { bytes: 0, messages: 0, sent: 0, reconnects: -1 };
+    this.session = null;
+    this.asked = '';
+    this.open();
+  }
+
+  open() {
+    this.stats.reconnects++;
+    this.socket = new WebSocket(this.address);
+    this.socket.binaryType = 'arraybuffer';
+    this.socket.onmessage = ({ data: said }) => this.hear(said);
+    this.socket.onclose = (event) => this.closed(event);
+  }
+
+  closed(event) {
+    const refusal = REFUSALS[event.code];
+    this.on.status('lost', refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : 'Connection lost, trying again');
+    this.session = null;
+    this.asked = '';
+    setTimeout(() => this.open(), this.wait);
+    this.wait = Math.min(SLOWEST, this.wait * 2);
+  }
+
+  hear(said) {
+    this.stats.messages++;
+    if (typeof said === 'string') {
+      this.stats.bytes += said.length;
+      const message = JSON.parse(said);
+      if (message.type === 'hello') {
+        this.session = message.session;
+        this.asked = '';
+        this.wait = 500;
+        this.on.status('live', '');
+        this.on.hello(message);
+      } else if (message.type === 'state') this.on.state(message);
+      return;
+    }
+    this.stats.bytes += said.byteLength;
+    const message = decode(said);
+    if (message.type === FRAMES) this.on.frames(message);
+    else this.on.write(message);
+    this.send(encodeAck(this.session, message.sequence));
+  }
+
+  // Ask for these tiles and no others; said again only when it differs.
+  subscribe(tiles, focus, mask) {
+    const text = encodeSubscribe(this.session, toRanges(tiles), focus, mask);
+    if (text === this.asked || this.session === null) return;
+    this.asked = text;
+    this.send(text);
+  }
+
+  send(text) {
+    if (this.socket.readyState !== WebSocket.OPEN) return;
+    this.stats.sent += text.length;
+    this.socket.send(text);
+  }
+}

@@ -1,0 +1,34 @@
+// What is new on screen: ranges of vertices that arrived lately, brightest at first, gone after some seconds.
+
+export const SECONDS = 3;
+const MOST = 8;
+
+export class Glow {
+  constructor() {
+    this.ranges = [];
+  }
+
+  // Vertices [start, stop) arrived; `again` when they were there before. A range that continues another joins it.
+  add(start, stop, again, now) {
+    const last = this.ranges.at(-1);
+    if (last && last.again === again && now - last.at < 0.3 && start <= last.stop && stop >= last.start) {
+      [last.start, last.stop] = [Math.min(start, last.start), Math.max(stop, last.stop)];
+    } else this.ranges.push({ start, stop, again, at: now });
+    if (this.ranges.length > MOST) this.ranges.shift();
+  }
+
+  fade(now) {
+    this.ranges = this.ranges.filter(({ at }) => now - at < SECONDS);
+    return this.ranges.length > 0;
+  }
+
+  // For a tile: [first, last, strength, re-scan] in its own numbers.
+  on(tile, now) {
+    if (tile.level.rows !== this.rows) return [];
+    const origin = tile.index * tile.level.tileSize;
+    const size = tile.level.tileSize;
+    return this.ranges
+      .filter(({ start, stop }) => stop > origin && start < origin + size)
+      .map(({ start, stop, again, at }) => [start - origin, stop - origin, 0.85 * Math.max(0, 1 - (now - at) / SECONDS), again ? 1 : 0]);
+  }
+}

@@ -1,0 +1,44 @@
+// Where a vertex lies, and which quad covers a point. The one picture of the whole page:
+//
+//   vertex k:  row = floor(k / K), col = k mod K          toolface grows with col, depth with k
+//   depth      = startDepth + (row + col / K) pitch       K = sectors of a turn, pitch is signed
+//   toolface   = startToolface + 360 col / K
+//   quad k     = (k, k+1, k+1+K, k+K): it exists when all four vertices have a radius
+//
+// Angles in degrees, depths in metres, all in float64. Nothing here knows tiles, bytes or pixels.
+
+export const wrap360 = (angle) => ((angle % 360) + 360) % 360;
+export const wrap180 = (angle) => wrap360(angle + 180) - 180;
+
+export class Helix {
+  constructor({ sectors, pitch, startDepth, startToolface }) {
+    Object.assign(this, { sectors, pitch, startDepth, startToolface });
+  }
+
+  depth(k) {
+    return this.startDepth + (k * this.pitch) / this.sectors;
+  }
+
+  toolface(k) {
+    return wrap360(this.startToolface + ((k % this.sectors) * 360) / this.sectors);
+  }
+
+  // The quad that covers (depth, toolface); negative or beyond the end when the wall does not reach there.
+  quadAt(depth, toolface) {
+    const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
+    const col = Math.min(Math.floor(across), this.sectors - 1);
+    const row = Math.floor((depth - this.startDepth) / this.pitch - across / this.sectors);
+    return row * this.sectors + col;
+  }
+
+  // The first vertex of the turn that is centred on a depth.
+  turnAt(depth) {
+    return Math.round(((depth - this.startDepth) / this.pitch - 0.5) * this.sectors);
+  }
+
+  // Depths between which `size` vertices lie, shallow end first.
+  span(size) {
+    const ends = [this.startDepth, this.depth(Math.max(0, size - 1))];
+    return this.pitch > 0 ? ends : ends.reverse();
+  }
+}

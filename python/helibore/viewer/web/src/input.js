@@ -1,0 +1,185 @@
+// Pointer, wheel, touch and keyboard. A drag along the tracks moves the section, a click holds the cursor, the wheel
+// moves and, with Ctrl, zooms; the 3-D view turns by OrbitControls. Any of it by hand stops following; F resumes.
+
+import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { fitRange } from './colour.js';
+import { depthAt, inside } from './layout.js';
+import { leftEdge } from './path.js';
+import { byId } from './panel.js';
+
+const CLICK = 4; // pixels a pointer may move and still click
+
+export function bindTracks(app) {
+  const ink = byId('ink');
+  const pointers = new Map();
+  let drag = null;
+  const at = (event) => [event.offsetX, event.offsetY];
+  ink.addEventListener('pointerdown', (event) => {
+    const [x, y] = at(event);
+    pointers.set(event.pointerId, [x, y]);
+    ink.setPointerCapture(event.pointerId);
+    drag = { x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y) };
+    if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
+  });
+  ink.addEventListener('pointermove', (event) => {
+    if (!app.store) return;
+    const [x, y] = at(event);
+    if (pointers.size === 2 && pointers.has(event.pointerId)) return pinch(app, pointers, event.pointerId, [x, y]);
+    if (!drag || event.buttons === 0) return hover(app, x, y);
+    drag.moved ||= Math.hypot(x - drag.x, y - drag.y) > CLICK;
+    if (!drag.moved) return undefined;
+    if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
+    const perPixel = app.view.length / app.rects.image.height;
+    return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
+  });
+  const up = (event) => {
+    pointers.delete(event.pointerId);
+    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') hold(app, ...at(event));
+    drag = null;
+  };
+  ink.addEventListener('pointerup', up);
+  ink.addEventListener('pointercancel', up);
+  ink.addEventListener('pointerleave', () => {
+    if (!app.view.pinned && !drag) app.view.set({ cursor: null });
+  });
+  ink.addEventListener('wheel', (event) => wheel(app, event), { passive: false });
+}
+
+function hover(app, x, y) {
+  if (app.view.pinned) return;
+  app.view.set({ cursor: cursorAt(app, x, y) });
+}
+
+export function cursorAt({ view, rects, path }, x, y) {
+  const tracks = { ...rects.axis, width: rects.caliper.left + rects.caliper.width - rects.axis.left };
+  if (!inside(tracks, x, y)) return null;
+  const depth = depthAt(view, rects.axis, y);
+  if (!inside(rects.image, x, y)) return { depth, toolface: view.cursor?.toolface ?? null };
+  const turn = (x - rects.image.left) / rects.image.width;
+  return { depth, toolface: (((leftEdge(path, view.cut, depth).toolface + 360 * turn) % 360) + 360) % 360 };
+}
+
+function hold(app, x, y) {
+  const cursor = cursorAt(app, x, y);
+  if (!cursor) return;
+  app.view.set({ cursor, pinned: !app.view.pinned });
+}
+
+function wheel(app, event) {
+  if (!app.store) return;
+  event.preventDefault();
+  const { view, store, rects } = app;
+  const steps = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
+  if (event.ctrlKey || event.metaKey) view.zoom(1.25 ** steps, depthAt(view, rects.image, event.offsetY), store);
+  else view.show(view.top + steps * view.length * 0.1, view.length, store);
+}
+
+function pinch(app, pointers, id, now) {
+  const apart = () => {
+    const [a, b] = [...pointers.values()];
+    return [Math.abs(a[1] - b[1]) + 40, (a[1] + b[1]) / 2];
+  };
+  const [before] = apart();
+  pointers.set(id, now);
+  const [after, middle] = apart();
+  app.view.zoom(before / after, depthAt(app.view, app.rects.image, middle), app.store);
+}
+
+export function bindOrbit(app) {
+  const pane = byId('orbit');
+  const controls = new OrbitControls(app.gpu.camera, pane);
+  Object.assign(controls, { enableDamping: false, minDistance: 0.5, maxDistance: 50000, rotateSpeed: 0.7 });
+  controls.addEventListener('change', app.redraw);
+  let waiting = null;
+  pane.addEventListener('pointermove', (event) => {
+    if (event.buttons || app.view.pinned || !app.store) return;
+    const place = [event.offsetX, event.offsetY];
+    if (!waiting) {
+      setTimeout(() => {
+        app.pickAt(...waiting);
+        waiting = null;
+      }, 60);
+    }
+    waiting = place;
+  });
+  let pressed = null;
+  pane.addEventListener('pointerdown', (event) => (pressed = [event.offsetX, event.offsetY]));
+  pane.addEventListener('pointerup', (event) => {
+    const still = pressed && Math.hypot(event.offsetX - pressed[0], event.offsetY - pressed[1]) <= CLICK;
+    if (!still || event.button !== 0) return;
+    app.view.pinned = false;
+    app.pickAt(...pressed);
+    app.view.set({ pinned: app.view.cursor !== null });
+  });
+  return controls;
+}
+
+export function bindControls(app) {
+  const { view } = app;
+  const on = (id, event, act) => byId(id).addEventListener(event, act);
+  for (const id of ['cut', 'pass', 'units']) on(id, 'change', ({ target }) => view.set({ [id]: target.value }));
+  for (const id of ['tube', 'shape', 'median']) on(id, 'change', ({ target }) => view.set({ [id]: Number(target.value) }));
+  on('pass', 'change', ({ target }) => target.value === 'change' && app.setQuantity('change'));
+  on('sectionLength', 'change', ({ target }) => app.setLength(target.value));
+  on('follow', 'click', () => app.follow(!view.follow));
+  on('theme', 'click', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
+  on('fit', 'click', () => app.fit());
+  on('keys', 'click', () => byId('help').showModal());
+  on('copy', 'click', () => app.copy());
+  on('pin', 'click', () => app.keepSection());
+  on('quantity', 'change', ({ target }) => app.setQuantity(target.value));
+  on('map', 'change', ({ target }) => app.setColours({ map: target.value }));
+  on('log', 'change', ({ target }) => app.setColours({ log: target.checked }));
+  on('dynamic', 'change', ({ target }) => app.setColours({ dynamic: target.checked }));
+  on('percentile', 'click', () => app.setColours(fitRange(app.quantity, app.histogram.sorted)));
+  for (const end of ['low', 'high']) on(end, 'change', ({ target }) => app.setEnd(end, Number(target.value)));
+  bindHistogram(app);
+}
+
+function bindHistogram(app) {
+  const canvas = app.histogram.canvas;
+  let end = null;
+  canvas.addEventListener('pointerdown', (event) => {
+    const { quantity, histogram } = app;
+    if (!app.store || quantity.dynamic) return;
+    const away = (name) => Math.abs(histogram.x(quantity[name], quantity) - event.offsetX);
+    end = away('low') < away('high') ? 'low' : 'high';
+    canvas.setPointerCapture(event.pointerId);
+  });
+  canvas.addEventListener('pointermove', (event) => {
+    if (!end) return;
+    const value = app.histogram.value(event.offsetX, app.quantity);
+    const { low, high } = app.quantity;
+    if (end === 'low' ? value < high : value > low) app.setColours({ [end]: value });
+  });
+  canvas.addEventListener('pointerup', () => (end = null));
+}
+
+export function bindKeys(app) {
+  window.addEventListener('keydown', (event) => {
+    const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || byId('help').open;
+    if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
+    const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[event.key - 1]?.id) : null);
+    if (!act) return;
+    event.preventDefault();
+    act(app);
+  });
+}
+
+const along = (share) => ({ view, store }) => view.show(view.top + share * view.length, view.length, store);
+const KEYS = {
+  f: (app) => app.follow(true),
+  ' ': (app) => app.follow(!app.view.follow),
+  '[': ({ view, store }) => view.zoom(1 / 1.5, view.middle, store),
+  ']': ({ view, store }) => view.zoom(1.5, view.middle, store),
+  ArrowUp: along(-0.1),
+  ArrowDown: along(0.1),
+  PageUp: along(-0.9),
+  PageDown: along(0.9),
+  h: (app) => app.fit(),
+  t: ({ view }) => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }),
+  c: (app) => app.copy(),
+  p: (app) => app.keepSection(),
+  Escape: ({ view }) => view.set({ cursor: null, pinned: false }),
+  '?': () => byId('help').showModal(),
+};

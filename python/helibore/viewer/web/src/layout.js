@@ -1,0 +1,56 @@
+// Where the panels of the stage are, in CSS pixels. All tracks share one depth axis: the same y is the same depth.
+//
+//   | map | depth | image | caliper |  3-D  |
+//   heads above, bodies below                   narrow stages give the 3-D view what the tracks leave
+
+export const HEAD = 66;
+const FOOT = 8;
+
+export function layout(width, height) {
+  const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
+  const image = Math.round(Math.min(360, Math.max(190, width * 0.25)));
+  const caliper = Math.round(Math.min(230, Math.max(120, width * 0.15)));
+  const widths = { map: 52, axis: 72, image, caliper };
+  const rects = {};
+  let left = 4;
+  for (const [name, w] of Object.entries(widths)) {
+    rects[name] = { left, width: w, ...body };
+    left += w + (name === 'axis' ? 0 : 6);
+  }
+  rects.wall = { left: left + 4, width: Math.max(60, width - left - 4), top: 0, height };
+  return rects;
+}
+
+export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
+export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
+export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
+
+export const PALETTES = {
+  light: {
+    background: 0xf4f5f6, paper: '#f4f5f6', panel: '#ffffff', ink: '#1b2126', soft: '#5c6770', line: '#cfd5da', grid: '#0000001a',
+    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', fill: '#3b7dd81f', washout: '#f2a33a66', tight: '#d3222299', hatch: '#9aa3aa',
+  },
+  dark: {
+    background: 0x14181c, paper: '#14181c', panel: '#1d2328', ink: '#e6eaed', soft: '#98a4ad', line: '#36404a', grid: '#ffffff20',
+    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', washout: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d',
+  },
+};
+
+// A text with a halo of the paper's colour, readable over anything.
+export function label(ink, text, x, y, { colour, halo, align = 'left', baseline = 'middle', font = null }) {
+  if (font) ink.font = font;
+  ink.textAlign = align;
+  ink.textBaseline = baseline;
+  if (halo) {
+    ink.lineJoin = 'round';
+    ink.lineWidth = 3;
+    ink.strokeStyle = halo;
+    ink.strokeText(text, x, y);
+  }
+  ink.fillStyle = colour;
+  ink.fillText(text, x, y);
+}
+
+export const FONT = '12px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
+export const SMALL = '11px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
+export const BOLD = '600 12px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';

@@ -1,0 +1,52 @@
+// How coarse the 3-D grid may be. A tile is a grid of (sectors + 1)(rows + 1) vertices that the vertex shader places; an
+// index buffer that skips columns and rows draws it coarser, from the same textures and with every quad's own colour.
+// Strides are chosen from the size of a quad in pixels, around and along the hole apart: a long thin tube is coarse
+// around and fine along, or the other way round.
+
+export const COL_STRIDES = [1, 2, 4, 8];
+export const ROW_STRIDES = [1, 4, 16, 64];
+const TARGET = 2.5; // pixels: a coarse edge may be this long
+
+export function pickStride(strides, pixels, limit) {
+  let best = 1;
+  for (const stride of strides) if (stride <= limit && stride * pixels <= TARGET) best = stride;
+  return best;
+}
+
+// Steps 0, s, 2s, .. that always end on n.
+export function steps(n, stride) {
+  const out = [];
+  for (let i = 0; i < n; i += stride) out.push(i);
+  out.push(n);
+  return out;
+}
+
+// Two triangles a cell, (a0, a1, b1) and (a0, b1, b0): counter-clockwise seen from the formation.
+export function gridIndices(sectors, rows, colStride, rowStride) {
+  const cols = steps(sectors, colStride);
+  const lines = steps(rows, rowStride);
+  const indices = new Uint16Array(6 * (cols.length - 1) * (lines.length - 1));
+  let at = 0;
+  for (let i = 0; i + 1 < lines.length; i++) {
+    for (let j = 0; j + 1 < cols.length; j++) {
+      const [a0, a1] = [lines[i] * (sectors + 1) + cols[j], lines[i] * (sectors + 1) + cols[j + 1]];
+      const [b0, b1] = [lines[i + 1] * (sectors + 1) + cols[j], lines[i + 1] * (sectors + 1) + cols[j + 1]];
+      indices.set([a0, a1, b1, a0, b1, b0], at);
+      at += 6;
+    }
+  }
+  return indices;
+}
+
+// A length as a person would choose it: 1, 2 or 5 times a power of ten, at least `least`.
+export function niceStep(least) {
+  const power = 10 ** Math.floor(Math.log10(least));
+  for (const step of [1, 2, 5, 10]) if (step * power >= least * (1 - 1e-9)) return step * power;
+  return 10 * power;
+}
+
+// The tube's exaggeration that makes a section easy to see: its hole about a fourteenth as wide as it is long, rounded.
+export function tubeFor(length, radius) {
+  const wanted = length / 14 / (2 * radius);
+  return wanted <= 1 ? 1 : niceStep(wanted * 0.6);
+}

@@ -1,0 +1,336 @@
+// The page: joins connection, store, view and panels, and draws on demand.
+//
+//   message -> Store/Path -> redraw        user -> View -> redraw, and tiles asked for where the section needs them
+//
+// Nothing is drawn unless something changed; a page at rest costs nothing.
+
+import { Connection } from './connection.js';
+import { fitRange, quantities, sampleOf } from './colour.js';
+import { drawCaliper } from './caliper.js';
+import { Glow } from './glow.js';
+import { Gpu } from './gpu.js';
+import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
+import { FONT, HEAD, layout, PALETTES } from './layout.js';
+import { DepthMap } from './map.js';
+import { byId, fillSelects, Histogram, lamp, options, readout, reflect, sectionText, write } from './panel.js';
+import { Path } from './path.js';
+import { drawPolar, sized, turnText } from './polar.js';
+import { coverage, Store } from './tiles.js';
+import { drawAxis, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
+import { showLength } from './units.js';
+import { View } from './view.js';
+
+const FINE_TILES = 64; // a longer section is drawn from the overview
+const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
+const seconds = () => performance.now() / 1000;
+
+class App {
+  constructor() {
+    this.redraw = () => this.schedule();
+    this.view = new View(this.redraw);
+    this.glow = new Glow();
+    this.map = new DepthMap();
+    this.histogram = new Histogram(byId('histogram'));
+    Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, lastWrite: null });
+    Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false });
+    fillSelects();
+    this.openGpu();
+    bindTracks(this);
+    bindControls(this);
+    bindKeys(this);
+    new ResizeObserver(() => this.resize()).observe(byId('stage'));
+    this.resize();
+    this.named = this.view.fromAddress(location.hash);
+    window.addEventListener('hashchange', () => this.readdress());
+    setInterval(() => lamp(this), 1000);
+    const { protocol, host, search } = location;
+    this.connection = new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, {
+      hello: (hello) => this.begin(hello),
+      state: (state) => this.state(state),
+      write: (message) => this.write(message),
+      frames: (message) => this.takeFrames(message),
+      status: (status, words) => this.say(status, words),
+    });
+  }
+
+  openGpu() {
+    try {
+      this.gpu = new Gpu(byId('gl'));
+      this.controls = bindOrbit(this);
+      byId('gl').addEventListener('webglcontextrestored', this.redraw);
+    } catch (error) {
+      this.gpu = null;
+      this.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${error.message})`);
+    }
+  }
+
+  notice(text) {
+    byId('notice').textContent = text;
+    byId('notice').hidden = !text;
+  }
+
+  begin(hello) {
+    if (this.store) this.forget();
+    this.store = new Store(hello);
+    this.path = new Path(hello.start_depth, hello.frame_step);
+    this.glow.rows = this.store.levels[0].rows;
+    const kept = this.quantities;
+    this.quantities = quantities(this.store).map((q) => {
+      const old = kept.find(({ id, mode, attribute }) => id === q.id && mode === q.mode && attribute === q.attribute);
+      return old ? { ...q, ...old } : q;
+    });
+    options('quantity', this.quantities.map(({ id, name }) => [id, name]));
+    byId('well').textContent = hello.well || 'helibore';
+    document.title = hello.well ? `${hello.well} – helibore` : 'helibore';
+    if (this.view.follow) this.view.followEnd(this.store);
+    this.ask();
+    this.redraw();
+  }
+
+  forget() {
+    for (const level of this.store.levels) for (const tile of level.tiles.values()) tile.textures?.dispose();
+    this.fitted = this.view.follow ? this.fitted : true;
+  }
+
+  state({ bit_depth: bit, newest, now, ended }) {
+    this.bitDepth = bit;
+    this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
+    this.ended = ended;
+    if (this.view.follow && this.store) this.view.followEnd(this.store, bit);
+    lamp(this);
+    this.redraw();
+  }
+
+  write(message) {
+    const { store } = this;
+    const level = store.levels[message.level];
+    const before = level.size;
+    const tile = store.apply(message);
+    if (message.level === 0 && message.live) {
+      const start = tile.index * level.tileSize + message.first;
+      this.glow.add(start, start + message.count, start + message.count <= before, seconds());
+      this.lastWrite = performance.now();
+    }
+    if (level.size !== before && message.level === 0) {
+      if (this.view.follow) this.view.followEnd(store, this.bitDepth);
+      this.ask();
+    }
+    this.rangeOnce(tile);
+    this.redraw();
+  }
+
+  // An attribute that came without a range gets one from the first values seen.
+  rangeOnce(tile) {
+    for (const quantity of this.quantities) {
+      if (Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) continue;
+      const [top, bottom] = tile.span;
+      const sorted = sampleOf(this.store, quantity, [{ tile, top, bottom }], 'latest');
+      if (sorted.length) Object.assign(quantity, fitRange(quantity, sorted));
+    }
+  }
+
+  takeFrames(message) {
+    this.path.apply(message);
+    this.redraw();
+  }
+
+  say(status, words) {
+    this.status = status;
+    this.words = words;
+    lamp(this);
+    this.redraw();
+  }
+
+  // Subscribe to the tiles around the section and the growing one; keep the others that fit in memory.
+  ask() {
+    const { store, view } = this;
+    if (!store) return;
+    const wall = store.levels[0];
+    const near = wall.tilesBetween(view.top - view.length / 2, view.bottom + view.length / 2);
+    const growing = Math.floor(Math.max(0, wall.size - 1) / wall.tileSize);
+    const seen = wall.tilesBetween(view.top, view.bottom);
+    const wanted = new Set([...(seen.length > FINE_TILES ? [] : near.length > FINE_TILES ? seen : near), growing, growing + 1]);
+    for (const index of seen) if (wall.tiles.has(index)) store.touch(wall.tiles.get(index));
+    for (const tile of store.surplus(MEMORY, wanted)) {
+      tile.textures?.dispose();
+      wall.tiles.delete(tile.index);
+    }
+    const held = new Set([...wall.tiles.keys(), ...wanted]);
+    const mask = (1 << store.attributes.length) - 1;
+    const focus = Math.min(view.follow ? growing : wall.tileAtDepth(view.middle), growing);
+    this.connection.subscribe([...held].sort((a, b) => a - b), focus, mask);
+  }
+
+  get quantity() {
+    return this.quantities.find(({ id }) => id === this.view.quantity) ?? this.quantities[0];
+  }
+
+  // One frame's picture: everything that drawing needs, nothing it may change.
+  look() {
+    const { store, view, path, rects, bitDepth, quantity } = this;
+    const { top, bottom } = view;
+    const turns = (bottom - top) / Math.abs(store.levels[0].pitch);
+    const tiles = turns / store.levels[0].rows;
+    const pieces = coverage(store, top, bottom, tiles <= FINE_TILES && turns <= 16 * rects.image.height);
+    const now = seconds();
+    return {
+      store, view, path, rects, bitDepth, quantity,
+      imagePieces: pieces,
+      wallPieces: pieces,
+      imageRect: rects.image,
+      wallRect: rects.wall,
+      background: PALETTES[view.theme].background,
+      dark: view.theme === 'dark',
+      glow: (tile) => this.glow.on(tile, now),
+    };
+  }
+
+  schedule() {
+    if (this.scheduled) return;
+    this.scheduled = true;
+    requestAnimationFrame(() => {
+      this.scheduled = false;
+      this.draw();
+    });
+  }
+
+  draw() {
+    if (!this.store || !this.path.count || !this.rects) return;
+    this.ask();
+    const look = this.look();
+    if (!this.fitted && this.gpu) this.fit();
+    if (this.gpu && !this.gpu.renderer.getContext().isContextLost()) this.gpu.draw(look);
+    this.drawInk(look);
+    this.drawPanels(look);
+    this.frames++;
+    if (this.firstPicture === null && look.imagePieces.length) this.firstPicture = performance.now();
+    if (this.glow.fade(seconds())) setTimeout(this.redraw, 120);
+    clearTimeout(this.addressing);
+    this.addressing = setTimeout(() => history.replaceState(null, '', this.view.toAddress()), 400);
+  }
+
+  drawInk(look) {
+    const { ink, width, height } = sized(byId('ink'));
+    ink.clearRect(0, 0, width, height);
+    ink.font = FONT;
+    this.drawFallback?.(ink, look);
+    drawAxis(ink, look);
+    drawImageHead(ink, look);
+    drawCaliper(ink, look);
+    this.map.draw(ink, look);
+    drawCursor(ink, look);
+    if (this.gpu) drawWallInk(ink, look, this.gpu);
+    const { image } = this.rects;
+    ink.strokeStyle = PALETTES[this.view.theme].line;
+    ink.lineWidth = 1;
+    ink.strokeRect(image.left - 0.5, image.top - 0.5, image.width + 1, image.height + 1);
+  }
+
+  drawPanels(look) {
+    const { view, store, path, quantity } = this;
+    const { cursor } = view;
+    const wall = store.levels[0];
+    const covered = cursor && Number.isFinite(cursor.toolface) && cursor.toolface !== null;
+    this.quad = covered ? store.quad(wall.quadAt(cursor.depth, cursor.toolface)) : null;
+    this.read = readout({ store, view, path, quad: this.quad });
+    write('readout', this.read);
+    byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
+    const found = drawPolar(byId('polar'), look);
+    write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
+    write('section', sectionText(look));
+    this.histogram.draw(look);
+    reflect(view, quantity);
+    const token = new URLSearchParams(location.search).get('token');
+    byId('csv').href = `api/section.csv?start=${view.top.toFixed(3)}&stop=${view.bottom.toFixed(3)}${token ? `&token=${encodeURIComponent(token)}` : ''}`;
+    lamp(this);
+  }
+
+  resize() {
+    const { clientWidth: width, clientHeight: height } = byId('stage');
+    this.rects = layout(width, height);
+    this.gpu?.resize(width, height);
+    const { wall } = this.rects;
+    Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
+    Object.assign(byId('wallHead').style, { left: `${wall.left}px`, top: '0px' });
+    Object.assign(byId('notice').style, { left: `${wall.left + 20}px`, top: `${HEAD + 20}px` });
+    this.redraw();
+  }
+
+  // Look at the whole section from the side, a little from above, whatever way the hole runs.
+  fit() {
+    const frame = this.path.at(this.view.middle);
+    if (!frame || !this.gpu) return;
+    this.gpu.lookAtSection(this.view.length, frame, this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
+    this.controls.target.set(0, 0, 0);
+    this.controls.update();
+    this.fitted = true;
+    this.redraw();
+  }
+
+  pickAt(x, y) {
+    const found = this.gpu?.pick(this.look(), x, y + HEAD - 24);
+    if (!found) return this.view.set({ cursor: null });
+    const { level } = found.tile;
+    const k = found.tile.index * level.tileSize + found.at + 0.5 * (level.sectors + 1);
+    return this.view.set({ cursor: { depth: level.depth(k), toolface: level.toolface(found.at + 0.5) } });
+  }
+
+  follow(on) {
+    this.view.set({ follow: on });
+    if (on) this.view.followEnd(this.store, this.bitDepth);
+  }
+
+  setLength(text) {
+    const [top, bottom] = this.store.span;
+    if (text === 'all') this.view.show(top - (bottom - top) * 0.02, (bottom - top) * 1.04, this.store);
+    else if (text) this.view.zoom(Number(text) / this.view.length, this.view.middle, this.store);
+    this.fit();
+  }
+
+  setQuantity(id) {
+    if (this.quantities.some((q) => q.id === id)) this.view.set({ quantity: id });
+  }
+
+  setColours(changes) {
+    Object.assign(this.quantity, changes);
+    this.redraw();
+  }
+
+  setEnd(end, shown) {
+    const { quantity, view } = this;
+    const value = quantity.length ? shown / (view.units === 'mm' ? 1000 : 1 / 0.0254) : shown;
+    const other = quantity[end === 'low' ? 'high' : 'low'];
+    if (Number.isFinite(value) && (end === 'low' ? value < other : value > other)) this.setColours({ [end]: value });
+    else this.redraw();
+  }
+
+  keepSection() {
+    const { view } = this;
+    const depth = view.cursor?.depth ?? view.middle;
+    const near = view.pins.filter((pin) => Math.abs(pin - depth) > 1e-3);
+    view.set({ pins: near.length < view.pins.length ? near : [...near, depth].slice(-3) });
+  }
+
+  copy() {
+    navigator.clipboard?.writeText(this.read.map((pair) => pair.join('\t')).join('\n'));
+  }
+
+  readdress() {
+    if (location.hash !== this.view.toAddress() && this.view.fromAddress(location.hash)) this.redraw();
+  }
+}
+
+const app = new App();
+// For tests and for the curious: what is loaded, and the page's own verbs.
+window.__wall = {
+  app,
+  get ready() {
+    return app.firstPicture !== null;
+  },
+  get stats() {
+    const { connection, store, gpu, frames, firstPicture } = app;
+    return { ...connection.stats, ...(gpu?.stats ?? {}), frames, firstPicture, size: store?.levels[0].size ?? 0, held: store?.levels[0].tiles.size ?? 0 };
+  },
+  fit: () => app.fit(),
+  pick: (x, y) => app.gpu.pick(app.look(), x, y),
+};

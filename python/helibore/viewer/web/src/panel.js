@@ -1,0 +1,177 @@
+// The controls and read-outs around the stage: what the HTML shows and what the user sets in it.
+
+import { MAPS, fitRange, histogram, sampleOf } from './colour.js';
+import { PALETTES } from './layout.js';
+import { CUTS } from './path.js';
+import { sized } from './polar.js';
+import { RESCANNED, PROVISIONAL, CLIPPED, SUPPORT_MASK } from './protocol.js';
+import { scaleOf, showAge, showAngle, showCount, showDepth, showLength, showSigned, showValue, unitOf } from './units.js';
+import { sectionVolume } from './turns.js';
+
+export const byId = (id) => document.getElementById(id);
+const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
+const SHAPES = [1, 2, 3, 5, 10, 20];
+
+export function fillSelects() {
+  options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
+  options('sectionLength', [['', 'custom'], ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
+  options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
+  options('shape', SHAPES.map((v) => [v, `× ${v}`]));
+  options('map', Object.entries(MAPS).map(([value, { label }]) => [value, label]));
+}
+
+export function options(id, pairs) {
+  byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, value)));
+}
+
+export function write(id, pairs) {
+  const list = byId(id);
+  const flat = pairs.flat();
+  if (list.children.length !== flat.length) {
+    list.replaceChildren(...flat.map((_, i) => document.createElement(i % 2 ? 'dd' : 'dt')));
+  }
+  flat.forEach((text, i) => {
+    if (list.children[i].textContent !== text) list.children[i].textContent = text;
+  });
+}
+
+// Show the view's own settings in the controls, whoever changed them.
+export function reflect(view, quantity) {
+  for (const id of ['cut', 'pass', 'units', 'median']) byId(id).value = String(view[id]);
+  for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
+  byId('sectionLength').value = LENGTHS.includes(view.length) ? String(view.length) : '';
+  byId('follow').classList.toggle('on', view.follow);
+  byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
+  byId('theme').textContent = view.theme === 'dark' ? 'Light' : 'Dark';
+  document.documentElement.classList.toggle('dark', view.theme === 'dark');
+  byId('quantity').value = quantity.id;
+  byId('map').value = quantity.map;
+  byId('log').checked = quantity.log;
+  byId('dynamic').checked = quantity.dynamic;
+  const scale = scaleOf(quantity, view.units);
+  for (const end of ['low', 'high']) {
+    const input = byId(end);
+    if (document.activeElement !== input) input.value = String(Number((quantity[end] * scale).toPrecision(4)));
+    input.disabled = quantity.dynamic;
+  }
+  byId('rangeUnit').textContent = unitOf(quantity, view.units);
+}
+
+// How old the picture is and how far behind the bit: the lamp's colour and its words.
+export function lamp({ status, words, store, bitDepth, newest, ended, lastWrite }) {
+  const at = byId('lamp');
+  if (status !== 'live' || !store) {
+    at.className = 'lamp lost';
+    byId('lampText').textContent = words || 'connecting';
+    return;
+  }
+  const seconds = newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000;
+  const parts = [];
+  if (ended) parts.push('run ended');
+  if (Number.isFinite(seconds)) parts.push(`newest sample ${showAge(seconds)} ago`);
+  else parts.push('saved wall');
+  if (bitDepth !== null) parts.push(`${Math.abs(bitDepth - store.end).toFixed(1)} m behind bit`);
+  parts.push(`${showCount(store.levels[0].size)} vertices`);
+  at.className = `lamp ${ended || !Number.isFinite(seconds) ? '' : seconds > 60 ? 'late' : 'live'}`;
+  byId('lampText').textContent = parts.join(' · ');
+  at.title = parts.join(' · ');
+}
+
+// The read-out of a quad: name and text in pairs; what is not known is a dash.
+export function readout({ store, view, path, quad }) {
+  const { cursor, units } = view;
+  const tvd = cursor ? path.at(cursor.depth)?.centre[2] : NaN;
+  const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
+  const around = (zero) => (zero === null || !cursor || !Number.isFinite(cursor.toolface) ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
+  const { state = 0 } = quad ?? {};
+  const marks = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale']].filter(([bit]) => state & bit).map(([, word]) => word);
+  return [
+    ['MD', showDepth(cursor?.depth)],
+    ['TVD', showDepth(tvd)],
+    ['Toolface', showAngle(cursor?.toolface ?? NaN)],
+    ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
+    ['Radius', quad ? showLength(quad.radius, units) : cursor ? 'no data' : '–'],
+    ['Over bit radius', showSigned(quad ? quad.radius - store.bitRadius : NaN, units)],
+    ['Since first pass', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
+    ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
+    ['Samples used', quad ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
+    ...store.attributes.map(({ name, unit }, i) => [name, showValue(quad?.attributes[i] ?? NaN, unit)]),
+  ];
+}
+
+export function sectionText({ store, view, imagePieces }) {
+  const { volume, excess, washed, share } = sectionVolume(store, imagePieces, view.top, view.bottom, view.pass === 'first');
+  const percent = (x) => (Number.isFinite(x) ? `${(100 * x).toFixed(1)} %` : '–');
+  return [
+    ['From, to', `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`],
+    ['Whole turns measured', percent(Math.min(1, share))],
+    ['Hole volume', volume ? `${volume.toFixed(3)} m³` : '–'],
+    ['Over bit volume', percent(excess)],
+    ['Washed out (> ½ in)', percent(washed)],
+  ];
+}
+
+// The histogram of the section with the ends of the range; `ends` maps between values and pixels for the drag.
+export class Histogram {
+  constructor(canvas) {
+    this.canvas = canvas;
+    this.sorted = new Float64Array(0);
+    this.key = '';
+  }
+
+  // Sampling reads thousands of values: only when the section, its tiles or the quantity changed.
+  refresh({ store, view, quantity, imagePieces }) {
+    const versions = imagePieces.reduce((sum, { tile }) => sum + tile.version * (tile.index + 1), 0);
+    const key = [quantity.id, quantity.log, view.pass, view.top.toFixed(2), view.length.toFixed(2), versions, imagePieces.length].join();
+    if (key === this.key) return;
+    this.key = key;
+    this.sorted = sampleOf(store, quantity, imagePieces, view.pass);
+  }
+
+  ends(quantity) {
+    const fitted = fitRange(quantity, this.sorted);
+    const low = Math.min(fitted.low, quantity.low);
+    const high = Math.max(fitted.high, quantity.high);
+    if (quantity.log && low > 0) return [low / (high / low) ** 0.1, high * (high / low) ** 0.1];
+    const margin = (high - low) * 0.1 || 1;
+    return [low - margin, high + margin];
+  }
+
+  draw(look) {
+    const { quantity, view } = look;
+    const palette = PALETTES[view.theme];
+    this.refresh(look);
+    const { ink, width, height } = sized(this.canvas);
+    ink.clearRect(0, 0, width, height);
+    const [low, high] = (this.scale = this.ends(quantity));
+    const log = quantity.log && low > 0;
+    const counts = histogram(this.sorted, low, high, log);
+    const most = Math.max(1, ...counts);
+    ink.fillStyle = palette.soft;
+    counts.forEach((count, i) => {
+      const tall = (count / most) * (height - 6);
+      ink.fillRect((i / counts.length) * width, height - tall, width / counts.length - 0.5, tall);
+    });
+    if (quantity.dynamic) return;
+    ink.fillStyle = palette.cursor;
+    for (const end of ['low', 'high']) {
+      const x = this.x(quantity[end], quantity);
+      ink.fillRect(x - 1, 0, 2, height);
+      ink.fillRect(x - 4, 0, 8, 8);
+    }
+  }
+
+  x(value, { log }) {
+    const f = log && this.scale[0] > 0 ? Math.log : (v) => v;
+    const [a, b] = this.scale.map(f);
+    return ((f(value) - a) / (b - a)) * this.canvas.clientWidth;
+  }
+
+  value(x, { log }) {
+    const way = log && this.scale[0] > 0;
+    const [a, b] = way ? this.scale.map(Math.log) : this.scale;
+    const v = a + (x / this.canvas.clientWidth) * (b - a);
+    return way ? Math.exp(v) : v;
+  }
+}

@@ -1,0 +1,87 @@
+// The frames of the path: centre, direction of toolface 0 and of toolface 90, one every `step` metres of depth.
+// The wall point at (depth, toolface, R) is centre + R (cos(toolface) high + sin(toolface) right), north east down.
+//
+// Seen in the plane across the hole, up and north are angles on the tool's dial; both hold in any frame:
+//   toolface of up    = atan2(-right.down, -high.down)       undefined where the hole is vertical
+//   toolface of north = atan2(right.north, high.north)       undefined where the hole runs north or south
+
+const DEG = 180 / Math.PI;
+const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
+
+export class Path {
+  constructor(startDepth, step) {
+    this.startDepth = startDepth;
+    this.step = step;
+    this.count = 0;
+    this.centre = new Float64Array(0);
+    this.directions = new Float32Array(0);
+    this.version = 0;
+  }
+
+  apply({ first, count, total, centre, directions }) {
+    if (total * 3 > this.centre.length) {
+      const room = Math.max(total, 2 * this.count, 64);
+      const [oldCentre, oldDirections] = [this.centre, this.directions];
+      this.centre = new Float64Array(3 * room);
+      this.directions = new Float32Array(6 * room);
+      this.centre.set(oldCentre);
+      this.directions.set(oldDirections);
+    }
+    this.centre.set(centre, 3 * first);
+    this.directions.set(directions, 6 * first);
+    this.count = Math.max(this.count, first + count);
+    this.version++;
+  }
+
+  // Frame at a depth, linear between frames; null before any has arrived.
+  at(depth) {
+    if (this.count < 2) return null;
+    const place = Math.min(Math.max((depth - this.startDepth) / this.step, 0), this.count - 1.0001);
+    const i = Math.floor(place);
+    const t = place - i;
+    const mix = (array, width, offset, n) =>
+      Array.from({ length: n }, (_, j) => {
+        const a = array[width * i + offset + j];
+        return a + t * (array[width * (i + 1) + offset + j] - a);
+      });
+    const high = normalised(mix(this.directions, 6, 0, 3));
+    const right = normalised(mix(this.directions, 6, 3, 3));
+    return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
+  }
+
+  // Toolface of up and of north at a depth, degrees; null where undefined.
+  dial(depth) {
+    const frame = this.at(depth);
+    if (!frame) return { up: null, north: null };
+    const angle = (along, across) => (Math.hypot(along, across) < FAINT ? null : Math.atan2(across, along) * DEG);
+    return {
+      up: angle(-frame.high[2], -frame.right[2]),
+      north: angle(frame.high[0], frame.right[0]),
+    };
+  }
+}
+
+export const cross = (a, b) => [
+  a[1] * b[2] - a[2] * b[1],
+  a[2] * b[0] - a[0] * b[2],
+  a[0] * b[1] - a[1] * b[0],
+];
+const normalised = (v) => {
+  const length = Math.hypot(...v) || 1;
+  return v.map((x) => x / length);
+};
+
+// The four ways to cut the wall open: what the left edge is, and the letters along the top from left to right.
+export const CUTS = {
+  top: { reference: 'up', offset: 0, letters: ['U', 'R', 'D', 'L', 'U'], label: 'cut at high side' },
+  bottom: { reference: 'up', offset: 180, letters: ['D', 'L', 'U', 'R', 'D'], label: 'cut at low side' },
+  north: { reference: 'north', offset: 0, letters: ['N', 'E', 'S', 'W', 'N'], label: 'cut at north' },
+  south: { reference: 'north', offset: 180, letters: ['S', 'W', 'N', 'E', 'S'], label: 'cut at south' },
+};
+
+// Toolface at the left edge of the image at a depth; where the reference is undefined, that of the tool's own zero.
+export function leftEdge(path, cut, depth) {
+  const { reference, offset } = CUTS[cut];
+  const zero = path.dial(depth)[reference];
+  return { toolface: (zero ?? 0) + offset, known: zero !== null };
+}

@@ -1,0 +1,158 @@
+// The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
+// Bit circle dashed, smallest and largest diameter with their directions, arcs beyond the bit by more than the limit
+// marked as breakout; kept sections behind. The shape's exaggeration is the view's, and written.
+
+import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
+import { CUTS, leftEdge } from './path.js';
+import { arcs, measure, turn } from './turns.js';
+import { niceStep } from './lod.js';
+import { wrap360 } from './helix.js';
+import { LENGTHS } from './units.js';
+import { FIRST, RADIUS } from './protocol.js';
+
+export const ENLARGED = 0.005; // metres beyond the bit radius that count as an enlarged arc
+
+// The turn at a depth: {k, radii, measured, level}, from the wall or, where that is not here, nothing.
+export function turnAt(store, view, depth) {
+  const level = store.levels[0];
+  const k = Math.max(0, level.turnAt(depth));
+  const radii = turn(store, level, k, view.pass === 'first' ? FIRST : RADIUS);
+  return { k, radii, measured: measure(radii), level };
+}
+
+// Direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
+const dial = (look, depth, found, j) => wrap360(found.level.toolface(found.k + j) - zero(look, depth));
+const zero = ({ path, view }, depth) => leftEdge(path, view.cut, depth).toolface - CUTS[view.cut].offset;
+
+export function drawPolar(canvas, look) {
+  const { store, view } = look;
+  const palette = PALETTES[view.theme];
+  const { ink, width, height } = sized(canvas);
+  ink.clearRect(0, 0, width, height);
+  const depth = view.cursor?.depth ?? view.middle;
+  const found = turnAt(store, view, depth);
+  const R = store.bitRadius;
+  const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * view.shape);
+  const widest = Math.max(R, exaggerated(Number.isNaN(found.measured.radiusMax) ? R : found.measured.radiusMax));
+  const scale = (Math.min(width, height) / 2 - 20) / (widest * 1.04);
+  const place = (r, j, at, turnFound) => {
+    const angle = (dial(look, at, turnFound, j) * Math.PI) / 180;
+    return [width / 2 + r * scale * Math.sin(angle), height / 2 - r * scale * Math.cos(angle)];
+  };
+  rings(ink, look, width, height, scale, palette);
+  for (const pin of view.pins) outline(ink, turnAt(store, view, pin), (r, j, f) => place(exaggerated(r), j, pin, f), palette.pin, null);
+  for (const [first, last] of arcs(found.radii, R, ENLARGED)) arc(ink, found, first, last, (r, j) => place(exaggerated(r), j, depth, found), palette);
+  outline(ink, found, (r, j, f) => place(exaggerated(r), j, depth, f), palette.ink, palette.fill);
+  diameters(ink, found, (r, j) => place(exaggerated(r), j, depth, found), palette);
+  letters(ink, look, depth, width, height, palette);
+  if (view.shape !== 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
+  return found;
+}
+
+function rings(ink, { store, view }, width, height, scale, palette) {
+  const R = store.bitRadius;
+  ink.strokeStyle = palette.ink;
+  ink.lineWidth = 1.2;
+  ink.setLineDash([5, 4]);
+  ink.beginPath();
+  ink.arc(width / 2, height / 2, R * scale, 0, 2 * Math.PI);
+  ink.stroke();
+  ink.setLineDash([]);
+  const { scale: per, unit } = LENGTHS[view.units];
+  const length = niceStep((R / 3) * per) / per;
+  const y = height - 7;
+  ink.beginPath();
+  ink.moveTo(4, y);
+  ink.lineTo(4 + length * scale, y);
+  ink.stroke();
+  const digits = view.units === 'in' && length * per < 1 ? 1 : 0;
+  label(ink, `${(length * per).toFixed(digits)} ${unit}`, 4, y - 9, { colour: palette.soft, font: SMALL });
+  label(ink, 'bit', width / 2 + R * scale * 0.7 - 14, height / 2 + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL });
+}
+
+function outline(ink, found, place, colour, fill) {
+  const K = found.radii.length;
+  ink.beginPath();
+  let drawing = false;
+  for (let j = 0; j <= K; j++) {
+    const r = found.radii[j % K];
+    if (Number.isNaN(r)) drawing = false;
+    else {
+      ink[drawing ? 'lineTo' : 'moveTo'](...place(r, j % K, found));
+      drawing = true;
+    }
+  }
+  if (fill && found.measured.share === 1) {
+    ink.fillStyle = fill;
+    ink.fill();
+  }
+  ink.strokeStyle = colour;
+  ink.lineWidth = fill ? 1.8 : 1.1;
+  ink.stroke();
+}
+
+function arc(ink, { radii }, first, last, place, palette) {
+  if (last - first < 1) return;
+  ink.beginPath();
+  for (let j = first; j <= last; j++) {
+    const at = place(radii[j % radii.length], j % radii.length);
+    ink[j === first ? 'moveTo' : 'lineTo'](...at);
+  }
+  ink.strokeStyle = palette.washout;
+  ink.lineWidth = 9;
+  ink.stroke();
+}
+
+function diameters(ink, { radii, measured }, place, palette) {
+  const K = radii.length;
+  for (const [at, colour] of [[measured.maxAt, palette.max], [measured.minAt, palette.min]]) {
+    const far = (at + Math.floor(K / 2)) % K;
+    if (Number.isNaN(radii[at]) || Number.isNaN(radii[far])) continue;
+    ink.beginPath();
+    ink.moveTo(...place(radii[at], at));
+    ink.lineTo(...place(radii[far], far));
+    ink.strokeStyle = colour;
+    ink.lineWidth = 1.4;
+    ink.stroke();
+  }
+}
+
+function letters(ink, look, depth, width, height, palette) {
+  const { reference } = CUTS[look.view.cut];
+  const known = leftEdge(look.path, look.view.cut, depth).known;
+  const names = !known ? ['0°', '90°', '180°', '270°'] : reference === 'up' ? ['U', 'R', 'D', 'L'] : ['N', 'E', 'S', 'W'];
+  const side = Math.min(width, height) / 2 - 8;
+  names.forEach((name, i) => {
+    const [dx, dy] = [[0, -1], [1, 0], [0, 1], [-1, 0]][i];
+    label(ink, name, width / 2 + dx * side, height / 2 + dy * side, { colour: palette.ink, align: 'center', font: known ? BOLD : SMALL, halo: palette.panel });
+  });
+  label(ink, 'looking down hole', 2, 7, { colour: palette.soft, font: SMALL });
+}
+
+// What is written beside the picture: pairs of name and text.
+export function turnText(look, found, show) {
+  const depth = look.view.cursor?.depth ?? look.view.middle;
+  const { measured, radii } = found;
+  const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
+  const equivalent = 2 * Math.sqrt(measured.area / Math.PI);
+  const wide = arcs(radii, look.store.bitRadius, ENLARGED);
+  const share = wide.reduce((sum, [a, b]) => sum + b - a + 1, 0) / radii.length;
+  const known = !Number.isNaN(measured.min);
+  return [
+    ['Cmin', known ? `${show(measured.min)} @ ${axis(measured.minAt)}` : '–'],
+    ['Cmax', known ? `${show(measured.max)} @ ${axis(measured.maxAt)}` : '–'],
+    ['Area diameter', show(equivalent)],
+    [`Beyond bit by ${show(ENLARGED, 0)}`, measured.share ? `${(100 * share).toFixed(0)} % of turn` : '–'],
+  ];
+}
+
+export function sized(canvas) {
+  const ratio = Math.min(window.devicePixelRatio, 2);
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
+  if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
+  const ink = canvas.getContext('2d');
+  ink.setTransform(ratio, 0, 0, ratio, 0, 0);
+  ink.font = FONT;
+  return { ink, width, height };
+}

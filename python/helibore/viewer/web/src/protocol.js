@@ -1,0 +1,77 @@
+// The bytes between server and page; messages.py draws the same picture from the other side.
+//
+//   u8 type | u8 level | u16 mask | u32 tile, first, count, total, sequence | f64 time | payload       little endian
+//
+// Arrays are views into the message, never copies: the tile store copies them once, to where they stay.
+
+export const HEAD = 32;
+export const WRITE = 1;
+export const FRAMES = 3;
+export const LIVE = 0x80;
+export const TEXEL = 4;
+export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];
+export const SUPPORT_MASK = 0x00ff;
+export const [RESCANNED, PROVISIONAL, CLIPPED] = [0x0100, 0x0200, 0x0400];
+
+export const attributesIn = (mask) => {
+  const bits = [];
+  for (let bit = 0; bit < 16; bit++) if ((mask >> bit) & 1) bits.push(bit);
+  return bits;
+};
+
+export function decode(buffer) {
+  if (buffer.byteLength < HEAD) throw new Error(`message of ${buffer.byteLength} bytes: a head has ${HEAD}`);
+  const head = new DataView(buffer, 0, HEAD);
+  const message = {
+    type: head.getUint8(0) & ~LIVE,
+    live: (head.getUint8(0) & LIVE) !== 0,
+    level: head.getUint8(1),
+    mask: head.getUint16(2, true),
+    tile: head.getUint32(4, true),
+    first: head.getUint32(8, true),
+    count: head.getUint32(12, true),
+    total: head.getUint32(16, true),
+    sequence: head.getUint32(20, true),
+    time: head.getFloat64(24, true),
+  };
+  const attributes = attributesIn(message.mask);
+  const { type, count } = message;
+  if (type !== WRITE && type !== FRAMES) throw new Error(`message type ${type}: unknown`);
+  const size = HEAD + (type === FRAMES ? 48 * count : count * (2 * TEXEL + 4 * attributes.length));
+  if (buffer.byteLength !== size) throw new Error(`message of ${buffer.byteLength} bytes: its head says ${size}`);
+  if (type === FRAMES) {
+    message.centre = new Float64Array(buffer, HEAD, 3 * count);
+    message.directions = new Float32Array(buffer, HEAD + 24 * count, 6 * count);
+  } else {
+    message.texels = new Uint16Array(buffer, HEAD, TEXEL * count);
+    const at = HEAD + 2 * TEXEL * count;
+    message.columns = attributes.map((bit, i) => ({
+      attribute: bit,
+      values: new Float32Array(buffer, at + 4 * count * i, count),
+    }));
+  }
+  return message;
+}
+
+export const encodeAck = (session, sequence) => JSON.stringify({ session, ack: sequence });
+export const encodeSubscribe = (session, tiles, focus, mask) =>
+  JSON.stringify({ session, subscribe: { tiles, focus, mask } });
+
+// Sorted tile numbers as half-open ranges, at most `most` of them: beyond that the nearest ones become one.
+export function toRanges(numbers, most = 64) {
+  const ranges = [];
+  for (const number of numbers) {
+    const last = ranges.at(-1);
+    if (last && last[1] === number) last[1] = number + 1;
+    else ranges.push([number, number + 1]);
+  }
+  while (ranges.length > most) {
+    let best = 1;
+    for (let i = 2; i < ranges.length; i++) {
+      if (ranges[i][0] - ranges[i - 1][1] < ranges[best][0] - ranges[best - 1][1]) best = i;
+    }
+    ranges[best - 1][1] = ranges[best][1];
+    ranges.splice(best, 1);
+  }
+  return ranges;
+}

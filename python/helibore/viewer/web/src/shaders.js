@@ -1,0 +1,210 @@
+// The two ways to look at a tile's textures: wound around the hole (3-D) and cut open (the image track).
+// Both find the quad under a pixel by the picture of helix.js and colour it with the same function, so the
+// same quad has the same colour in both. `texels` holds radius, first-pass radius, nearest distance, state (messages.py);
+// `frames` has one column a frame: centre and toolface of up, high and toolface of north, right.
+
+const COMMON = /* glsl */ `
+precision highp float;
+precision highp int;
+precision highp usampler2D;
+uniform usampler2D texels;
+uniform sampler2D column, frames, colours, dynamicRange;
+uniform int K, rows;
+uniform float pitch;          // signed
+uniform float startToolface;  // radians
+uniform float radiusUnit, nearestUnit, bitRadius;
+uniform float firstFrame, frameStep; // place of the tile's start among its frames; metres between two
+uniform bool firstPass;
+
+ivec2 place(int k) { return ivec2(k % K, k / K); }
+uvec4 texel(int k) { return texelFetch(texels, place(k), 0); }
+vec4 frame(int line, float depth) {
+  float f = firstFrame + depth / frameStep;
+  int last = textureSize(frames, 0).x - 1;
+  int i = clamp(int(floor(f)), 0, last - 1);
+  return mix(texelFetch(frames, ivec2(i, line), 0), texelFetch(frames, ivec2(i + 1, line), 0), f - float(i));
+}
+`;
+
+const COLOUR = /* glsl */ `
+uniform int mode;             // colour.js: Q_RADIUS ..
+uniform float low, high;
+uniform bool logarithmic, isDynamic, dark;
+uniform int glowCount;
+uniform vec4 glow[8];         // first and last vertex in the tile, strength, 1 for a re-scan
+
+bool missing(int k) {
+  return texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
+}
+float value(int k) {
+  uvec4 t = texel(k);
+  float nan = uintBitsToFloat(0x7fc00000u);
+  uint r = firstPass ? t.y : t.x;
+  if (mode == 2) return float(t.z) * nearestUnit;
+  if (mode == 3) return float(t.w & 0xffu);
+  if (mode == 4) return t.y == 0u ? nan : (float(t.x) - float(t.y)) * radiusUnit;
+  if (mode == 5) return texelFetch(column, place(k), 0).r;
+  if (r == 0u) return nan;
+  return float(r) * radiusUnit - (mode == 1 ? bitRadius : 0.0);
+}
+bool known(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u && !(logarithmic && v <= 0.0); }
+vec3 nothing() {
+  bool line = mod(gl_FragCoord.x + gl_FragCoord.y, 7.0) < 1.6;
+  return dark ? (line ? vec3(0.36) : vec3(0.24)) : (line ? vec3(0.62) : vec3(0.80));
+}
+vec3 colourOf(float v, int row) {
+  vec2 ends = isDynamic ? texelFetch(dynamicRange, ivec2(row, 0), 0).rg : vec2(low, high);
+  if (logarithmic) { v = log(v); ends = log(ends); }
+  float t = clamp((v - ends.x) / (ends.y - ends.x), 0.0, 1.0);
+  return texelFetch(colours, ivec2(int(t * 255.0 + 0.5), 0), 0).rgb;
+}
+vec3 glowing(vec3 colour, int k) {
+  for (int i = 0; i < 8; i++) {
+    if (i >= glowCount) break;
+    if (float(k) >= glow[i].x && float(k) < glow[i].y) {
+      colour = mix(colour, glow[i].w > 0.5 ? vec3(0.0, 0.85, 1.0) : vec3(1.0, 0.0, 0.85), glow[i].z);
+    }
+  }
+  return colour;
+}
+`;
+
+export const WALL_VERTEX = /* glsl */ `${COMMON}
+uniform mat4 modelViewMatrix, projectionMatrix;
+uniform float tube, shape;
+uniform int median;
+out vec2 grid;
+out vec3 seen;
+out float depthHere;
+
+float radiusAt(int k) {
+  if (k < 0 || k >= K * (rows + 1)) return -1.0;
+  uvec4 t = texel(k);
+  uint r = firstPass ? t.y : t.x;
+  return r == 0u ? -1.0 : float(r) * radiusUnit;
+}
+void order(inout float a, inout float b) { float m = min(a, b); b = max(a, b); a = m; }
+float smoothRadius(int k) {
+  float c = radiusAt(k);
+  if (median < 3 || c < 0.0) return c;
+  float a = radiusAt(k - K), e = radiusAt(k + K);
+  if (a < 0.0) a = c;
+  if (e < 0.0) e = c;
+  if (median == 3) return max(min(a, c), min(max(a, c), e));
+  float z = radiusAt(k - 2 * K), w = radiusAt(k + 2 * K);
+  if (z < 0.0) z = c;
+  if (w < 0.0) w = c;
+  order(z, a); order(e, w); order(z, e); order(a, w); // drop the least and the greatest, then the middle of three
+  return max(min(a, c), min(max(a, c), e));
+}
+void main() {
+  int row = gl_VertexID / (K + 1);
+  int col = gl_VertexID - row * (K + 1);
+  float r = smoothRadius(row * K + col);
+  float R = r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape;
+  R = max(R, 0.1 * bitRadius) * tube;
+  float turn = float(row) + float(col) / float(K);
+  float toolface = startToolface + 6.283185307179586 * float(col) / float(K);
+  depthHere = turn * pitch;
+  vec3 centre = frame(0, depthHere).xyz;
+  vec3 high = normalize(frame(1, depthHere).xyz);
+  vec3 right = normalize(frame(2, depthHere).xyz);
+  vec4 at = modelViewMatrix * vec4(centre + R * (cos(toolface) * high + sin(toolface) * right), 1.0);
+  grid = vec2(float(col), float(row));
+  seen = at.xyz;
+  gl_Position = projectionMatrix * at;
+}
+`;
+
+const QUAD = /* glsl */ `
+in vec2 grid;
+in vec3 seen;
+in float depthHere;
+uniform float top, bottom;    // metres from the tile's start: what is shown of it
+int quad() {
+  int row = clamp(int(floor(grid.y)), 0, rows - 1);
+  return row * K + clamp(int(floor(grid.x)), 0, K - 1);
+}
+`;
+
+export const WALL_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}${QUAD}
+uniform float cursor;         // metres from the tile's start
+out vec4 colour;
+void main() {
+  if (depthHere < top || depthHere > bottom) discard;
+  int k = quad();
+  if (missing(k)) discard;
+  vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
+  float facing = abs(normal.z);
+  float light = 0.38 + 0.50 * facing + 0.18 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
+  float v = value(k);
+  vec3 base = known(v) ? colourOf(v, k / K) : nothing();
+  vec3 lit = base * min(light, 1.08);
+  lit = glowing(lit, k);
+  float line = abs(depthHere - cursor) / max(fwidth(depthHere), 1e-6);
+  if (line < 1.3) lit = vec3(1.0, 0.25, 0.05);
+  colour = vec4(lit, 1.0);
+}
+`;
+
+// Which quad is under a pixel: tile's number (drawn + 1) in alpha, quad in red, green, blue.
+export const PICK_FRAGMENT = /* glsl */ `${COMMON}${QUAD}
+uniform int number;
+out vec4 colour;
+bool missing(int k) {
+  return texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
+}
+void main() {
+  if (depthHere < top || depthHere > bottom) discard;
+  int k = quad();
+  if (missing(k)) discard;
+  colour = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), float(number)) / 255.0;
+}
+`;
+
+// The image: a strip of screen between two depths. Each pixel finds its own quad; nothing is interpolated.
+export const IMAGE_VERTEX = /* glsl */ `
+uniform vec2 screenEnds;      // lower and upper edge in clip space
+uniform vec2 depthEnds;       // the same edges, metres from the tile's start
+out vec2 at;                  // turn of the image from its left edge, depth
+void main() {
+  vec2 corner = vec2(float(gl_VertexID & 1), float(gl_VertexID >> 1));
+  at = vec2(corner.x, mix(depthEnds.x, depthEnds.y, corner.y));
+  gl_Position = vec4(corner.x * 2.0 - 1.0, mix(screenEnds.x, screenEnds.y, corner.y), 0.0, 1.0);
+}
+`;
+
+export const IMAGE_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
+uniform int reference;        // 0 up, 1 north
+uniform float offset;         // radians from it to the left edge
+uniform float perPixel;       // turns of the wall a pixel is high: so many quads are averaged
+uniform int size;             // vertices the wall has from the tile's start on
+in vec2 at;
+out vec4 colour;
+void main() {
+  float zero = reference == 0 ? frame(0, at.y).w : frame(1, at.y).w;
+  float around = fract((at.x * 6.283185307179586 + zero + offset - startToolface) / 6.283185307179586);
+  float across = around * float(K);
+  int col = min(int(across), K - 1);
+  int row = int(floor(at.y / pitch - across / float(K)));
+  if (row < 0 || row >= rows || row * K + col + K + 1 >= size) discard; // a neighbouring tile's, or not yet drilled
+  int many = clamp(int(perPixel + 0.5), 1, 16);
+  float sum = 0.0;
+  int count = 0;
+  for (int i = 0; i < 16; i++) {
+    if (i >= many) break;
+    int r = row - many / 2 + i;
+    int k = r * K + col;
+    if (r < 0 || r >= rows || missing(k)) continue;
+    float v = value(k);
+    if (known(v)) { sum += logarithmic ? log(v) : v; count++; }
+  }
+  if (count == 0) {
+    colour = vec4(nothing(), 1.0);
+    return;
+  }
+  float mean = sum / float(count);
+  vec3 base = colourOf(logarithmic ? exp(mean) : mean, row);
+  colour = vec4(glowing(base, row * K + col), 1.0);
+}
+`;

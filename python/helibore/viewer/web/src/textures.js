@@ -1,0 +1,111 @@
+// A tile's arrays as textures. Each is made once and uploaded again when what it shows has another version; three.js
+// keeps the arrays, so after a lost context the same textures come back by themselves.
+
+import * as THREE from 'three';
+import { dynamicRange, lookup } from './colour.js';
+
+function texture(array, width, height, format, type) {
+  const made = new THREE.DataTexture(array, width, height, format, type);
+  made.unpackAlignment = 4;
+  made.needsUpdate = true;
+  return made;
+}
+
+export class TileTextures {
+  constructor(tile) {
+    this.tile = tile;
+    const { sectors, rows } = tile.level;
+    this.texels = texture(tile.texels, sectors, rows + 2, THREE.RGBAIntegerFormat, THREE.UnsignedShortType);
+    this.texels.internalFormat = 'RGBA16UI';
+    this.version = tile.version;
+    this.columns = new Map();
+    this.frames = null;
+    this.range = null;
+  }
+
+  vertices() {
+    if (this.version !== this.tile.version) {
+      this.version = this.tile.version;
+      this.texels.needsUpdate = true;
+    }
+    return this.texels;
+  }
+
+  attribute(index) {
+    const { sectors, rows } = this.tile.level;
+    let kept = this.columns.get(index);
+    if (!kept) {
+      kept = { texture: texture(this.tile.column(index), sectors, rows + 2, THREE.RedFormat, THREE.FloatType), version: this.tile.version };
+      this.columns.set(index, kept);
+    }
+    if (kept.version !== this.tile.version) {
+      kept.version = this.tile.version;
+      kept.texture.needsUpdate = true;
+    }
+    return kept.texture;
+  }
+
+  // {texture, first, origin}: frames around the tile, centres relative to origin (east, north, up), float64 until here.
+  path(path) {
+    if (this.frames?.version === path.version && this.frames.path === path) return this.frames;
+    this.frames?.texture.dispose();
+    const { level } = this.tile;
+    const start = (this.tile.startDepth - path.startDepth) / path.step;
+    const first = Math.max(0, Math.floor(start));
+    const span = Math.abs((level.rows + 1 + 1 / level.sectors) * level.pitch);
+    const count = Math.max(2, Math.min(path.count - first, Math.ceil(span / Math.abs(path.step)) + 2));
+    const array = new Float32Array(4 * 3 * count);
+    const origin = eastNorthUp(path.centre.subarray(3 * first, 3 * first + 3));
+    const angles = { up: 0, north: 0 };
+    for (let i = 0; i < count; i++) {
+      const j = Math.min(first + i, path.count - 1);
+      const centre = eastNorthUp(path.centre.subarray(3 * j, 3 * j + 3));
+      const dial = path.dial(path.startDepth + j * path.step);
+      for (const name of ['up', 'north']) if (dial[name] !== null) angles[name] = nearTo(angles[name], (dial[name] * Math.PI) / 180, i);
+      array.set(centre.map((x, c) => x - origin[c]), 4 * i);
+      array[4 * i + 3] = angles.up;
+      array.set(eastNorthUp(path.directions.subarray(6 * j, 6 * j + 3)), 4 * (count + i));
+      array[4 * (count + i) + 3] = angles.north;
+      array.set(eastNorthUp(path.directions.subarray(6 * j + 3, 6 * j + 6)), 4 * (2 * count + i));
+    }
+    this.frames = {
+      texture: texture(array, count, 3, THREE.RGBAFormat, THREE.FloatType),
+      first: start - first,
+      origin,
+      version: path.version,
+      path,
+    };
+    return this.frames;
+  }
+
+  dynamic(store, quantity, pass) {
+    const key = `${quantity.id}/${pass}/${quantity.log}`;
+    if (this.range?.key !== key || this.range.version !== this.tile.version) {
+      this.range?.texture.dispose();
+      const array = dynamicRange(store, quantity, this.tile, pass);
+      this.range = { key, version: this.tile.version, texture: texture(array, this.tile.level.rows, 1, THREE.RGFormat, THREE.FloatType) };
+    }
+    return this.range.texture;
+  }
+
+  dispose() {
+    this.texels.dispose();
+    for (const { texture: one } of this.columns.values()) one.dispose();
+    this.frames?.texture.dispose();
+    this.range?.texture.dispose();
+  }
+}
+
+// North, east, down to east, north, up: both right-handed. Swapping only the last would mirror the hole.
+export const eastNorthUp = (v) => [v[1], v[0], -v[2]];
+
+const nearTo = (before, angle, i) => (i === 0 ? angle : angle + 2 * Math.PI * Math.round((before - angle) / (2 * Math.PI)));
+
+const tables = new Map();
+export function colourTexture(name) {
+  if (!tables.has(name)) tables.set(name, texture(lookup(name), 256, 1, THREE.RGBAFormat, THREE.UnsignedByteType));
+  return tables.get(name);
+}
+
+export const NO_COLUMN = texture(new Float32Array([NaN]), 1, 1, THREE.RedFormat, THREE.FloatType);
+export const NO_RANGE = texture(new Float32Array([0, 1]), 1, 1, THREE.RGFormat, THREE.FloatType);

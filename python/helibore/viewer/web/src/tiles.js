@@ -1,0 +1,195 @@
+// The wall as the page holds it: two levels of tiles, each an image of `rows` turns by `sectors`, two rows more for
+// the halo (the first sectors + 1 vertices of the next tile, so that tiles join without cracks).
+//
+//   Store.levels[0]  the wall, tiles near what is looked at, least recently used dropped first
+//   Store.levels[1]  the overview (8 sectors, 16 turns a row), always whole
+//
+// A tile's typed arrays are the only copy on the CPU; the textures are made from them and remade after context loss.
+
+import { Helix } from './helix.js';
+import { FIRST, NEAREST, RADIUS, STATE, TEXEL } from './protocol.js';
+
+export class Tile {
+  constructor(level, index, attributes) {
+    this.level = level;
+    this.index = index;
+    this.texels = new Uint16Array(TEXEL * level.sectors * (level.rows + 2));
+    this.columns = Array.from({ length: attributes }, () => null);
+    this.version = 0; // counts writes: what was derived from the tile says which version it saw
+    this.used = 0;
+  }
+
+  // Values of one attribute, NaN where none has arrived.
+  column(attribute) {
+    this.columns[attribute] ??= new Float32Array(this.texels.length / TEXEL).fill(NaN);
+    return this.columns[attribute];
+  }
+
+  get startDepth() {
+    return this.level.startDepth + this.index * this.level.rows * this.level.pitch;
+  }
+
+  // Shallow and deep end.
+  get span() {
+    const ends = [this.startDepth, this.startDepth + this.level.rows * this.level.pitch];
+    return this.level.pitch > 0 ? ends : ends.reverse();
+  }
+}
+
+export class Level extends Helix {
+  constructor(shape) {
+    super(shape);
+    this.rows = shape.rows;
+    this.size = 0;
+    this.tiles = new Map();
+  }
+
+  get tileSize() {
+    return this.rows * this.sectors;
+  }
+
+  tileAtDepth(depth) {
+    return Math.max(0, Math.floor((depth - this.startDepth) / (this.pitch * this.rows)));
+  }
+
+  // Numbers of the tiles that lie between two depths, within the wall.
+  tilesBetween(top, bottom) {
+    if (this.size === 0) return [];
+    const [a, b] = [this.tileAtDepth(top), this.tileAtDepth(bottom)];
+    const last = Math.floor((this.size - 1) / this.tileSize);
+    const numbers = [];
+    for (let t = Math.min(a, b); t <= Math.min(Math.max(a, b), last); t++) numbers.push(t);
+    return numbers;
+  }
+
+  // The tile that owns vertex k, and the vertex's place in it.
+  locate(k) {
+    const index = Math.floor(k / this.tileSize);
+    return { tile: k < 0 ? undefined : this.tiles.get(index), at: k - index * this.tileSize };
+  }
+}
+
+export class Store {
+  constructor(hello) {
+    this.hello = hello;
+    this.session = hello.session;
+    this.attributes = hello.attributes;
+    this.radiusUnit = hello.radius_unit;
+    this.nearestUnit = hello.nearest_unit;
+    this.bitRadius = hello.bit_diameter / 2;
+    this.levels = hello.levels.map(
+      ({ sectors, rows, pitch }) =>
+        new Level({
+          sectors,
+          rows,
+          pitch,
+          startDepth: hello.start_depth,
+          startToolface: hello.start_toolface,
+        }),
+    );
+    this.levels[0].size = hello.vertices;
+    this.clock = 0;
+  }
+
+  // Depths between which the wall lies, shallow end first.
+  get span() {
+    return this.levels[0].span(this.levels[0].size);
+  }
+
+  get end() {
+    const wall = this.levels[0];
+    return wall.depth(Math.max(0, wall.size - 1));
+  }
+
+  apply(write) {
+    const level = this.levels[write.level];
+    level.size = write.total;
+    let tile = level.tiles.get(write.tile);
+    if (!tile) {
+      tile = new Tile(level, write.tile, this.attributes.length);
+      level.tiles.set(write.tile, tile);
+    }
+    tile.texels.set(write.texels, TEXEL * write.first);
+    for (const { attribute, values } of write.columns) tile.column(attribute).set(values, write.first);
+    tile.version++;
+    return tile;
+  }
+
+  touch(tile) {
+    tile.used = ++this.clock;
+  }
+
+  get tileBytes() {
+    const wall = this.levels[0];
+    return wall.sectors * (wall.rows + 2) * (2 * TEXEL + 4 * this.attributes.length) * 2; // CPU and GPU
+  }
+
+  // Wall tiles to drop so that at most `bytes` are held, least recently used first, never one of `wanted`.
+  surplus(bytes, wanted) {
+    const room = Math.max(1, Math.floor(bytes / this.tileBytes));
+    const held = [...this.levels[0].tiles.values()];
+    const spare = held.filter((tile) => !wanted.has(tile.index)).sort((a, b) => a.used - b.used);
+    return spare.slice(0, Math.max(0, held.length - room));
+  }
+
+  // Everything known of a quad, in metres; null where its tile is not here or a vertex of it has no radius.
+  quad(k, level = this.levels[0]) {
+    const { tile, at } = level.locate(k);
+    if (!tile || k < 0) return null;
+    const K = level.sectors;
+    const texels = tile.texels;
+    for (const corner of [at, at + 1, at + K, at + K + 1]) if (texels[TEXEL * corner + RADIUS] === 0) return null;
+    return this.vertex(k, level);
+  }
+
+  vertex(k, level = this.levels[0]) {
+    const { tile, at } = level.locate(k);
+    if (!tile || k < 0 || k >= level.size) return null;
+    const [radius, first, nearest, state] = [RADIUS, FIRST, NEAREST, STATE].map((i) => tile.texels[TEXEL * at + i]);
+    if (radius === 0) return null;
+    return {
+      k,
+      depth: level.depth(k),
+      toolface: level.toolface(k),
+      radius: radius * this.radiusUnit,
+      first: first === 0 ? NaN : first * this.radiusUnit,
+      nearest: nearest === 0xffff ? Infinity : nearest * this.nearestUnit,
+      state,
+      attributes: tile.columns.map((column) => (column ? column[at] : NaN)),
+    };
+  }
+}
+
+// What to draw between two depths: wall tiles where they are here, the overview where they are not. `fine` false
+// asks for the overview alone. Each piece says which depths of its tile to show; pieces never overlap; the
+// overview's come first.
+export function coverage(store, top, bottom, fine) {
+  const [wall, over] = store.levels;
+  const pieces = [];
+  let missing = null;
+  const flush = () => {
+    if (missing) for (const index of over.tilesBetween(...missing)) cover(index, missing);
+    missing = null;
+  };
+  const cover = (index, [a, b]) => {
+    const tile = over.tiles.get(index);
+    if (!tile) return;
+    const [low, high] = tile.span;
+    if (Math.min(b, high) > Math.max(a, low)) pieces.push({ tile, top: Math.max(a, low), bottom: Math.min(b, high) });
+  };
+  const numbers = wall.tilesBetween(top, bottom).sort((a, b) => (wall.pitch > 0 ? a - b : b - a));
+  for (const index of numbers) {
+    const tile = fine ? wall.tiles.get(index) : undefined;
+    const start = wall.startDepth + index * wall.rows * wall.pitch;
+    const ends = [start, start + wall.rows * wall.pitch].sort((a, b) => a - b);
+    const [a, b] = [Math.max(top, ends[0]), Math.min(bottom, ends[1])];
+    if (b <= a) continue;
+    if (tile) {
+      flush();
+      pieces.push({ tile, top: a, bottom: b });
+    } else if (missing) missing[1] = b;
+    else missing = [a, b];
+  }
+  flush();
+  return pieces.sort((a, b) => (b.tile.level === over) - (a.tile.level === over));
+}

@@ -1,0 +1,188 @@
+// The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track, labels
+// in the 3-D view. (caliper.js and map.js draw their own tracks.) Everything here is drawn anew for each frame.
+
+import { MAPS } from './colour.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL, yOf } from './layout.js';
+import { CUTS, leftEdge } from './path.js';
+import { scaleOf, showDepth, unitOf } from './units.js';
+import { ticks } from './view.js';
+
+export function drawAxis(ink, look) {
+  const { view, path, rects } = look;
+  const palette = PALETTES[view.theme];
+  const rect = rects.axis;
+  const right = rects.caliper.left + rects.caliper.width;
+  const { values, digits, step } = ticks(view.top, view.bottom, rect.height, 58);
+  ink.lineWidth = 1;
+  for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
+    const y = Math.round(yOf(view, rect, depth)) + 0.5;
+    line(ink, rect.left + rect.width - 4, y, rect.left + rect.width, y, palette.soft);
+  }
+  for (const depth of values) {
+    const y = Math.round(yOf(view, rect, depth)) + 0.5;
+    line(ink, rect.left + rect.width - 8, y, right, y, palette.grid);
+    line(ink, rect.left + rect.width - 9, y, rect.left + rect.width, y, palette.ink);
+    if (y < rect.top + 12 || y > rect.top + rect.height - 14) continue;
+    const end = rect.left + rect.width - 12;
+    label(ink, depth.toFixed(digits), end, y - 1, { colour: palette.ink, align: 'right', baseline: 'bottom', font: FONT });
+    const frame = path.at(depth);
+    if (frame) label(ink, frame.centre[2].toFixed(Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL });
+  }
+  const end = rect.left + rect.width - 12;
+  label(ink, 'MD m', end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
+  label(ink, 'TVD m', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
+}
+
+export function drawImageHead(ink, look) {
+  const { view, quantity, path, rects } = look;
+  const palette = PALETTES[view.theme];
+  const { left, width } = rects.image;
+  const cut = CUTS[view.cut];
+  const known = leftEdge(path, view.cut, view.middle).known;
+  const units = unitOf(quantity, view.units);
+  label(ink, quantity.name + (units ? ` [${units}]` : ''), left + 2, 11, { colour: palette.ink, font: BOLD });
+  const mode = quantity.dynamic ? 'dynamic' : 'static';
+  label(ink, mode, left + width - 2, 11, { colour: quantity.dynamic ? palette.cursor : palette.soft, align: 'right', font: SMALL });
+  const bar = ink.createLinearGradient(left, 0, left + width, 0);
+  const { anchors } = MAPS[quantity.map];
+  anchors.forEach((c, i) => bar.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
+  ink.fillStyle = bar;
+  ink.fillRect(left, 20, width, 8);
+  ends(ink, look, left, width, palette);
+  letters(ink, cut.letters, known, left, width, palette, cut.reference);
+}
+
+function ends(ink, { view, quantity }, left, width, palette) {
+  const scale = scaleOf(quantity, view.units);
+  const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(4)).toString().replace('-', '−'));
+  label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
+  label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
+  const x = left + width / 2;
+  hatched(ink, x - 34, 32, 12, 9, palette);
+  label(ink, 'no data', x - 18, 37, { colour: palette.soft, font: SMALL });
+}
+
+function letters(ink, names, known, left, width, palette, reference) {
+  if (!known) {
+    const why = reference === 'up' ? 'vertical here: angles from the tool’s zero' : 'runs north: angles from the tool’s zero';
+    label(ink, why, left + width / 2, HEAD - 8, { colour: palette.soft, align: 'center', font: SMALL });
+    return;
+  }
+  names.forEach((name, i) => {
+    const x = left + (i / 4) * width;
+    line(ink, x, HEAD - 3, x, HEAD, palette.ink);
+    label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: BOLD });
+  });
+}
+
+// The same depth through every track: the cursor's line with its depth, and the bit.
+export function drawCursor(ink, look) {
+  const { view, rects, bitDepth } = look;
+  const palette = PALETTES[view.theme];
+  const rect = rects.axis;
+  const right = rects.caliper.left + rects.caliper.width;
+  if (bitDepth !== null && bitDepth >= view.top && bitDepth <= view.bottom) {
+    const y = yOf(view, rect, bitDepth);
+    line(ink, rect.left + rect.width, y, right, y, palette.ink, [6, 4]);
+    label(ink, '▼ bit', rects.image.left + 4, y - 8, { colour: palette.ink, halo: palette.paper, font: BOLD });
+  }
+  for (const depth of view.pins) {
+    if (depth < view.top || depth > view.bottom) continue;
+    const y = Math.round(yOf(view, rect, depth)) + 0.5;
+    line(ink, rects.image.left, y, right, y, palette.pin, [3, 3]);
+  }
+  if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
+  const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
+  line(ink, rect.left, y, right, y, palette.cursor);
+  const text = showDepth(view.cursor.depth);
+  ink.font = BOLD;
+  const wide = ink.measureText(text).width + 10;
+  ink.fillStyle = palette.cursor;
+  ink.fillRect(rect.left + rect.width - wide, y - 9, wide, 18);
+  label(ink, text, rect.left + rect.width - 5, y, { colour: '#ffffff', align: 'right' });
+  if (view.cursor.toolface === null || view.cursor.toolface === undefined) return;
+  const edge = leftEdge(look.path, view.cut, view.cursor.depth).toolface;
+  const x = rects.image.left + ((((view.cursor.toolface - edge) % 360) + 360) % 360) / 360 * rects.image.width;
+  line(ink, x, y - 7, x, y + 7, palette.cursor);
+}
+
+// Labels in the 3-D view: depths beside the hole, compass, the exaggerations in words.
+export function drawWallInk(ink, look, gpu) {
+  const { view, path, store, rects } = look;
+  const palette = PALETTES[view.theme];
+  const rect = rects.wall;
+  const tube = view.tubeFactor(store);
+  ink.save();
+  ink.beginPath();
+  ink.rect(rect.left, HEAD - 22, rect.width, rect.height - HEAD + 22);
+  ink.clip();
+  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
+  const aside = gpu.sideways(store.bitRadius * tube * 1.35);
+  const used = [];
+  const [shallow, deep] = store.span;
+  for (const depth of values.filter((value) => value >= shallow && value <= deep)) {
+    const frame = path.at(depth);
+    const at = frame && gpu.project(frame, rect, aside);
+    if (!at || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
+    used.push(at);
+    label(ink, `${depth.toFixed(digits)} m`, at[0] + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL });
+    line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
+  }
+  cursorLabel(ink, look, gpu, aside, palette);
+  compass(ink, gpu, rect, palette);
+  const words = [`tube × ${tube}`, `shape × ${view.shape} about the bit radius`];
+  if (view.median > 1) words.push(`median of ${view.median} turns`);
+  label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
+  ink.restore();
+}
+
+function cursorLabel(ink, { view, path, rects }, gpu, aside, palette) {
+  if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
+  const frame = path.at(view.cursor.depth);
+  const at = frame && gpu.project(frame, rects.wall, aside.map((x) => -x));
+  if (at) label(ink, showDepth(view.cursor.depth), at[0] - 6, at[1], { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
+}
+
+function compass(ink, gpu, rect, palette) {
+  const [x, y] = [rect.left + 44, rect.height - 46];
+  const used = [];
+  for (const [name, direction] of [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]]) {
+    const [dx, dy, towards] = gpu.facing(direction);
+    line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
+    const clear = used.every(([a, b]) => Math.hypot(dx - a, dy - b) > 0.45);
+    used.push([dx, dy]);
+    if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + 36 * dx, y - 36 * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+  }
+}
+
+export function line(ink, x0, y0, x1, y1, colour, dash = []) {
+  ink.strokeStyle = colour;
+  ink.lineWidth = 1.2;
+  ink.setLineDash(dash);
+  ink.beginPath();
+  ink.moveTo(x0, y0);
+  ink.lineTo(x1, y1);
+  ink.stroke();
+  ink.setLineDash([]);
+}
+
+export function hatched(ink, x, y, width, height, palette) {
+  ink.save();
+  ink.beginPath();
+  ink.rect(x, y, width, height);
+  ink.clip();
+  ink.globalAlpha = 0.35;
+  ink.fillStyle = palette.hatch;
+  ink.fillRect(x, y, width, height);
+  ink.globalAlpha = 1;
+  ink.strokeStyle = palette.hatch;
+  ink.lineWidth = 1.2;
+  ink.beginPath();
+  for (let d = -height; d < width; d += 5) {
+    ink.moveTo(x + d, y + height);
+    ink.lineTo(x + d + height, y);
+  }
+  ink.stroke();
+  ink.restore();
+}
+

@@ -1,0 +1,41 @@
+// Numbers as text. Lengths come in metres and are shown as the user chose; a missing value is a dash, never a zero.
+
+export const LENGTHS = { mm: { unit: 'mm', scale: 1000, digits: 2 }, in: { unit: 'in', scale: 1 / 0.0254, digits: 3 } };
+
+export const showLength = (metres, units, digits = LENGTHS[units].digits) =>
+  Number.isFinite(metres) ? `${(metres * LENGTHS[units].scale).toFixed(digits)} ${LENGTHS[units].unit}` : '–';
+
+// Signed, with a true minus sign.
+export const showSigned = (metres, units, digits) => {
+  if (!Number.isFinite(metres)) return '–';
+  const text = showLength(Math.abs(metres), units, digits);
+  return `${metres < 0 ? '−' : '+'}${text}`;
+};
+
+export const showDepth = (metres, digits = 2) => (Number.isFinite(metres) ? `${metres.toFixed(digits)} m` : '–');
+export const showAngle = (degrees, digits = 1) => (Number.isFinite(degrees) ? `${degrees.toFixed(digits)}°` : '–');
+
+// Five significant digits: what a float32 certainly holds.
+export const showValue = (value, unit = '') => {
+  if (!Number.isFinite(value)) return '–';
+  const text = Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(3) : String(Number(value.toPrecision(5)));
+  return unit ? `${text} ${unit}` : text;
+};
+
+// A quantity of colour.js, in its own unit or as a length.
+export const showQuantity = (quantity, value, units) =>
+  quantity.length ? showLength(value, units) : showValue(value, quantity.unit);
+
+// The number alone, for a scale or an input field; and back.
+export const scaleOf = (quantity, units) => (quantity.length ? LENGTHS[units].scale : 1);
+export const unitOf = (quantity, units) => (quantity.length ? LENGTHS[units].unit : (quantity.unit ?? ''));
+
+export const showAge = (seconds) => {
+  if (!Number.isFinite(seconds)) return '–';
+  if (seconds < 90) return `${Math.max(0, Math.round(seconds))} s`;
+  if (seconds < 5400) return `${Math.round(seconds / 60)} min`;
+  if (seconds < 172800) return `${Math.round(seconds / 3600)} h`;
+  return `${Math.round(seconds / 86400)} d`;
+};
+
+export const showCount = (count) => count.toLocaleString('en').replaceAll(',', '\u2009');

@@ -1,0 +1,173 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Helix } from '../src/helix.js';
+import { coverage, Store } from '../src/tiles.js';
+import { quantities, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/colour.js';
+import { arcs, measure, sectionVolume, tileTurns } from '../src/turns.js';
+
+const K = 8;
+const ROWS = 4;
+
+function store({ pitch = 0.5, size = 3 * K * ROWS + 5, attributes = [] } = {}) {
+  return new Store({
+    session: 's',
+    start_depth: 100,
+    start_toolface: 30,
+    vertices: size,
+    bit_diameter: 0.2,
+    radius_unit: 1e-5,
+    nearest_unit: 1e-4,
+    levels: [
+      { sectors: K, rows: ROWS, pitch },
+      { sectors: K, rows: 1024, pitch: 16 * pitch },
+    ],
+    attributes,
+  });
+}
+
+// Fill a tile from a function of the vertex number: radius in 10 um steps.
+function fill(made, tile, radius, level = 0, columns = []) {
+  const { sectors, rows, size } = made.levels[level];
+  const start = tile * sectors * rows;
+  const count = Math.min(sectors * rows + sectors + 1, size - start);
+  const texels = new Uint16Array(4 * count);
+  for (let i = 0; i < count; i++) texels.set([radius(start + i), radius(start + i), 20, 8], 4 * i);
+  made.apply({ level, tile, first: 0, total: size, texels, columns: columns.map((f, attribute) => ({ attribute, values: Float32Array.from({ length: count }, (_, i) => f(start + i)) })) });
+}
+
+test('the quad under a point is the quad that holds it', () => {
+  for (const pitch of [0.1, -0.1]) {
+    const helix = new Helix({ sectors: 64, pitch, startDepth: 1000, startToolface: 17 });
+    for (let k = 0; k < 5000; k += 7) {
+      const depth = helix.depth(k) + 0.4 * pitch + (0.5 * pitch) / 64;
+      const toolface = helix.toolface(k) + 0.5 * (360 / 64);
+      assert.equal(helix.quadAt(depth, toolface), k);
+    }
+  }
+});
+
+test('a read-out is the wall’s own value, and needs all four corners', () => {
+  const made = store();
+  fill(made, 0, (k) => 10000 + k);
+  assert.equal(made.quad(5).radius, 10005 * 1e-5);
+  assert.equal(made.quad(5).depth, made.levels[0].depth(5));
+  assert.equal(made.quad(40), null, 'its tile is not here');
+  fill(made, 0, (k) => (k === 5 + K ? 0 : 10000 + k));
+  for (const k of [5, 4, 5 + K, 4 + K]) assert.equal(made.quad(k), null, `quad ${k} touches the missing vertex`);
+  assert.notEqual(made.quad(6), null);
+});
+
+test('the last quads of a tile read the halo, not the next tile', () => {
+  const made = store();
+  fill(made, 0, (k) => 10000 + k);
+  assert.notEqual(made.quad(K * ROWS - 1), null);
+});
+
+test('coverage has no hole and no overlap, and takes the overview where a tile is missing', () => {
+  for (const pitch of [0.5, -0.5]) {
+    const made = store({ pitch });
+    made.levels[1].size = K * 2;
+    fill(made, 0, () => 10000, 1);
+    fill(made, 0, () => 10000);
+    fill(made, 2, () => 10000);
+    const [top, bottom] = made.span;
+    const pieces = coverage(made, top, bottom, true).sort((a, b) => a.top - b.top);
+    assert.equal(pieces[0].top, top);
+    assert.equal(pieces.at(-1).bottom, bottom);
+    for (let i = 1; i < pieces.length; i++) assert.ok(Math.abs(pieces[i].top - pieces[i - 1].bottom) < 1e-9);
+    assert.ok(pieces.some(({ tile }) => tile.level === made.levels[1]));
+    assert.ok(coverage(made, top, bottom, false).every(({ tile }) => tile.level === made.levels[1]));
+  }
+});
+
+test('the least recently used tiles go first, wanted ones never', () => {
+  const made = store();
+  for (const t of [0, 1, 2]) fill(made, t, () => 10000);
+  const [a, b, c] = [0, 1, 2].map((t) => made.levels[0].tiles.get(t));
+  [b, c, a].forEach((tile) => made.touch(tile));
+  assert.deepEqual(made.surplus(2 * made.tileBytes, new Set([1])).map((t) => t.index), [2]);
+  assert.deepEqual(made.surplus(1e9, new Set()), []);
+});
+
+test('a turn is measured as a caliper would', () => {
+  const ellipse = Float64Array.from({ length: 64 }, (_, j) => {
+    const angle = (2 * Math.PI * j) / 64;
+    return 1 / Math.hypot(Math.cos(angle) / 0.12, Math.sin(angle) / 0.1);
+  });
+  const found = measure(ellipse);
+  assert.ok(Math.abs(found.max - 0.24) < 1e-12 && found.maxAt === 0);
+  assert.ok(Math.abs(found.min - 0.2) < 1e-12 && found.minAt === 16);
+  assert.ok(Math.abs(found.area - Math.PI * 0.12 * 0.1) < 1e-9);
+  ellipse[3] = NaN;
+  assert.ok(Number.isNaN(measure(ellipse).area), 'a turn with a gap has no area');
+  assert.equal(measure(ellipse).share, 63 / 64);
+});
+
+test('enlarged arcs are found, over the start too', () => {
+  const radii = [0.12, 0.1, 0.1, 0.12, 0.12, 0.1, 0.1, 0.12];
+  assert.deepEqual(arcs(radii, 0.1, 0.005), [[3, 4], [7, 8]]);
+  assert.deepEqual(arcs([0.1, 0.1], 0.1, 0.005), []);
+  assert.deepEqual(arcs([0.2, 0.2], 0.1, 0.005), [[0, 1]]);
+});
+
+test('hole volume of a gauge hole is the bit’s', () => {
+  const made = store();
+  for (const t of [0, 1, 2]) fill(made, t, () => 10000);
+  const pieces = coverage(made, 100, 106, true);
+  const { volume, excess, washed, share } = sectionVolume(made, pieces, 100, 106);
+  assert.ok(Math.abs(volume - Math.PI * 0.01 * 6) < 1e-9);
+  assert.ok(Math.abs(excess) < 1e-9 && washed === 0 && Math.abs(share - 1) < 1e-9);
+});
+
+test('turns of a tile follow its version', () => {
+  const made = store();
+  fill(made, 0, () => 10000);
+  const tile = made.levels[0].tiles.get(0);
+  assert.ok(Math.abs(tileTurns(made, tile).max[0] - 0.2) < 1e-6);
+  fill(made, 0, () => 11000);
+  assert.ok(Math.abs(tileTurns(made, tile).max[0] - 0.22) < 1e-6);
+});
+
+test('values, missing ones included', () => {
+  const made = store({ attributes: [{ name: 'GR', unit: 'gAPI', low: null, high: null, log: false, colours: '' }] });
+  fill(made, 0, (k) => (k === 3 ? 0 : 10000 + k), 0, [(k) => (k === 4 ? NaN : k)]);
+  const tile = made.levels[0].tiles.get(0);
+  const find = (id) => quantities(made).find((q) => q.id === id);
+  assert.ok(Math.abs(valueAt(made, find('over'), tile, 10) - 10e-5) < 1e-12);
+  assert.ok(Number.isNaN(valueAt(made, find('over'), tile, 3)));
+  assert.equal(valueAt(made, find('GR'), tile, 7), 7);
+  assert.ok(Number.isNaN(valueAt(made, find('GR'), tile, 4)));
+  assert.equal(find('GR').map, 'gamma');
+  assert.equal(valueAt(made, find('nearest'), tile, 7), 20 * 1e-4);
+});
+
+test('a range is never empty and a difference is centred', () => {
+  const over = { mode: 1, length: true, low: 0, high: 1 };
+  const same = fitRange(over, Float64Array.from([0.1, 0.1]));
+  assert.ok(same.high > same.low);
+  const change = fitRange({ mode: 4, length: true }, Float64Array.from([-0.001, 0, 0.004]));
+  assert.equal(change.low, -change.high);
+  assert.equal(percentile(Float64Array.from([1, 2, 3]), 0.5), 2);
+  assert.deepEqual([...histogram([1, 2, 2, 9], 0, 10, false, 10)], [0, 1, 2, 0, 0, 0, 0, 0, 0, 1]);
+});
+
+test('the dynamic range follows the layers, across tiles', () => {
+  const made = store();
+  const layered = (k) => (k < K * ROWS ? 10000 : 12000) + (k % 2) * 10;
+  for (const t of [0, 1]) fill(made, t, layered);
+  const radius = quantities(made).find((q) => q.id === 'radius');
+  const range = dynamicRange(made, radius, made.levels[0].tiles.get(0), 'latest');
+  assert.ok(range[0] > 0.0995 && range[1] < 0.1005, 'far from the seam: the first layer alone');
+  assert.ok(range[2 * (ROWS - 1) + 1] > 0.115, 'beside it: both');
+});
+
+test('no colour map holds the grey of missing values', () => {
+  for (const name of Object.keys(MAPS)) {
+    const table = lookup(name);
+    if (name === 'cividis' || name === 'difference') continue; // these pass near grey; hatching tells them apart
+    for (let i = 0; i < 256; i++) {
+      const [r, g, b] = table.subarray(4 * i, 4 * i + 3);
+      assert.ok(Math.max(r, g, b) - Math.min(r, g, b) > 6, `${name} ${i}`);
+    }
+  }
+});

@@ -1,0 +1,140 @@
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Glow } from '../src/glow.js';
+import { depthAt, layout, yOf } from '../src/layout.js';
+import { gridIndices, niceStep, pickStride, steps, tubeFor } from '../src/lod.js';
+import { leftEdge, Path } from '../src/path.js';
+import { showLength, showSigned, showValue } from '../src/units.js';
+import { ticks, View } from '../src/view.js';
+
+// A path of constant inclination and azimuth, degrees.
+function straight(inclination, azimuth, count = 20) {
+  const [I, A] = [inclination, azimuth].map((x) => (x * Math.PI) / 180);
+  const tangent = [Math.sin(I) * Math.cos(A), Math.sin(I) * Math.sin(A), Math.cos(I)];
+  const high = [Math.cos(I) * Math.cos(A), Math.cos(I) * Math.sin(A), -Math.sin(I)];
+  const right = [-Math.sin(A), Math.cos(A), 0];
+  const path = new Path(1000, 2);
+  const centre = new Float64Array(3 * count);
+  const directions = new Float32Array(6 * count);
+  for (let i = 0; i < count; i++) {
+    centre.set(tangent.map((x) => 2 * i * x), 3 * i);
+    directions.set([...high, ...right], 6 * i);
+  }
+  path.apply({ first: 0, count, total: count, centre, directions });
+  return path;
+}
+
+test('north on the dial is the exact conversion, not minus the azimuth', () => {
+  const { up, north } = straight(48, 248).dial(1010);
+  assert.ok(Math.abs(up) < 1e-4, 'toolface 0 is the high side');
+  assert.ok(Math.abs(((north + 360) % 360) - 105.13) < 0.01, `${north}`);
+});
+
+test('where a reference is undefined it is said', () => {
+  assert.equal(straight(0, 0).dial(1010).up, null);
+  assert.equal(leftEdge(straight(0, 0), 'top', 1010).known, false);
+  assert.equal(straight(90, 0).dial(1010).north, null);
+  assert.deepEqual(leftEdge(straight(30, 90), 'bottom', 1010), { toolface: 180, known: true });
+});
+
+test('frames between stations are on the path', () => {
+  const frame = straight(30, 90).at(1011);
+  assert.ok(Math.abs(frame.centre[2] - 11 * Math.cos(Math.PI / 6)) < 1e-9);
+  assert.ok(Math.abs(frame.tangent[1] - 0.5) < 1e-6);
+});
+
+test('a coarse grid uses the fine grid’s corners and covers all of it', () => {
+  for (const [K, rows, a, b] of [[64, 256, 4, 16], [36, 64, 8, 64], [8, 1024, 1, 4]]) {
+    const indices = gridIndices(K, rows, a, b);
+    assert.ok(indices.every((i) => i < (K + 1) * (rows + 1)));
+    let area = 0;
+    for (let i = 0; i < indices.length; i += 3) {
+      const [p, q, r] = [0, 1, 2].map((j) => [indices[i + j] % (K + 1), Math.floor(indices[i + j] / (K + 1))]);
+      const twice = (q[0] - p[0]) * (r[1] - p[1]) - (r[0] - p[0]) * (q[1] - p[1]);
+      assert.ok(twice > 0, 'every triangle has the same sense');
+      area += twice / 2;
+    }
+    assert.equal(area, K * rows);
+  }
+  assert.deepEqual(steps(10, 4), [0, 4, 8, 10]);
+});
+
+test('strides grow with distance and stop at the limit', () => {
+  assert.equal(pickStride([1, 4, 16, 64], 5, 64), 1);
+  assert.equal(pickStride([1, 4, 16, 64], 0.1, 64), 16);
+  assert.equal(pickStride([1, 4, 16, 64], 0.001, 16), 16);
+});
+
+test('steps a person would choose', () => {
+  assert.deepEqual([0.7, 1, 1.1, 3, 7, 60].map(niceStep), [1, 1, 2, 5, 10, 100]);
+  assert.equal(tubeFor(2, 0.108), 1);
+  assert.equal(tubeFor(30, 0.108), 10);
+  assert.deepEqual(ticks(1000, 1010, 500, 60).values, [1000, 1002, 1004, 1006, 1008, 1010]);
+  assert.equal(ticks(1000, 1001, 500, 60).digits, 1);
+});
+
+test('depth and pixel are each other’s inverse in every track', () => {
+  const rects = layout(1078, 724);
+  const view = { top: 1000, bottom: 1030 };
+  for (const rect of [rects.axis, rects.image, rects.caliper]) {
+    assert.equal(rect.top, rects.axis.top);
+    assert.equal(rect.height, rects.axis.height);
+    assert.ok(Math.abs(depthAt(view, rect, yOf(view, rect, 1012.3)) - 1012.3) < 1e-9);
+  }
+  const order = ['map', 'axis', 'image', 'caliper', 'wall'].map((name) => rects[name]);
+  for (let i = 1; i < order.length; i++) assert.ok(order[i].left >= order[i - 1].left + order[i - 1].width, 'tracks do not overlap');
+});
+
+const wall = { span: [1000, 1100], end: 1100, levels: [{ pitch: 0.1 }], bitRadius: 0.1 };
+
+test('the section stays with the wall, and zoom holds its depth', () => {
+  const view = new View(() => {});
+  view.show(5000, 30, wall);
+  assert.ok(view.top <= 1100 && view.follow === false);
+  view.show(1040, 20, wall);
+  view.zoom(0.5, 1045, wall);
+  assert.ok(Math.abs((1045 - view.top) / view.length - 0.25) < 1e-9);
+});
+
+test('following keeps the newest quad near the bottom, or near the top when logging up', () => {
+  const view = new View(() => {});
+  view.followEnd(wall);
+  assert.ok(view.follow && view.bottom > 1100 && view.bottom - 1100 < 0.2 * view.length);
+  const up = { ...wall, end: 1000, levels: [{ pitch: -0.1 }] };
+  view.followEnd(up);
+  assert.ok(view.top < 1000 && 1000 - view.top < 0.2 * view.length);
+});
+
+test('an address says what is seen, and a wrong one nothing', () => {
+  const view = new View(() => {});
+  view.show(1040, 20, wall);
+  view.set({ quantity: 'GR', cut: 'north', shape: 5 });
+  const other = new View(() => {});
+  assert.equal(other.fromAddress(view.toAddress()), true);
+  assert.deepEqual([other.top, other.length, other.quantity, other.cut, other.shape, other.follow], [1040, 20, 'GR', 'north', 5, false]);
+  const third = new View(() => {});
+  assert.equal(third.fromAddress('#md=abc&sec=-4&cut=<b>&shape=1e9'), false);
+  assert.deepEqual([third.length, third.cut, third.shape], [30, 'top', 1]);
+});
+
+test('missing is a dash, never a number', () => {
+  assert.equal(showLength(NaN, 'mm'), '–');
+  assert.equal(showLength(0.10801, 'mm'), '108.01 mm');
+  assert.equal(showLength(0.10801, 'in'), '4.252 in');
+  assert.equal(showSigned(-0.0015, 'mm'), '−1.50 mm');
+  assert.equal(showValue(87.3049, 'gAPI'), '87.305 gAPI');
+  assert.equal(showValue(NaN, 'gAPI'), '–');
+});
+
+test('new quads glow and fade, joined where they continue', () => {
+  const glow = new Glow();
+  const tile = { index: 1, level: { rows: 4, tileSize: 32 } };
+  glow.rows = 4;
+  glow.add(30, 40, false, 10);
+  glow.add(40, 50, false, 10.1);
+  assert.deepEqual(glow.on(tile, 10)[0].slice(0, 2), [-2, 18]);
+  assert.equal(glow.on(tile, 10).length, 1);
+  assert.equal(glow.fade(20), false);
+  for (let i = 0; i < 50; i++) glow.add(i * 100, i * 100 + 1, true, 30 + i);
+  assert.ok(glow.ranges.length <= 8);
+});
