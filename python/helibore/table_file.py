@@ -1,4 +1,4 @@
-"""Named columns of numbers from a CSV (.gz) or NPZ file, quickly, and with the exact place of whatever is wrong in it.
+"""Named columns of numbers from a CSV (.gz) or NPZ file, quickly, with the exact place of whatever is wrong; and back.
 
     line 1   # comments and blank lines before the header are skipped
     line 2   md_m,rb_deg,x_in            the delimiter is the one of , ; tab that the header holds most of
@@ -20,12 +20,13 @@ from array import array
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, nullcontext
 from pathlib import Path
-from typing import IO, Protocol, cast
+from typing import IO, Any, Protocol, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore.arrays import Floats, column
+from helibore.atomic_file import write_whole
 
 ABSENT = (-999.25, -9999.0)
 """The numbers that mean: no value. An empty CSV cell is read as the first of them."""
@@ -207,8 +208,37 @@ def _number(cell: str, place: str) -> float:
     try:
         # float() would also take 1_000 and the digits of other scripts.
         if "_" in text or not text.isascii():
-            raise ValueError  # noqa: TRY301
+            raise ValueError
         return float(text)
     except ValueError:
         shown = text if len(text) <= 40 else f"{text[:37]}..."
         raise ValueError(f"{place}: '{shown}': must be a number") from None
+
+
+def write_table(path: Path, columns: dict[str, tuple[Floats, int]]) -> None:
+    """Write columns, each with its number of decimals, as CSV, gzipped CSV or NPZ by the ending; whole or not at all.
+
+    NPZ keeps every digit. The same columns give the same bytes.
+    """
+    if path.suffix == ".npz":
+        arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
+        write_whole(path, lambda file: np.savez(file, **arrays))
+        return
+
+    def write(file: IO[bytes]) -> None:
+        if path.suffix == ".gz":
+            with gzip.GzipFile(fileobj=file, mode="wb", filename="", mtime=0, compresslevel=6) as zipped:
+                _write_csv(zipped, columns)
+        else:
+            _write_csv(file, columns)
+
+    write_whole(path, write)
+
+
+def _write_csv(file: IO[bytes] | gzip.GzipFile, columns: dict[str, tuple[Floats, int]]) -> None:
+    file.write((",".join(columns) + "\n").encode())
+    row = ",".join(f"%.{decimals}f" for _, decimals in columns.values()) + "\n"
+    values = [column for column, _ in columns.values()]
+    for start in range(0, values[0].size, 4096):
+        block = np.column_stack([column[start : start + 4096] for column in values])
+        file.write((row * len(block) % tuple(block.ravel().tolist())).encode())

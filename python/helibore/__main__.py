@@ -1,0 +1,5 @@
+"""``python -m helibore``: the command line."""
+
+from helibore.cli import main
+
+main()

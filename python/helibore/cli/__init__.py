@@ -1,0 +1,105 @@
+"""The command line: ``helibore <verb>``. A verb's module is loaded when it is called, and no other.
+
+    exit code 0   done
+              2   the input, the options or the disk: one line on stderr that names the place, the value and the rule
+              1   helibore itself: a traceback
+
+Not here: any work. Each verb turns its options into calls of the library and prints what came of it.
+"""
+
+from __future__ import annotations
+
+import importlib
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from typing import IO, Any
+
+import click
+
+VERBS = {
+    "demo": "helibore.cli.demo:demo",
+    "inspect": "helibore.cli.inspect:inspect",
+    "reconstruct": "helibore.cli.reconstruct:reconstruct",
+    "simulate": "helibore.cli.simulate:simulate",
+}
+"""Where the command of each verb is."""
+
+
+class BadInput(click.ClickException):
+    """What the user can put right: shown in one line, exit code 2."""
+
+    exit_code = 2
+
+    def show(self, file: IO[Any] | None = None) -> None:
+        """Write the line to stderr."""
+        click.echo(f"helibore: {' '.join(self.message.split())}", file=file, err=True)
+
+
+@contextmanager
+def _one_line_errors() -> Iterator[None]:
+    try:
+        yield
+    except click.UsageError as error:
+        hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
+        raise BadInput(error.format_message() + hint) from error
+    except BrokenPipeError:
+        raise
+    except OSError as error:
+        raise BadInput(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from error
+    except ValueError as error:
+        raise BadInput(str(error)) from error
+    except ImportError as error:
+        if "helibore[" not in str(error):  # an extra that is not installed, against an import of ours that fails
+            raise
+        raise BadInput(str(error)) from error
+
+
+class Verbs(click.Group):
+    """The verbs, loaded late."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """Return the names of all verbs."""
+        return sorted({*super().list_commands(ctx), *VERBS})
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """Load one verb."""
+        if cmd_name in VERBS:
+            module, _, name = VERBS[cmd_name].partition(":")
+            command: click.Command = getattr(importlib.import_module(module), name)
+            return command
+        return super().get_command(ctx, cmd_name)
+
+    def make_context(self, *args: Any, **extra: Any) -> click.Context:
+        """Parse the options before the verb."""
+        with _one_line_errors():
+            return super().make_context(*args, **extra)
+
+    def invoke(self, ctx: click.Context) -> Any:
+        """Parse the verb's options and run it."""
+        with _one_line_errors():
+            return super().invoke(ctx)
+
+
+def _show_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
+    if wanted and not ctx.resilient_parsing:
+        from helibore import __version__
+
+        click.echo(f"helibore {__version__}")
+        ctx.exit()
+
+
+@click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version, help="Show it.")
+def cli() -> None:
+    """Turn scattered borehole measurements into a wall.
+
+    \b
+    helibore demo                                       a simulated hole, from samples to mesh and picture
+    helibore reconstruct caliper.csv -o wall.glb --bit-diameter 8.5in
+    """
+
+
+def main() -> None:
+    """Run the command line and exit with its code."""
+    sys.exit(cli(prog_name="helibore"))

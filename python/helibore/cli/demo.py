@@ -1,0 +1,55 @@
+"""``helibore demo``: a simulated hole from samples to mesh and picture, and how far it is from the truth."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import click
+
+from helibore.cli.reconstruct import wall_lines
+from helibore.cli.terminal import Terminal
+
+
+@click.command()
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder.  [here]")
+@click.option("--seed", type=int, default=0, show_default=True, help="Another seed, another hole.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+def demo(output: Path, seed: int, quiet: bool) -> None:
+    """Simulate a hole, rebuild its wall, write helibore-demo.glb and helibore-demo.png.
+
+    \b
+    helibore demo
+    """
+    from helibore.demo import drill, error, rebuild
+    from helibore.pictures import Track, overview, require_matplotlib, save_png
+
+    require_matplotlib()
+    if not output.is_dir():
+        raise ValueError(f"{output}: the folder must be there")
+    terminal = Terminal(quiet)
+    with terminal.stage("simulate", "Drilling the simulated hole"):
+        simulation = drill(seed)
+    with terminal.stage("rebuild", f"Rebuilding the wall from {simulation.depth.size:,} samples"):
+        demonstration = rebuild(simulation)
+    wall, off = demonstration.wall, error(demonstration)
+    with terminal.stage("mesh", "Writing helibore-demo.glb"):
+        surface = wall.surface(demonstration.path)
+        surface.save(output / "helibore-demo.glb")
+    with terminal.stage("picture", "Drawing helibore-demo.png"):
+        track = Track(simulation.gamma_depth, simulation.gamma, "Gamma ray", "gAPI")
+        length = simulation.hole.stop - simulation.hole.start
+        title = f"{length:g} m of borehole wall from {simulation.depth.size:,} samples"
+        subtitle = (
+            f"Simulated drilling with stick-slip and {simulation.tool.noise * 1e3:g} mm noise; rebuilt on a helix of "
+            f"{wall.settings.sectors} sectors and {wall.settings.pitch:g} m pitch; rms error {off.rms * 1e3:.2f} mm"
+        )
+        save_png(overview(wall, track, title, subtitle), output / "helibore-demo.png")
+    lines = wall_lines(wall, len(surface.quads), 2.0 * float(simulation.radius.mean()))
+    lines += [
+        ("truth", f"rebuilt minus true radius: rms {off.rms * 1e3:.2f} mm, mean {off.mean * 1e3:+.2f} mm"),
+        ("", f"half of the vertices within {off.median * 1e3:.2f} mm, 99 % within {off.most * 1e3:.2f} mm; "
+             f"noise of one sample {simulation.tool.noise * 1e3:.2f} mm"),
+        ("time", terminal.times()),
+        ("wrote", f"{output / 'helibore-demo.glb'}, {output / 'helibore-demo.png'}"),
+    ]  # fmt: skip
+    terminal.summary(lines)

@@ -1,0 +1,69 @@
+"""What a verb shows: stages with their times, a moving bar while one lasts, and a summary of two columns.
+
+The bar appears on stderr, only on a terminal, only without --quiet. rich is imported when something is shown.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+
+class Terminal:
+    """Shows progress and summaries; remembers how long each stage took.
+
+    Parameters
+    ----------
+    quiet
+        Show nothing.
+    """
+
+    def __init__(self, quiet: bool) -> None:
+        self.quiet = quiet
+        self.seconds: dict[str, float] = {}
+
+    @contextmanager
+    def stage(self, name: str, doing: str) -> Iterator[None]:
+        """Time a stage; while it lasts, show what is being done."""
+        start = time.perf_counter()
+        with self._bar(doing):
+            yield
+        self.seconds[name] = self.seconds.get(name, 0.0) + time.perf_counter() - start
+
+    @contextmanager
+    def _bar(self, doing: str) -> Iterator[None]:
+        if self.quiet or not sys.stderr.isatty():
+            yield
+            return
+        from rich.console import Console
+        from rich.progress import BarColumn, Progress, TextColumn, TimeElapsedColumn
+
+        columns = (TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+        with Progress(*columns, console=Console(stderr=True), transient=True) as progress:
+            progress.add_task(doing, total=None)
+            yield
+
+    def times(self) -> str:
+        """Return the stages and their times in one line."""
+        parts = [f"{name} {seconds:.2f} s" for name, seconds in self.seconds.items()]
+        return f"{', '.join(parts)}; {sum(self.seconds.values()):.2f} s in all"
+
+    def summary(self, lines: list[tuple[str, str]]) -> None:
+        """Print labels and texts; an empty label goes on with the one above."""
+        if self.quiet:
+            return
+        from rich.console import Console
+        from rich.table import Table
+        from rich.text import Text
+
+        table = Table.grid(padding=(0, 2))
+        table.add_column(style="bold cyan", no_wrap=True)
+        table.add_column(overflow="fold")
+        for label, text in lines:
+            table.add_row(label, Text(text))
+        console = Console(highlight=False)
+        if not console.is_terminal:
+            console = Console(highlight=False, width=110)
+        console.print(table)
