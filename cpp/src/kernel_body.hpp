@@ -68,20 +68,20 @@ struct Eye {
         if constexpr (wraps) turn = P::min(P::abs(turn), P(360.0) - P::abs(turn));
         const P across = scale * turn;  // its sign does not matter
         const P along = P(list.depth[i]) - depth;
-        P square = across * across + along * along;
-        if constexpr (windowed) {
-            const P rank(list.rank[i]);
-            square = P::blend(P::both(P::less_equal(window_first, rank), P::less(rank, window_last)), square,
-                              P(missing_square));
-        }
-        return P::tag(square, list.position[i]);
+        const P key = P::tag(across * across + along * along, list.position[i]);
+        if constexpr (!windowed) return key;
+        const P rank(list.rank[i]);
+        return P::blend(P::both(P::less_equal(window_first, rank), P::less(rank, window_last)), key, none());
     }
+
+    // The key of no candidate, greater than that of any.
+    P none() const { return P::tag(P(missing_square), list.position[list_capacity]); }
 };
 
 // The V smallest keys of the list into best[0, V), sorted, and the smallest of the others.
 template <class P, class Eye>
 inline P select_up_to_eight(const Eye& eye, int neighbors, P* best) {
-    const P none = P::tag(P(missing_square), eye.list.position[list_capacity]);
+    const P none = eye.none();
     for (int i = 0; i < 8; ++i) best[i] = none;
     P rejected(boundless_square);
     for (std::int64_t i = 0; i < eye.list.count; i += 8) {
@@ -107,7 +107,7 @@ inline P select_up_to_eight(const Eye& eye, int neighbors, P* best) {
 
 template <class P, class Eye>
 inline P select_many(const Eye& eye, int neighbors, P* best) {
-    const P none = P::tag(P(missing_square), eye.list.position[list_capacity]);
+    const P none = eye.none();
     for (int i = 0; i < neighbors; ++i) best[i] = none;
     P rejected(boundless_square);
     for (std::int64_t i = 0; i < eye.list.count; ++i) {
@@ -202,10 +202,11 @@ struct Estimate {
 // A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
 // where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
 // rounding could leave by an ulp.
-template <class P>
+template <class P, int fixed>  // fixed: the number of neighbours where it is known to the compiler, else 0
 inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules) {
-    P least(missing_square), farthest(0.0), squares[max_neighbors];
-    for (int i = 0; i < rules.neighbors; ++i) {
+    const int neighbors = fixed > 0 ? fixed : rules.neighbors;
+    P least(missing_square), farthest(0.0), squares[fixed > 0 ? fixed : max_neighbors];
+    for (int i = 0; i < neighbors; ++i) {
         const P across = scale * n.turn[i];
         squares[i] = across * across + n.along[i];
         least = P::min(least, squares[i]);
@@ -215,7 +216,7 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
     const P limit(rules.max_square < missing_square ? rules.max_square : missing_square / 2);
     const auto hits = P::less_equal(least, P(zero_square));
     const bool any_hits = P::any(hits);
-    for (int i = 0; i < rules.neighbors; ++i) {
+    for (int i = 0; i < neighbors; ++i) {
         P weight = rules.power == 1.0 ? P(1.0) / P::sqrt(squares[i]) : relative_weight(squares[i], least, rules.power);
         if (any_hits)
             weight = P::blend(hits, P::blend(P::less_equal(squares[i], P(zero_square)), P(1.0), P(0.0)), weight);
@@ -262,7 +263,8 @@ Verdict estimate_pack(Group& g, int lane, const CandidateList& list, const Rules
             selected_at = current;
             selected = true;
         }
-        const Estimate<P> next = inverse_distance(neighbours, current * scale, rules);
+        const Estimate<P> next = rules.neighbors == 8 ? inverse_distance<P, 8>(neighbours, current * scale, rules)
+                                                      : inverse_distance<P, 0>(neighbours, current * scale, rules);
         const P needed = P::min(next.farthest, max_square) * P(slack);
         if (P::any(P::both(moved_since(selected_at), P::less_equal(at_least(rejected, selected_at), needed)))) {
             selected = false;

@@ -18,8 +18,13 @@ class Chunk {
   public:
     static constexpr Index full = 4096;
 
+    // Doubles that the columns of a chunk take.
+    static Index size(Index capacity, bool timed) { return capacity * (timed ? 4 : 3); }
+
     Chunk(Index capacity, bool timed)
-        : columns_(new double[static_cast<std::size_t>(capacity * (timed ? 4 : 3))]), capacity_(capacity) {}
+        : Chunk(capacity, std::shared_ptr<double[]>(new double[static_cast<std::size_t>(size(capacity, timed))])) {}
+    // In memory that may be shared with other chunks.
+    Chunk(Index capacity, std::shared_ptr<double[]> columns) : columns_(std::move(columns)), capacity_(capacity) {}
 
     double* depth() { return columns_.get(); }
     double* toolface() { return columns_.get() + capacity_; }
@@ -36,7 +41,7 @@ class Chunk {
     Index count = 0;
 
   private:
-    std::unique_ptr<double[]> columns_;
+    std::shared_ptr<double[]> columns_;
     Index capacity_;
 };
 

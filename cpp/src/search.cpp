@@ -113,8 +113,8 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     }
 }
 
-// A window changes when a sample falls into it, or, where the end of the samples has cut it short on one side, when
-// there are more on that side.
+// A window changes when a sample falls between it and the vertex or into it, or, where the end of the samples has cut
+// it short on one side, when there are more on that side.
 void Search::window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const {
     result.shallow = no_limit;
     result.deep = -no_limit;
@@ -122,9 +122,13 @@ void Search::window_reach(const Samples& samples, const kernel::Group& g, Index 
     for (Index i = 0; i < used; ++i) {
         const Index centered = samples.count_to(g.depth[i]) - *settings_.window / 2;
         const auto first = static_cast<Index>(g.window_first[i]), last = static_cast<Index>(g.window_last[i]);
-        const bool cut_above = centered<0, cut_below = centered + *settings_.window> n;
-        result.shallow = std::min(result.shallow, cut_above || n == 0 ? -no_limit : samples.depth(first));
-        result.deep = std::max(result.deep, cut_below || n == 0 ? no_limit : samples.depth(last - 1));
+        const bool all = n < *settings_.window;
+        const bool cut_above = all || centered < 0;
+        const bool cut_below = all || centered + *settings_.window > n;
+        result.shallow =
+            std::min(result.shallow, cut_above || n == 0 ? -no_limit : std::min(samples.depth(first), g.depth[i]));
+        result.deep =
+            std::max(result.deep, cut_below || n == 0 ? no_limit : std::max(samples.depth(last - 1), g.depth[i]));
     }
 }
 

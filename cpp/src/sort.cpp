@@ -7,6 +7,7 @@
 // Both steps are stable, so rows without a time stay in the order of their arrival, and both are shared out to threads
 // in a way that does not show in the result.
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <numeric>
@@ -15,6 +16,7 @@
 #include "helibore/error.hpp"
 #include "helix.hpp"
 #include "number_text.hpp"
+#include "pages.hpp"
 #include "parallel.hpp"
 #include "samples.hpp"
 
@@ -61,79 +63,132 @@ void check_rows(const SampleColumns& c) {
     check("time", c.time, "must be finite", finite);
 }
 
-// What one pass over a part of the rows finds.
-struct Survey {
-    double least = no_limit, greatest = -no_limit;  // depth
-    bool valid = true, sorted = true;
-};
+// Eight rows at a time, so that compilers compare whole vectors: is some value of the column bad?
+template <class Bad>
+bool any_bad(const double* values, std::size_t n, const Bad& bad) {
+    std::int64_t found[8] = {};
+    std::size_t i = 0;
+    for (; i + 8 <= n; i += 8)
+        for (std::size_t j = 0; j < 8; ++j) found[j] |= bad(values[i + j]);
+    std::int64_t any = 0;
+    for (const std::int64_t f : found) any |= f;
+    for (; i < n; ++i) any |= bad(values[i]);
+    return any != 0;
+}
 
-bool in_order(const SampleColumns& c, std::size_t i) {  // row i against row i - 1
+bool infinite(double x) {
+    return !(std::abs(x) < no_limit);
+}
+bool outside_a_turn(double x) {
+    return !((x >= 0.0) & (x < 360.0));
+}
+bool no_radius(double x) {
+    return !((x > 0.0) & (x <= largest_radius));
+}
+
+bool rows_valid(const SampleColumns& c, Range rows) {
+    const auto first = static_cast<std::size_t>(rows.start), n = static_cast<std::size_t>(rows.stop - rows.start);
+    return !any_bad(c.depth.data() + first, n, infinite) && !any_bad(c.toolface.data() + first, n, infinite) &&
+           !any_bad(c.radius.data() + first, n, no_radius) &&
+           (c.time.empty() || !any_bad(c.time.data() + first, n, infinite));
+}
+
+// Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
+bool in_order(const SampleColumns& c, std::size_t i) {
     if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
     const double a[3] = {c.time[i - 1], wrap_toolface(c.toolface[i - 1]), c.radius[i - 1]};
     const double b[3] = {c.time[i], wrap_toolface(c.toolface[i]), c.radius[i]};
-    return std::lexicographical_compare(a, a + 3, b, b + 3);  // equal rows are not "in order": they go the long way
+    return std::lexicographical_compare(a, a + 3, b, b + 3);
 }
 
-Survey survey(const SampleColumns& c, Range rows) {
-    Survey s;
-    bool valid = true, rises = true;
-    double least = no_limit, greatest = -no_limit, before = -no_limit;
-    const bool timed = !c.time.empty();
-    for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
-        const double depth = c.depth[i], radius = c.radius[i];
-        valid &= (std::abs(depth) < no_limit) & (std::abs(c.toolface[i]) < no_limit) & (radius > 0.0) &
-                 (radius <= largest_radius);
-        rises &= before <= depth;
-        before = depth;
-        least = depth < least ? depth : least;
-        greatest = depth > greatest ? depth : greatest;
+bool rows_in_order(const SampleColumns& c, Range rows) {
+    const auto first = static_cast<std::size_t>(std::max<Index>(rows.start, 1)),
+               last = static_cast<std::size_t>(rows.stop);
+    std::int64_t falls = 0, ties = 0;
+    for (std::size_t i = first; i < last; ++i) {
+        falls += c.depth[i - 1] > c.depth[i];
+        ties += c.depth[i - 1] == c.depth[i];
     }
-    if (timed)
-        for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i)
-            valid &= std::abs(c.time[i]) < no_limit;
-    s = {least, greatest, valid, rises};
-    if (s.valid && s.sorted && timed)
-        for (auto i = static_cast<std::size_t>(std::max<Index>(rows.start, 1)); i < static_cast<std::size_t>(rows.stop);
-             ++i)
-            if (!in_order(c, i)) {
-                s.sorted = false;
-                break;
-            }
-    if (s.valid && s.sorted && rows.start > 0) s.sorted = in_order(c, static_cast<std::size_t>(rows.start));
-    return s;
+    if (falls > 0 || ties == 0 || c.time.empty()) return falls == 0;
+    for (std::size_t i = first; i < last; ++i)
+        if (!in_order(c, i)) return false;
+    return true;
 }
 
-Survey survey_all(const SampleColumns& c, int threads) {
-    const auto n = static_cast<Index>(c.depth.size());
-    std::vector<Survey> parts(static_cast<std::size_t>(threads));
-    on_workers(threads, [&](int w) { parts[static_cast<std::size_t>(w)] = survey(c, part(n, threads, w)); });
-    return std::accumulate(parts.begin() + 1, parts.end(), parts[0], [](Survey a, const Survey& b) {
-        return Survey{std::min(a.least, b.least), std::max(a.greatest, b.greatest), a.valid && b.valid,
-                      a.sorted && b.sorted};
-    });
-}
-
+// A small batch is copied by whoever takes it; the chunks of a large one are adopted and share large pages.
 Chunks empty_chunks(Index count, bool timed) {
     Chunks chunks;
-    chunks.reserve(static_cast<std::size_t>((count + Chunk::full - 1) / Chunk::full));
-    for (Index left = count; left > 0; left -= Chunk::full) {
-        const Index capacity = count < Chunk::full ? count : Chunk::full;  // a small batch is copied, not adopted
-        chunks.push_back(std::make_shared<Chunk>(capacity, timed));
-        chunks.back()->count = std::min(left, Chunk::full);
+    if (count < Chunk::full) return {std::make_shared<Chunk>(count, timed)};
+    const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
+    const Index a_page = static_cast<Index>(large_page / sizeof(double)) / size;
+    chunks.reserve(static_cast<std::size_t>(total));
+    std::shared_ptr<double[]> pages;
+    for (Index i = 0; i < total; ++i) {
+        if (i % a_page == 0)
+            pages = allocate_pages(sizeof(double) * static_cast<std::size_t>(size * std::min(a_page, total - i)));
+        const std::shared_ptr<double[]> columns(pages, pages.get() + i % a_page * size);
+        chunks.push_back(std::make_shared<Chunk>(Chunk::full, columns));
     }
     return chunks;
 }
 
-void copy_in_order(const SampleColumns& c, SortedBatch& batch, int threads) {
+void set_counts(Chunks& chunks, Index count) {
+    for (std::size_t i = 0; i < chunks.size(); ++i)
+        chunks[i]->count = std::min(Chunk::full, count - static_cast<Index>(i) * Chunk::full);
+}
+
+void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk) {
+    const auto first = static_cast<std::size_t>(rows.start), n = static_cast<std::size_t>(rows.stop - rows.start);
+    std::memcpy(chunk.depth(), c.depth.data() + first, n * sizeof(double));
+    std::memcpy(chunk.radius(), c.radius.data() + first, n * sizeof(double));
+    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + first, n * sizeof(double));
+    if (!any_bad(c.toolface.data() + first, n, outside_a_turn))
+        for (std::size_t i = 0; i < n; ++i) chunk.toolface()[i] = c.toolface[first + i] + 0.0;
+    else
+        for (std::size_t i = 0; i < n; ++i) chunk.toolface()[i] = wrap_toolface(c.toolface[first + i]);
+}
+
+// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not.
+bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads) {
+    std::atomic<bool> in_order{true}, valid{true};
     for_each_part(static_cast<Index>(batch.chunks.size()), threads, [&](int, Index i) {
-        Chunk& chunk = *batch.chunks[static_cast<std::size_t>(i)];
-        const auto first = static_cast<std::size_t>(i * Chunk::full);
-        const auto n = static_cast<std::size_t>(chunk.count);
-        std::memcpy(chunk.depth(), &c.depth[first], n * sizeof(double));
-        std::memcpy(chunk.radius(), &c.radius[first], n * sizeof(double));
-        for (std::size_t j = 0; j < n; ++j) chunk.toolface()[j] = wrap_toolface(c.toolface[first + j]);
-        if (batch.timed) std::memcpy(chunk.time(), &c.time[first], n * sizeof(double));
+        const Range rows{i * Chunk::full, std::min(batch.count, (i + 1) * Chunk::full)};
+        if (!in_order) return;
+        if (!rows_valid(c, rows)) valid = false;
+        if (!valid) return;
+        if (!rows_in_order(c, rows)) in_order = false;
+        if (in_order) copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(i)]);
     });
+    if (!valid) check_rows(c);
+    return in_order;
+}
+
+// The least and greatest depth, once all rows are found valid.
+std::pair<double, double> survey(const SampleColumns& c, int threads) {
+    const auto n = static_cast<Index>(c.depth.size());
+    std::vector<std::pair<double, double>> extremes(static_cast<std::size_t>(threads));
+    std::atomic<bool> valid{true};
+    on_workers(threads, [&](int w) {
+        const Range rows = part(n, threads, w);
+        if (!rows_valid(c, rows)) valid = false;
+        const auto depths =
+            c.depth.subspan(static_cast<std::size_t>(rows.start), static_cast<std::size_t>(rows.stop - rows.start));
+        double least[8], greatest[8];
+        std::fill_n(least, 8, no_limit);
+        std::fill_n(greatest, 8, -no_limit);
+        for (std::size_t i = 0; i < depths.size(); ++i) {
+            double& low = least[i % 8];
+            double& high = greatest[i % 8];
+            low = depths[i] < low ? depths[i] : low;
+            high = depths[i] > high ? depths[i] : high;
+        }
+        extremes[static_cast<std::size_t>(w)] = {*std::min_element(least, least + 8),
+                                                 *std::max_element(greatest, greatest + 8)};
+    });
+    if (!valid) check_rows(c);
+    std::pair<double, double> all = extremes[0];
+    for (const auto& [low, high] : extremes) all = {std::min(all.first, low), std::max(all.second, high)};
+    return all;
 }
 
 // Which bucket a depth belongs to: a non-decreasing function of it.
@@ -232,8 +287,10 @@ class BucketSorter {
     std::vector<std::uint32_t> order_, bin_, starts_;
 };
 
+// Puts each row into its bucket.
 void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
                 int threads) {
+    constexpr auto full = static_cast<std::size_t>(Chunk::full);
     const auto n = static_cast<Index>(c.depth.size());
     const auto size = static_cast<std::size_t>(buckets.count);
     std::vector<std::vector<Index>> next(static_cast<std::size_t>(threads), std::vector<Index>(size, 0));
@@ -243,6 +300,9 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         for (Index i = rows.start; i < rows.stop; ++i)
             ++counts[static_cast<std::size_t>(buckets.of(c.depth[static_cast<std::size_t>(i)]))];
     });
+    std::vector<double*> columns;  // of the chunks: depth, toolface, radius, time, `stride` apart
+    const std::size_t stride = std::min(full, static_cast<std::size_t>(n));
+    for (const auto& chunk : batch.chunks) columns.push_back(chunk->depth());
     Index total = 0;
     ends.resize(size);
     for (std::size_t b = 0; b < size; ++b) {
@@ -253,13 +313,12 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         auto& place = next[static_cast<std::size_t>(w)];
         const Range rows = part(n, threads, w);
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
-            const Index at = place[static_cast<std::size_t>(buckets.of(c.depth[i]))]++;
-            Chunk& chunk = *batch.chunks[static_cast<std::size_t>(at / Chunk::full)];
-            const Index offset = at % Chunk::full;
-            chunk.depth()[offset] = c.depth[i];
-            chunk.toolface()[offset] = wrap_toolface(c.toolface[i]);
-            chunk.radius()[offset] = c.radius[i];
-            if (batch.timed) chunk.time()[offset] = c.time[i];
+            const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(buckets.of(c.depth[i]))]++);
+            double* row = columns[at / full] + at % full;
+            row[0] = c.depth[i];
+            row[stride] = wrap_toolface(c.toolface[i]);
+            row[2 * stride] = c.radius[i];
+            if (batch.timed) row[3 * stride] = c.time[i];
         }
     });
 }
@@ -306,7 +365,12 @@ bool has_redundant(const SortedBatch& batch) {
 
 void SampleColumns::validate(int threads) const {
     check_lengths(*this);
-    if (!survey_all(*this, static_cast<Index>(depth.size()) < small_batch ? 1 : threads).valid) check_rows(*this);
+    const auto n = static_cast<Index>(depth.size());
+    std::atomic<bool> valid{true};
+    for_each_part((n + small_batch - 1) / small_batch, threads, [&](int, Index i) {
+        if (!rows_valid(*this, {i * small_batch, std::min(n, (i + 1) * small_batch)})) valid = false;
+    });
+    if (!valid) check_rows(*this);
 }
 
 SortedBatch sort_batch(const SampleColumns& columns, int threads) {
@@ -317,14 +381,11 @@ SortedBatch sort_batch(const SampleColumns& columns, int threads) {
     if (batch.count == 0) return batch;
     if (batch.count < small_batch) threads = 1;
 
-    const Survey found = survey_all(columns, threads);
-    if (!found.valid) check_rows(columns);
     batch.chunks = empty_chunks(batch.count, batch.timed);
-    if (found.sorted) {
-        copy_in_order(columns, batch, threads);
-        return batch;
-    }
-    const Buckets buckets(found.least, found.greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
+    set_counts(batch.chunks, batch.count);
+    if (copy_if_in_order(columns, batch, threads)) return batch;
+    const auto [least, greatest] = survey(columns, threads);
+    const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
     distribute(columns, batch, buckets, ends, threads);
     std::vector<BucketSorter> sorters(static_cast<std::size_t>(threads));
