@@ -205,7 +205,8 @@ struct Estimate {
 template <class P, int fixed>  // fixed: the number of neighbours where it is known to the compiler, else 0
 inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
-    P least(missing_square), farthest(0.0), squares[fixed > 0 ? fixed : max_neighbors];
+    constexpr auto room = static_cast<std::uint64_t>(fixed > 0 ? fixed : max_neighbors);
+    P least(missing_square), farthest(0.0), squares[room];
     for (int i = 0; i < neighbors; ++i) {
         const P across = scale * n.turn[i];
         squares[i] = across * across + n.along[i];

@@ -75,6 +75,7 @@ void Settings::validate() const {
 
 struct Wall::State {
     explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
+        if (s.start_depth) helix.start_depth = *s.start_depth;
         scratches.resize(static_cast<std::size_t>(s.threads));
     }
 

@@ -354,7 +354,13 @@ def volume_of(
 
 def _helix(wall: WallLike) -> tuple[float, float, float, int]:
     settings = wall.settings
-    return (float(wall.start_depth), float(settings.start_toolface), float(settings.pitch), int(settings.sectors))
+    start = float(wall.start_depth)  # NaN for a wall without a sample: it starts nowhere yet
+    return (
+        0.0 if math.isnan(start) else start,
+        float(settings.start_toolface),
+        float(settings.pitch),
+        int(settings.sectors),
+    )
 
 
 def _vertices_between(wall: WallLike, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
