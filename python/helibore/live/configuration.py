@@ -15,6 +15,7 @@ The README lists every setting. Here texts become numbers and item codes, in cor
 
 from __future__ import annotations
 
+import ipaddress
 import json
 import os
 import re
@@ -250,8 +251,10 @@ def _source(name: str, table: Table, bit_diameter: float) -> Source:
     address = _address(table)
     chosen = table.choice("units", tuple(LENGTHS), why=" (nothing on the wire says which)")
     depth_unit, radius_unit = LENGTHS[chosen]
+    given = table.has("allow")
     allow = tuple(table.array("allow", str, ["127.0.0.1", "::1"]))
     mode = table.choice("mode", ("listen", "heartbeat", "poll"), "listen")
+    _check_allowed(table, address, allow, given)
     items = table.table("items")
     rig: dict[str, Item] = {}
     for key in RIG_ITEMS:
@@ -281,6 +284,19 @@ def _source(name: str, table: Table, bit_diameter: float) -> Source:
     )
     table.close()
     return source
+
+
+def _check_allowed(table: Table, address: Address, allow: tuple[str, ...], given: bool) -> None:
+    """A listener that is not on loopback needs to be told who may connect."""
+    for index, network in enumerate(allow):
+        try:
+            ipaddress.ip_network(network)
+        except ValueError:
+            rule = "must be an IP address or a network such as 10.1.0.0/16"
+            raise table.fail(f"allow[{index}]", network, rule) from None
+    loopback = address.host == "localhost" or address.host.startswith("127.") or address.host == "::1"
+    if address.kind == "listen" and not loopback and not given:
+        raise ValueError(f"{table.place}.allow: must be set: who may connect to a listener on {address.host}")
 
 
 def _address(table: Table) -> Address:

@@ -15,8 +15,9 @@ import os
 import secrets
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path as FilePath
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -35,6 +36,18 @@ RECORD = np.dtype(
 )  # fmt: skip
 WINDOW_BYTES = 1 << 20
 WINDOW_RECORDS = 8192
+
+
+class Stored(NamedTuple):
+    """A record that is in the journal and waits to be read."""
+
+    record: Rows
+    payloads: list[bytes]
+
+    @property
+    def monotonic(self) -> int:
+        """When it was received, ns."""
+        return int(self.record["monotonic"][0])
 
 
 class Live:
@@ -213,13 +226,32 @@ class Live:
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
         """Journal first, then the model."""
         with self._lock:
-            if self.journal is not None:
-                sequence, wall, monotonic = self.journal.append(source, connection, payload, kind)
-            else:
-                (wall, monotonic), sequence = self._clock(), self._sequence
-                self._sequence += 1
-            record = np.array([(sequence, wall, monotonic, 0, len(payload), connection, source, kind, 0)], dtype=RECORD)
-            return self.model.take(record, [payload])
+            return self.model.take(*self._stamp(source, connection, payload, kind))
+
+    def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
+        """Journal only; :meth:`draw` must be given what this returns, in the order of the calls.
+
+        Raises
+        ------
+        JournalFullError
+            If the bytes could not be stored.
+        """
+        return Stored(*self._stamp(self._number(source), connection, payload, kind))
+
+    def draw(self, stored: Sequence[Stored]) -> Update:
+        """Read what was stored, all at once."""
+        with self._lock:
+            records = np.concatenate([one.record for one in stored])
+            return self.model.take(records, [payload for one in stored for payload in one.payloads])
+
+    def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:
+        if self.journal is not None:
+            sequence, wall, monotonic = self.journal.append(source, connection, payload, kind)
+        else:
+            (wall, monotonic), sequence = self._clock(), self._sequence
+            self._sequence += 1
+        record = np.array([(sequence, wall, monotonic, 0, len(payload), connection, source, kind, 0)], dtype=RECORD)
+        return record, [payload]
 
     def sync(self) -> None:
         """Have the journal on the disk itself."""

@@ -119,6 +119,11 @@ class SourceReader:
             readings.append(self._columns(self._parser.finish(), chunk, np.zeros(1, np.int64)))
         return readings
 
+    @property
+    def connection(self) -> int:
+        """Number of the last connection, 0 before the first."""
+        return max(self._connection, 0)
+
     def _add_counts(self) -> None:
         for name, count in self._parser.counts.items():
             self.counts[name] += count

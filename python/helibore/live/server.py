@@ -1,0 +1,267 @@
+"""From links to a live wall: one thread a source, one that draws, one that syncs the journal.
+
+    link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
+
+Bytes are in the journal before they are in the queue. A link that breaks is opened again after 1, 2, 4 ... 60 s, each
+shortened by up to half at random so that sources do not knock together.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import random
+import threading
+import time
+from collections import deque
+from collections.abc import Callable
+
+from helibore.live import journal as journals
+from helibore.live import wits
+from helibore.live.configuration import Source
+from helibore.live.journal import JournalFullError
+from helibore.live.live import Live, Stored
+from helibore.live.model import Update
+from helibore.live.transport import Link, Opener, close_quietly, opener
+
+QUEUE_BYTES = 4 << 20
+QUEUE_RECORDS = 4096
+TICK = 0.25
+FIRST_WAIT, LONGEST_WAIT = 1.0, 60.0
+
+
+def back_off(failures: int, draw: Callable[[], float] = random.random) -> float:
+    """Return the seconds to wait after ``failures`` in a row: 1, 2, 4 ... 60, each times 0.5 to 1."""
+    return float(min(LONGEST_WAIT, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
+
+
+class Queue:
+    """Stored records on their way to the model, in the order of the journal."""
+
+    def __init__(self, live: Live) -> None:
+        self._live = live
+        self._ready = threading.Condition()
+        self._records: deque[Stored] = deque()
+        self._bytes = 0
+        self._storing = threading.Lock()
+
+    def put(self, source: str, connection: int, payload: bytes, kind: int, stop: threading.Event) -> None:
+        """Store and queue; waits while the queue is full. Raises JournalFullError, and has queued nothing then."""
+        with self._ready:
+            while not stop.is_set() and (self._bytes > QUEUE_BYTES or len(self._records) > QUEUE_RECORDS):
+                self._ready.wait(TICK)
+        with self._storing:  # the order of the queue is the order of the journal
+            stored = self._live.store(source, connection, payload, kind)
+            with self._ready:
+                self._records.append(stored)
+                self._bytes += len(payload)
+                self._ready.notify_all()
+
+    def take(self, seconds: float) -> list[Stored]:
+        """Return everything queued, waiting up to ``seconds`` for the first."""
+        with self._ready:
+            if not self._records:
+                self._ready.wait(seconds)
+            taken, self._records, self._bytes = list(self._records), deque(), 0
+            self._ready.notify_all()
+            return taken
+
+    def __len__(self) -> int:
+        return len(self._records)
+
+
+class Latency:
+    """How long it took from a packet's arrival to its changed vertices: counts in buckets, and the latest thousand."""
+
+    BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
+
+    def __init__(self) -> None:
+        self.counts = [0] * (len(self.BOUNDS) + 1)
+        self.sum = 0.0
+        self.latest: deque[float] = deque(maxlen=1000)
+
+    def add(self, seconds: float) -> None:
+        """Count one packet."""
+        self.counts[next((i for i, bound in enumerate(self.BOUNDS) if seconds <= bound), len(self.BOUNDS))] += 1
+        self.sum += seconds
+        self.latest.append(seconds)
+
+    def quantile(self, share: float) -> float:
+        """Return the quantile of the latest thousand; 0 when there is none."""
+        ordered = sorted(self.latest)
+        return ordered[min(int(share * len(ordered)), len(ordered) - 1)] if ordered else 0.0
+
+
+class Server:
+    """Runs the sources of a live wall.
+
+    Parameters
+    ----------
+    live
+        Closed by the caller, after :meth:`stop`.
+    updated
+        Called with every Update, in the drawing thread.
+
+    Attributes
+    ----------
+    latency, states, heard
+        Packet in to changed vertices out; what each source is doing; when it last sent, seconds of the monotonic clock.
+    """
+
+    def __init__(self, live: Live, updated: Callable[[Update], None] = lambda _: None) -> None:
+        self.live = live
+        self.latency = Latency()
+        self.states = dict.fromkeys(live.configuration.sources, "not started")
+        self.heard: dict[str, float] = {}
+        self.updates = 0
+        self.failure: BaseException | None = None
+        self._updated = updated
+        self._queue = Queue(live)
+        self._stop = threading.Event()
+        self._drained = threading.Event()
+        self.openers: dict[str, Opener] = {}
+        self._threads: list[threading.Thread] = []
+        self._drawing = threading.Thread(target=self._draw, name="draw", daemon=True)
+        self._syncing = threading.Thread(target=self._sync, name="sync", daemon=True)
+
+    def start(self) -> None:
+        """Open listeners, then start the threads.
+
+        Raises
+        ------
+        OSError
+            If a listener cannot have its address.
+        """
+        try:
+            for name, source in self.live.configuration.sources.items():
+                if source.address.kind != "host":
+                    self.openers[name] = opener(source, functools.partial(self._tell, name))
+        except BaseException:
+            for one in self.openers.values():
+                one.close()
+            raise
+        for name, one in self.openers.items():
+            source = self.live.configuration.sources[name]
+            self._threads.append(threading.Thread(target=self._follow, args=(source, one), name=name, daemon=True))
+        for thread in [*self._threads, self._drawing, self._syncing]:
+            thread.start()
+
+    def stop(self) -> None:
+        """Stop reading, draw what is queued, sync the journal."""
+        self._stop.set()
+        for thread in self._threads:
+            thread.join()
+        self._drained.set()
+        self._drawing.join()
+        self._syncing.join()
+        for one in self.openers.values():
+            one.close()
+        self.live.sync()
+
+    def wait(self, seconds: float | None = None) -> bool:
+        """Wait for the end of every source (files), a failure or ``seconds``; return whether all are over."""
+        end = time.monotonic() + (seconds if seconds is not None else float("inf"))
+        while time.monotonic() < end and self.failure is None:
+            if self.openers and not any(thread.is_alive() for thread in self._threads) and not len(self._queue):
+                return True
+            time.sleep(0.02)
+        return False
+
+    @property
+    def queued(self) -> int:
+        """Records stored and not yet drawn."""
+        return len(self._queue)
+
+    def _tell(self, source: str, rule: str, text: str) -> None:
+        self.live.model.tell(rule, f"{source}: {text}")
+
+    def _follow(self, source: Source, one: Opener) -> None:
+        """Open, read, open again, until told to stop."""
+        failures = 0
+        connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
+        try:
+            while not self._stop.is_set():
+                self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
+                try:
+                    link = one.open(TICK)
+                    if link is None:
+                        continue
+                    connection += 1
+                    failures = 0 if self._read(source, link, connection) else failures + 1
+                except OSError as error:
+                    failures += 1
+                    self._tell(source.name, "link", str(error))
+                if one.ends and failures == 0:
+                    self.states[source.name] = "ended"
+                    return
+                if failures and source.address.kind != "listen":
+                    self.states[source.name] = "waiting to connect"
+                    self._stop.wait(back_off(failures))
+        except BaseException as error:
+            self.failure = error
+            raise
+
+    def _read(self, source: Source, link: Link, connection: int) -> bool:
+        """Read one link to its end; returns whether anything came."""
+        self.states[source.name] = f"connected to {link.peer}"
+        self._put(source, connection, link.peer.encode(), journals.CONNECTED)
+        came, write_at = False, time.monotonic()
+        message = {"heartbeat": wits.HEARTBEAT, "poll": wits.POLL}.get(source.mode)
+        try:
+            while not self._stop.is_set():
+                if message and time.monotonic() >= write_at:
+                    link.write(message)
+                    write_at = time.monotonic() + source.every
+                wait = min(TICK, max(write_at - time.monotonic(), 0)) if message else TICK
+                payload = link.read(wait)
+                if payload is None:
+                    break
+                if payload:
+                    came = True
+                    self.heard[source.name] = time.monotonic()
+                    self._put(source, connection, payload, journals.BYTES)
+        finally:
+            close_quietly(link)
+            self._put(source, connection, b"", journals.CLOSED)
+        return came
+
+    def _put(self, source: Source, connection: int, payload: bytes, kind: int) -> None:
+        """Store, trying again every second while the disk is full; the sender waits meanwhile."""
+        told = False
+        while True:
+            try:
+                self._queue.put(source.name, connection, payload, kind, self._stop)
+            except JournalFullError as error:
+                if not told:
+                    self._tell(source.name, "disk", str(error))
+                    self.states[source.name] = "waiting for the disk"
+                    told = True
+                if self._stop.wait(1.0):
+                    return  # not stored: never acknowledged, never read
+            else:
+                return
+
+    def _draw(self) -> None:
+        try:
+            while not (self._drained.is_set() and not len(self._queue)):
+                stored = self._queue.take(TICK)
+                if not stored:
+                    continue
+                update = self.live.draw(stored)
+                now = time.monotonic_ns()
+                for one in stored:
+                    self.latency.add((now - one.monotonic) / 1e9)
+                self.updates += 1
+                self._updated(update)
+        except BaseException as error:
+            self.failure = error
+            self._stop.set()
+            raise
+
+    def _sync(self) -> None:
+        interval = self.live.configuration.sync_interval
+        if self.live.journal is None or interval == 0:
+            return
+        while not self._stop.wait(interval):
+            with contextlib.suppress(OSError):  # the append that follows says what is wrong with the disk
+                self.live.sync()

@@ -1,0 +1,209 @@
+"""Links, the queue and the threads, over loopback and pseudo terminals."""
+
+from __future__ import annotations
+
+import os
+import pty
+import socket
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from helibore import Live
+from helibore.live import server as server_module
+from helibore.live import wits
+from helibore.live.configuration import parse
+from helibore.live.journal import BYTES, JournalFullError, segments
+from helibore.live.server import Server, back_off
+
+WALL = "[wall]\nbit_diameter = 0.216\nstart_depth = 100.0\nsectors = 16\nthreads = 1\n"
+SOURCE = (
+    '[source.mwd]\naddress = "ADDRESS"\nunits = "metric"\n'
+    'caliper = { toolface = ["5010"], depth = ["5011"], radius = ["5012"] }\n'
+)
+
+
+def frames(count, first=0):
+    return [
+        wits.frame([(5004, str(i)), (5010, str(i * 37 % 360)), (5011, f"{100 + 0.01 * i:.2f}"), (5012, "110")])
+        for i in range(first, first + count)
+    ]
+
+
+def until(condition, seconds=20.0):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.005)
+
+
+def received(folder):
+    return b"".join(s.payload(r) for s in segments(folder) for r in np.flatnonzero(s.records["kind"] == BYTES))
+
+
+class Running:
+    """A server on a journal; ``address`` may hold PORT, then a free one is taken."""
+
+    def __init__(self, folder, address, extra=""):
+        text = WALL + SOURCE.replace("ADDRESS", address) + extra
+        self.live = Live(parse(text), folder)
+        self.server = Server(self.live)
+
+    def __enter__(self):
+        self.server.start()
+        return self
+
+    def __exit__(self, *_):
+        self.server.stop()
+        self.live.close()
+        assert self.server.failure is None
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as s:
+        return s.getsockname()[1]
+
+
+def test_back_off_grows_to_a_minute_and_is_spread():
+    assert [back_off(n, lambda: 1.0) for n in (1, 2, 3, 6, 7, 50)] == [1, 2, 4, 32, 60, 60]
+    assert back_off(3, lambda: 0.0) == 2.0
+
+
+def test_a_file_is_read_to_its_end(tmp_path):
+    (tmp_path / "rig.wits").write_bytes(b"".join(frames(500)))
+    with Running(tmp_path / "j", f"file://{tmp_path}/rig.wits") as running:
+        assert running.server.wait(20)
+    assert running.live.wall.sample_count == 500
+    assert received(tmp_path / "j") == b"".join(frames(500))
+    assert sum(running.server.latency.counts) >= 2
+
+
+def test_a_file_is_read_at_its_speed(tmp_path):
+    stream = b"".join(frames(20))
+    (tmp_path / "rig.wits").write_bytes(stream)
+    start = time.monotonic()
+    with Running(tmp_path / "j", f"file://{tmp_path}/rig.wits?speed={2 * len(stream)}") as running:
+        assert running.server.wait(20)
+    assert time.monotonic() - start >= 0.5
+    assert running.live.wall.sample_count == 20
+
+
+def test_a_listener_keeps_every_byte_of_a_sender_that_reconnects(tmp_path, monkeypatch):
+    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.01)
+    port = free_port()
+    with Running(tmp_path, f"listen://127.0.0.1:{port}") as running:
+        for i in range(100):
+            with socket.create_connection(("127.0.0.1", port)) as sender:
+                sender.sendall(frames(1, i)[0])
+            until(lambda i=i: running.live.wall.sample_count == i + 1)
+    assert received(tmp_path) == b"".join(frames(100))
+    assert running.live.model.counts["connections mwd"] == 100
+
+
+def test_a_client_comes_back_when_the_server_does(tmp_path, monkeypatch):
+    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.05)
+    port = free_port()
+    with Running(tmp_path, f"tcp://127.0.0.1:{port}") as running:
+        until(lambda: running.live.model.events.counts["", "link"] > 0)
+        for i in range(3):
+            with socket.create_server(("127.0.0.1", port)) as rig:
+                connection, _ = rig.accept()
+                with connection:
+                    connection.sendall(frames(1, i)[0])
+                    until(lambda i=i: running.live.wall.sample_count == i + 1)
+                    connection.settimeout(0.1)
+                    with pytest.raises(TimeoutError):
+                        connection.recv(1)  # listen only: nothing is ever written
+
+
+@pytest.mark.parametrize(("mode", "wanted"), [("heartbeat", wits.HEARTBEAT), ("poll", wits.POLL)])
+def test_heartbeat_and_poll_are_sent_when_asked_for(tmp_path, mode, wanted):
+    with socket.create_server(("127.0.0.1", 0)) as rig:
+        port = rig.getsockname()[1]
+        with Running(tmp_path, f"tcp://127.0.0.1:{port}", f'mode = "{mode}"\nevery = 0.05\n') as running:
+            connection, _ = rig.accept()
+            with connection, connection.makefile("rb") as stream:
+                assert stream.read(3 * len(wanted)) == 3 * wanted
+                connection.sendall(frames(1)[0])
+                until(lambda: running.live.wall.sample_count == 1)
+
+
+def test_who_is_not_allowed_is_turned_away(tmp_path):
+    port = free_port()
+    with Running(tmp_path, f"listen://127.0.0.1:{port}", 'allow = ["10.0.0.0/8"]\n') as running:
+        for _ in range(50):
+            with socket.create_connection(("127.0.0.1", port)) as sender:
+                assert sender.recv(1) == b""
+        until(lambda: running.live.model.events.counts["", "refused"] == 50)
+        assert running.live.model.events.latest[-1].text == "mwd: 127.0.0.1: is not in allow"
+    assert received(tmp_path) == b""
+
+
+def test_a_second_sender_is_turned_away_while_the_first_sends(tmp_path):
+    port = free_port()
+    with (
+        Running(tmp_path, f"listen://127.0.0.1:{port}") as running,
+        socket.create_connection(("127.0.0.1", port)) as one,
+    ):
+        one.sendall(frames(1)[0])
+        until(lambda: running.live.wall.sample_count == 1)
+        with socket.create_connection(("127.0.0.1", port)) as two:
+            assert two.recv(1) == b""
+        one.sendall(frames(1, 1)[0])
+        until(lambda: running.live.wall.sample_count == 2)
+
+
+def test_a_listener_off_loopback_must_say_who_may_connect():
+    with pytest.raises(
+        ValueError, match=r"^source\.mwd\.allow: must be set: who may connect to a listener on 0\.0\.0\.0$"
+    ):
+        parse(WALL + SOURCE.replace("ADDRESS", "listen://0.0.0.0:5000"))
+    with pytest.raises(ValueError, match=r"^source\.mwd\.allow\[0\] = 'rig': must be an IP address or a network"):
+        parse(WALL + SOURCE.replace("ADDRESS", "listen://0.0.0.0:5000") + 'allow = ["rig"]\n')
+
+
+def test_a_serial_line(tmp_path):
+    pytest.importorskip("serial", reason="pyserial is not installed")
+    line, device = pty.openpty()
+    with Running(tmp_path, f"serial://{os.ttyname(device)}?baud=115200") as running:
+        until(lambda: running.server.states["mwd"].startswith("connected"))
+        for frame in frames(20):
+            os.write(line, frame)
+        until(lambda: running.live.wall.sample_count == 20)
+    os.close(line)
+    os.close(device)
+
+
+def test_a_full_disk_makes_the_sender_wait_and_loses_nothing(tmp_path, monkeypatch):
+    port = free_port()
+    full = threading.Event()
+    with Running(tmp_path, f"listen://127.0.0.1:{port}") as running:
+        append = running.live.journal.append
+
+        def refuse(*arguments):
+            if full.is_set():
+                raise JournalFullError(28, "No space left on device", "j")
+            return append(*arguments)
+
+        monkeypatch.setattr(running.live.journal, "append", refuse)
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(frames(1)[0])
+            until(lambda: running.live.wall.sample_count == 1)
+            full.set()
+            sender.sendall(b"".join(frames(50, 1)))
+            until(lambda: running.server.states["mwd"] == "waiting for the disk")
+            assert running.live.wall.sample_count == 1
+            full.clear()
+            until(lambda: running.live.wall.sample_count == 51)
+    assert received(tmp_path) == b"".join(frames(51))
+
+
+def test_two_servers_cannot_share_an_address(tmp_path):
+    port = free_port()
+    with Running(tmp_path / "a", f"listen://127.0.0.1:{port}"):
+        other = Running(tmp_path / "b", f"listen://127.0.0.1:{port}")
+        with pytest.raises(OSError, match="Address already in use"):
+            other.server.start()
+        other.live.close()
