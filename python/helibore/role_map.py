@@ -70,7 +70,7 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
         raise ValueError(f"{path.name}: {min(unknown)}: must be one of set, channels")
     entries = tree.get("channels", {})
     if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
-        raise ValueError(f"{path.name}: channels must be tables, set must be a name")  # noqa: TRY004 (bad input)
+        raise ValueError(f"{path.name}: channels must be tables, set must be a name")
     return overlay(guess(file.set(tree.get("set"))), file.set(tree.get("set")), entries, path.name)
 
 
@@ -95,7 +95,7 @@ def overlay(roles: RoleMap, one: LogSet, entries: dict[str, Any], place: str) ->
 
 def _entry(base: Role, entry: Any, place: str) -> Role:
     if not isinstance(entry, dict):
-        raise ValueError(f"{place}: must be a table")  # noqa: TRY004 (bad input)
+        raise ValueError(f"{place}: must be a table")
     for key, value in entry.items():
         if key not in KEYS:
             raise ValueError(f"{place}: {key}: must be one of {', '.join(KEYS)}")

@@ -20,6 +20,7 @@ import click
 VERBS = {
     "demo": "helibore.cli.demo:demo",
     "inspect": "helibore.cli.inspect:inspect",
+    "live": "helibore.live.command:live",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
     "simulate": "helibore.cli.simulate:simulate",
 }

@@ -41,7 +41,7 @@ class LiftParameter(click.ParamType[tuple[float, float]]):
 
 
 @click.command()
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False))
+@click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
 @click.option("--from", "start", type=LENGTH, default="2000m", show_default=True, help="Depth to start at.")
 @click.option("--to", "stop", type=LENGTH, default="2050m", show_default=True, help="Depth to stop at.")
 @click.option("--bit-diameter", type=LENGTH, default="0.216m", show_default=True)
@@ -55,16 +55,39 @@ class LiftParameter(click.ParamType[tuple[float, float]]):
 @click.option("--missing", type=float, default=0.0, show_default=True, help="Share of samples that never arrive.")
 @click.option("--lift", "lifts", type=LiftParameter(), multiple=True, help="Lift and scan again; repeatable.")
 @click.option("--seed", type=int, default=0, show_default=True)
+@click.option("--wits", metavar="ADDRESS", help="Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.")
+@click.option(
+    "--telemetry",
+    type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
+    default="wired-pipe",
+    show_default=True,
+    help="Rate and delay, with --wits.",
+)
+@click.option("--speed", type=float, default=1.0, show_default=True, help="Of playing, with --wits; 0: at once.")
+@click.option(
+    "--faults",
+    nargs=3,
+    type=float,
+    default=(0.0, 0.0, 0.0),
+    show_default=True,
+    help="Shares of frames dropped, sent twice, sent late, with --wits.",
+)
 @click.option("--format", "ending", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv", show_default=True)
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
-def simulate(folder: Path, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:
+def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:
     """Measure a known, seeded hole and write what the tool reports, and the truth, to FOLDER.
 
     \b
     helibore simulate hole
     helibore simulate hole --to 2400m --samples 2400000 --format npz --lift 2030:5
+    helibore simulate --wits tcp://127.0.0.1:9872 --speed 60 --lift 2030:5      # beside: helibore live rig.toml
     helibore reconstruct hole/caliper.csv --survey hole/survey.csv -o wall.glb --bit-diameter 0.216m
     """
+    if options["wits"]:
+        _play(options, seed, quiet)
+        return
+    if folder is None:
+        raise click.UsageError("no FOLDER to write to, and no --wits ADDRESS to play to")
     from helibore.simulate import Lift, Tool
     from helibore.simulate import simulate as run
 
@@ -86,6 +109,22 @@ def simulate(folder: Path, samples: int | None, seed: int, ending: str, quiet: b
             ("wrote", f"{folder}: caliper.{ending}, survey.csv, gamma.csv, truth.csv, hole.json"),
         ]
     )  # fmt: skip
+
+
+def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
+    """Play a rig; its configuration for the listening side goes to stdout first."""
+    from helibore.live.rig import Faults, Rig, connect, play
+
+    lift = options["lifts"][0][1] if options["lifts"] else 0.0
+    rig = Rig(options["telemetry"], options["start"], options["stop"], lift, Faults(*options["faults"]), seed)
+    address = str(options["wits"])
+    if not quiet:
+        there, here = ("tcp", "listen") if address.startswith("tcp") else ("listen", "tcp")
+        click.echo(rig.configuration(address.replace(there, here, 1)))
+    with connect(address) as link:
+        sent = play(rig, link, options["speed"])
+    if not quiet:
+        click.echo(f"# {sent:,} bytes, {len(rig.triples):,} triples sent", err=True)
 
 
 def _hole(start: float, stop: float, bit_diameter: float, plain: bool, seed: int) -> Hole:
