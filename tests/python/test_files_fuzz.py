@@ -8,6 +8,8 @@ finds into the folder it names. With atheris installed coverage leads:
 from __future__ import annotations
 
 import gzip
+import importlib
+import inspect
 import json
 import random
 import sys
@@ -229,14 +231,34 @@ def led_by_coverage() -> None:
     """Hand the readers to atheris."""
     import atheris
 
+    for name in (
+        "source",
+        "channel",
+        "sectors",
+        "delimited",
+        "columnar",
+        "las",
+        "las_rows",
+        "json_log",
+        "witsml",
+        "columns",
+    ):
+        module = importlib.import_module(f"helibore.files.{name}")
+        for owner in (module, *(each for each in vars(module).values() if inspect.isclass(each))):
+            for function in vars(owner).values():
+                if inspect.isfunction(function) and function.__module__ == module.__name__:
+                    atheris.instrument_func(function)
     path = Path(tempfile.mkdtemp(prefix="helibore-fuzz-")) / "spoiled"
 
     def one(content: bytes) -> None:
         path.write_bytes(content)
         opened_or_refused(path)
 
-    atheris.instrument_all()
-    atheris.Setup(sys.argv[1:], one)
+    seeds = path.parent / "seeds"
+    seeds.mkdir()
+    for name, seed in SEEDS.items():
+        (seeds / name.replace(" ", "-")).write_bytes(seed())
+    atheris.Setup([sys.argv[0], *sys.argv[2:], str(seeds)], one)
     atheris.Fuzz()
 
 

@@ -349,9 +349,10 @@ def test_inspect(tmp_path: Path) -> None:
     assert "the map" in mapped.output
     (tmp_path / "empty").touch()
     bad = CliRunner().invoke(inspect, [str(tmp_path / "empty")])
-    assert (bad.exit_code, "empty: empty: 0 bytes" in bad.output) == (2, True)
+    assert isinstance(bad.exception, ValueError)  # the group of verbs turns it into one line and exit code 2
+    assert str(bad.exception) == "empty: empty: 0 bytes"
     wrong = CliRunner().invoke(inspect, [str(path), "--map", str(tmp_path / "m.toml"), "--set", "x"])
-    assert (wrong.exit_code, "the map is for the set table" in wrong.output) == (2, True)
+    assert str(wrong.exception) == "--set x: the map is for the set table"
 
 
 def test_depth_remarks() -> None:

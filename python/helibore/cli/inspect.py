@@ -30,21 +30,16 @@ from helibore.roles import ROLES, Role, RoleMap, guess
 @click.option("--toml", is_flag=True, help="Print the role map alone, for a file.")
 def inspect(file: Path, map_file: Path | None, set_name: str | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges and gaps, and what each is taken for."""
-    try:
-        with helibore.open(file) as opened:
-            mapped = read_map(map_file, opened) if map_file else None
-            if mapped:
-                set_name = _same_set(set_name, mapped)
-            if toml and set_name is None:
-                set_name = opened.set().name
-            chosen = [opened.set(set_name)] if set_name is not None else list(opened.sets)
-            several = len(opened.sets) > 1
-            if toml:
-                click.echo(write_map(mapped or guess(chosen[0]), several))
-                return
-            show(Console(), opened, chosen, mapped)
-    except (ValueError, ImportError) as error:
-        raise click.UsageError(str(error)) from error
+    with helibore.open(file) as opened:
+        mapped = read_map(map_file, opened) if map_file else None
+        if mapped:
+            set_name = _same_set(set_name, mapped)
+        if toml:
+            one = opened.set(set_name)
+            click.echo(write_map(mapped or guess(one), len(opened.sets) > 1))
+            return
+        chosen = [opened.set(set_name)] if set_name is not None else list(opened.sets)
+        show(Console(), opened, chosen, mapped)
 
 
 def _same_set(set_name: str | None, mapped: RoleMap) -> str | None:

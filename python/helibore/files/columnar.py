@@ -1,4 +1,4 @@
-"""Parquet tables and NPZ archives: binary columns, each read when first asked.
+"""Parquet tables, each column read when first asked, and NPZ archives, read whole.
 
 Parquet: a number column -> (n,); a list column of constant length K -> (n, K); unit from the field's metadata
          ("unit" or "uom"), else from the name
@@ -79,7 +79,7 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
 
 
 def read_npz(source: Source, nulls: tuple[float, ...]) -> LogFile:
-    """Open an NPZ archive (never unpickling); arrays are read when asked."""
+    """Open an NPZ archive; never unpickles."""
     with zipfile.ZipFile(source.path) as archive:
         unpacked = sum(entry.file_size for entry in archive.infolist())
         packed = max(1, sum(entry.compress_size for entry in archive.infolist()))
