@@ -34,7 +34,7 @@ def write_map(roles: RoleMap, with_set: bool = True) -> str:
             continue
         lines += [f"# {role.reason}".replace("\n", " "), f"[channels.{quoted(role.channel)}]"]
         lines.append(f'role = "{role.role}"')
-        if role.unit or ROLES[role.role]:
+        if role.unit or (ROLES[role.role] and role.role != "time"):
             comment = "" if role.unit else "   # not stated in the file: fill it in"
             lines.append(f"unit = {quoted(role.unit)}{comment}")
         for key in ("angle", "first", "step"):

@@ -60,6 +60,8 @@ PATTERNS: tuple[tuple[str, str, str], ...] = (
     ("bit-diameter", r"bs|bit[_ ]?size|bit[_ ]?d(iam(eter)?)?", r"\bbit ?size\b"),
     ("pass", r"pass([_ ]?(no|nr|number|id))?", r"^pass( number)?$"),
 )
+NO_RULE = "no rule fits"
+
 RADIUS = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?(radius|radi)|r")
 DIAMETER = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?diam(eter)?|dia|d")
 # One of the two arms of an X-Y caliper: pfc1_x, cal_y, c1, xcal, caliper_2.
@@ -139,7 +141,7 @@ def guess(one: LogSet) -> RoleMap:
     RoleMap
         One role a channel, each with its reason; ``none`` where nothing fits.
     """
-    roles = {channel.name: _none(channel, "no rule fits") for channel in one}
+    roles = {channel.name: _none(channel, NO_RULE) for channel in one}
     _single_roles(one, roles)
     has_toolface = any(role.role == "toolface" for role in roles.values())
     for channel in one:

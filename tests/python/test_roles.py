@@ -355,6 +355,19 @@ def test_inspect(tmp_path: Path) -> None:
     assert str(wrong.exception) == "--set x: the map is for the set table"
 
 
+def test_inspect_in_a_narrow_terminal_and_in_the_group(tmp_path: Path) -> None:
+    pytest.importorskip("pyarrow")
+    from helibore.cli import cli
+
+    narrow = CliRunner().invoke(cli, ["inspect", str(xy_file(tmp_path))], env={"COLUMNS": "80"})
+    assert narrow.exit_code == 0
+    assert "  md_m: depth, named md_m\n" in narrow.output
+    assert max(map(len, narrow.output.splitlines())) <= 120
+    (tmp_path / "empty").touch()
+    bad = CliRunner().invoke(cli, ["inspect", str(tmp_path / "empty")])
+    assert (bad.exit_code, bad.stderr) == (2, "helibore: empty: empty: 0 bytes\n")
+
+
 def test_depth_remarks() -> None:
     from helibore.cli.inspect import depth_remarks
 

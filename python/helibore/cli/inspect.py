@@ -11,6 +11,7 @@ from typing import Literal
 
 import click
 import numpy as np
+from rich.box import SIMPLE_HEAD
 from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
@@ -18,7 +19,10 @@ from rich.table import Table
 import helibore
 from helibore.files.channel import Channel, LogFile, LogSet
 from helibore.role_map import read_map, write_map
-from helibore.roles import ROLES, Role, RoleMap, guess
+from helibore.roles import NO_RULE, ROLES, Role, RoleMap, guess
+
+WIDE = 120
+"""Columns a terminal needs for the reasons to stand in the table; else they follow it, one a line."""
 
 
 @click.command()
@@ -53,7 +57,14 @@ def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap 
     console.print(f"[bold]{escape(opened.path.name)}[/]: {escape(opened.format)}, {len(opened.sets)} set(s)")
     for one in sets:
         roles = mapped or guess(one)
-        console.print(table(one, roles))
+        wide = console.width >= WIDE
+        console.print(table(one, roles, wide))
+        if not wide:
+            for role in roles:
+                if role.role != "none" or role.reason != NO_RULE:
+                    console.print(
+                        f"  {escape(role.channel)}: [green]{role.role}[/], {escape(role.reason)}", highlight=False
+                    )
         for remark in [*one.remarks, *depth_remarks(one, roles)]:
             console.print(f"  - {escape(remark)}", highlight=False)
         console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
@@ -61,12 +72,12 @@ def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap 
         click.echo(write_map(roles, len(opened.sets) > 1))
 
 
-def table(one: LogSet, roles: RoleMap) -> Table:
-    """Return the channels of a set as a table."""
-    drawn = Table(title=f"{one.name}: {one.rows:,} rows", title_justify="left")
-    for heading in ("channel", "unit", "sectors", "range", "missing", "role", "why"):
+def table(one: LogSet, roles: RoleMap, reasons: bool) -> Table:
+    """Return the channels of a set as a table, with a column of reasons or without."""
+    drawn = Table(title=f"{one.name}: {one.rows:,} rows", title_justify="left", box=SIMPLE_HEAD)
+    for heading in ("channel", "unit", "sectors", "range", "missing", "role", *(["why"] if reasons else [])):
         justify: Literal["left", "right"] = "right" if heading in ("sectors", "missing") else "left"
-        drawn.add_column(heading, justify=justify, overflow="fold", min_width=30 if heading == "why" else None)
+        drawn.add_column(heading, justify=justify, overflow="fold")
     for channel in one:
         role = roles.roles.get(channel.name) or Role(channel.name, "none", "")
         drawn.add_row(
@@ -76,7 +87,7 @@ def table(one: LogSet, roles: RoleMap) -> Table:
             escape(span(channel)),
             share(channel),
             "" if role.role == "none" else f"[green]{role.role}[/]",
-            escape(role.reason),
+            *([escape(role.reason)] if reasons else []),
         )
     return drawn
 
@@ -97,7 +108,7 @@ def span(channel: Channel) -> str:
 def share(channel: Channel) -> str:
     """Missing values: count and percent."""
     total = channel.values.size
-    return f"{channel.missing:,} ({100 * channel.missing / total:.1f} %)" if channel.missing and total else "0"
+    return f"{channel.missing:,} ({100 * channel.missing / total:.3g} %)" if channel.missing and total else "0"
 
 
 def depth_remarks(one: LogSet, roles: RoleMap) -> list[str]:
