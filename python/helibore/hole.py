@@ -25,7 +25,7 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True)
 class Washout:
-    """A stretch [start, stop) (m) enlarged by up to ``enlargement`` (m of radius), its wall ``roughness`` times rougher."""
+    """A stretch [start, stop) (m), its radius up to ``enlargement`` m larger, its wall ``roughness`` times rougher."""
 
     start: float
     stop: float
@@ -37,7 +37,8 @@ class Washout:
 class Breakout:
     """Two opposite lobes over [start, stop) (m), at ``toolface`` and ``toolface + 180``, each ``opening`` wide (deg).
 
-    ``enlargement`` is what the middle of a lobe adds to the radius, in metres.
+    ``enlargement`` is what the middle of a lobe adds to the radius, in metres; there the wall is ``roughness`` times
+    rougher.
     """
 
     start: float
@@ -45,6 +46,7 @@ class Breakout:
     toolface: float
     opening: float
     enlargement: float
+    roughness: float = 4.0
 
 
 @dataclass(frozen=True)
@@ -152,8 +154,8 @@ class Hole:
                 for at in _spread(rng, start, length, 20.0)
             ),
             breakouts=tuple(
-                Breakout(at, at + rng.uniform(3.0, 7.0), 92.0 + rng.normal(0, 4.0), rng.uniform(45, 70),
-                         size * rng.uniform(0.012, 0.022))
+                Breakout(at, at + rng.uniform(4.0, 8.0), 92.0 + rng.normal(0, 4.0), rng.uniform(55, 80),
+                         size * rng.uniform(0.014, 0.024))
                 for at in _spread(rng, start, length, 12.0)
             ),
             beds=_example_beds(rng, start, length),
@@ -208,15 +210,18 @@ class Hole:
         for around, along, phase, amplitude in self._modes:
             rough += amplitude * np.cos(around * phi + along * depth + phase)
         low, high = (depth.min(), depth.max()) if depth.size else (0.0, 0.0)
+        rougher = np.ones(depth.size)
         for washout in self.washouts:
             if washout.start < high and low < washout.stop:
                 share = _taper(depth, washout.start, washout.stop)
                 radius += washout.enlargement * share
-                rough *= 1.0 + (washout.roughness - 1.0) * share
-        radius += rough
+                rougher = np.maximum(rougher, 1.0 + (washout.roughness - 1.0) * share)
         for breakout in self.breakouts:
             if breakout.start < high and low < breakout.stop:
-                radius += _taper(depth, breakout.start, breakout.stop) * _lobes(toolface, breakout)
+                share = _taper(depth, breakout.start, breakout.stop) * _lobes(toolface, breakout)
+                radius += breakout.enlargement * share
+                rougher = np.maximum(rougher, 1.0 + (breakout.roughness - 1.0) * share)
+        radius += rougher * rough
         if self.spiral:
             psi = phi - 2.0 * np.pi / self.spiral_length * depth
             radius = self.spiral * np.cos(psi) + np.sqrt(radius**2 - (self.spiral * np.sin(psi)) ** 2)
@@ -252,9 +257,9 @@ def _taper(depth: Floats, start: float, stop: float) -> Floats:
 
 
 def _lobes(toolface: Floats, breakout: Breakout) -> Floats:
-    """The enlargement on the axis of the breakout, on both sides of the hole; 0 from half an opening away."""
+    """1 on the axis of the breakout, on both sides of the hole; 0 from half an opening away."""
     off = (toolface - breakout.toolface + 90.0) % 180.0 - 90.0
-    lobes: Floats = breakout.enlargement * np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
+    lobes: Floats = np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
     return lobes
 
 

@@ -20,12 +20,13 @@ from helibore.arrays import Floats
 Single = npt.NDArray[np.float32]
 
 _LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
-    ((-0.62, 0.58, -0.53), 0.78),
-    ((0.85, 0.35, 0.10), 0.22),
+    ((-0.62, 0.58, -0.53), 0.72),
+    ((0.85, 0.40, 0.10), 0.30),
 )
-_AMBIENT = 0.22
+_AMBIENT = 0.27
 _FINER = 2  # pixels drawn for each pixel shown, along each axis
-_DENSITY = 1.25  # points for each pixel drawn, along each axis
+_BLOCK = 96  # rows of points drawn at once: few enough for the cache
+_DENSITY = 1.2  # points for each pixel drawn, along each axis
 
 
 @dataclass(frozen=True)
@@ -86,34 +87,55 @@ def shade(
     rise, fall = np.sin(np.radians(view.tilt)), np.cos(np.radians(view.tilt))
     scale = _FINER * min(view.width / (2 * half), view.height / (length * fall + 2 * half * rise))
 
-    rows = int(_DENSITY * scale * length * fall) + 2
-    columns = int(_DENSITY * scale * 2 * np.pi * half) + 2
-    turn = np.linspace(0.0, turns, rows)
-    around = np.arange(columns) * (360.0 / columns)
-    fine = _resample(np.column_stack([radius, colors]), sectors, turn, (around - first[1]) / 360.0 * np.sign(pitch))
-    reach = view.tube * (0.5 * bit_diameter + view.shape * (fine[0] - 0.5 * bit_diameter))
-    psi = np.radians(around - view.facing).astype(np.float32)
-    x, y = -reach * np.sin(psi), reach * np.cos(psi)
-    z = np.broadcast_to((turn * abs(pitch)).astype(np.float32)[:, None], x.shape)
-
-    normal = _normals(x, y, z)
-    facing = normal[1] * fall - normal[2] * rise
-    seen = (facing > 0) | (z < 2.2 * half * rise / fall)  # the inside shows through the open end only
-    x, y, z = x[seen], y[seen], z[seen]
-    lit = _light(normal[:, seen], facing[seen], fine[1:, seen], rise, fall)
-    middle = 0.5 * length * fall
-    across = (x * scale + 0.5 * _FINER * view.width).astype(np.int32)
-    down = ((z * fall + y * rise - middle) * scale + 0.5 * _FINER * view.height).astype(np.int32)
-    pixels = _nearest_wins(across, down, y * fall - z * rise, lit, _FINER * view.width, _FINER * view.height)
+    rows = _rows(radius, sectors, turns, pitch, view, _DENSITY * scale)
+    canvas = _Canvas(_FINER * view.width, _FINER * view.height)
+    channels = np.column_stack([radius, colors])
+    for start in range(0, rows.size - 1, _BLOCK):
+        turn = rows[max(start - 1, 0) : start + _BLOCK + 2]
+        # The inside shows through the open end only; elsewhere what faces away is hidden.
+        down_hole = turn * pitch - min(0.0, turns * pitch)
+        open_end = down_hole.min() < 2.2 * half * rise / fall
+        largest = view.tube * (0.5 * bit_diameter + view.shape * (_largest(radius, sectors, turn) - 0.5 * bit_diameter))
+        across = np.pi if open_end else np.radians(115.0)
+        psi = np.linspace(-across, across, int(_DENSITY * scale * 2 * across * largest) + 2)
+        around = (view.facing + np.degrees(psi) - first[1]) / 360.0
+        fine = _resample(channels, sectors, turn, around)
+        reach = view.tube * (0.5 * bit_diameter + view.shape * (fine[0] - 0.5 * bit_diameter))
+        x, y = -reach * np.sin(psi).astype(np.float32), reach * np.cos(psi).astype(np.float32)
+        z = np.broadcast_to(down_hole.astype(np.float32)[:, None], x.shape)
+        normal = _normals(x, y, z)
+        facing = normal[1] * fall - normal[2] * rise
+        seen = np.full(x.shape, True) if open_end else facing > 0
+        seen[0], seen[-1] = start == 0, start + _BLOCK + 2 > rows.size  # drawn by the neighbouring block
+        x, y, z = x[seen], y[seen], z[seen]
+        right = x * scale + 0.5 * canvas.width
+        down = (z * fall + y * rise - 0.5 * length * fall) * scale + 0.5 * canvas.height
+        canvas.put(right, down, y * fall - z * rise, _light(normal[:, seen], facing[seen], fine[1:, seen], rise, fall))
     top_depth = min(first[0], first[0] + turns * pitch)
     span = _FINER * view.height / scale / fall
     return Shaded(
-        pixels,
+        canvas.mean(),
         -0.5 * _FINER * view.width / scale,
         0.5 * _FINER * view.width / scale,
         top_depth + 0.5 * length - 0.5 * span,
         top_depth + 0.5 * length + 0.5 * span,
     )
+
+
+def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, per_metre: float) -> Floats:
+    """Depths (in turns) to draw at: closer where the wall is steep and a step down the hole is a long way on screen."""
+    grid = radius[: (turns + 1) * sectors].reshape(turns + 1, sectors)
+    slope = view.tube * view.shape * np.abs(np.diff(grid, axis=0)).max(axis=1) / abs(pitch)
+    steep = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))  # and next to such turns
+    drawn = np.append(0.0, np.cumsum(abs(pitch) * per_metre * np.hypot(1.0, 0.7 * steep)))
+    rows: Floats = np.interp(np.linspace(0.0, drawn[-1], int(drawn[-1]) + 2), drawn, np.arange(turns + 1))
+    return rows
+
+
+def _largest(radius: Floats, sectors: int, turn: Floats) -> float:
+    """The largest radius in the turns a block of rows is smoothed from."""
+    low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3
+    return float(radius[low * sectors : high * sectors].max())
 
 
 def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Single:
@@ -144,8 +166,8 @@ def _spline(at: Floats, count: int, wrap: bool) -> Single:
 
 def _normals(x: Single, y: Single, z: Single) -> Single:
     """Unit normals (3, rows, columns) of the grid, away from the axis."""
-    around = [np.roll(p, -1, axis=1) - np.roll(p, 1, axis=1) for p in (x, y)]
-    along = [np.gradient(p, axis=0) for p in (x, y, z)]
+    around = [np.gradient(p, axis=1) for p in (x, y)]
+    along = [np.gradient(p, axis=0) for p in (x, y, z)]  # by row: only its direction counts
     normal = np.stack(
         [around[1] * along[2], -around[0] * along[2], around[0] * along[1] - around[1] * along[0]], dtype=np.float32
     )
@@ -169,17 +191,29 @@ def _light(normal: Single, facing: Single, colors: Single, rise: float, fall: fl
     return lit
 
 
-def _nearest_wins(
-    across: npt.NDArray[np.int32], down: npt.NDArray[np.int32], near: Single, colors: Single, width: int, height: int
-) -> Single:
-    """Put points on a picture, the nearest last, and average it down to the size shown."""
-    order = np.argsort(near)
-    order = order[(across[order] >= 0) & (across[order] < width) & (down[order] >= 0) & (down[order] < height)]
-    target = down[order].astype(np.int64) * width + across[order]
-    canvas = np.zeros((height * width, 4), dtype=np.float32)
-    canvas[target, :3] = colors[order]
-    canvas[target, 3] = 1.0
-    mean: Single = canvas.reshape(height // _FINER, _FINER, width // _FINER, _FINER, 4).mean(axis=(1, 3))
-    covered = np.maximum(mean[..., 3:], np.float32(1e-6))
-    mean[..., :3] = np.where(mean[..., 3:] > 0, mean[..., :3] / covered, 1.0)
-    return mean
+class _Canvas:
+    """Pixels that keep the nearest point put on them."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self.width, self.height = width, height
+        self._colors = np.zeros((height * width, 4), dtype=np.float32)
+        self._near = np.full(height * width, -np.inf, dtype=np.float32)
+
+    def put(self, right: Single, down: Single, near: Single, colors: Single) -> None:
+        """Draw points (n,) with their colours (n, 3)."""
+        inside = (right >= 0) & (right < self.width) & (down >= 0) & (down < self.height)
+        target = down.astype(np.int64) * self.width + right.astype(np.int64)
+        inside[inside] &= near[inside] > self._near[target[inside]]
+        order = np.flatnonzero(inside)
+        order = order[np.argsort(near[order])]  # of several on one pixel the nearest is written last
+        self._near[target[order]] = near[order]
+        self._colors[target[order], :3] = colors[order]
+        self._colors[target[order], 3] = 1.0
+
+    def mean(self) -> Single:
+        """Return the picture at the size shown, with the share of each pixel that is covered as its opacity."""
+        blocks = self._colors.reshape(self.height // _FINER, _FINER, self.width // _FINER, _FINER, 4)
+        mean: Single = blocks.mean(axis=(1, 3))
+        covered = np.maximum(mean[..., 3:], np.float32(1e-6))
+        mean[..., :3] = np.where(mean[..., 3:] > 0, mean[..., :3] / covered, 1.0)
+        return mean
