@@ -24,6 +24,7 @@ namespace {
 
 constexpr Index lanes = kernel::lanes;
 constexpr Index groups_a_part = 64;  // of the work shared out to threads
+constexpr Index parts_a_thread = 4;  // less is not worth starting one
 constexpr double most_vertices = 2147483648.0;
 
 Index groups_of(Index vertices) {
@@ -210,7 +211,8 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
     const auto old_count = static_cast<Index>(old.size());
     const Index total = old_count + fresh.stop - fresh.start;
     const Index parts = (total + groups_a_part - 1) / groups_a_part;
-    for_each_part(parts, settings.threads, [&](int worker, Index part_index) {
+    const int threads = static_cast<int>(std::clamp<Index>(parts / parts_a_thread, 1, settings.threads));
+    for_each_part(parts, threads, [&](int worker, Index part_index) {
         Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
         GroupResult result;
         const Index stop = std::min(total, (part_index + 1) * groups_a_part);

@@ -1,0 +1,50 @@
+"""All benchmarks of the wall: ``python -m bench``; ``python -m bench reconstruction appends`` for some of them.
+
+Prints a line a figure and writes everything to bench-results.json. Ratios and spread are what to compare: absolute
+times belong to the machine they were measured on.
+"""
+
+from __future__ import annotations
+
+import importlib
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+from bench.measure import machine
+
+NAMES = ("reconstruction", "appends", "memory", "emission")
+
+
+def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
+    if isinstance(value, dict) and value.keys() == {"median", "least", "greatest"}:
+        yield prefix, f"{value['median']:.3g} ({value['least']:.3g} to {value['greatest']:.3g})"
+    elif isinstance(value, dict):
+        for name, part in value.items():
+            yield from _figures(f"{prefix}: {name}" if prefix else name, part)
+    else:
+        yield prefix, f"{value:.4g}" if isinstance(value, float) else str(value)
+
+
+def main(names: list[str]) -> int:
+    """Run the named benchmarks, all by default."""
+    unknown = set(names) - set(NAMES)
+    if unknown:
+        print(f"no benchmark named {', '.join(sorted(unknown))}: there are {', '.join(NAMES)}", file=sys.stderr)
+        return 2
+    results: dict[str, Any] = {"machine": machine()}
+    print("\n".join(f"{name}: {text}" for name, text in _figures("", results["machine"])))
+    for name in names or NAMES:
+        results[name] = importlib.import_module(f"bench.{name}").cases()
+        for result in results[name]:
+            print(f"\n{result['case']}")
+            for figure, text in _figures("", {k: v for k, v in result.items() if k != "case"}):
+                print(f"  {figure:<34} {text}")
+    Path("bench-results.json").write_text(json.dumps(results, indent=1) + "\n")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

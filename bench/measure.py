@@ -1,0 +1,59 @@
+"""How the benchmarks time: works in turn in one run, so that a machine that drifts slows all alike."""
+
+from __future__ import annotations
+
+import platform
+import statistics
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+import helibore as hb
+from helibore import _core
+from helibore.threads import available_threads
+
+
+def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
+    """Seconds of each work in each round, one work after the other, results dropped between; one round unmeasured."""
+    seconds: dict[str, list[float]] = {name: [] for name in works}
+    for turn in range(rounds + 1):
+        for name, work in works.items():
+            start = time.perf_counter()
+            result = work()
+            took = time.perf_counter() - start
+            del result
+            if turn > 0:
+                seconds[name].append(took)
+    return seconds
+
+
+def ratio(above: list[float], below: list[float]) -> dict[str, float]:
+    """Median, least and greatest of the ratios round by round."""
+    ratios = [a / b for a, b in zip(above, below, strict=True)]
+    return {"median": statistics.median(ratios), "least": min(ratios), "greatest": max(ratios)}
+
+
+def milliseconds(seconds: list[float]) -> float:
+    """The median, in milliseconds."""
+    return 1000 * statistics.median(seconds)
+
+
+def machine() -> dict[str, Any]:
+    """What the figures were measured on."""
+    processor = "unknown"
+    names = Path("/proc/cpuinfo")
+    if names.exists():
+        processor = next(
+            (line.split(":")[1].strip() for line in names.open() if line.startswith("model name")), processor
+        )
+    return {
+        "processor": processor,
+        "cores": available_threads(),
+        "instruction_set": _core.instruction_set_in_use(),
+        "helibore": hb.__version__,
+        "python": platform.python_version(),
+        "numpy": np.__version__,
+    }
