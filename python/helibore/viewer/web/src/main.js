@@ -14,6 +14,7 @@ import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { DepthMap } from './map.js';
 import { byId, fillSelects, Histogram, lamp, options, readout, reflect, sectionText, write } from './panel.js';
 import { Path } from './path.js';
+import { PlainImage } from './plain_image.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
 import { drawAxis, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
@@ -60,6 +61,7 @@ class App {
       byId('gl').addEventListener('webglcontextrestored', this.redraw);
     } catch (error) {
       this.gpu = null;
+      this.plain = new PlainImage();
       this.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${error.message})`);
     }
   }
@@ -213,7 +215,7 @@ class App {
     const { ink, width, height } = sized(byId('ink'));
     ink.clearRect(0, 0, width, height);
     ink.font = FONT;
-    this.drawFallback?.(ink, look);
+    this.plain?.draw(ink, look);
     drawAxis(ink, look);
     drawImageHead(ink, look);
     drawCaliper(ink, look);
@@ -237,6 +239,7 @@ class App {
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
     const found = drawPolar(byId('polar'), look);
     write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
+    byId('sectionTitle').textContent = `Section ${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
     write('section', sectionText(look));
     this.histogram.draw(look);
     reflect(view, quantity);

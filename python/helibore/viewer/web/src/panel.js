@@ -104,7 +104,6 @@ export function sectionText({ store, view, imagePieces }) {
   const { volume, excess, washed, share } = sectionVolume(store, imagePieces, view.top, view.bottom, view.pass === 'first');
   const percent = (x) => (Number.isFinite(x) ? `${(100 * x).toFixed(1)} %` : '–');
   return [
-    ['From, to', `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`],
     ['Whole turns measured', percent(Math.min(1, share))],
     ['Hole volume', volume ? `${volume.toFixed(3)} m³` : '–'],
     ['Over bit volume', percent(excess)],

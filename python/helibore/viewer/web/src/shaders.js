@@ -186,7 +186,10 @@ void main() {
   float around = fract((at.x * 6.283185307179586 + zero + offset - startToolface) / 6.283185307179586);
   float across = around * float(K);
   int col = min(int(across), K - 1);
-  int row = int(floor(at.y / pitch - across / float(K)));
+  float turn = at.y / pitch - across / float(K);
+  int row = int(floor(turn));
+  if (row < 0 && turn > -1e-3) row = 0; // float32: a pixel on the seam belongs to one of the two tiles at least
+  if (row >= rows && turn < float(rows) + 1e-3) row = rows - 1;
   if (row < 0 || row >= rows || row * K + col + K + 1 >= size) discard; // a neighbouring tile's, or not yet drilled
   int many = clamp(int(perPixel + 0.5), 1, 16);
   float sum = 0.0;

@@ -1,0 +1,62 @@
+// The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
+
+import { dynamicRange, lookup, valueAt } from './colour.js';
+import { depthAt } from './layout.js';
+import { CUTS } from './path.js';
+import { wrap360 } from './helix.js';
+
+export class PlainImage {
+  constructor() {
+    this.canvas = document.createElement('canvas');
+  }
+
+  draw(ink, look) {
+    const { left, top, width, height } = look.rects.image;
+    const [w, h] = [Math.round(width), Math.round(height)];
+    Object.assign(this.canvas, { width: w, height: h });
+    const target = this.canvas.getContext('2d');
+    const picture = target.createImageData(w, h);
+    for (const piece of look.imagePieces) this.piece(picture, look, piece);
+    target.putImageData(picture, 0, 0);
+    ink.drawImage(this.canvas, left, top, width, height);
+  }
+
+  piece(picture, look, { tile, top, bottom }) {
+    const { view, rects, store, quantity } = look;
+    const { level } = tile;
+    const table = lookup(quantity.map);
+    const ranges = quantity.dynamic ? dynamicRange(store, quantity, tile, view.pass) : null;
+    const rect = { ...rects.image, top: 0 };
+    const beyond = Math.abs(level.pitch);
+    for (let y = 0; y < picture.height; y++) {
+      const depth = depthAt(view, rect, y + 0.5);
+      if (depth < top - beyond || depth > bottom + beyond) continue;
+      const edge = this.edge(look, depth);
+      for (let x = 0; x < picture.width; x++) {
+        const k = level.quadAt(depth, wrap360(edge + (360 * (x + 0.5)) / picture.width));
+        const at = k - tile.index * level.tileSize;
+        if (at < 0 || at >= level.tileSize || k + level.sectors + 1 >= level.size) continue;
+        const row = Math.floor(at / level.sectors);
+        const ends = ranges ? [ranges[2 * row], ranges[2 * row + 1]] : [quantity.low, quantity.high];
+        const value = store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;
+        picture.data.set(this.colour(value, ends, quantity.log, table, x + y, look.dark), 4 * (y * picture.width + x));
+      }
+    }
+  }
+
+  edge({ path, view }, depth) {
+    const { reference, offset } = CUTS[view.cut];
+    return (path.dial(depth)[reference] ?? 0) + offset;
+  }
+
+  colour(value, [low, high], log, table, diagonal, dark) {
+    if (!Number.isFinite(value) || (log && value <= 0)) {
+      const shade = diagonal % 7 < 2 ? (dark ? 92 : 158) : dark ? 61 : 204;
+      return [shade, shade, shade, 255];
+    }
+    const f = log ? Math.log : (v) => v;
+    const share = Math.min(1, Math.max(0, (f(value) - f(low)) / (f(high) - f(low)))) || 0;
+    const at = 4 * Math.round(255 * share);
+    return table.subarray(at, at + 4);
+  }
+}

@@ -1,0 +1,317 @@
+"""The page in a real browser (Debian's chromium, software GL): what it draws, sends and survives.
+
+One browser for the module; every test opens its own page. Pixels are read back from the page's own canvas.
+"""
+
+from __future__ import annotations
+
+import importlib.util
+import shutil
+import time
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+CHROMIUM = shutil.which("chromium")
+MISSING = [
+    *([] if CHROMIUM else ["Debian's chromium (apt-get install chromium)"]),
+    *(f"{name} (pip)" for name in ("playwright", "starlette", "uvicorn") if importlib.util.find_spec(name) is None),
+]
+if not MISSING:
+    from helibore.viewer.server import page as page_file
+
+    if page_file("app.js") is None:
+        MISSING.append("the page, which is built where Node.js 18 is")
+pytestmark = [
+    pytest.mark.browser,
+    pytest.mark.skipif(bool(MISSING), reason=f"the page is not tried: without {', '.join(MISSING)}"),
+]
+
+from made_wall import MadeWall, curved_path, gamma_and_resistivity  # noqa: E402
+
+import helibore as hb  # noqa: E402
+
+FLAGS = [
+    *("--headless=new", "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking"),
+    *("--disable-component-update", "--disable-sync", "--use-gl=angle", "--use-angle=swiftshader"),
+    *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
+]
+PATIENCE = 40.0  # seconds: software GL on a busy machine
+
+# Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
+READ = """([name, strip]) => {
+  const { app } = window.__wall;
+  const gl = app.gpu.renderer.getContext();
+  app.gpu.draw(app.look());
+  const { left, top, width, height } = app.rects[name];
+  const h = Math.round(strip ?? height);
+  const pixels = new Uint8Array(4 * Math.round(width) * h);
+  gl.readPixels(Math.round(left), Math.round(app.gpu.height - top - h), Math.round(width), h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  let text = '';
+  for (const byte of pixels) text += String.fromCharCode(byte);
+  return { width: Math.round(width), height: h, text: btoa(text) };
+}"""
+
+
+@pytest.fixture(scope="module")
+def browser() -> Iterator[Any]:
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, headless=True)
+        yield browser
+        browser.close()
+
+
+class Screen:
+    """A page on a viewer, with what a test asks of it."""
+
+    def __init__(self, browser: Any, url: str, address: str = "", size: tuple[int, int] = (1366, 768)) -> None:
+        self.requests: list[str] = []
+        self.errors: list[str] = []
+        self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
+        self.page.on("request", lambda request: self.requests.append(request.url))
+        self.page.on("websocket", lambda socket: self.requests.append(socket.url))
+        self.page.on("pageerror", lambda error: self.errors.append(str(error)))
+        self.page.goto(url + address)
+        self.until("window.__wall?.ready")
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.page, name)
+
+    def until(self, condition: str) -> None:
+        end = time.monotonic() + PATIENCE
+        while not self.page.evaluate(f"Boolean({condition})"):
+            assert time.monotonic() < end, f"never: {condition}; page errors {self.errors}"
+            time.sleep(0.05)
+
+    def settle(self) -> None:
+        """Wait until nothing arrives, nothing glows and everything is drawn."""
+        before = None
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            now = self.page.evaluate("JSON.stringify([window.__wall.stats, window.__wall.app.glow.ranges.length])")
+            if now == before and now.endswith(",0]"):
+                return
+            before = now
+            time.sleep(0.2)
+        raise AssertionError("the page never came to rest")
+
+    def pixels(self, name: str) -> np.ndarray:
+        import base64
+
+        got = self.page.evaluate(READ, [name, None])
+        bytes_ = base64.b64decode(got["text"])
+        return np.frombuffer(bytes_, np.uint8).reshape(got["height"], got["width"], 4)[::-1]
+
+    def stats(self) -> dict[str, float]:
+        found: dict[str, float] = self.page.evaluate("window.__wall.stats")
+        return found
+
+    def readout(self) -> dict[str, str]:
+        script = "[...document.querySelectorAll('#readout > *')].map((e) => e.textContent)"
+        flat = self.page.evaluate(script)
+        return dict(zip(flat[::2], flat[1::2], strict=True))
+
+    def close(self) -> None:
+        self.page.close()
+        assert self.errors == []
+
+
+@pytest.fixture
+def shown(browser: Any) -> Iterator[Any]:
+    wall = MadeWall(40_000)
+    with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="Made-1") as viewer:
+        screen = Screen(browser, viewer.url, "#md=1012&sec=24")
+        screen.wall, screen.viewer = wall, viewer
+        yield screen
+        screen.close()
+
+
+def test_hover_says_what_the_wall_says(shown: Any) -> None:
+    shown.settle()
+    rect = shown.evaluate("window.__wall.app.rects.image")
+    stage = shown.evaluate("(({left, top}) => ({left, top}))(document.getElementById('stage').getBoundingClientRect())")
+    wall = shown.wall
+    for x, y in ((0.21, 0.3), (0.5, 0.52), (0.83, 0.9)):
+        shown.mouse.move(
+            stage["left"] + rect["left"] + x * rect["width"], stage["top"] + rect["top"] + y * rect["height"]
+        )
+        shown.until("window.__wall.app.quad !== undefined && window.__wall.app.view.cursor")
+        time.sleep(0.5)
+        cursor = shown.evaluate("window.__wall.app.view.cursor")
+        k = shown.evaluate("window.__wall.app.quad?.k ?? -1")
+        text = shown.readout()
+        assert text["MD"] == f"{cursor['depth']:.2f} m"
+        if k < 0:
+            assert text["Radius"] == "no data"
+            continue
+        assert wall.depth[k] <= cursor["depth"] < wall.depth[k] + 0.1 + 0.1 / 64
+        assert 0 <= (cursor["toolface"] - wall.toolface[k]) % 360 < 360 / 64 + 1e-9
+        assert text["Radius"] == f"{round(wall.radius[k], 5) * 1000:.2f} mm"
+        assert text["Samples used"] == str(wall.support[k])
+        assert text["Nearest sample"] == f"{round(wall.nearest[k], 4) * 1000:.1f} mm"
+        gr = list(gamma_and_resistivity(wall).values())[0][k]
+        assert float(text["GR"].removesuffix(" gAPI")) == float(f"{gr:.5g}")
+
+
+def test_gaps_are_hatched_grey_and_nothing_else_is(shown: Any) -> None:
+    shown.settle()
+    image = shown.pixels("image")[..., :3].astype(int)
+    rows = np.linspace(1000, 1024, len(image), endpoint=False)
+    grey = (abs(image - image[..., :1]).max(axis=-1) <= 2) & (image[..., 0] > 140) & (image[..., 0] < 225)
+    gap = (rows > 1012.15) & (rows < 1012.45)
+    assert grey[gap].all()
+    assert not grey[(rows > 1002) & (rows < 1011)].any()
+
+
+def test_tiles_join_without_a_crack(browser: Any) -> None:
+    wall = MadeWall(40_000)
+    with hb.view(wall, path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1025.6&sec=6&quantity=radius")
+        screen.settle()
+        background = [0xF4, 0xF5, 0xF6]
+        image = screen.pixels("image")[2:-2, 2:-2, :3]
+        assert not (image == background).all(axis=-1).any()
+        tube = screen.pixels("wall")[..., :3]
+        hole = (tube == background).all(axis=-1)
+        for row in hole[200:500]:
+            wide = np.flatnonzero(~row)
+            assert len(wide) == 0 or not row[wide[0] : wide[-1] + 1].any(), "background shows through the wall"
+        screen.close()
+
+
+def test_new_quads_glow_and_cost_few_bytes(shown: Any) -> None:
+    shown.evaluate("window.__wall.app.follow(true)")
+    shown.settle()
+    before = shown.stats()["bytes"]
+    shown.viewer.update(shown.wall.grow(1000))
+    shown.until("window.__wall.stats.size === 41000")
+    image = shown.pixels("image")[..., :3].astype(int)
+    magenta = (image[..., 0] > 150) & (image[..., 2] > 120) & (image[..., 1] < 90)
+    assert magenta.any()
+    shown.settle()
+    assert shown.stats()["bytes"] - before <= 20 * 1000, "the overview and the heads included"
+
+
+def test_looking_differently_sends_nothing(shown: Any) -> None:
+    shown.settle()
+    before = shown.stats()
+    views = []
+    for change in (
+        "setQuantity('RES')",
+        "setColours({map: 'cividis'})",
+        "setColours({dynamic: true})",
+        "view.set({shape: 5, tube: 20, median: 3})",
+        "view.set({cut: 'north', units: 'in', theme: 'dark'})",
+        "view.show(1008, 12, window.__wall.app.store)",
+    ):
+        shown.evaluate(f"window.__wall.app.{change}")
+        views.append(shown.pixels("image").tobytes())
+    after = shown.stats()
+    assert (after["bytes"], after["sent"]) == (before["bytes"], before["sent"])
+    assert len(set(views)) >= 5, "and each is another picture"
+
+
+def test_nothing_is_asked_of_another_machine(shown: Any) -> None:
+    shown.settle()
+    assert shown.requests
+    own = shown.viewer.url.removeprefix("http://")
+    assert [url for url in shown.requests if own not in url and not url.startswith("data:")] == []
+
+
+def test_the_picture_comes_back_after_context_loss(shown: Any) -> None:
+    shown.settle()
+    before = shown.pixels("image"), shown.pixels("wall")
+    shown.evaluate("window.lose = window.__wall.app.gpu.renderer.getContext().getExtension('WEBGL_lose_context')")
+    shown.evaluate("window.lose.loseContext()")
+    shown.until("window.__wall.app.gpu.renderer.getContext().isContextLost()")
+    shown.evaluate("window.lose.restoreContext()")
+    shown.until("!window.__wall.app.gpu.renderer.getContext().isContextLost()")
+    time.sleep(0.5)
+    shown.settle()
+    np.testing.assert_array_equal(shown.pixels("image"), before[0])
+    np.testing.assert_array_equal(shown.pixels("wall"), before[1])
+
+
+def test_a_rescan_over_a_seam_and_a_new_survey_are_shown(shown: Any) -> None:
+    shown.evaluate("window.__wall.app.view.show(1024, 4, window.__wall.app.store)")
+    shown.settle()
+    before = shown.pixels("image"), shown.pixels("wall")
+    shown.viewer.update(shown.wall.patch(16384 - 200, 16384 + 200, 0.01))
+    shown.until("window.__wall.app.store.vertex(16384)?.radius > 0.117")
+    shown.settle()
+    held = shown.evaluate(
+        "[16184, 16383, 16384, 16500, 16583, 16584].map((k) => window.__wall.app.store.vertex(k).radius)"
+    )
+    np.testing.assert_allclose(held, shown.wall.radius[[16184, 16383, 16384, 16500, 16583, 16584]], atol=5.1e-6)
+    halo = shown.evaluate(
+        "[...window.__wall.app.store.levels[0].tiles.get(0).texels.slice(4 * 16384, 4 * 16384 + 260)]"
+    )
+    own = shown.evaluate("[...window.__wall.app.store.levels[0].tiles.get(1).texels.slice(0, 260)]")
+    assert halo == own, "the halo is the next tile's start"
+    assert not np.array_equal(shown.pixels("image"), before[0])
+    tubes = shown.pixels("wall")
+    shown.viewer.set_path(hb.Survey([900.0, 2000.0], [60.0, 60.0], [200.0, 200.0]).path())
+    shown.until("Math.abs(window.__wall.app.path.at(1010).tangent[2] - 0.5) < 1e-3")
+    shown.settle()
+    assert not np.array_equal(shown.pixels("wall"), tubes)
+
+
+def test_a_restarted_server_is_found_again(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    viewer = hb.view(wall)
+    port = int(viewer.url.rsplit(":", 1)[1].strip("/"))
+    screen = Screen(browser, viewer.url, "#md=1010&sec=10")
+    viewer.close()
+    screen.until("document.getElementById('lamp').className === 'lamp lost'")
+    wall.patch(0, len(wall), 0.02)
+    with hb.view(wall, port=port):
+        screen.until("window.__wall.app.store.vertex(100)?.radius > 0.125")
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(1010)
+        screen.close()
+
+
+def test_without_webgl_the_image_is_still_there(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    with hb.view(wall) as viewer:
+        page = browser.new_page(viewport={"width": 1366, "height": 768})
+        page.add_init_script(
+            "const get = HTMLCanvasElement.prototype.getContext;"
+            "HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {"
+            "  return kind.startsWith('webgl') ? null : get.call(this, kind, ...rest); };"
+        )
+        page.goto(viewer.url + "#md=1010&sec=10")
+        end = time.monotonic() + PATIENCE
+        while not page.evaluate("Boolean(window.__wall?.ready)") and time.monotonic() < end:
+            time.sleep(0.05)
+        time.sleep(0.5)
+        assert page.inner_text("#notice").startswith("This browser offers no WebGL 2")
+        colours = page.evaluate(
+            "(() => { const { left, top, width, height } = window.__wall.app.rects.image;"
+            " const ink = document.getElementById('ink').getContext('2d');"
+            " const got = ink.getImageData(left, top, width, height).data;"
+            " const seen = new Set(); for (let i = 0; i < got.length; i += 4) seen.add(got[i] + ',' + got[i + 1] + ',' + got[i + 2]);"
+            " return seen.size; })()"
+        )
+        assert colours > 50, "a picture, not a blank"
+        page.close()
+
+
+@pytest.mark.parametrize("size", [(1366, 768), (1920, 1080)])
+def test_everything_fits_on_the_screen(browser: Any, size: tuple[int, int]) -> None:
+    wall = MadeWall(30_000)
+    with hb.view(wall, attributes=gamma_and_resistivity(wall)) as viewer:
+        screen = Screen(browser, viewer.url, "", size)
+        screen.settle()
+        overflow = screen.evaluate(
+            "[...document.querySelectorAll('#bar, main, aside')].map((e) => [e.id || e.tagName, e.scrollWidth - e.clientWidth])"
+        )
+        assert [name for name, extra in overflow if extra > 0] == []
+        assert screen.evaluate(
+            "document.querySelector('aside').scrollHeight <= document.querySelector('aside').clientHeight"
+        )
+        screen.close()
