@@ -48,7 +48,8 @@ READ = """([name, strip]) => {
   const { left, top, width, height } = app.rects[name];
   const h = Math.round(strip ?? height);
   const pixels = new Uint8Array(4 * Math.round(width) * h);
-  gl.readPixels(Math.round(left), Math.round(app.gpu.height - top - h), Math.round(width), h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+  const y = Math.round(app.gpu.height - top - h);
+  gl.readPixels(Math.round(left), y, Math.round(width), h, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
   let text = '';
   for (const byte of pixels) text += String.fromCharCode(byte);
   return { width: Math.round(width), height: h, text: btoa(text) };
@@ -153,7 +154,7 @@ def test_hover_says_what_the_wall_says(shown: Any) -> None:
         assert text["Radius"] == f"{round(wall.radius[k], 5) * 1000:.2f} mm"
         assert text["Samples used"] == str(wall.support[k])
         assert text["Nearest sample"] == f"{round(wall.nearest[k], 4) * 1000:.1f} mm"
-        gr = list(gamma_and_resistivity(wall).values())[0][k]
+        gr = next(iter(gamma_and_resistivity(wall).values()))[k]
         assert float(text["GR"].removesuffix(" gAPI")) == float(f"{gr:.5g}")
 
 
@@ -294,7 +295,8 @@ def test_without_webgl_the_image_is_still_there(browser: Any) -> None:
             "(() => { const { left, top, width, height } = window.__wall.app.rects.image;"
             " const ink = document.getElementById('ink').getContext('2d');"
             " const got = ink.getImageData(left, top, width, height).data;"
-            " const seen = new Set(); for (let i = 0; i < got.length; i += 4) seen.add(got[i] + ',' + got[i + 1] + ',' + got[i + 2]);"
+            " const seen = new Set();"
+            " for (let i = 0; i < got.length; i += 4) seen.add(got[i] + ',' + got[i + 1] + ',' + got[i + 2]);"
             " return seen.size; })()"
         )
         assert colours > 50, "a picture, not a blank"
@@ -308,7 +310,8 @@ def test_everything_fits_on_the_screen(browser: Any, size: tuple[int, int]) -> N
         screen = Screen(browser, viewer.url, "", size)
         screen.settle()
         overflow = screen.evaluate(
-            "[...document.querySelectorAll('#bar, main, aside')].map((e) => [e.id || e.tagName, e.scrollWidth - e.clientWidth])"
+            "[...document.querySelectorAll('#bar, main, aside')]"
+            ".map((e) => [e.id || e.tagName, e.scrollWidth - e.clientWidth])"
         )
         assert [name for name, extra in overflow if extra > 0] == []
         assert screen.evaluate(

@@ -23,6 +23,7 @@ VERBS = {
     "live": "helibore.live.command:live",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
     "simulate": "helibore.cli.simulate:simulate",
+    "view": "helibore.viewer.command:view",
 }
 """Where the command of each verb is."""
 

@@ -21,7 +21,7 @@ class Server:
     def __init__(self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False) -> None:
         if not _is_loopback(host) and not token:
             raise ValueError(f"host {host}: is open to other machines, so it needs a token")
-        uvicorn = _uvicorn()
+        uvicorn = import_server()
         from helibore.viewer.server import LOOPBACK, MOST_TEXT, application
 
         self._socket = _bind(host, port)
@@ -71,7 +71,8 @@ class Server:
             time.sleep(0.005)
 
 
-def _uvicorn() -> Any:
+def import_server() -> Any:
+    """Return uvicorn; where a part of the extra is missing, raise with the extra's name."""
     try:
         import starlette  # noqa: F401
         import uvicorn

@@ -68,7 +68,8 @@ export class Gpu {
     const y = (depth) => 1 - (2 * (depth - top)) / (bottom - top);
     fill(this.imageScene, look.imagePieces, (piece) => {
       const { level } = piece.tile;
-      const [a, b] = slanted(piece);
+      const pixel = (bottom - top) / height; // antialiasing would show an edge: overlap, the shader knows its rows
+      const [a, b] = slanted(piece).map((end, i) => end + (i ? pixel : -pixel));
       return this.mesh(this.flat, this.materials.image, piece, look, (uniforms) => {
         const { reference, offset } = CUTS[look.view.cut];
         uniforms.screenEnds.value.set(y(a), y(b));
@@ -256,10 +257,16 @@ export class Gpu {
     return [rect.left + ((v.x + 1) / 2) * rect.width, rect.top + ((1 - v.y) / 2) * rect.height];
   }
 
-  // A step of some metres to the right on screen.
-  sideways(metres) {
+  // A step of some metres to the side of the hole as seen on screen: to the right, or up where it lies level.
+  aside(frame, metres) {
+    const towards = this.camera.getWorldDirection(new THREE.Vector3());
+    const side = new THREE.Vector3(...eastNorthUp(frame.tangent)).cross(towards);
+    if (side.length() < 1e-3) side.set(...this.camera.matrixWorld.elements.slice(0, 3));
     const e = this.camera.matrixWorld.elements;
-    return [e[0], e[1], e[2]].map((x) => x * metres);
+    const [right, up] = [0, 4].map((i) => side.x * e[i] + side.y * e[i + 1] + side.z * e[i + 2]);
+    const sign = Math.abs(right) > 0.5 * Math.abs(up) ? Math.sign(right) : Math.sign(up);
+    side.setLength(metres * sign);
+    return [side.x, side.y, side.z];
   }
 
   // A direction as seen: right, up, towards the eye.

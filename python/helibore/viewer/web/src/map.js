@@ -44,11 +44,13 @@ export class DepthMap {
     label(ink, a.toFixed(0), rect.left + rect.width / 2, rect.top - 9, { colour: palette.soft, align: 'center', font: SMALL });
     const size = Math.max(6, y(view.bottom) - y(view.top));
     const middle = (y(view.top) + y(view.bottom)) / 2;
+    const upper = Math.max(rect.top + 1, middle - size / 2);
+    const tall = Math.max(4, Math.min(rect.top + rect.height - 1, middle + size / 2) - upper);
     ink.fillStyle = palette.grid;
-    ink.fillRect(rect.left, middle - size / 2, rect.width, size);
+    ink.fillRect(rect.left, upper, rect.width, tall);
     ink.strokeStyle = palette.ink;
     ink.lineWidth = 2;
-    ink.strokeRect(rect.left + 1, middle - size / 2, rect.width - 2, size);
+    ink.strokeRect(rect.left + 1, upper, rect.width - 2, tall);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.cursor);
     if (bitDepth !== null) label(ink, '◀', rect.left + rect.width, y(bitDepth), { colour: palette.ink, align: 'right', font: SMALL });
     label(ink, b.toFixed(0), rect.left + rect.width / 2, rect.top + rect.height - 8, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });

@@ -40,7 +40,7 @@ export function write(id, pairs) {
 export function reflect(view, quantity) {
   for (const id of ['cut', 'pass', 'units', 'median']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
-  byId('sectionLength').value = LENGTHS.includes(view.length) ? String(view.length) : '';
+  byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
   byId('theme').textContent = view.theme === 'dark' ? 'Light' : 'Dark';

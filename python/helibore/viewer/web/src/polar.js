@@ -33,14 +33,15 @@ export function drawPolar(canvas, look) {
   const found = turnAt(store, view, depth);
   const R = store.bitRadius;
   const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * view.shape);
-  const widest = Math.max(R, exaggerated(Number.isNaN(found.measured.radiusMax) ? R : found.measured.radiusMax));
+  const kept = view.pins.map((pin) => turnAt(store, view, pin));
+  const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => exaggerated(measured.radiusMax || R)));
   const scale = (Math.min(width, height) / 2 - 20) / (widest * 1.04);
   const place = (r, j, at, turnFound) => {
     const angle = (dial(look, at, turnFound, j) * Math.PI) / 180;
     return [width / 2 + r * scale * Math.sin(angle), height / 2 - r * scale * Math.cos(angle)];
   };
   rings(ink, look, width, height, scale, palette);
-  for (const pin of view.pins) outline(ink, turnAt(store, view, pin), (r, j, f) => place(exaggerated(r), j, pin, f), palette.pin, null);
+  kept.forEach((pin, i) => outline(ink, pin, (r, j, f) => place(exaggerated(r), j, view.pins[i], f), palette.pin, null));
   for (const [first, last] of arcs(found.radii, R, ENLARGED)) arc(ink, found, first, last, (r, j) => place(exaggerated(r), j, depth, found), palette);
   outline(ink, found, (r, j, f) => place(exaggerated(r), j, depth, f), palette.ink, palette.fill);
   diameters(ink, found, (r, j) => place(exaggerated(r), j, depth, found), palette);
@@ -126,7 +127,7 @@ function letters(ink, look, depth, width, height, palette) {
     const [dx, dy] = [[0, -1], [1, 0], [0, 1], [-1, 0]][i];
     label(ink, name, width / 2 + dx * side, height / 2 + dy * side, { colour: palette.ink, align: 'center', font: known ? BOLD : SMALL, halo: palette.panel });
   });
-  label(ink, 'looking down hole', 2, 7, { colour: palette.soft, font: SMALL });
+  label(ink, 'down hole', 2, 7, { colour: palette.soft, font: SMALL });
 }
 
 // What is written beside the picture: pairs of name and text.
@@ -142,7 +143,7 @@ export function turnText(look, found, show) {
     ['Cmin', known ? `${show(measured.min)} @ ${axis(measured.minAt)}` : '–'],
     ['Cmax', known ? `${show(measured.max)} @ ${axis(measured.maxAt)}` : '–'],
     ['Area diameter', show(equivalent)],
-    [`Beyond bit by ${show(ENLARGED, 0)}`, measured.share ? `${(100 * share).toFixed(0)} % of turn` : '–'],
+    [`Beyond bit by ${show(ENLARGED, look.view.units === 'mm' ? 0 : 1)}`, measured.share ? `${(100 * share).toFixed(0)} % of turn` : '–'],
   ];
 }
 

@@ -54,7 +54,7 @@ export function drawImageHead(ink, look) {
 
 function ends(ink, { view, quantity }, left, width, palette) {
   const scale = scaleOf(quantity, view.units);
-  const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(4)).toString().replace('-', '−'));
+  const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(3)).toString().replace('-', '−'));
   label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
   label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
   const x = left + width / 2;
@@ -117,18 +117,22 @@ export function drawWallInk(ink, look, gpu) {
   ink.rect(rect.left, HEAD - 22, rect.width, rect.height - HEAD + 22);
   ink.clip();
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
-  const aside = gpu.sideways(store.bitRadius * tube * 1.35);
+  const beside = store.bitRadius * tube * 1.3;
   const used = [];
   const [shallow, deep] = store.span;
   for (const depth of values.filter((value) => value >= shallow && value <= deep)) {
     const frame = path.at(depth);
-    const at = frame && gpu.project(frame, rect, aside);
+    const at = frame && gpu.project(frame, rect, gpu.aside(frame, beside));
     if (!at || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
     used.push(at);
-    label(ink, `${depth.toFixed(digits)} m`, at[0] + 8, at[1], { colour: palette.ink, halo: palette.paper, font: SMALL });
-    line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
+    const axis = gpu.project(frame, rect);
+    const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
+    const text = `${depth.toFixed(digits)} m`;
+    label(ink, text, at[0] + (level ? 0 : 8), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
+    if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
+    else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
-  cursorLabel(ink, look, gpu, aside, palette);
+  cursorLabel(ink, look, gpu, beside, palette);
   compass(ink, gpu, rect, palette);
   const words = [`tube × ${tube}`, `shape × ${view.shape} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
@@ -136,11 +140,11 @@ export function drawWallInk(ink, look, gpu) {
   ink.restore();
 }
 
-function cursorLabel(ink, { view, path, rects }, gpu, aside, palette) {
+function cursorLabel(ink, { view, path, rects }, gpu, beside, palette) {
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const frame = path.at(view.cursor.depth);
-  const at = frame && gpu.project(frame, rects.wall, aside.map((x) => -x));
-  if (at) label(ink, showDepth(view.cursor.depth), at[0] - 6, at[1], { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
+  const at = frame && gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
+  if (at) label(ink, showDepth(view.cursor.depth), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
 }
 
 function compass(ink, gpu, rect, palette) {

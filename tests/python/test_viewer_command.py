@@ -1,0 +1,76 @@
+"""``helibore view``: from a caliper file to a page that answers, and what it says when it cannot."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
+
+from helibore.viewer.server import page
+
+HELIBORE = [sys.executable, "-c", "from helibore.cli import main; main()"]
+
+
+@pytest.fixture
+def caliper(tmp_path: Path) -> Path:
+    rng = np.random.default_rng(2)
+    depth = 500 + np.sort(rng.uniform(0, 5, 4000))
+    rows = np.column_stack([depth, rng.uniform(0, 360, 4000), rng.uniform(0.108, 0.115, 4000)])
+    path = tmp_path / "caliper.csv"
+    np.savetxt(path, rows, delimiter=",", header="depth_m,toolface_deg,radius_m", comments="", fmt="%.6f")
+    return path
+
+
+def run(*arguments: str) -> subprocess.CompletedProcess[str]:
+    return subprocess.run([*HELIBORE, "view", *arguments], capture_output=True, text=True, timeout=60, check=False)
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_it_serves_until_interrupted(caliper: Path) -> None:
+    command = [*HELIBORE, "view", str(caliper), "--bit-diameter", "216mm", "--no-browser", "-q"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            url = process.stdout.readline().split()[0]
+            with urllib.request.urlopen(url + "healthz") as answer:
+                said = json.load(answer)
+            assert said["page_built"]
+            assert 3000 < said["vertices"] < 3300
+            with urllib.request.urlopen(url) as answer:
+                assert "<canvas" in answer.read().decode()
+        finally:
+            process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path: Path) -> None:
+    foreign = tmp_path / "picture.png"
+    foreign.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+    for arguments, text in (
+        ((str(foreign), "--bit-diameter", "8.5in"), "picture.png"),
+        (
+            (str(caliper), "--bit-diameter", "8.5in", "--host", "0.0.0.0"),
+            "is open to other machines, so it needs a token",
+        ),
+        ((str(tmp_path / "none.csv"), "--bit-diameter", "8.5in"), "none.csv"),
+    ):
+        done = run(*arguments, "--no-browser")
+        assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+        assert text in done.stderr
+
+
+def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    from helibore.viewer import command, server
+
+    monkeypatch.setattr(server, "page", lambda _: None)
+    with pytest.raises(ValueError, match=r"^This helibore was built without its page, because Node\.js 18 or newer"):
+        command.check_page()
