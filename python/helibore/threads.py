@@ -14,5 +14,13 @@ def available_threads() -> int:
 
 
 def thread_count(threads: int | None) -> int:
-    """Return ``threads`` as an int, all available ones for None."""
-    return available_threads() if threads is None else operator.index(threads)
+    """Return ``threads`` as an int, all available ones for None; ValueError unless it is 1 to 1024."""
+    if threads is None:
+        return available_threads()
+    try:
+        count = operator.index(threads)
+    except TypeError:
+        raise ValueError(f"threads = {threads!r}: must be an integer") from None
+    if not 1 <= count <= 1024:
+        raise ValueError(f"threads = {count}: must lie in 1 to 1024")
+    return count

@@ -25,6 +25,7 @@ from helibore.survey import Path
 from helibore.threads import thread_count
 
 _INTEGERS = ("sectors", "neighbors", "max_iterations")
+_LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,6 +83,8 @@ class Settings:
             except (TypeError, ValueError):
                 kind = "an integer" if integer else "a number"
                 raise ValueError(f"{field.name} = {value!r}: must be {kind}") from None
+            if integer and abs(value) > _LARGEST_INTEGER:
+                raise ValueError(f"{field.name} = {value}: must be below 2147483648 in size")
             object.__setattr__(self, field.name, value)
 
     def _core_arguments(self) -> dict[str, Any]:
