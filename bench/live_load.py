@@ -1,0 +1,117 @@
+"""The live wall under load over loopback TCP, journal on: ``python bench/live_load.py --minutes 10``.
+
+A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
+deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.
+The wall that grew is compared with the batch reconstruction of its samples before anything is printed.
+"""
+
+from __future__ import annotations
+
+import argparse
+import multiprocessing
+import resource
+import socket
+import tempfile
+import time
+from collections import deque
+
+import numpy as np
+
+import helibore as hb
+from helibore.live import wits
+from helibore.live.configuration import parse
+from helibore.live.server import Server
+
+CONFIGURATION = """
+[wall]
+bit_diameter = 0.216
+start_depth = 1000.0
+threads = 1
+[source.rig]
+address = "listen://127.0.0.1:{port}"
+units = "metric"
+items = {{ bit_depth = "0108", hole_depth = "0110", rotation = "0120" }}
+caliper = {{ first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }}
+"""
+
+
+def send(port: int, seconds: float, triples: int, items: int, told: multiprocessing.Queue[int]) -> None:
+    """The rig: a tick every 10 ms, late ticks are caught up."""
+    draw = np.random.default_rng(1)
+    step = 100.0 / (triples * max(seconds, 60.0))
+    link = socket.create_connection(("127.0.0.1", port))
+    begin, sent, surface = time.monotonic(), 0, 0
+    while (now := time.monotonic() - begin) < seconds:
+        out = []
+        while (surface + 1) * 40 <= now * items:
+            depth = f"{1000 + sent * step + 0.01:.4f}"
+            known = [(108, depth), (110, depth), (120, "120")]
+            out.append(wits.frame(known + [(121 + i, f"{draw.uniform(0, 1e4):.2f}") for i in range(37)]))
+            surface += 1
+        while sent + 30 <= now * triples:
+            rows = []
+            for i in range(30):
+                first, k = 5010 + 3 * i, sent + i
+                rows += [(first, f"{k * 22.3 % 360:.2f}"), (first + 1, f"{1000 + k * step:.6f}"),
+                         (first + 2, f"{draw.normal(110, 1):.3f}")]  # fmt: skip
+            out.append(wits.frame(rows))
+            sent += 30
+        if out:
+            link.sendall(b"".join(out))
+        time.sleep(0.01)
+    link.close()
+    told.put(sent)
+
+
+def memory() -> float:
+    """Resident MB now."""
+    with open("/proc/self/statm") as file:  # noqa: PTH123
+        return int(file.read().split()[1]) * resource.getpagesize() / 1e6
+
+
+def main() -> None:
+    """Run the load."""
+    options = argparse.ArgumentParser(description=__doc__)
+    options.add_argument("--minutes", type=float, default=1.0)
+    options.add_argument("--triples", type=int, default=2000)
+    options.add_argument("--items", type=int, default=4000)
+    chosen = options.parse_args()
+    seconds = 60 * chosen.minutes
+    with socket.create_server(("127.0.0.1", 0)) as probe:
+        port = probe.getsockname()[1]
+    with tempfile.TemporaryDirectory() as folder:
+        live = hb.Live(parse(CONFIGURATION.format(port=port)), folder)
+        server = Server(live)
+        server.latency.latest = deque()
+        server.start()
+        context = multiprocessing.get_context("spawn")
+        told: multiprocessing.Queue[int] = context.Queue()
+        rig = context.Process(target=send, args=(port, seconds, chosen.triples, chosen.items, told))
+        rig.start()
+        while live.wall.sample_count == 0:
+            time.sleep(0.01)
+        cpu, clock, marks = time.process_time(), time.monotonic(), []
+        while rig.is_alive():
+            time.sleep(1.0)
+            marks.append((memory(), live.wall.sample_count))
+        busy = (time.process_time() - cpu) / (time.monotonic() - clock)
+        server.wait(1.0)
+        server.stop()
+        live.close()
+        assert server.failure is None
+        batch = hb.reconstruct(live.wall.samples, bit_diameter=0.216, start_depth=1000.0)
+        assert np.array_equal(batch.radius, live.wall.radius, equal_nan=True), "the live wall is not the batch wall"
+        late = np.array(server.latency.latest)
+        reader = live.model.readers[1]
+        lost = told.get() - live.wall.sample_count
+        (warm, first), (last, count) = marks[len(marks) // 4], marks[-1]
+        bad = sum(reader.total(rule) for rule in wits.RULES)
+        half, most = 1e3 * np.quantile(late, 0.5), 1e3 * np.quantile(late, 0.99)
+        each = 1e6 * (last - warm) / max(count - first, 1)
+        print(f"{live.wall.sample_count:,} triples drawn, {lost} lost, {bad} bad lines")
+        print(f"packet in to vertices out: p50 {half:.2f} ms, p99 {most:.2f} ms, most {1e3 * late.max():.1f} ms")
+        print(f"{100 * busy:.0f} % of a core; {warm:.0f} to {last:.0f} MB, {each:.0f} bytes a sample of the wall")
+
+
+if __name__ == "__main__":
+    main()

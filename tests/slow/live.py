@@ -1,0 +1,114 @@
+"""Proofs of the live part that take minutes: ``python tests/slow/live.py kill|hostile|flips``.
+
+kill      a live wall under load is killed at 200 random instants; every acknowledged byte is there, the recovered wall
+          has the bits of the wall rebuilt from its samples
+hostile   100 MB without an end, a number of 10 million digits, binary noise, one-byte packets and 1,000 connections a
+          second, over loopback; memory stays bounded and the good frame after each is drawn
+flips     2,000 bit flips of a journal, replayed: one record lost each time, told, and nothing else changed
+
+The fast versions are in tests/python/test_live*.py and test_journal.py, which this imports.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import resource
+import socket
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+sys.path.insert(0, str(Path(__file__).parent.parent / "python"))
+
+import test_journal
+import test_live
+from test_live_server import Running, frames, free_port, until
+
+from helibore import Live
+from helibore.live.configuration import parse
+
+
+def kill() -> None:
+    """200 kills of a live wall, 200 of a journal."""
+    with tempfile.TemporaryDirectory() as folder:
+        test_live.kill_loop(Path(folder), 200, seed=11)
+        print("200 kills of a live wall: nothing acknowledged is missing, the wall has the bits of the batch")
+    with tempfile.TemporaryDirectory() as folder:
+        print(f"200 kills of a journal: {test_journal.kill_loop(Path(folder), 200, seed=12):,} records, none missing")
+
+
+def hostile() -> None:
+    """Each attack, then a good frame."""
+    draw = random.Random(1)
+    megabyte = b"01081\r\n" * 150_000
+    attacks = {
+        "100 MB without an end": [b"&&\r\n", *([megabyte] * 95)],
+        "a number of 10 million digits": [b"&&\r\n0108", *([b"7" * 1_000_000] * 10), b"\r\n"],
+        "50 MB of noise": [draw.randbytes(1 << 20) for _ in range(50)],
+        "50 MB of frames that never end": [b"&&\n" * 350_000] * 48,
+        "100,000 packets of one byte": [b"&"] * 100_000,
+    }
+    with tempfile.TemporaryDirectory() as folder:
+        port = free_port()
+        with Running(Path(folder), f"listen://127.0.0.1:{port}") as running:
+            for number, (name, parts) in enumerate(attacks.items()):
+                start = time.monotonic()
+                with socket.create_connection(("127.0.0.1", port)) as link:
+                    for part in parts:
+                        link.sendall(part)
+                    link.sendall(b"\r\n!!\r\n" + frames(1, number)[0])
+                    until(lambda wanted=number + 1: running.live.wall.sample_count == wanted, 300)
+                peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1e3
+                print(f"{name}: the good frame after it drawn in {time.monotonic() - start:.1f} s, peak {peak:.0f} MB")
+            _connects(running, port)
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss < 1_000_000
+
+
+def _connects(running: Running, port: int) -> None:
+    """10,000 connections at 1,000 a second beside a sender that goes on."""
+    before = running.live.wall.sample_count
+    with socket.create_connection(("127.0.0.1", port)) as good:
+        start = time.monotonic()
+        for i in range(10_000):
+            time.sleep(max(start + i / 1000 - time.monotonic(), 0))
+            socket.create_connection(("127.0.0.1", port)).close()
+            if i % 100 == 0:
+                good.sendall(frames(1, 1000 + i)[0])
+        rate = 10_000 / (time.monotonic() - start)
+        until(lambda: running.live.wall.sample_count == before + 100, 60)
+    print(
+        f"{rate:.0f} connections a second: the sender beside them lost nothing; {len(os.listdir('/proc/self/fd'))} files open"
+    )
+
+
+def flips() -> None:
+    """Flip, replay, compare with the wall without the record that was hit."""
+    draw = random.Random(3)
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        with Live(parse(test_live.SENT), folder) as live:
+            for frame in test_live.FRAMES:
+                live.receive("mwd", frame)
+        whole = (folder / "000001.hbj").read_bytes()
+        lost: dict[int, int] = {}
+        for _ in range(2000):
+            at = (
+                draw.randrange(len(whole) - 60_000, len(whole))
+                if len(whole) > 60_000
+                else draw.randrange(3000, len(whole))
+            )
+            flipped = bytearray(whole)
+            flipped[at] ^= 1 << draw.randrange(8)
+            (folder / "000001.hbj").write_bytes(flipped)
+            again = Live.replay(folder)
+            missing = live.wall.sample_count - again.wall.sample_count
+            lost[missing] = lost.get(missing, 0) + 1
+            assert missing == 3, f"bit flip at byte {at}: {missing} samples lost"
+            assert again.model.events.counts["", "journal"] == 1
+    print(f"2,000 bit flips: each cost its record of 3 samples and was told: {lost}")
+
+
+if __name__ == "__main__":
+    {"kill": kill, "hostile": hostile, "flips": flips}[sys.argv[1]]()
