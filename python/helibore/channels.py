@@ -77,7 +77,7 @@ def choose(table: Table, role: str, spelling: str | None = None) -> Channel:
     unit, unit_assumed = _unit(table, role, name, unit)
     assumed = ["column"] * (spelling is None) + ["unit"] * unit_assumed
     at = "" if angle is None else f" at {angle:g} deg"
-    remark = f" ({' and '.join(assumed)} assumed from the name)" if assumed else ""
+    remark = f" ({' and '.join(assumed)} assumed by name)" if assumed else ""
     return Channel(role, name, unit, angle, f"{role}: {name}{at}, unit {unit}{remark}")
 
 

@@ -35,10 +35,10 @@ def test_one_radius_a_row(tmp_path: Path) -> None:
     assert (reading.rows, reading.dropped) == (2, {})
     assert reading.notes == (
         "CSV, comma-separated",
-        "depth: md_m, unit m (column and unit assumed from the name)",
-        "toolface: toolface_deg, unit deg (column and unit assumed from the name)",
-        "time: time_s, unit s (column and unit assumed from the name)",
-        "radius: radius_mm, unit mm (column and unit assumed from the name)",
+        "depth: md_m, unit m (column and unit assumed by name)",
+        "toolface: toolface_deg, unit deg (column and unit assumed by name)",
+        "time: time_s, unit s (column and unit assumed by name)",
+        "radius: radius_mm, unit mm (column and unit assumed by name)",
     )
 
 
@@ -109,7 +109,7 @@ def test_npz(tmp_path: Path) -> None:
     reading = read_caliper(path)
     assert reading.dropped == {"radius": 1}
     assert reading.caliper.radius.tolist() == [0.125]
-    assert reading.notes[1] == "depth: depth, unit m (column and unit assumed from the name)"
+    assert reading.notes[1] == "depth: depth, unit m (column and unit assumed by name)"
 
 
 LENGTHS = ["m", "cm", "mm", "ft", "ftUS", "in", "0.1in"]

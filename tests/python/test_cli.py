@@ -88,7 +88,7 @@ def test_reconstruct_is_the_library(folder: Path, tmp_path: Path) -> None:
     across = diameters(wall) / 0.0254
     for line in (
         "caliper   caliper.csv: CSV, comma-separated, 9,000 rows, 9,000 samples in the interval",
-        "          radius: radius_m, unit m (column and unit assumed from the name)",
+        "          radius: radius_m, unit m (column and unit assumed by name)",
         "dropped   nothing",
         f"wall      2000.00 to 2003.00 m, 32 sectors, pitch 0.05 m: {len(wall):,} vertices, {len(wall) - 33:,} quads, "
         "from 9,000 samples",

@@ -25,7 +25,7 @@ def test_columns_of_usual_names(tmp_path: Path) -> None:
     assert (reading.rows, reading.dropped) == (3, {"incl_deg": 1})
     assert reading.survey.depth.tolist() == [0, 60]
     assert reading.survey.azimuth.tolist() == [0, 350]
-    assert reading.notes[1] == "depth: md_m, unit m (column and unit assumed from the name)"
+    assert reading.notes[1] == "depth: md_m, unit m (column and unit assumed by name)"
 
 
 def test_units(tmp_path: Path) -> None:

@@ -10,7 +10,7 @@ from helibore.cli.reconstruct import wall_lines
 from helibore.cli.terminal import Terminal
 
 
-@click.command()
+@click.command(short_help="A simulated hole, from samples to mesh and picture.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder.  [here]")
 @click.option("--seed", type=int, default=0, show_default=True, help="Another seed, another hole.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")

@@ -25,7 +25,7 @@ INCH = 0.0254
 ENDINGS = (".glb", ".ply", ".obj", ".stl")
 
 
-@click.command()
+@click.command(short_help="A caliper file and a survey to a mesh.")
 @click.argument("caliper", type=FILE)
 @click.option("-o", "--output", type=FILE, required=True, help="Mesh to write: .glb, .ply, .obj or .stl.")
 @click.option("--bit-diameter", type=LENGTH, required=True, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")

@@ -40,7 +40,7 @@ class LiftParameter(click.ParamType[tuple[float, float]]):
             self.fail(f"'{value}': must be DEPTH:LENGTH in metres, such as 2030:5", param, ctx)
 
 
-@click.command()
+@click.command(short_help="A known hole and its samples, as files.")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
 @click.option("--from", "start", type=LENGTH, default="2000m", show_default=True, help="Depth to start at.")
 @click.option("--to", "stop", type=LENGTH, default="2050m", show_default=True, help="Depth to stop at.")
