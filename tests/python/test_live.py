@@ -145,6 +145,25 @@ def test_every_change_is_told_and_a_scan_of_two_metres_touches_only_its_reach():
     assert lifted
 
 
+def test_changed_quads_are_those_with_a_changed_vertex():
+    live = Live(parse(SENT))
+    for frame in FRAMES[:60]:
+        live.receive("mwd", frame)
+    update = live.append_samples([100.7], [33.0], [0.12])
+    changed = np.zeros(len(live.wall) + 17, bool)
+    for start, stop in update.changes["main"].ranges:
+        changed[start:stop] = True
+    k = np.arange(len(live.wall))
+    expected = changed[k] | changed[k + 1] | changed[k + 16] | changed[k + 17]
+    found = np.zeros(len(live.wall), bool)
+    for start, stop in update.quads("main", 16):
+        found[start:stop] = True
+    assert expected.any()
+    assert not (expected & ~found).any()
+    assert found.sum() <= expected.sum() + 2 * 17
+    assert update.quads("other", 16).shape == (0, 2)
+
+
 def from_bit(latency=0.0, clock=None):
     return Live(parse(FROM_BIT.replace("LATENCY", str(latency))), clock=clock or Clock())
 

@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import re
+from pathlib import Path
+
 import pytest
 
+from helibore import live
 from helibore.live.configuration import Address, Item, load, parse
 
 WALL = "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"
@@ -155,3 +159,12 @@ def test_a_file_is_named_in_its_errors(tmp_path):
         load(file)
     file.write_text(WALL + SOURCE)
     assert load(file).sources["rig"].mode == "listen"
+
+
+def test_every_setting_of_the_readme_is_read():
+    page = (Path(live.__file__).parent / "README.md").read_text()
+    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    c = parse(text)
+    assert set(c.sources) == {"rig", "mwd"}
+    assert len(c.sources["mwd"].caliper.radius) == 30
+    assert set(c.layers) == {"main", "ream"}

@@ -100,7 +100,7 @@ def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     assert f"{live.wall.sample_count:,}" in page
     console.file.close()
     names = {path.name for path in snapshot(live, tmp_path / "now")}
-    assert {"main.npz", "GR.npz", "survey.csv"} <= names
+    assert {"main.npz", "image-GR.npz", "survey.csv"} <= names
     with np.load(tmp_path / "now" / "main.npz") as saved:
         assert np.array_equal(saved["radius"], live.wall.radius, equal_nan=True)
 

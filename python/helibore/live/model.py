@@ -53,6 +53,18 @@ class Update:
     path_from: float | None = None
     events: list[Event] = field(default_factory=list)
 
+    def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
+        """Return (m, 2) the ranges [start, stop) of quads of ``layer`` with a vertex that is new or changed.
+
+        Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; those past the end of the wall are to be
+        cut off by the caller.
+        """
+        if layer not in self.changes:
+            return np.empty((0, 2), np.int64)
+        ranges = self.changes[layer].ranges.copy()
+        ranges[:, 0] = np.maximum(ranges[:, 0] - sectors - 1, 0)
+        return joined_ranges(ranges)
+
 
 class ImageRows:
     """Rows of one sector image in order of arrival: depth m, values, time s."""
@@ -356,18 +368,23 @@ class Model:
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
 
 
+def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Return ranges sorted, those that touch made one."""
+    found: list[list[int]] = []
+    for start, stop in sorted(ranges.tolist()):
+        if found and start <= found[-1][1]:
+            found[-1][1] = max(stop, found[-1][1])
+        else:
+            found.append([start, stop])
+    return np.array(found, np.int64).reshape(-1, 2)
+
+
 def joined(first: Change | None, second: Change) -> Change:
     """Return one Change for two in a row."""
     if first is None:
         return second
-    ranges: list[list[int]] = []
-    for start, stop in sorted([*first.ranges.tolist(), *second.ranges.tolist()]):
-        if ranges and start <= ranges[-1][1]:
-            ranges[-1][1] = max(stop, ranges[-1][1])
-        else:
-            ranges.append([start, stop])
     return Change(
-        np.array(ranges, np.int64).reshape(-1, 2),
+        joined_ranges(np.concatenate([first.ranges, second.ranges])),
         second.settled,
         first.accepted + second.accepted,
         first.redundant + second.redundant,

@@ -44,7 +44,7 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     for name, image in live.images.items():
         if len(image):
             depth, values = image.arrays()
-            save(f"{name}.npz", depth=depth, values=values)
+            save(f"image-{name}.npz", depth=depth, values=values)
     rows = live.model.stations.rows()
     if len(rows):
         text = "depth_m,inclination_deg,azimuth_deg\n" + "".join(f"{d!r},{i!r},{a!r}\n" for d, i, a in rows.tolist())
