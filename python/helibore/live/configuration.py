@@ -10,7 +10,8 @@
     items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120" }
     caliper = { first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }
 
-``README.md`` beside this file lists every setting. Here texts become numbers and item codes, in core units; opening sockets is not here.
+``README.md`` beside this file lists every setting. Here texts become numbers and item codes, in core units; opening
+sockets is not here.
 """
 
 from __future__ import annotations

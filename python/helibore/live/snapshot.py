@@ -2,7 +2,7 @@
 
 main.npz        depth m, toolface deg, radius m, nearest m, support       one file a layer
 main.glb        the wall along the path                                   when a path covers it
-GR.npz          depth m, values                                           one file an image
+image-GR.npz    depth m, values                                           one file an image
 survey.csv      depth_m, inclination_deg, azimuth_deg
 """
 
