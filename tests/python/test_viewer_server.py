@@ -195,10 +195,7 @@ def test_view_serves_a_wall_on_a_real_port() -> None:
         with urllib.request.urlopen(viewer.url + "healthz") as answer:
             assert json.load(answer)["vertices"] == 5000
         viewer.update(wall.grow(500))
-        until = time.monotonic() + 10
-        while viewer.scene.levels[0].size < 5500 and time.monotonic() < until:
-            time.sleep(0.01)
-        assert viewer.scene.levels[0].size == 5500
+        until(lambda: viewer.scene.levels[0].size == 5500)
         assert viewer._repr_html_() == (
             f'<iframe src="{viewer.url}" style="width: 100%; height: 720px; border: 0" title="helibore"></iframe>'
         )
@@ -212,12 +209,19 @@ def test_view_serves_a_wall_on_a_real_port() -> None:
     viewer.close()
 
 
-def shown(scene: hb.viewer.Scene, size: int) -> np.ndarray:
-    """Radii of the scene once it has reached `size` vertices and the wall's last change."""
-    until = time.monotonic() + 10
-    while scene.levels[0].size < size and time.monotonic() < until:
+def until(condition: Any) -> None:
+    """Wait for the feed's thread; a condition that never comes fails the test."""
+    end = time.monotonic() + 20
+    while not condition():
+        assert time.monotonic() < end, "the feed never got there"
         time.sleep(0.01)
-    return messages.radius_of(scene.levels[0].texels[: scene.levels[0].size], scene.helix.radius_unit)
+
+
+def follows(scene: hb.viewer.Scene, wall: hb.Wall) -> bool:
+    """Whether the scene shows the wall to its last radius."""
+    texels = scene.levels[0].texels[: scene.levels[0].size]
+    shown = messages.radius_of(texels, scene.helix.radius_unit)
+    return len(shown) == len(wall) and np.allclose(shown, wall.radius, rtol=0, atol=5.1e-6, equal_nan=True)
 
 
 def test_a_live_wall_is_followed_append_by_append() -> None:
@@ -230,10 +234,9 @@ def test_a_live_wall_is_followed_append_by_append() -> None:
         for first in range(5000, 30_000, 2500):
             part = slice(first, first + 2500)
             viewer.update(wall.append(depth[part], toolface[part], radius[part]))
+        until(lambda: viewer.scene.settled == wall.settled and follows(viewer.scene, wall))
         viewer.update(wall.append([1010.0, 1010.01], [40.0, 41.0], [0.15, 0.15]))
-        shown(viewer.scene, len(wall))
-        time.sleep(0.2)
-        np.testing.assert_allclose(shown(viewer.scene, len(wall)), wall.radius, atol=5.1e-6)
+        until(lambda: follows(viewer.scene, wall))
         again = viewer.scene.levels[0].texels[:, messages.STATE] & messages.RESCANNED
         touched = wall.depth[np.flatnonzero(again)]
         assert len(touched)

@@ -5,7 +5,7 @@
 
 import * as THREE from 'three';
 import { Q_ATTRIBUTE } from './colour.js';
-import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride } from './lod.js';
+import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { CUTS } from './path.js';
 import * as shaders from './shaders.js';
 import { colourTexture, eastNorthUp, NO_COLUMN, NO_RANGE, TileTextures } from './textures.js';
@@ -16,7 +16,7 @@ const MOST_PICKED = 254; // tiles told apart by the picking picture's alpha
 
 export class Gpu {
   constructor(canvas) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, powerPreference: 'high-performance' });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnInSoftware(), powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.autoClear = false;
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1e5);
@@ -115,11 +115,13 @@ export class Gpu {
       const { tile } = piece;
       const frames = this.textures(tile).path(path);
       const away = Math.max(this.distance(piece, look), 0.2);
-      const geometry = this.grid(tile.level, {
+      const strides = {
         cols: pickStride(COL_STRIDES, ((2 * Math.PI * store.bitRadius * tube) / tile.level.sectors / away) * pixel, tile.level.sectors / 8),
         rows: pickStride(ROW_STRIDES, (Math.abs(tile.level.pitch) / away) * pixel, tile.level.rows / 4),
-      });
+      };
+      const geometry = this.grid(tile.level, strides);
       const mesh = this.mesh(geometry, used, piece, look, (uniforms) => {
+        geometry.setDrawRange(...rowsShown(piece, view, tile.level, strides));
         uniforms.tube.value = tube;
         uniforms.shape.value = view.shape;
         uniforms.median.value = view.median;
@@ -280,6 +282,15 @@ export class Gpu {
     this.renderer.setViewport(left, y, width, height);
     this.renderer.setScissor(left, y, width, height);
   }
+}
+
+// Without a graphics card every sample of a pixel costs the processor: such machines draw without smoothed edges.
+function drawnInSoftware() {
+  const probe = document.createElement('canvas').getContext('webgl2');
+  const about = probe?.getExtension('WEBGL_debug_renderer_info');
+  const name = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
+  probe?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
 }
 
 // A helix ends on a slant: a tile's last turn reaches one pitch beyond the depth at which the next tile begins.

@@ -5,7 +5,7 @@
 
 export const COL_STRIDES = [1, 2, 4, 8];
 export const ROW_STRIDES = [1, 4, 16, 64];
-const TARGET = 2.5; // pixels: a coarse edge may be this long
+const TARGET = 4.5; // pixels: a coarse edge may be this long
 
 export function pickStride(strides, pixels, limit) {
   let best = 1;
@@ -36,6 +36,16 @@ export function gridIndices(sectors, rows, colStride, rowStride) {
     }
   }
   return indices;
+}
+
+// Of a grid's indices, [first, count] of those whose rows lie in the section and in the piece of the tile that is shown.
+export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch }, strides) {
+  const places = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);
+  const line = (row) => Math.min(Math.max(row, 0), Math.ceil(rows / strides.rows));
+  const first = line(Math.floor((Math.min(...places) - 1) / strides.rows)); // a turn is one pitch deep
+  const last = line(Math.ceil((Math.max(...places) + 1) / strides.rows));
+  const aRow = 6 * (steps(sectors, strides.cols).length - 1);
+  return [first * aRow, (last - first) * aRow];
 }
 
 // A length as a person would choose it: 1, 2 or 5 times a power of ten, at least `least`.

@@ -198,6 +198,7 @@ class App {
 
   draw() {
     if (!this.store || !this.path.count || !this.rects) return;
+    const began = performance.now();
     this.ask();
     const look = this.look();
     if (!this.fitted && this.gpu) this.fit();
@@ -206,9 +207,16 @@ class App {
     this.drawPanels(look);
     this.frames++;
     if (this.firstPicture === null && look.imagePieces.length) this.firstPicture = performance.now();
-    if (this.glow.fade(seconds())) setTimeout(this.redraw, 120);
+    this.spent = performance.now() - began;
+    if (this.glow.fade(seconds())) this.glowOn();
     clearTimeout(this.addressing);
     this.addressing = setTimeout(() => history.replaceState(null, '', this.view.toAddress()), 400);
+  }
+
+  // Fading takes a frame now and then, and never more than a quarter of the time: news must not wait for decoration.
+  glowOn() {
+    clearTimeout(this.glowing);
+    this.glowing = setTimeout(this.redraw, Math.max(200, 4 * this.spent));
   }
 
   drawInk(look) {

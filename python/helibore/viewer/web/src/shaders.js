@@ -36,15 +36,15 @@ uniform vec4 glow[8];         // first and last vertex in the tile, strength, 1 
 bool missing(int k) {
   return texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
 }
+float notANumber() { return uintBitsToFloat(0x7fc00000u); }
 float value(int k) {
+  if (mode == 5) return texelFetch(column, place(k), 0).r;
   uvec4 t = texel(k);
-  float nan = uintBitsToFloat(0x7fc00000u);
   uint r = firstPass ? t.y : t.x;
   if (mode == 2) return float(t.z) * nearestUnit;
   if (mode == 3) return float(t.w & 0xffu);
-  if (mode == 4) return t.y == 0u ? nan : (float(t.x) - float(t.y)) * radiusUnit;
-  if (mode == 5) return texelFetch(column, place(k), 0).r;
-  if (r == 0u) return nan;
+  if (mode == 4) return t.y == 0u ? notANumber() : (float(t.x) - float(t.y)) * radiusUnit;
+  if (r == 0u) return notANumber();
   return float(r) * radiusUnit - (mode == 1 ? bitRadius : 0.0);
 }
 bool known(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u && !(logarithmic && v <= 0.0); }
@@ -182,7 +182,7 @@ uniform int size;             // vertices the wall has from the tile's start on
 in vec2 at;
 out vec4 colour;
 void main() {
-  float zero = reference == 0 ? frame(0, at.y).w : frame(1, at.y).w;
+  float zero = frame(reference, at.y).w; // line 0 carries the toolface of up, line 1 that of north
   float around = fract((at.x * 6.283185307179586 + zero + offset - startToolface) / 6.283185307179586);
   float across = around * float(K);
   int col = min(int(across), K - 1);
@@ -194,14 +194,13 @@ void main() {
   int many = clamp(int(perPixel + 0.5), 1, 16);
   float sum = 0.0;
   int count = 0;
-  for (int i = 0; i < 16; i++) {
-    if (i >= many) break;
-    int r = row - many / 2 + i;
+  int r = max(row - many / 2, 0);
+  int last = min(r + many, rows);
+  do {
     int k = r * K + col;
-    if (r < 0 || r >= rows || missing(k)) continue;
-    float v = value(k);
+    float v = missing(k) ? notANumber() : value(k);
     if (known(v)) { sum += logarithmic ? log(v) : v; count++; }
-  }
+  } while (++r < last);
   if (count == 0) {
     colour = vec4(nothing(), 1.0);
     return;

@@ -2,7 +2,7 @@ import assert from 'node:assert/strict';
 import { test } from 'node:test';
 import { Glow } from '../src/glow.js';
 import { depthAt, layout, yOf } from '../src/layout.js';
-import { gridIndices, niceStep, pickStride, steps, tubeFor } from '../src/lod.js';
+import { gridIndices, niceStep, pickStride, rowsShown, steps, tubeFor } from '../src/lod.js';
 import { leftEdge, Path } from '../src/path.js';
 import { showLength, showSigned, showValue } from '../src/units.js';
 import { ticks, View } from '../src/view.js';
@@ -63,6 +63,19 @@ test('strides grow with distance and stop at the limit', () => {
   assert.equal(pickStride([1, 4, 16, 64], 5, 64), 1);
   assert.equal(pickStride([1, 4, 16, 64], 0.1, 64), 16);
   assert.equal(pickStride([1, 4, 16, 64], 0.001, 16), 16);
+});
+
+test('of a tile only the rows in the section are drawn, and all of those', () => {
+  for (const pitch of [0.1, -0.1]) {
+    const level = { sectors: 64, rows: 256, pitch };
+    const tile = { startDepth: 1000 };
+    const ends = [1000, 1000 + 256 * pitch].sort((a, b) => a - b);
+    const all = rowsShown({ tile, top: ends[0], bottom: ends[1] }, { top: 0, bottom: 9999 }, level, { cols: 1, rows: 4 });
+    assert.deepEqual(all, [0, 6 * 64 * 64]);
+    const [a, b] = [1000 + 40 * pitch, 1000 + 60 * pitch].sort((x, y) => x - y);
+    const [first, count] = rowsShown({ tile, top: ends[0], bottom: ends[1] }, { top: a, bottom: b }, level, { cols: 1, rows: 1 });
+    assert.ok(first <= 39 * 6 * 64 && first + count >= 61 * 6 * 64 && count <= 24 * 6 * 64);
+  }
 });
 
 test('steps a person would choose', () => {

@@ -1,0 +1,250 @@
+"""Measures the live viewer in a real browser: first picture, append to pixels, bytes, memory, many clients.
+
+    python bench/view.py [--quads 1000000] [--appends 9] [--clients 10]
+
+Needs Debian's chromium and playwright; the browser draws with software GL, as a weak rig's would. The wall's values
+are those of tests/python/made_wall.py, checked against the page's read-back before anything is timed. Prints one
+line a figure, and the machine's load before and after: on a busy machine every time here grows with it.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import multiprocessing
+import os
+import shutil
+import sys
+import time
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python"))
+
+from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
+from test_viewer_page import FLAGS
+
+import helibore as hb
+from helibore.viewer import Viewer, messages
+
+# Resolves when the page has drawn a wall of so many vertices and the GPU has finished.
+DRAWN = """(size) => new Promise((done) => {
+  const { app } = window.__wall;
+  const gl = app.gpu.renderer.getContext();
+  const pixel = new Uint8Array(4);
+  let frames = -1;
+  const look = () => {
+    if (app.store.levels[0].size >= size) {
+      if (frames < 0) frames = app.frames;
+      else if (app.frames > frames || !app.scheduled) {
+        gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+        return done();
+      }
+    }
+    setTimeout(look, 4);
+    return undefined;
+  };
+  look();
+})"""
+
+
+def say(name: str, value: float, unit: str, bar: str = "") -> None:
+    print(f"{name:<52} {value:10.2f} {unit:<10} {bar}", flush=True)
+
+
+def load() -> str:
+    return " ".join(f"{x:.1f}" for x in os.getloadavg())
+
+
+def memory(root: int) -> float:
+    """Proportional memory of a process and all its children, MB."""
+    parents: dict[int, list[int]] = {}
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                fields = (entry / "stat").read_text().rsplit(")", 1)[1].split()
+            except OSError:
+                continue
+            parents.setdefault(int(fields[1]), []).append(int(entry.name))
+    total, todo = 0, [root]
+    while todo:
+        process = todo.pop()
+        todo += parents.get(process, [])
+        try:
+            rollup = (Path("/proc") / str(process) / "smaps_rollup").read_text()
+        except OSError:
+            continue
+        total += int(rollup.split("\nPss:", 1)[1].split()[0])
+    return total / 1024
+
+
+def ready(page: Any) -> None:
+    while not page.evaluate("Boolean(window.__wall?.ready)"):
+        time.sleep(0.01)
+
+
+def attributes_of(wall: MadeWall, viewer: Viewer) -> None:
+    for attribute, values in gamma_and_resistivity(wall).items():
+        viewer._feed._values[attribute.name] = values
+
+
+def in_the_browser(quads: int, appends: int) -> None:
+    from playwright.sync_api import sync_playwright
+
+    wall = MadeWall(quads)
+    began = time.perf_counter()
+    viewer = hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="bench")
+    say("server: wall read and packed", time.perf_counter() - began, "s")
+    with sync_playwright() as playwright:
+        chromium = shutil.which("chromium")
+        context = playwright.chromium.launch_persistent_context("", executable_path=chromium, args=FLAGS, headless=True)
+        page = context.pages[0]
+        page.set_viewport_size({"width": 1366, "height": 768})
+        time.sleep(1)
+        browser = browser_process()
+        empty = memory(browser)
+        page.goto(viewer.url)
+        ready(page)
+        say(
+            "first picture, from navigation",
+            page.evaluate("window.__wall.stats.firstPicture") / 1000,
+            "s",
+            "3 s at 1 M, 4 s at 5 M",
+        )
+        time.sleep(3)
+        check(page, wall)
+        say("bytes to the first picture and at rest", page.evaluate("window.__wall.stats.bytes") / 1e6, "MB")
+        measure_appends(page, wall, viewer, appends)
+        say("page memory over an empty page", memory(browser) - empty, "MB", "250 MB at 1 M")
+        visit_all(page, wall)
+        say("page memory after a walk along the whole well", memory(browser) - empty, "MB")
+        context.close()
+    viewer.close()
+
+
+def visit_all(page: Any, wall: MadeWall) -> None:
+    """Look at thirty sections from end to end, so that tiles come and go."""
+    for depth in np.linspace(wall.depth[0], wall.depth[-1], 30):
+        page.evaluate(f"window.__wall.app.view.centre({depth}, window.__wall.app.store)")
+        time.sleep(0.15)
+    time.sleep(1)
+
+
+def check(page: Any, wall: MadeWall) -> None:
+    last = len(wall) - 200
+    radius = page.evaluate(f"window.__wall.app.store.vertex({last})?.radius ?? -1")
+    assert abs(radius - wall.radius[last]) < 6e-6, "the page does not hold the wall: nothing is measured"
+
+
+def measure_appends(page: Any, wall: MadeWall, viewer: Viewer, appends: int) -> None:
+    times, sizes = [], []
+    for _ in range(appends):
+        before = page.evaluate("window.__wall.stats.bytes")
+        change = wall.grow(1000)
+        attributes_of(wall, viewer)
+        began = time.perf_counter()
+        viewer.update(change)
+        page.evaluate(DRAWN, len(wall))
+        times.append(time.perf_counter() - began)
+        time.sleep(0.6)
+        sizes.append((page.evaluate("window.__wall.stats.bytes") - before) / 1000)
+    say("append of 1,000 quads to pixels, median", float(np.median(times)), "s", "0.4 s")
+    say("append of 1,000 quads to pixels, worst", max(times), "s")
+    say("bytes a quad on the wire, two attributes, median", float(np.median(sizes)), "B", "20 B")
+
+
+def browser_process() -> int:
+    """The chromium that playwright started: the youngest one below this process."""
+    found = []
+    for entry in Path("/proc").iterdir():
+        if entry.name.isdigit():
+            try:
+                command = (entry / "cmdline").read_bytes()
+            except OSError:
+                continue
+            if b"chromium" in command and b"--type=" not in command and b"--remote-debugging" in command:
+                found.append(int(entry.name))
+    return max(found)
+
+
+def many_clients(count: int) -> None:
+    """The producer's append with no page, and with `count` of which one never reads: p99, ms."""
+    for pages in (0, count):
+        wall = hb.Wall(bit_diameter=BIT, start_depth=1000.0)
+        rng = np.random.default_rng(1)
+        wall.append(*samples(rng, 0))
+        viewer = hb.view(wall)
+        spawn = multiprocessing.get_context("spawn")
+        stop, started = spawn.Event(), spawn.Event()
+        readers = spawn.Process(target=read, args=(viewer.url, pages, stop, started))
+        readers.start()
+        started.wait(60)
+        times = []
+        for step in range(1, 301):
+            batch = samples(rng, step)
+            began = time.perf_counter()
+            change = wall.append(*batch)
+            viewer.update(change)
+            times.append(time.perf_counter() - began)
+            time.sleep(0.02)
+        say(f"append of 1,000 samples with {pages} pages, p50", float(np.percentile(times, 50)) * 1e3, "ms")
+        say(f"append of 1,000 samples with {pages} pages, p99", float(np.percentile(times, 99)) * 1e3, "ms", "+20 %")
+        stop.set()
+        readers.join()
+        viewer.close()
+
+
+def samples(rng: np.random.Generator, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    depth = 1000 + 0.5 * step + np.sort(rng.uniform(0, 0.5, 1000))
+    return depth, rng.uniform(0, 360, 1000), rng.uniform(0.108, 0.118, 1000)
+
+
+def read(url: str, pages: int, stop: Any, started: Any) -> None:
+    """Be `pages` readers, in a process of their own."""
+    asyncio.run(read_all(url, pages, stop, started))
+
+
+async def read_all(url: str, pages: int, stop: Any, started: Any) -> None:
+    """Connect `pages` readers; the first one never reads again after it has subscribed."""
+    from websockets.asyncio.client import connect
+
+    async def reader(stalls: bool) -> None:
+        async with connect(url.replace("http", "ws") + "ws", max_queue=1) as socket:
+            session = json.loads(await socket.recv())["session"]
+            wanted = {"tiles": [[0, 1000]], "focus": 0, "mask": 0}
+            await socket.send(json.dumps({"session": session, "subscribe": wanted}))
+            while not stop.is_set():
+                if stalls:
+                    await asyncio.sleep(0.2)
+                    continue
+                try:
+                    said = await asyncio.wait_for(socket.recv(), 0.5)
+                except TimeoutError:
+                    continue
+                if isinstance(said, bytes):
+                    await socket.send(json.dumps({"session": session, "ack": messages.unpack(said).sequence}))
+
+    tasks = [asyncio.create_task(reader(i == 0)) for i in range(pages)]
+    await asyncio.sleep(1)
+    started.set()
+    await asyncio.gather(*tasks)
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("--quads", type=int, default=1_000_000)
+    parser.add_argument("--appends", type=int, default=9)
+    parser.add_argument("--clients", type=int, default=10)
+    options = parser.parse_args()
+    print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")
+    in_the_browser(options.quads, options.appends)
+    if options.clients:
+        many_clients(options.clients)
+    print(f"load {load()}")
+
+
+if __name__ == "__main__":
+    main()
