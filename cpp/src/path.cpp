@@ -157,6 +157,21 @@ void require_sane(const PathSettings& settings) {
     }
 }
 
+// Carries toolface 0 from the first piece to the start of every other.
+template <class Piece>
+void carry(std::vector<Piece>& pieces) {
+    const Point top = pieces.front().at(0.0);
+    const Axes north = axes_of<Reference::north>(pieces.front(), top);
+    const Axes first = north.square >= 0.5 ? north : axes_of<Reference::high_side>(pieces.front(), top);
+    pieces.front().zero = glm::normalize(dvec3(first.zero_n, first.zero_e, first.zero_d));
+    for (std::size_t i = 1; i < pieces.size(); ++i) {
+        const dvec3 t = pieces[i].start_tangent();
+        const Axes a = axes_of<Reference::carried>(pieces[i - 1], {0.0, 0.0, 0.0, t.x, t.y, t.z});
+        const dvec3 zero(a.zero_n, a.zero_e, a.zero_d);
+        pieces[i].zero = glm::normalize(zero - glm::dot(zero, t) * t);  // rounding does not add up
+    }
+}
+
 Pieces pieces_of(const Survey& survey, const PathSettings& settings) {
     require_sane(settings);
     Pieces pieces;
@@ -177,26 +192,27 @@ Pieces pieces_of(const Survey& survey, const PathSettings& settings) {
     const Station end = station(survey, last);
     if (arcs) {
         pieces.arcs.push_back({end.depth, head, end.tangent, dvec3(0.0), 0.0});
+        carry(pieces.arcs);
     } else {
         pieces.curves.push_back({end.depth, head, end.i.sine, end.i.cosine, end.a.sine, end.a.cosine, 0.0, 0.0});
+        carry(pieces.curves);
     }
     return pieces;
 }
 
-// Calls visit(i, point of depth[i]) for every depth.
+// Calls visit(i, piece, point of depth[i]) for every depth.
 template <class Visit>
 void for_each_point(const Pieces& pieces, std::span<const double> depth, const Visit& visit) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
         pieces.require_reach(depth[i], entry_text("depth", Index(i), depth[i]));
-        const auto point = [&](const auto& piece) { return piece.at(depth[i] - piece.depth); };
-        visit(i, pieces.curves.empty() ? point(piece_at(pieces.arcs, depth[i]))
-                                       : point(piece_at(pieces.curves, depth[i])));
+        const auto point = [&](const auto& piece) { visit(i, piece, piece.at(depth[i] - piece.depth)); };
+        pieces.curves.empty() ? point(piece_at(pieces.arcs, depth[i])) : point(piece_at(pieces.curves, depth[i]));
     }
 }
 
-template <Reference reference>
-Frame frame_at(const Pieces& pieces, const Point& p, Index i, double depth) {
-    const Axes a = axes_of<reference>(p);
+template <Reference reference, class Piece>
+Frame frame_at(const Pieces& pieces, const Piece& piece, const Point& p, Index i, double depth) {
+    const Axes a = axes_of<reference>(piece, p);
     if (a.square < least_reference_angle * least_reference_angle) pieces.refuse_frame(entry_text("depth", i, depth));
     const double scale = 1.0 / std::sqrt(a.square);
     return {{{a.zero_n * scale, a.zero_e * scale, a.zero_d * scale},
@@ -240,7 +256,8 @@ Method method_of(std::string_view name) {
 Reference reference_of(std::string_view name) {
     if (name == "high-side") return Reference::high_side;
     if (name == "north") return Reference::north;
-    throw InputError("reference = \"" + std::string(name) + "\": must be \"high-side\" or \"north\"");
+    if (name == "carried") return Reference::carried;
+    throw InputError("reference = \"" + std::string(name) + "\": must be \"high-side\", \"north\" or \"carried\"");
 }
 
 void Pieces::require_reach(double depth, const std::string& where) const {
@@ -275,22 +292,32 @@ Path::Path(const Survey& survey, const PathSettings& settings)
 
 std::vector<Vector3> Path::position(std::span<const double> depth) const {
     std::vector<Vector3> positions(depth.size());
-    for_each_point(*pieces_, depth, [&](std::size_t i, const Point& p) { positions[i] = {p.north, p.east, p.down}; });
+    for_each_point(*pieces_, depth,
+                   [&](std::size_t i, const auto&, const Point& p) { positions[i] = {p.north, p.east, p.down}; });
     return positions;
 }
 
 std::vector<Vector3> Path::tangent(std::span<const double> depth) const {
     std::vector<Vector3> tangents(depth.size());
-    for_each_point(*pieces_, depth, [&](std::size_t i, const Point& p) { tangents[i] = {p.tan_n, p.tan_e, p.tan_d}; });
+    for_each_point(*pieces_, depth,
+                   [&](std::size_t i, const auto&, const Point& p) { tangents[i] = {p.tan_n, p.tan_e, p.tan_d}; });
     return tangents;
 }
 
 std::vector<Frame> Path::frame(std::span<const double> depth) const {
     std::vector<Frame> frames(depth.size());
-    for_each_point(*pieces_, depth, [&](std::size_t i, const Point& p) {
-        frames[i] = pieces_->reference == Reference::high_side
-                        ? frame_at<Reference::high_side>(*pieces_, p, Index(i), depth[i])
-                        : frame_at<Reference::north>(*pieces_, p, Index(i), depth[i]);
+    for_each_point(*pieces_, depth, [&](std::size_t i, const auto& piece, const Point& p) {
+        switch (pieces_->reference) {
+            case Reference::high_side:
+                frames[i] = frame_at<Reference::high_side>(*pieces_, piece, p, Index(i), depth[i]);
+                break;
+            case Reference::north:
+                frames[i] = frame_at<Reference::north>(*pieces_, piece, p, Index(i), depth[i]);
+                break;
+            case Reference::carried:
+                frames[i] = frame_at<Reference::carried>(*pieces_, piece, p, Index(i), depth[i]);
+                break;
+        }
     });
     return frames;
 }
@@ -299,8 +326,8 @@ std::vector<double> Path::north_to_high_side(std::span<const double> depth) cons
     Pieces high_side;  // the high side's own rule and error, whatever the path's reference
     high_side.reference = Reference::high_side;
     std::vector<double> degrees(depth.size());
-    for_each_point(*pieces_, depth, [&](std::size_t i, const Point& p) {
-        if (axes_of<Reference::high_side>(p).square < least_reference_angle * least_reference_angle) {
+    for_each_point(*pieces_, depth, [&](std::size_t i, const auto& piece, const Point& p) {
+        if (axes_of<Reference::high_side>(piece, p).square < least_reference_angle * least_reference_angle) {
             high_side.refuse_frame(entry_text("depth", Index(i), depth[i]));
         }
         const double angle = std::atan2(-p.tan_e, p.tan_d * p.tan_n) / degree;

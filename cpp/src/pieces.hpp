@@ -40,7 +40,10 @@ struct Point {
 struct Arc {
     double depth = 0.0;  // where the piece starts
     glm::dvec3 position{0.0}, tangent{0.0, 0.0, 1.0}, normal{0.0};
-    double curvature = 0.0;  // radians a metre
+    double curvature = 0.0;          // radians a metre
+    glm::dvec3 zero{1.0, 0.0, 0.0};  // toolface 0 of the carried reference where the piece starts
+
+    glm::dvec3 start_tangent() const { return tangent; }
 
     Point at(double beyond) const {  // metres beyond `depth`
         const double x = curvature * beyond, s = sine_ratio(x), v = versine_ratio(x);
@@ -60,8 +63,13 @@ struct CylinderCurve {
     double depth = 0.0;
     glm::dvec3 position{0.0};
     double sin_inclination = 0.0, cos_inclination = 1.0, sin_azimuth = 0.0, cos_azimuth = 1.0;
-    double build = 0.0;  // radians a metre of depth
-    double turn = 0.0;   // radians a metre of horizontal distance
+    double build = 0.0;              // radians a metre of depth
+    double turn = 0.0;               // radians a metre of horizontal distance
+    glm::dvec3 zero{1.0, 0.0, 0.0};  // toolface 0 of the carried reference where the piece starts
+
+    glm::dvec3 start_tangent() const {
+        return {sin_inclination * cos_azimuth, sin_inclination * sin_azimuth, cos_inclination};
+    }
 
     Point at(double beyond) const {
         const double x = build * beyond, s = sine_ratio(x), v = versine_ratio(x);
@@ -90,19 +98,37 @@ inline constexpr double least_reference_angle = 1e-6;
 // Towards toolface 0 and toolface 90, before division by `length`, the sine of the angle between reference and tangent.
 //   high side: up, made square to t    = (td tn, td te, -(tn^2 + te^2)) / length,  right = (-te, tn, 0) / length
 //   north:     north, made square to t = (te^2 + td^2, -tn te, -tn td) / length,   right = (0, td, -te) / length
+//   carried:   turned by the smallest rotation that takes s, the tangent where the piece starts, to t; z is toolface 0
+//              there:  zero = z - (t z) / (1 + s t) (s + t),  right = t x zero
+//              On arcs that is exactly the frame that never twists about t (Bishop 1975), on the other curve within
+//              0.01 deg of it over a well.
 struct Axes {
     double zero_n, zero_e, zero_d;
     double right_n, right_e, right_d;
     double square;  // length^2
 };
-template <Reference reference>
-inline Axes axes_of(const Point& p) {
+template <Reference reference, class Piece>
+inline Axes axes_of(const Piece& piece, const Point& p) {
     if constexpr (reference == Reference::high_side) {
         const double square = p.tan_n * p.tan_n + p.tan_e * p.tan_e;
         return {p.tan_d * p.tan_n, p.tan_d * p.tan_e, -square, -p.tan_e, p.tan_n, 0.0, square};
-    } else {
+    } else if constexpr (reference == Reference::north) {
         const double square = p.tan_e * p.tan_e + p.tan_d * p.tan_d;
         return {square, -p.tan_n * p.tan_e, -p.tan_n * p.tan_d, 0.0, p.tan_d, -p.tan_e, square};
+    } else {
+        const glm::dvec3 s = piece.start_tangent(), &z = piece.zero;
+        const double tz = p.tan_n * z.x + p.tan_e * z.y + p.tan_d * z.z;
+        const double st = p.tan_n * s.x + p.tan_e * s.y + p.tan_d * s.z;
+        const double share = tz / (1.0 + st);
+        const double n = z.x - share * (s.x + p.tan_n), e = z.y - share * (s.y + p.tan_e);
+        const double d = z.z - share * (s.z + p.tan_d);
+        return {n,
+                e,
+                d,
+                p.tan_e * d - p.tan_d * e,
+                p.tan_d * n - p.tan_n * d,
+                p.tan_n * e - p.tan_e * n,
+                n * n + e * e + d * d};
     }
 }
 

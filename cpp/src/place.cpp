@@ -56,7 +56,7 @@ int place_chunk(const Task& task, const Piece& piece, Index k, int count, Vector
     for (int j = 0; j < count; ++j) {
         const double depth = start + (first + static_cast<double>(j)) * pitch / turn;  // Helix::depth, bit for bit
         const Point p = piece.at(depth - piece.depth);
-        const Axes a = axes_of<reference>(p);
+        const Axes a = axes_of<reference>(piece, p);
         const double scale = radius[j] / std::sqrt(a.square), c = cosine[j] * scale, s = sine[j] * scale;
         north[j] = p.north + (c * a.zero_n + s * a.right_n);
         east[j] = p.east + (c * a.zero_e + s * a.right_e);
@@ -103,13 +103,18 @@ Index place_range(const Task& task, const std::vector<Piece>& pieces, Range k, V
 }
 
 Index place_range(const Task& task, const Range& k, Vector3* out) {
-    const bool high_side = task.path.reference == Reference::high_side;
-    if (task.path.curves.empty()) {
-        return high_side ? place_range<Reference::high_side>(task, task.path.arcs, k, out)
-                         : place_range<Reference::north>(task, task.path.arcs, k, out);
-    }
-    return high_side ? place_range<Reference::high_side>(task, task.path.curves, k, out)
-                     : place_range<Reference::north>(task, task.path.curves, k, out);
+    const auto on = [&](const auto& pieces) {
+        switch (task.path.reference) {
+            case Reference::high_side:
+                return place_range<Reference::high_side>(task, pieces, k, out);
+            case Reference::north:
+                return place_range<Reference::north>(task, pieces, k, out);
+            case Reference::carried:
+                return place_range<Reference::carried>(task, pieces, k, out);
+        }
+        throw InternalError("a path without a reference");
+    };
+    return task.path.curves.empty() ? on(task.path.arcs) : on(task.path.curves);
 }
 
 void require_reach(const Task& task, std::span<const VertexRun> runs) {
@@ -122,15 +127,15 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
     }
 }
 
-// The vertices of [k, k + chunk_size) hold one without a frame: says which.
+// The vertices of [k, k + chunk_size) hold one without a frame: says which. A carried reference has one everywhere.
 [[noreturn]] void refuse(const Task& task, const Path& path, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);
         const std::string where = "vertex " + std::to_string(k) + " at depth " + number_text(depth);
         const auto square = [&](const auto& piece) {
             const Point p = piece.at(depth - piece.depth);
-            return task.path.reference == Reference::high_side ? axes_of<Reference::high_side>(p).square
-                                                               : axes_of<Reference::north>(p).square;
+            return task.path.reference == Reference::high_side ? axes_of<Reference::high_side>(piece, p).square
+                                                               : axes_of<Reference::north>(piece, p).square;
         };
         const double of = task.path.curves.empty() ? square(piece_at(task.path.arcs, depth))
                                                    : square(piece_at(task.path.curves, depth));

@@ -19,7 +19,7 @@ from helibore import _core
 from helibore.arrays import Floats, column
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
-Reference = Literal["high-side", "north"]
+Reference = Literal["high-side", "north", "carried"]
 
 
 class Survey:
@@ -89,8 +89,10 @@ class Survey:
             ``"minimum-curvature"``: circular arcs between stations. ``"radius-of-curvature"``: curves on upright
             cylinders, inclination linear in depth and azimuth linear in the horizontal distance covered.
         reference
-            What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical) or ``"north"`` (undefined
-            where it runs level north or south).
+            What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical), ``"north"`` (undefined
+            where it runs level north or south) or ``"carried"``: north at the first station (its high side, where that
+            lies within 45 degrees of level north or south), carried down the hole without twisting about it. It is
+            defined everywhere; `helibore.references` turns samples into it.
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend
@@ -187,7 +189,7 @@ class Path:
 
         Returns
         -------
-        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, or north),
+        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, north, or carried),
         right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of the wall is
         ``position + radius * (cos(toolface) * row 0 + sin(toolface) * row 1)``.
 

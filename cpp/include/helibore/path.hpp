@@ -45,10 +45,13 @@ class Survey {
 enum class Method { minimum_curvature, radius_of_curvature };
 
 // What toolface 0 points to. The high side is up, square to the hole: undefined where the hole is vertical. North is
-// north, square to the hole: undefined where the hole runs level north or south.
-enum class Reference { high_side, north };
+// north, square to the hole: undefined where the hole runs level north or south. Carried is north (the high side, where
+// the first station lies within 45 deg of level north or south) square to the hole at the first station, and from there
+// carried down the hole without twisting about it: defined everywhere, so it is what a well from vertical to horizontal
+// has one unbroken angle from.
+enum class Reference { high_side, north, carried };
 
-// "minimum-curvature", "radius-of-curvature"; "high-side", "north". Throws InputError at any other name.
+// "minimum-curvature", "radius-of-curvature"; "high-side", "north", "carried". Throws InputError at any other name.
 Method method_of(std::string_view name);
 Reference reference_of(std::string_view name);
 
