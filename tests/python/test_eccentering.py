@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import helibore as hb
 from helibore.eccentering import Centres, Shape, find_centres, recentre, turn_numbers
 from helibore.harmonics import evaluate, leverage, normal_equations, powers
 
@@ -25,11 +26,13 @@ class Simulated:
 
     def __init__(
         self, seed, samples=64, eccentering=0.010, ovality=0.003, lobes=0.012, width=60, edge="bell", noise=0.0005,
-        missing="random", washout=0.0, washout_width=120, three=0.0,
+        missing="random", washout=0.0, washout_width=120, three=0.0, steady=False,
     ):  # fmt: skip
         rng = np.random.default_rng(seed)
         angle = rng.random((TURNS, samples)) * 2 * np.pi
         to, oval, low, wash, third = 2 * np.pi * rng.random((5, TURNS, 1))
+        if steady:  # one shape all the way down; the tool still wanders
+            oval, low = oval[:1], low[:1]
         self.x, self.y = (eccentering * np.cos(to))[:, 0], (eccentering * np.sin(to))[:, 0]
         centre = eccentering * np.exp(1j * to)
 
@@ -55,6 +58,7 @@ class Simulated:
         self.toolface = np.degrees(angle[kept])
         self.radius = near[kept] + self.noise
         self.turn = np.broadcast_to(np.arange(TURNS)[:, None], kept.shape)[kept]
+        self.shape = wall
         self.wall = np.abs(centre + near * np.exp(1j * angle))[kept]
 
     def centres(self):
@@ -82,6 +86,22 @@ def test_bar_radius_and_centre(samples, edge):
     assert tool.inside(centres) >= 0.99
     np.testing.assert_array_less(0.0, centres.inliers)
     assert np.all(centres.samples == samples // 2)
+
+
+def test_bar_wall_comes_back():
+    tool = Simulated(10, samples=128, steady=True)
+    depth = 0.02 * (tool.turn + tool.toolface / 360)
+    errors = []
+    for toolface, radius in (
+        (tool.toolface, tool.radius),
+        recentre(tool.toolface, tool.radius, tool.turn, tool.centres()),
+    ):
+        caliper = hb.Caliper(depth, toolface, radius)
+        wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=128, pitch=0.02)
+        truth = tool.shape(np.radians(wall.toolface)).ravel()
+        errors.append(np.sqrt(np.mean((wall.radius - truth) ** 2)))
+    assert errors[0] > 3e-3  # as measured
+    assert errors[1] < 0.5e-3
 
 
 @pytest.mark.parametrize(
