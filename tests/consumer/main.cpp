@@ -1,0 +1,19 @@
+// Fifteen lines that rebuild a hole, as in the README.
+#include <helibore/surface.hpp>
+#include <helibore/wall.hpp>
+#include <iostream>
+
+int main() {
+    std::vector<double> depth, toolface, radius;
+    for (int i = 0; i < 5000; ++i) {
+        depth.push_back(1000.0 + i * 0.001);
+        toolface.push_back(i * 37 % 360);
+        radius.push_back(0.11);
+    }
+    helibore::Wall wall({.bit_diameter = 0.216, .sectors = 32});
+    wall.append({depth, toolface, radius});
+    const std::vector<double> found = wall.radius();
+    const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .sectors = 32, .radius = found};
+    const helibore::Surface surface = helibore::surface_of(radii);
+    std::cout << surface.quads.size() << " quads, radius " << found.front() << " to " << found.back() << " m\n";
+}

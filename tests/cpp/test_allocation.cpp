@@ -1,0 +1,114 @@
+// The n-th allocation fails, for n = 1, 2, ... until an append succeeds: each failure is a std::bad_alloc in the
+// caller's thread, leaves every bit as it was, and the append that succeeds gives what it always gives.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "check.hpp"
+#include "hole.hpp"
+
+namespace {
+
+std::atomic<long> until_failure{-1};  // allocations left before one fails; negative: none does
+
+void* allocate(std::size_t bytes, std::size_t alignment) {
+    if (until_failure >= 0 && until_failure-- == 0) throw std::bad_alloc();
+    const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
+    void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+}
+
+}  // namespace
+
+void* operator new(std::size_t bytes) {
+    return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+}
+void* operator new[](std::size_t bytes) {
+    return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
+}
+void* operator new(std::size_t bytes, std::align_val_t alignment) {
+    return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void* operator new[](std::size_t bytes, std::align_val_t alignment) {
+    return allocate(bytes, static_cast<std::size_t>(alignment));
+}
+void operator delete(void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete[](void* memory) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+void operator delete[](void* memory, std::size_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete[](void* memory, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
+    std::free(memory);
+}
+void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
+    std::free(memory);
+}
+
+namespace {
+
+using helibore::Settings;
+using helibore::Wall;
+
+// Fails every allocation of one append in turn; returns how many there are.
+long fail_each(const Settings& settings, const helibore::SampleColumns& before, const helibore::SampleColumns& added) {
+    Wall expected(settings);
+    expected.append(before);
+    expected.append(added);
+    for (long n = 0;; ++n) {
+        Wall wall(settings);
+        wall.append(before);
+        const auto kept = bits(wall);
+        bool failed = false;
+        until_failure = n;
+        try {
+            wall.append(added);
+        } catch (const std::bad_alloc&) {
+            failed = true;
+        }
+        const bool reached = until_failure < 0;
+        until_failure = -1;
+        CHECK(failed == reached);
+        if (failed) {
+            CHECK(bits(wall) == kept);
+            wall.append(added);
+        }
+        CHECK(bits(wall) == bits(expected));
+        if (!reached) return n;
+    }
+}
+
+}  // namespace
+
+int main() {
+    const Hole hole = oval_hole(9000, 10.0, 2.0), deeper = oval_hole(6000, 12.0, 1.0);
+    for (const int threads : {1, 3}) {
+        const Settings down{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .threads = threads};
+        Settings fixed = down, up = down;
+        fixed.start_depth = 9.0;
+        fixed.window = 100;
+        up.pitch = -0.05;
+        CHECK(fail_each(down, {}, hole.all()) > 10);            // the first samples
+        CHECK(fail_each(down, hole.all(), deeper.all()) > 10);  // below all
+        CHECK(fail_each(down, deeper.all(), hole.all()) > 10);  // above all: the helix starts anew
+        CHECK(fail_each(fixed, hole.all(), oval_hole(300, 10.5, 0.2).rows(0, 300)) > 3);  // in between
+        CHECK(fail_each(up, hole.all(), deeper.all()) > 10);                              // logging up
+        auto untimed = hole.all(), more = deeper.all();
+        untimed.time = more.time = {};
+        CHECK(fail_each(down, untimed, more) > 10);
+    }
+    return failures();
+}

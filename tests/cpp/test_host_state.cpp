@@ -1,0 +1,78 @@
+// A host's floating-point state changes no bit of an append and stays as the host set it: rounding upwards, flushing
+// subnormals to zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would
+// end them).
+#include <cfenv>
+
+#include "check.hpp"
+#include "hole.hpp"
+
+#ifdef __SSE2__
+#include <xmmintrin.h>
+#endif
+
+namespace {
+
+using helibore::Wall;
+
+Wall empty_wall(int threads) {
+    return Wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
+}
+
+// In two steps: samples exactly on vertices (distance 0) among them.
+void append(Wall& wall, const Hole& hole) {
+    wall.append(hole.rows(0, 1000));
+    wall.append(hole.rows(1000, hole.depth.size() - 1000));
+}
+
+#ifdef __SSE2__
+constexpr unsigned status_flags = 0x3f;  // sticky: whether something was ever inexact is nobody's setting
+unsigned host_state() {
+    return _mm_getcsr() & ~status_flags;
+}
+#else
+int host_state() {
+    return std::fegetround();
+}
+#endif
+
+template <class Set>
+void under(const char* name, const std::vector<std::uint64_t>& expected, const Hole& hole, const Set& set) {
+    for (const int threads : {1, 3}) {
+        Wall wall = empty_wall(threads);
+        std::fenv_t normal;
+        std::fegetenv(&normal);
+        set();
+        const auto as_set = host_state();
+        append(wall, hole);
+        const bool restored = host_state() == as_set;
+        std::fesetenv(&normal);
+        if (!restored) fail(__FILE__, __LINE__, std::string("state not given back: ") + name);
+        if (bits(wall) != expected) fail(__FILE__, __LINE__, std::string("other bits: ") + name);
+    }
+}
+
+}  // namespace
+
+int main() {
+    Hole hole = oval_hole(5000, 100.0, 3.0);
+    for (std::size_t i = 0; i < 50; ++i) {  // on vertices, and as near as it gets
+        hole.depth[i] = 100.0;
+        hole.toolface[i] = i % 2 == 0 ? 0.0 : 1e-300;
+    }
+    Wall plain = empty_wall(1);
+    append(plain, hole);
+    const std::vector<std::uint64_t> expected = bits(plain);
+    under("as the system starts", expected, hole, [] {});
+    under("rounding upwards", expected, hole, [] { std::fesetround(FE_UPWARD); });
+    under("rounding towards zero", expected, hole, [] { std::fesetround(FE_TOWARDZERO); });
+#ifdef __SSE2__
+    under("subnormals flushed", expected, hole, [] { _mm_setcsr(_mm_getcsr() | 0x8040); });
+#endif
+#ifdef __GLIBC__
+    under("exceptions that trap", expected, hole, [] {
+        std::feclearexcept(FE_ALL_EXCEPT);
+        feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
+    });
+#endif
+    return failures();
+}

@@ -1,0 +1,115 @@
+// The C++ interface of the wall: what the README shows, the error texts, moves, threads. The values themselves are
+// compared with an independent reference in tests/python.
+#include "helibore/wall.hpp"
+
+#include <algorithm>
+#include <limits>
+#include <thread>
+
+#include "check.hpp"
+#include "helibore/error.hpp"
+#include "helibore/surface.hpp"
+#include "hole.hpp"
+
+using namespace helibore;
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+void reconstructs() {
+    const Hole hole = oval_hole(4000, 100.0, 5.0);
+    Wall wall({.bit_diameter = 0.216, .sectors = 32, .pitch = 0.1});
+    CHECK(wall.size() == 0);
+    CHECK(std::isnan(wall.start_depth()));
+    const Change change = wall.append(hole.all());
+    CHECK(wall.size() > 1500 && wall.size() < 1602);
+    CHECK(change.ranges == (std::vector<Range>{{0, wall.size()}}));
+    CHECK(change.accepted == 4000 && change.redundant == 0);
+    CHECK(change.settled == wall.settled() && change.settled > 1400);
+    CHECK(wall.sample_count() == 4000);
+    const std::vector<double> radius = wall.radius();
+    CHECK(std::all_of(radius.begin(), radius.end(), [](double r) { return r >= 0.108 && r <= 0.178; }));
+    CHECK(wall.depth()[32] == wall.start_depth() + 0.1);
+    CHECK(wall.toolface()[8] == 90.0);
+    CHECK(wall.settings().sectors == 32);
+
+    std::vector<double> part(10);
+    wall.copy_radius({5, 15}, part);
+    CHECK(std::equal(part.begin(), part.end(), radius.begin() + 5));
+    const Surface surface =
+        surface_of({.start_depth = wall.start_depth(), .pitch = 0.1, .sectors = 32, .radius = radius});
+    CHECK(static_cast<Index>(surface.vertices.size()) == wall.size());
+    CHECK(static_cast<Index>(surface.quads.size()) == wall.size() - 33);
+}
+
+void splits_and_moves() {
+    const Hole hole = oval_hole(3000, 0.0, 3.0);
+    const Settings settings{.bit_diameter = 0.216, .sectors = 16, .pitch = -0.25, .threads = 2};
+    Wall once(settings), split(settings);
+    once.append(hole.all());
+    split.append(hole.rows(2000, 1000));
+    Wall moved(std::move(split));
+    moved.append(hole.rows(0, 2000));
+    CHECK(moved.append(hole.rows(10, 20)).redundant == 20);
+    CHECK(bits(moved) == bits(once));
+    split = std::move(moved);
+    CHECK(bits(split) == bits(once));
+    CHECK(split.append({}).ranges.empty());
+}
+
+void refuses_settings() {
+    CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", Wall(Settings{}));
+    CHECK_THROWS(InputError, "pitch = 0: must be finite and not 0", Wall({.bit_diameter = 0.2, .pitch = 0.0}));
+    CHECK_THROWS(InputError, "sectors = 2: must lie in 3 to 1000000", Wall({.bit_diameter = 0.2, .sectors = 2}));
+    CHECK_THROWS(InputError, "start_depth = nan: must be finite", Wall({.bit_diameter = 0.2, .start_depth = nan}));
+    CHECK_THROWS(InputError, "neighbors = 257: must lie in 1 to 256", Wall({.bit_diameter = 0.2, .neighbors = 257}));
+    CHECK_THROWS(InputError, "window = 0: must be at least 1", Wall({.bit_diameter = 0.2, .window = 0}));
+    CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", Wall({.bit_diameter = 0.2, .threads = 0}));
+}
+
+void refuses_samples() {
+    const Hole hole = oval_hole(100, 0.0, 1.0);
+    Wall wall({.bit_diameter = 0.216, .start_depth = 0.0, .threads = 2});
+    wall.append(hole.all());
+    const auto before = bits(wall);
+    const std::vector<double> one = {0.5}, two = {0.5, 0.5}, bad = {0.5, nan};
+    CHECK_THROWS(InputError, "toolface[1] = nan: must be finite", wall.append({two, bad, two, two}));
+    CHECK_THROWS(InputError, "depth[1] = nan: must be finite", wall.append({bad, bad, two, two}));
+    CHECK_THROWS(InputError, "radius has 2 values, depth has 1: must be equal", wall.append({one, one, two, one}));
+    CHECK_THROWS(InputError, "time: missing, but the samples before carry one; give it for all or none",
+                 wall.append({one, one, one}));
+    std::vector<double> out(3);
+    CHECK_THROWS(InputError, "out has 3 values, the range 2: must be equal", wall.copy_radius({0, 2}, out));
+    CHECK_THROWS(InputError, "range = [-1, 2): must lie within the wall's " + std::to_string(wall.size()) + " vertices",
+                 wall.copy_radius({-1, 2}, out));
+    CHECK(bits(wall) == before);
+}
+
+// Appends and reads from several threads at once; with times, their order does not matter.
+void shares() {
+    const Hole hole = oval_hole(4000, 0.0, 4.0);
+    const Settings settings{.bit_diameter = 0.216, .sectors = 16, .start_depth = 0.0, .stop_depth = 4.0, .threads = 2};
+    Wall once(settings), shared(settings);
+    once.append(hole.all());
+    {
+        std::vector<std::jthread> crew;
+        for (std::size_t worker = 0; worker < 4; ++worker)
+            crew.emplace_back([&, worker] {
+                for (std::size_t i = worker; i < 40; i += 4) shared.append(hole.rows(100 * i, 100));
+            });
+        for (int i = 0; i < 20; ++i) CHECK(shared.sample_count() % 100 == 0 && shared.radius().size() % 641 == 0);
+    }
+    CHECK(bits(shared) == bits(once));
+}
+
+}  // namespace
+
+int main() {
+    reconstructs();
+    splits_and_moves();
+    refuses_settings();
+    refuses_samples();
+    shares();
+    return failures();
+}

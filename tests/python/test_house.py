@@ -1,0 +1,90 @@
+"""The rules of the house that a machine can check."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+CORE = sorted([*ROOT.glob("cpp/src/*.?pp"), *ROOT.glob("cpp/include/helibore/*.hpp")])
+BINDINGS = sorted(ROOT.glob("python/bindings/*.?pp"))
+PYTHON = sorted(ROOT.glob("python/helibore/**/*.py"))
+BANNED = ("data", "info", "util", "utils", "helper", "helpers", "manager", "process", "handle")
+
+
+def code(path: Path) -> str:
+    """The text of a file without comments and texts in quotes."""
+    text = path.read_text()
+    if path.suffix == ".py":
+        return re.sub(r'("""(?:.|\n)*?"""|"[^"\n]*"|#.*)', "", text)
+    return re.sub(r'(//.*|"(?:[^"\\\n]|\\.)*")', "", text)
+
+
+def lines_with(pattern: str, files: list[Path]) -> Iterator[str]:
+    for path in files:
+        for number, line in enumerate(code(path).splitlines(), 1):
+            if re.search(pattern, line):
+                yield f"{path.relative_to(ROOT)}:{number}: {line.strip()}"
+
+
+def test_there_is_something_to_check() -> None:
+    assert min(len(CORE), len(BINDINGS), len(PYTHON)) > 5
+
+
+@pytest.mark.parametrize(
+    ("what", "pattern"),
+    [
+        ("Python", r"Python\.h|pybind11|PyObject"),
+        ("printing", r"<iostream>|<cstdio>|<print>|\bstd::c(out|err|log)\b|\bf?printf\b|\bputs\b"),
+        ("the environment", r"\bgetenv\b|\benviron\b"),
+        ("ending the host", r"\babort\(|\bexit\(|\bterminate\(|\bassert\("),
+        ("OpenMP", r"#pragma omp|<omp\.h>"),
+        ("the machine's thread count", r"hardware_concurrency"),
+    ],
+    ids=lambda value: value if " " in value or value.isalpha() else "",
+)
+def test_the_core_keeps_clear_of(what: str, pattern: str) -> None:
+    assert not list(lines_with(pattern, CORE)), f"cpp/ uses {what}"
+
+
+def test_the_core_has_no_globals_that_change() -> None:
+    """Static or thread-local variables, and any at namespace scope, are constants."""
+    assert not list(
+        lines_with(r"\bthread_local\b|^\s*static\s+(?!const|constexpr|_assert)[\w:<>, ]+\s+\w+\s*(=|;|\{)", CORE)
+    )
+    assert not list(
+        lines_with(r"^(inline\s+)?(std::\w+(<.*>)?|bool|int|double|Index|auto|long)\s+\w+\s*(=|;|\{)", CORE)
+    )
+
+
+def test_glm_stays_in_cpp_src() -> None:
+    outside = [path for path in [*CORE, *BINDINGS] if path.parent.name != "src"]
+    assert not list(lines_with(r"\bglm\b", outside))
+
+
+def test_bindings_release_python_before_they_loop_and_hold_no_algorithm() -> None:
+    assert not list(lines_with(r"std::sort|std::sqrt|\bwhile\b", [p for p in BINDINGS if p.name != "arrays.hpp"]))
+
+
+@pytest.mark.parametrize("call", ["asarray", "ascontiguousarray", "asanyarray"])
+def test_one_file_takes_arrays(call: str) -> None:
+    """In the core package; the readers and the viewer convert what their own formats give them."""
+    own = [path for path in PYTHON if path.parent.name == "helibore" and path.name != "arrays.py"]
+    assert not list(lines_with(rf"\bnp\.{call}\(", own))
+
+
+def test_no_file_or_function_has_a_name_that_says_nothing() -> None:
+    files = [path for path in [*CORE, *BINDINGS, *PYTHON] if set(path.stem.lower().split("_")) & set(BANNED)]
+    assert not files
+    assert not list(lines_with(rf"\b(def|class|struct) +_*({'|'.join(BANNED)})\b", [*CORE, *BINDINGS, *PYTHON]))
+
+
+@pytest.mark.parametrize("path", [*CORE, *BINDINGS, *PYTHON], ids=lambda path: str(path.relative_to(ROOT)))
+def test_a_file_is_a_chapter(path: Path) -> None:
+    """About 400 lines, and the first line says what it is for."""
+    lines = path.read_text().splitlines()
+    assert len(lines) <= 440
+    assert lines[0].startswith(("//", '"""', 'r"""'))
