@@ -189,8 +189,8 @@ class Path:
 
         Returns
         -------
-        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, north, or carried),
-        right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of the wall is
+        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, north, or
+        carried), right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of the wall is
         ``position + radius * (cos(toolface) * row 0 + sin(toolface) * row 1)``.
 
         Raises
