@@ -32,7 +32,7 @@ class Simulated:
         angle = rng.random((TURNS, samples)) * 2 * np.pi
         to, oval, low, wash, third = 2 * np.pi * rng.random((5, TURNS, 1))
         if steady:  # one shape all the way down; the tool still wanders
-            oval, low = oval[:1], low[:1]
+            oval, low, wash, third = (each[:1] for each in (oval, low, wash, third))
         self.x, self.y = (eccentering * np.cos(to))[:, 0], (eccentering * np.sin(to))[:, 0]
         centre = eccentering * np.exp(1j * to)
 
