@@ -5,6 +5,7 @@
 
 import * as THREE from 'three';
 import { Q_ATTRIBUTE } from './colour.js';
+import { SOFTWARE } from './device.js';
 import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { CUTS } from './path.js';
 import * as shaders from './shaders.js';
@@ -16,7 +17,7 @@ const MOST_PICKED = 254; // tiles told apart by the picking picture's alpha
 
 export class Gpu {
   constructor(canvas) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !drawnInSoftware(), powerPreference: 'high-performance' });
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !SOFTWARE, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.autoClear = false;
     this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1e5);
@@ -282,15 +283,6 @@ export class Gpu {
     this.renderer.setViewport(left, y, width, height);
     this.renderer.setScissor(left, y, width, height);
   }
-}
-
-// Without a graphics card every sample of a pixel costs the processor: such machines draw without smoothed edges.
-function drawnInSoftware() {
-  const probe = document.createElement('canvas').getContext('webgl2');
-  const about = probe?.getExtension('WEBGL_debug_renderer_info');
-  const name = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
-  probe?.getExtension('WEBGL_lose_context')?.loseContext();
-  return /swiftshader|llvmpipe|software/i.test(name);
 }
 
 // A helix ends on a slant: a tile's last turn reaches one pitch beyond the depth at which the next tile begins.

@@ -2,6 +2,7 @@
 // section as a window to drag, the cursor and the bit.
 
 import { MAPS, valueAt } from './colour.js';
+import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { RADIUS, TEXEL } from './protocol.js';
 import { line } from './tracks.js';
@@ -67,7 +68,7 @@ export class DepthMap {
     const { width, height } = rects.map;
     this.canvas.width = width - 4;
     this.canvas.height = Math.ceil(height);
-    const ink = this.canvas.getContext('2d');
+    const ink = pen(this.canvas);
     const { anchors } = MAPS[map];
     const palette = PALETTES[view.theme];
     for (let y = 0; y < height; y++) this.row(ink, store, over, quantity, view, a + ((y + 0.5) / height) * (b - a), y, anchors, palette);

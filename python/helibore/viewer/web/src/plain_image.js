@@ -1,6 +1,7 @@
 // The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
 
 import { dynamicRange, lookup, valueAt } from './colour.js';
+import { pen } from './device.js';
 import { depthAt } from './layout.js';
 import { CUTS } from './path.js';
 import { wrap360 } from './helix.js';
@@ -14,7 +15,7 @@ export class PlainImage {
     const { left, top, width, height } = look.rects.image;
     const [w, h] = [Math.round(width), Math.round(height)];
     Object.assign(this.canvas, { width: w, height: h });
-    const target = this.canvas.getContext('2d');
+    const target = pen(this.canvas);
     const picture = target.createImageData(w, h);
     for (const piece of look.imagePieces) this.piece(picture, look, piece);
     target.putImageData(picture, 0, 0);

@@ -2,6 +2,7 @@
 // Bit circle dashed, smallest and largest diameter with their directions, arcs beyond the bit by more than the limit
 // marked as breakout; kept sections behind. The shape's exaggeration is the view's, and written.
 
+import { pen } from './device.js';
 import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { arcs, measure, turn } from './turns.js';
@@ -152,7 +153,7 @@ export function sized(canvas) {
   const { clientWidth: width, clientHeight: height } = canvas;
   const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
-  const ink = canvas.getContext('2d');
+  const ink = pen(canvas);
   ink.setTransform(ratio, 0, 0, ratio, 0, 0);
   ink.font = FONT;
   return { ink, width, height };

@@ -1,0 +1,14 @@
+// Whether this machine draws with its processor instead of a graphics card. Then every sample of a pixel and every
+// canvas that the browser sends through GL is dear: edges are not smoothed, and 2-D canvases are kept off GL.
+
+export const SOFTWARE = typeof document !== 'undefined' && drawnInSoftware();
+
+function drawnInSoftware() {
+  const probe = document.createElement('canvas').getContext('webgl2');
+  const about = probe?.getExtension('WEBGL_debug_renderer_info');
+  const name = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
+  probe?.getExtension('WEBGL_lose_context')?.loseContext();
+  return /swiftshader|llvmpipe|software/i.test(name);
+}
+
+export const pen = (canvas) => canvas.getContext('2d', { willReadFrequently: SOFTWARE });
