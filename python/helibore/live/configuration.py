@@ -16,7 +16,6 @@ sockets is not here.
 
 from __future__ import annotations
 
-import ipaddress
 import json
 import os
 import re
@@ -24,10 +23,10 @@ import tomllib
 from dataclasses import asdict, dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
 from helibore import units
 from helibore.live import wits
+from helibore.live.address import Address, check_allowed, read_address
 from helibore.live.tables import Table
 from helibore.wall import Wall
 
@@ -35,18 +34,6 @@ RIG_ITEMS = ("bit_depth", "hole_depth", "rotation", "activity")
 PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
 """Units of depths and of radii, for each unit set (LIVE items 0108 and 0844)."""
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where bytes come from: ``tcp``, ``listen``, ``serial`` or ``file``."""
-
-    kind: str
-    host: str = ""
-    port: int = 0
-    file: str = ""
-    baud: int = 9600
-    speed: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -249,13 +236,13 @@ def _path(table: Table) -> dict[str, Any]:
 
 
 def _source(name: str, table: Table, bit_diameter: float) -> Source:
-    address = _address(table)
+    address = read_address(table)
     chosen = table.choice("units", tuple(LENGTHS), why=" (nothing on the wire says which)")
     depth_unit, radius_unit = LENGTHS[chosen]
     given = table.has("allow")
     allow = tuple(table.array("allow", str, ["127.0.0.1", "::1"]))
     mode = table.choice("mode", ("listen", "heartbeat", "poll"), "listen")
-    _check_allowed(table, address, allow, given)
+    check_allowed(table, address, allow, given)
     items = table.table("items")
     rig: dict[str, Item] = {}
     for key in RIG_ITEMS:
@@ -285,39 +272,6 @@ def _source(name: str, table: Table, bit_diameter: float) -> Source:
     )
     table.close()
     return source
-
-
-def _check_allowed(table: Table, address: Address, allow: tuple[str, ...], given: bool) -> None:
-    """A listener that is not on loopback needs to be told who may connect."""
-    for index, network in enumerate(allow):
-        try:
-            ipaddress.ip_network(network)
-        except ValueError:
-            rule = "must be an IP address or a network such as 10.1.0.0/16"
-            raise table.fail(f"allow[{index}]", network, rule) from None
-    loopback = address.host == "localhost" or address.host.startswith("127.") or address.host == "::1"
-    if address.kind == "listen" and not loopback and not given:
-        raise ValueError(f"{table.place}.allow: must be set: who may connect to a listener on {address.host}")
-
-
-def _address(table: Table) -> Address:
-    text = table.text("address", why='"tcp://HOST:PORT", "listen://HOST:PORT", "serial:///dev/ttyS0?baud=9600", '
-                                     '"file:///PATH?speed=1" or "host" (the program pushes the bytes)')  # fmt: skip
-    if text == "host":
-        return Address("host")
-    parts = urlsplit(text)
-    query = {key: values[-1] for key, values in parse_qs(parts.query).items()}
-    try:
-        if parts.scheme in ("tcp", "listen") and parts.hostname and parts.port and not query:
-            return Address(parts.scheme, host=parts.hostname, port=parts.port)
-        if parts.scheme == "serial" and parts.path and set(query) <= {"baud"}:
-            return Address("serial", file=parts.path, baud=int(query.get("baud", "9600")))
-        if parts.scheme == "file" and parts.path and set(query) <= {"speed"}:
-            return Address("file", file=parts.path, speed=float(query.get("speed", "0")))
-    except ValueError:
-        pass
-    raise table.fail("address", text, "must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
-                                      "file:///PATH?speed=BYTES_A_SECOND or host")  # fmt: skip
 
 
 def _item(table: Table, name: str, unit: str | None, default: str | None = None) -> Item:
