@@ -1,0 +1,46 @@
+"""The programs on the README's page run as they stand there."""
+
+from __future__ import annotations
+
+import re
+import shlex
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[2]
+README = (ROOT / "README.md").read_text()
+F12 = ROOT.parent / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
+
+
+def block(language: str, having: str) -> str:
+    blocks = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    return next(text for text in blocks if having in text)
+
+
+def test_python(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, "-W", "error", "-c", block("python", "reconstruct")], cwd=tmp_path, check=True)
+    assert (tmp_path / "well.glb").stat().st_size > 10_000
+
+
+def test_cpp(tmp_path: Path) -> None:
+    source = tmp_path / "main.cpp"
+    source.write_text(block("cpp", "int main"))
+    warnings = ("-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-std=c++20")
+    subprocess.run(["c++", *warnings, "-I", ROOT / "cpp/include", source], check=True)
+
+
+def test_real_hole(tmp_path: Path) -> None:
+    if not F12.exists():
+        pytest.skip("shared/data/calipers is not beside the project: no Volve F-12 caliper")
+    command = shlex.split(block("sh", "volve_F-12").replace("\\\n", " ").replace(F12.name, str(F12)))
+    subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, check=True, capture_output=True)
+    assert (tmp_path / "f12.glb").read_bytes()[:4] == b"glTF"
+
+
+def test_every_place_named_is_there() -> None:
+    for name in ("develop", "cpp/DESIGN.md", "CHANGELOG.md", "LICENSE", "docs/helibore-demo.png", "tests/consumer"):
+        assert name in README
+        assert (ROOT / name).exists(), name
