@@ -31,7 +31,8 @@ class Simulated:
         rng = np.random.default_rng(seed)
         angle = rng.random((TURNS, samples)) * 2 * np.pi
         to, oval, low, wash, third = 2 * np.pi * rng.random((5, TURNS, 1))
-        if steady:  # one shape all the way down; the tool still wanders
+        if steady:  # one shape all the way down, sampled at a steady rate; the tool still wanders
+            angle = (np.arange(samples) + 0.6 * rng.random(angle.shape)) * 2 * np.pi / samples
             oval, low, wash, third = (each[:1] for each in (oval, low, wash, third))
         self.x, self.y = (eccentering * np.cos(to))[:, 0], (eccentering * np.sin(to))[:, 0]
         centre = eccentering * np.exp(1j * to)
