@@ -26,8 +26,8 @@ inline constexpr int position_bits = 12;
 inline constexpr std::int64_t list_capacity = (std::int64_t{1} << position_bits) - 1;  // the last position is "none"
 inline constexpr int max_neighbors = 256;
 
-// Squares up to this are distances of 0 (1e-140 m): the weights of larger ones stay in the range of a double.
-inline constexpr double zero_square = 1e-280;
+// Squares up to this are distances of 0 (1e-20 m): products of eight larger ones stay in the range of a double.
+inline constexpr double zero_square = 1e-40;
 
 // Squares larger than any real squared distance: no such candidate, no such limit.
 inline constexpr double missing_square = 1e300;
@@ -84,8 +84,13 @@ enum class Verdict : int {
     refetch,  // the radius moved so far that discarded candidates may count again
 };
 
+enum class Order : int { falls, level, rises };  // some value below the one before; some equal; all above
+
 struct Functions {
     const char* name;
+    // Do all values lie in [low, high]? NaN does not.
+    bool (*all_within)(const double* values, std::int64_t n, double low, double high);
+    Order (*order)(const double* values, std::int64_t n);
     // Appends the samples whose toolface lies within half_width of center (any, if that is 180 or more), and returns
     // how many of the n were read: fewer than n only if the list is full.
     std::int64_t (*gather)(CandidateList& list, const double* depth, const double* toolface, const double* radius,

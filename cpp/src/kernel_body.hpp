@@ -198,6 +198,21 @@ struct Estimate {
     P radius, support, least, farthest;  // least and farthest: squared distances, used and selected
 };
 
+// Weights proportional to 1 / d without a division: the product of the other seven distances, each the product of those
+// before it and those behind it. A neighbour that is not used stands as 1 and changes no bit of the others.
+template <class P>
+inline void products_of_others(const P* squares, P limit, P* weight) {
+    P distance[8];
+    for (int i = 0; i < 8; ++i) distance[i] = P::blend(P::less_equal(squares[i], limit), P::sqrt(squares[i]), P(1.0));
+    weight[0] = P(1.0);
+    for (int i = 1; i < 8; ++i) weight[i] = weight[i - 1] * distance[i - 1];
+    P behind = distance[7];
+    for (int i = 6; i >= 0; --i) {
+        weight[i] = weight[i] * behind;
+        behind = behind * distance[i];
+    }
+}
+
 // sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any.
 // A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
 // where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
@@ -217,14 +232,20 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
     const P limit(rules.max_square < missing_square ? rules.max_square : missing_square / 2);
     const auto hits = P::less_equal(least, P(zero_square));
     const bool any_hits = P::any(hits);
+    P weight[room];
+    if (fixed == 8 && rules.power == 1.0)
+        products_of_others(squares, limit, weight);
+    else
+        for (int i = 0; i < neighbors; ++i)
+            weight[i] =
+                rules.power == 1.0 ? P(1.0) / P::sqrt(squares[i]) : relative_weight(squares[i], least, rules.power);
     for (int i = 0; i < neighbors; ++i) {
-        P weight = rules.power == 1.0 ? P(1.0) / P::sqrt(squares[i]) : relative_weight(squares[i], least, rules.power);
         if (any_hits)
-            weight = P::blend(hits, P::blend(P::less_equal(squares[i], P(zero_square)), P(1.0), P(0.0)), weight);
+            weight[i] = P::blend(hits, P::blend(P::less_equal(squares[i], P(zero_square)), P(1.0), P(0.0)), weight[i]);
         const auto used = P::less_equal(squares[i], limit);
-        weight = P::blend(used, weight, P(0.0));
-        weights = weights + weight;
-        weighted = weighted + weight * n.radius[i];
+        weight[i] = P::blend(used, weight[i], P(0.0));
+        weights = weights + weight[i];
+        weighted = weighted + weight[i] * n.radius[i];
         support = support + P::blend(used, P(1.0), P(0.0));
         low = P::blend(used, P::min(low, n.radius[i]), low);
         high = P::blend(used, P::max(high, n.radius[i]), high);
@@ -361,8 +382,42 @@ std::int64_t gather(CandidateList& list, const double* depth, const double* tool
 }
 
 template <class P>
+bool all_within(const double* values, std::int64_t n, double low, double high) {
+    std::int64_t i = 0;
+    for (; i + 4 * P::width <= n; i += 4 * P::width) {  // a branch for every few vectors
+        auto good = P::less_equal(P(low), P::load(values + i));
+        for (int j = 0; j < 4; ++j) {
+            const P x = P::load(values + i + j * P::width);
+            good = P::both(good, P::both(P::less_equal(P(low), x), P::less_equal(x, P(high))));
+        }
+        if (!P::all(good)) return false;
+    }
+    for (; i < n; ++i)
+        if (!(low <= values[i] && values[i] <= high)) return false;
+    return true;
+}
+
+template <class P>
+Order order(const double* values, std::int64_t n) {
+    bool level = false;
+    std::int64_t i = 1;
+    for (; i + P::width <= n; i += P::width) {
+        const P before = P::load(values + i - 1), x = P::load(values + i);
+        if (!P::all(P::less(before, x))) {
+            if (!P::all(P::less_equal(before, x))) return Order::falls;
+            level = true;
+        }
+    }
+    for (; i < n; ++i) {
+        if (!(values[i - 1] <= values[i])) return Order::falls;
+        level = level || values[i - 1] == values[i];
+    }
+    return level ? Order::level : Order::rises;
+}
+
+template <class P>
 constexpr Functions functions_of(const char* name) {
-    return {name, &gather<P>, &estimate<P>, &nominate<P>};
+    return {name, &all_within<P>, &order<P>, &gather<P>, &estimate<P>, &nominate<P>};
 }
 
 }  // namespace

@@ -37,6 +37,7 @@ struct Avx2Pack {
     static Mask less(Avx2Pack a, Avx2Pack b) { return _mm256_cmp_pd(a.v, b.v, _CMP_LT_OQ); }
     static Mask less_equal(Avx2Pack a, Avx2Pack b) { return _mm256_cmp_pd(a.v, b.v, _CMP_LE_OQ); }
     static Mask both(Mask a, Mask b) { return _mm256_and_pd(a, b); }
+    static bool all(Mask a) { return _mm256_movemask_pd(a) == 15; }
     static bool any(Mask a) { return _mm256_movemask_pd(a) != 0; }
     static Avx2Pack blend(Mask m, Avx2Pack yes, Avx2Pack no) { return _mm256_blendv_pd(no.v, yes.v, m); }
 

@@ -30,6 +30,7 @@ struct Avx512Pack {
     static Mask less(Avx512Pack a, Avx512Pack b) { return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LT_OQ); }
     static Mask less_equal(Avx512Pack a, Avx512Pack b) { return _mm512_cmp_pd_mask(a.v, b.v, _CMP_LE_OQ); }
     static Mask both(Mask a, Mask b) { return static_cast<Mask>(a & b); }
+    static bool all(Mask a) { return a == 0xff; }
     static bool any(Mask a) { return a != 0; }
     static Avx512Pack blend(Mask m, Avx512Pack yes, Avx512Pack no) { return _mm512_mask_blend_pd(m, no.v, yes.v); }
 

@@ -70,6 +70,7 @@ struct PlainPack {
     static Mask both(Mask a, Mask b) {
         return test([&](int i) { return a.m[i] && b.m[i]; });
     }
+    static bool all(Mask a) { return a.m[0] && a.m[1] && a.m[2] && a.m[3]; }
     static bool any(Mask a) { return a.m[0] || a.m[1] || a.m[2] || a.m[3]; }
     static PlainPack blend(Mask m, PlainPack yes, PlainPack no) {
         return each([&](int i) { return m.m[i] ? yes.v[i] : no.v[i]; });

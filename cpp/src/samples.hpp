@@ -11,6 +11,7 @@
 
 #include "helibore/types.hpp"
 #include "helibore/wall.hpp"
+#include "kernel.hpp"
 
 namespace helibore {
 
@@ -61,7 +62,7 @@ struct SortedBatch {
 };
 
 // Validates and sorts. Throws InputError with the first offending row of the first offending column.
-SortedBatch sort_batch(const SampleColumns& columns, int threads);
+SortedBatch sort_batch(const SampleColumns& columns, int threads, const kernel::Functions& functions);
 
 class Samples {
   public:

@@ -50,7 +50,7 @@ class Search {
     void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
              GroupResult& result) const;
 
-    const char* instruction_set() const { return functions_->name; }
+    const kernel::Functions& functions() const { return *functions_; }
 
   private:
     struct Span;     // the depths and toolfaces of a group

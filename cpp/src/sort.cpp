@@ -15,6 +15,7 @@
 
 #include "helibore/error.hpp"
 #include "helix.hpp"
+#include "instruction_set.hpp"
 #include "number_text.hpp"
 #include "pages.hpp"
 #include "parallel.hpp"
@@ -63,34 +64,15 @@ void check_rows(const SampleColumns& c) {
     check("time", c.time, "must be finite", finite);
 }
 
-// Eight rows at a time, so that compilers compare whole vectors: is some value of the column bad?
-template <class Bad>
-bool any_bad(const double* values, std::size_t n, const Bad& bad) {
-    std::int64_t found[8] = {};
-    std::size_t i = 0;
-    for (; i + 8 <= n; i += 8)
-        for (std::size_t j = 0; j < 8; ++j) found[j] |= bad(values[i + j]);
-    std::int64_t any = 0;
-    for (const std::int64_t f : found) any |= f;
-    for (; i < n; ++i) any |= bad(values[i]);
-    return any != 0;
-}
+constexpr double largest = std::numeric_limits<double>::max();
+constexpr double least_radius = std::numeric_limits<double>::denorm_min();
 
-bool infinite(double x) {
-    return !(std::abs(x) < no_limit);
-}
-bool outside_a_turn(double x) {
-    return !((x >= 0.0) & (x < 360.0));
-}
-bool no_radius(double x) {
-    return !((x > 0.0) & (x <= largest_radius));
-}
-
-bool rows_valid(const SampleColumns& c, Range rows) {
-    const auto first = static_cast<std::size_t>(rows.start), n = static_cast<std::size_t>(rows.stop - rows.start);
-    return !any_bad(c.depth.data() + first, n, infinite) && !any_bad(c.toolface.data() + first, n, infinite) &&
-           !any_bad(c.radius.data() + first, n, no_radius) &&
-           (c.time.empty() || !any_bad(c.time.data() + first, n, infinite));
+bool rows_valid(const SampleColumns& c, Range rows, const kernel::Functions& f) {
+    const Index n = rows.stop - rows.start;
+    return f.all_within(c.depth.data() + rows.start, n, -largest, largest) &&
+           f.all_within(c.toolface.data() + rows.start, n, -largest, largest) &&
+           f.all_within(c.radius.data() + rows.start, n, least_radius, largest_radius) &&
+           (c.time.empty() || f.all_within(c.time.data() + rows.start, n, -largest, largest));
 }
 
 // Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
@@ -101,17 +83,12 @@ bool in_order(const SampleColumns& c, std::size_t i) {
     return std::lexicographical_compare(a, a + 3, b, b + 3);
 }
 
-bool rows_in_order(const SampleColumns& c, Range rows) {
-    const auto first = static_cast<std::size_t>(std::max<Index>(rows.start, 1)),
-               last = static_cast<std::size_t>(rows.stop);
-    std::int64_t falls = 0, ties = 0;
-    for (std::size_t i = first; i < last; ++i) {
-        falls += c.depth[i - 1] > c.depth[i];
-        ties += c.depth[i - 1] == c.depth[i];
-    }
-    if (falls > 0 || ties == 0 || c.time.empty()) return falls == 0;
-    for (std::size_t i = first; i < last; ++i)
-        if (!in_order(c, i)) return false;
+bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& f) {
+    const Index first = std::max<Index>(rows.start - 1, 0);
+    const kernel::Order order = f.order(c.depth.data() + first, rows.stop - first);
+    if (order != kernel::Order::level || c.time.empty()) return order != kernel::Order::falls;
+    for (Index i = first + 1; i < rows.stop; ++i)
+        if (!in_order(c, static_cast<std::size_t>(i))) return false;
     return true;
 }
 
@@ -137,40 +114,46 @@ void set_counts(Chunks& chunks, Index count) {
         chunks[i]->count = std::min(Chunk::full, count - static_cast<Index>(i) * Chunk::full);
 }
 
-void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk) {
-    const auto first = static_cast<std::size_t>(rows.start), n = static_cast<std::size_t>(rows.stop - rows.start);
-    std::memcpy(chunk.depth(), c.depth.data() + first, n * sizeof(double));
-    std::memcpy(chunk.radius(), c.radius.data() + first, n * sizeof(double));
-    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + first, n * sizeof(double));
-    if (!any_bad(c.toolface.data() + first, n, outside_a_turn))
-        for (std::size_t i = 0; i < n; ++i) chunk.toolface()[i] = c.toolface[first + i] + 0.0;
+void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::Functions& f) {
+    const auto n = static_cast<std::size_t>(rows.stop - rows.start);
+    const double* toolface = c.toolface.data() + rows.start;
+    std::memcpy(chunk.depth(), c.depth.data() + rows.start, n * sizeof(double));
+    std::memcpy(chunk.radius(), c.radius.data() + rows.start, n * sizeof(double));
+    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + rows.start, n * sizeof(double));
+    if (f.all_within(toolface, rows.stop - rows.start, 0.0, std::nextafter(360.0, 0.0)))
+        std::memcpy(chunk.toolface(), toolface, n * sizeof(double));
     else
-        for (std::size_t i = 0; i < n; ++i) chunk.toolface()[i] = wrap_toolface(c.toolface[first + i]);
+        std::transform(toolface, toolface + n, chunk.toolface(), wrap_toolface);
 }
 
-// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not.
-bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads) {
+// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not. Each
+// worker takes one stretch: two that fill the same large page would wait for each other while the system clears it.
+bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
-    for_each_part(static_cast<Index>(batch.chunks.size()), threads, [&](int, Index i) {
-        const Range rows{i * Chunk::full, std::min(batch.count, (i + 1) * Chunk::full)};
-        if (!in_order) return;
-        if (!rows_valid(c, rows)) valid = false;
-        if (!valid) return;
-        if (!rows_in_order(c, rows)) in_order = false;
-        if (in_order) copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(i)]);
+    on_workers(threads, [&](int w) {
+        const Range chunks = part(static_cast<Index>(batch.chunks.size()), threads, w);
+        for (Index i = chunks.start; i < chunks.stop && in_order && valid; ++i) {
+            const Range rows{i * Chunk::full, std::min(batch.count, (i + 1) * Chunk::full)};
+            if (!rows_valid(c, rows, f))
+                valid = false;
+            else if (!rows_in_order(c, rows, f))
+                in_order = false;
+            else
+                copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(i)], f);
+        }
     });
     if (!valid) check_rows(c);
     return in_order;
 }
 
 // The least and greatest depth, once all rows are found valid.
-std::pair<double, double> survey(const SampleColumns& c, int threads) {
+std::pair<double, double> survey(const SampleColumns& c, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
     std::vector<std::pair<double, double>> extremes(static_cast<std::size_t>(threads));
     std::atomic<bool> valid{true};
     on_workers(threads, [&](int w) {
         const Range rows = part(n, threads, w);
-        if (!rows_valid(c, rows)) valid = false;
+        if (!rows_valid(c, rows, f)) valid = false;
         const auto depths =
             c.depth.subspan(static_cast<std::size_t>(rows.start), static_cast<std::size_t>(rows.stop - rows.start));
         double least[8], greatest[8];
@@ -366,14 +349,15 @@ bool has_redundant(const SortedBatch& batch) {
 void SampleColumns::validate(int threads) const {
     check_lengths(*this);
     const auto n = static_cast<Index>(depth.size());
+    const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);
     std::atomic<bool> valid{true};
     for_each_part((n + small_batch - 1) / small_batch, threads, [&](int, Index i) {
-        if (!rows_valid(*this, {i * small_batch, std::min(n, (i + 1) * small_batch)})) valid = false;
+        if (!rows_valid(*this, {i * small_batch, std::min(n, (i + 1) * small_batch)}, f)) valid = false;
     });
     if (!valid) check_rows(*this);
 }
 
-SortedBatch sort_batch(const SampleColumns& columns, int threads) {
+SortedBatch sort_batch(const SampleColumns& columns, int threads, const kernel::Functions& f) {
     check_lengths(columns);
     SortedBatch batch;
     batch.count = static_cast<Index>(columns.depth.size());
@@ -383,8 +367,8 @@ SortedBatch sort_batch(const SampleColumns& columns, int threads) {
 
     batch.chunks = empty_chunks(batch.count, batch.timed);
     set_counts(batch.chunks, batch.count);
-    if (copy_if_in_order(columns, batch, threads)) return batch;
-    const auto [least, greatest] = survey(columns, threads);
+    if (copy_if_in_order(columns, batch, threads, f)) return batch;
+    const auto [least, greatest] = survey(columns, threads, f);
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
     distribute(columns, batch, buckets, ends, threads);

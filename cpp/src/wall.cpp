@@ -113,7 +113,7 @@ struct Wall::State {
 Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
     const StandardArithmetic standard;
-    SortedBatch batch = sort_batch(columns, settings.threads);
+    SortedBatch batch = sort_batch(columns, settings.threads, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
         throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
                                      : "time: missing, but the samples before carry one; give it for all or none");
