@@ -165,7 +165,7 @@ class _Walls:
         self.determinant = self.sum_1 * self.sum_tt - self.sum_t**2
 
     def _sum(self, values: Floats) -> Floats:
-        return np.bincount(self.spot, weights=self.weight * values, minlength=self.cells)
+        return np.bincount(self.spot, weights=self.weight * values, minlength=self.cells).astype(np.float64, copy=False)
 
     def fitted(self, radius: Floats) -> Floats:
         """The wall at every sample."""
@@ -185,7 +185,7 @@ class _Walls:
         b = np.bincount(pair, weights=self.weight * self.aside, minlength=pairs.size)
         spot, group = pairs // groups, pairs % groups
         rest = np.bincount(pair, weights=self.weight * (radius - self.fitted(radius)), minlength=pairs.size)
-        side: Floats = np.bincount(group, weights=rest, minlength=groups)
+        side: Floats = np.bincount(group, weights=rest, minlength=groups).astype(np.float64, copy=False)
         matrix: Floats = np.diag(np.bincount(group, weights=a, minlength=groups))
         for first in range(0, self.cells, 1024):
             begin, end = np.searchsorted(spot, [first, first + 1024])

@@ -56,7 +56,7 @@ def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: In
 
 def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
     """x' terms at every sample, (n,), of one series a turn, (t, P)."""
-    values = terms[turn, 0]
+    values: Floats = terms[turn, 0]
     coefficients = terms[:, 1::2] - 1j * terms[:, 2::2]
     for k in range(coefficients.shape[1]):
         values += (coefficients[turn, k] * table[k + 1]).real

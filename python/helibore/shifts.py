@@ -136,7 +136,8 @@ def _profile(place: Floats, radius: Floats, grid: Integers, step: float, trend: 
     sums = np.concatenate([[0.0], np.cumsum(np.where(known, profile, 0.0))])
     counts = np.concatenate([[0], np.cumsum(known)])
     smooth: Floats = (sums[last] - sums[first]) / np.maximum(counts[last] - counts[first], 1)
-    return profile - smooth
+    detrended: Floats = profile - smooth
+    return detrended
 
 
 def _moved(profile: Floats, steps: float) -> Floats:
