@@ -64,7 +64,7 @@ Search::Search(const Settings& settings)
 }
 
 kernel::Group Search::start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const {
-    kernel::Group g{};
+    kernel::Group g;  // results are set by the kernel
     Index sector = group * lanes % helix.sectors;
     for (Index i = 0; i < lanes; ++i) {
         const Index k = group * lanes + i;
@@ -73,6 +73,8 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
         if (++sector == helix.sectors) sector = 0;
         g.trial[i] = settings_.bit_diameter / 2.0;
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
+        g.iterations[i] = g.reach_square[i] = 0.0;
+        g.window_first[i] = g.window_last[i] = 0.0;
         if (rules_.windowed) {
             const Index n = samples.size(), window = std::min(*settings_.window, n);
             const Index first = std::clamp<Index>(samples.count_to(g.depth[i]) - *settings_.window / 2, 0, n - window);

@@ -267,7 +267,11 @@ Index Wall::State::settled_now() const {
     return count;
 }
 
-Wall::Wall(const Settings& settings) : state_(std::make_unique<State>(settings)) {}
+Wall::Wall(const Settings& settings)
+    : state_([&] {
+          const StandardArithmetic standard;
+          return std::make_unique<State>(settings);
+      }()) {}
 Wall::~Wall() = default;
 Wall::Wall(Wall&&) noexcept = default;
 Wall& Wall::operator=(Wall&&) noexcept = default;
@@ -300,6 +304,7 @@ double Wall::start_depth() const {
 }
 
 std::vector<double> Wall::depth() const {
+    const StandardArithmetic standard;
     const std::scoped_lock held(state_->lock);
     std::vector<double> out(static_cast<std::size_t>(state_->count));
     for (Index k = 0; k < state_->count; ++k) out[static_cast<std::size_t>(k)] = state_->helix.depth(k);
@@ -307,6 +312,7 @@ std::vector<double> Wall::depth() const {
 }
 
 std::vector<double> Wall::toolface() const {
+    const StandardArithmetic standard;
     const std::scoped_lock held(state_->lock);
     std::vector<double> out(static_cast<std::size_t>(state_->count));
     for (Index k = 0; k < state_->count; ++k) out[static_cast<std::size_t>(k)] = state_->helix.toolface(k);

@@ -1,6 +1,5 @@
-// A host's floating-point state changes no bit of an append and stays as the host set it: rounding upwards, flushing
-// subnormals to zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would
-// end them).
+// A host's floating-point state changes no bit and stays as the host set it: rounding upwards, flushing subnormals to
+// zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would end them).
 #include <cfenv>
 
 #include "check.hpp"
@@ -12,16 +11,14 @@
 
 namespace {
 
-using helibore::Wall;
+using Result = std::vector<std::uint64_t>;
 
-Wall empty_wall(int threads) {
-    return Wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
-}
-
-// In two steps: samples exactly on vertices (distance 0) among them.
-void append(Wall& wall, const Hole& hole) {
+// Makes a wall, appends in two steps with samples exactly on vertices (distance 0), and reads all, in the host's state.
+Result work(int threads, const Hole& hole) {
+    helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
     wall.append(hole.rows(0, 1000));
     wall.append(hole.rows(1000, hole.depth.size() - 1000));
+    return bits(wall);
 }
 
 #ifdef __SSE2__
@@ -36,18 +33,17 @@ int host_state() {
 #endif
 
 template <class Set>
-void under(const char* name, const std::vector<std::uint64_t>& expected, const Hole& hole, const Set& set) {
+void under(const char* name, const Result& expected, const Hole& hole, const Set& set) {
     for (const int threads : {1, 3}) {
-        Wall wall = empty_wall(threads);
         std::fenv_t normal;
         std::fegetenv(&normal);
         set();
         const auto as_set = host_state();
-        append(wall, hole);
+        const Result result = work(threads, hole);
         const bool restored = host_state() == as_set;
         std::fesetenv(&normal);
         if (!restored) fail(__FILE__, __LINE__, std::string("state not given back: ") + name);
-        if (bits(wall) != expected) fail(__FILE__, __LINE__, std::string("other bits: ") + name);
+        if (result != expected) fail(__FILE__, __LINE__, std::string("other bits: ") + name);
     }
 }
 
@@ -59,9 +55,7 @@ int main() {
         hole.depth[i] = 100.0;
         hole.toolface[i] = i % 2 == 0 ? 0.0 : 1e-300;
     }
-    Wall plain = empty_wall(1);
-    append(plain, hole);
-    const std::vector<std::uint64_t> expected = bits(plain);
+    const Result expected = work(1, hole);
     under("as the system starts", expected, hole, [] {});
     under("rounding upwards", expected, hole, [] { std::fesetround(FE_UPWARD); });
     under("rounding towards zero", expected, hole, [] { std::fesetround(FE_TOWARDZERO); });
