@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
 from helibore.caliper import Caliper
+from helibore.sector_image import SectorImage
 from helibore.surface import Surface, Volume
 from helibore.survey import Path, Survey
 from helibore.wall import Change, Settings, Wall, reconstruct
@@ -20,6 +21,7 @@ __all__ = [
     "Change",
     "Live",
     "Path",
+    "SectorImage",
     "Settings",
     "Surface",
     "Survey",

@@ -1,0 +1,49 @@
+"""Mapping a sector image on 1 M quads, beside a NumPy gather (np.take) of as many values.
+
+    python -m bench images
+
+Some quads are checked against the image's cells before it is timed. The bar is at most 10 gathers. Cell mapping holds
+it; linear mapping, which reads four cells a quad, does not yet and is stated beside it.
+"""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+
+from bench.measure import in_turn, milliseconds, ratio
+from helibore.sector_image import SectorImage
+
+SECTORS, PITCH, QUADS = 64, 0.1, 1_000_000
+
+
+def cases(rounds: int = 15) -> list[dict[str, Any]]:
+    """A 16-sector image, a row every 5 cm, on a wall of 64 sectors; the gather takes the very cells."""
+    settings = SimpleNamespace(sectors=SECTORS, pitch=PITCH, start_toolface=0.0)
+    wall = SimpleNamespace(settings=settings, start_depth=0.0, radius=np.full(QUADS + SECTORS + 1, 0.108))
+    rows = np.arange(0, QUADS / SECTORS * PITCH + 1, 0.05)
+    values = np.random.default_rng(1).normal(size=(rows.size, 16))
+    image = SectorImage(rows, values, "GR", origin="edge", reference="high-side")
+    k = np.arange(QUADS)
+    depth = (k + (SECTORS + 1) / 2) * (PITCH / SECTORS)
+    taken = np.floor(depth / 0.05 + 0.5).astype(np.int64) * 16 + k % SECTORS // 4
+    assert (image.on(wall) == values.ravel()[taken]).mean() > 0.999  # borders apart, by rounding
+    seconds = in_turn(
+        {
+            "cell": lambda: image.on(wall),
+            "linear": lambda: image.on(wall, "linear"),
+            "gather": lambda: np.take(values, taken),
+        },
+        rounds,
+    )
+    return [
+        {
+            "case": f"sector image on {QUADS} quads",
+            "cell": {"ms": milliseconds(seconds["cell"]), "over a gather": ratio(seconds["cell"], seconds["gather"])},
+            "over a gather at most": 10,
+            "linear over a gather": ratio(seconds["linear"], seconds["gather"]),
+            "gather ms": milliseconds(seconds["gather"]),
+        }
+    ]
