@@ -203,8 +203,8 @@ def _centres(wall: WallLike) -> tuple[Floats, Floats]:
     """Depth of every quad's centre, the mean of its corners, and toolface of those of the first turn."""
     K, pitch = wall.settings.sectors, wall.settings.pitch
     count = max(wall.radius.size - K - 1, 0)
-    depth: Floats = wall.start_depth + (np.arange(count) + (K + 1) / 2) * (pitch / K)
-    toolface: Floats = wall.settings.start_toolface + (np.arange(K) + 0.5) * (360 / K)
+    depth: Floats = wall.start_depth + (np.arange(count, dtype=np.float64) + (K + 1) / 2) * (pitch / K)
+    toolface: Floats = wall.settings.start_toolface + (np.arange(K, dtype=np.float64) + 0.5) * (360 / K)
     return depth, toolface
 
 
