@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.measure import machine
 
-NAMES = ("reconstruction", "appends", "memory", "emission", "images")
+NAMES = ("reconstruction", "appends", "memory", "emission", "images", "logs")
 
 
 def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
