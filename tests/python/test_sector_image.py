@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from types import SimpleNamespace
 from typing import Any
 
@@ -125,6 +126,33 @@ def test_a_real_wall_takes_the_values_gaps_or_not() -> None:
     for quad in range(0, len(surface.quads), 7):
         where = centre(wall, int(surface.quad_index[quad]))
         assert surface.attributes["GR"][quad] == cell(image, where[0] + 1e-9, where[1])
+
+
+def test_the_images_of_a_real_memory_file_lie_where_its_cells_are() -> None:
+    """P11-A-02: 16-sector density and 8-sector gamma, every quad. Where sector 1 lies is assumed: files do not say."""
+    path = Path(__file__).parents[3] / "shared/data/lwd-images/P11-A-02_Composite_MEM_Image_NF.las"
+    if not path.exists():
+        pytest.skip(f"shared/data/lwd-images/{path.name} is not beside the project")
+    pytest.importorskip("lasio")
+    file = hb.open(path)
+    for name, sectors in (("ABDC", 16), ("GRAS", 8)):
+        columns = file.image(name)
+        image = SectorImage(
+            columns.depth, columns.values, name, columns.unit, origin="edge", reference="high-side", offset=1.0
+        )
+        assert image.sectors == sectors
+        assert image.missing == np.isnan(columns.values).sum()
+        there = image.depth[~np.isnan(image.values).all(axis=1)]
+        wall = helix(turns=120, sectors=64, start=float(np.median(there)) + 0.00311)
+        on = image.on(wall)
+        assert np.isfinite(on).any()
+        rows = columns.depth
+        for k in range(on.size):
+            depth, toolface = centre(wall, k)
+            row = int(np.argmin(np.abs(rows - depth)))
+            within = abs(rows[row] - depth) <= image.reach
+            expected = columns.values[row, int((toolface - 1) % 360 // (360 / sectors))] if within else math.nan
+            np.testing.assert_equal(on[k], expected)
 
 
 def test_an_image_is_frozen_counted_and_says_what_it_is() -> None:
