@@ -17,16 +17,20 @@ from helibore.threads import available_threads
 
 
 def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
-    """Seconds of each work in each round, one work after the other, results dropped between; one round unmeasured."""
+    """Seconds of each work in each round, results dropped between.
+
+    In each round a work runs twice and its second run counts, so that none pays for the caches and pages that another
+    left behind.
+    """
     seconds: dict[str, list[float]] = {name: [] for name in works}
-    for turn in range(rounds + 1):
+    for _ in range(rounds):
         for name, work in works.items():
-            start = time.perf_counter()
-            result = work()
-            took = time.perf_counter() - start
-            del result
-            if turn > 0:
-                seconds[name].append(took)
+            for _ in range(2):
+                start = time.perf_counter()
+                result = work()
+                took = time.perf_counter() - start
+                del result
+            seconds[name].append(took)
     return seconds
 
 

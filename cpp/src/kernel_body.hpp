@@ -239,6 +239,16 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
         for (int i = 0; i < neighbors; ++i)
             weight[i] =
                 rules.power == 1.0 ? P(1.0) / P::sqrt(squares[i]) : relative_weight(squares[i], least, rules.power);
+    if (!any_hits && P::all(P::less_equal(farthest, limit))) {  // mostly: every neighbour is used
+        for (int i = 0; i < neighbors; ++i) {
+            weights = weights + weight[i];
+            weighted = weighted + weight[i] * n.radius[i];
+            low = P::min(low, n.radius[i]);
+            high = P::max(high, n.radius[i]);
+        }
+        support = P(static_cast<double>(neighbors));
+        return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
+    }
     for (int i = 0; i < neighbors; ++i) {
         if (any_hits)
             weight[i] = P::blend(hits, P::blend(P::less_equal(squares[i], P(zero_square)), P(1.0), P(0.0)), weight[i]);
