@@ -15,6 +15,7 @@ import math
 import os
 import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
@@ -23,30 +24,14 @@ import numpy.typing as npt
 
 from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
+from helibore.colors import Colors, ColorScale, check_map, colors_of
 from helibore.glb_file import write_glb
 
 if TYPE_CHECKING:
     from helibore.surface import Surface
 
-Colors = npt.NDArray[np.uint8]
-Limits = tuple[float, float] | None
+Paint = Callable[[Floats], Colors]
 
-# Dark to bright evenly in lightness, safe for colour-blind eyes: nine stops of viridis (van der Walt and Smith, CC0).
-_STOPS = np.array(
-    [
-        (68, 1, 84),
-        (71, 44, 122),
-        (59, 81, 139),
-        (44, 113, 142),
-        (33, 144, 141),
-        (39, 173, 129),
-        (92, 200, 99),
-        (170, 220, 50),
-        (253, 231, 37),
-    ],
-    dtype=np.float64,
-)
-_MISSING = (160, 160, 160)
 _PLY_CORNERS = ("corner_count", "vertex_indices")
 _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
@@ -55,12 +40,14 @@ def save_surface(
     surface: Surface,
     filename: str | os.PathLike[str],
     color_by: str | None,
-    limits: Limits,
+    limits: tuple[float, float] | None,
     origin: tuple[float, float, float],
+    color_map: str,
+    log: bool,
 ) -> None:
     """Write ``surface`` to ``filename``: `Surface.save`."""
     path = Path(filename)
-    writers: dict[str, Callable[[Surface, Floats, str | None, Limits], Callable[[BinaryIO], object]]] = {
+    writers: dict[str, Callable[[Surface, Floats, str | None, Paint], Callable[[BinaryIO], object]]] = {
         ".glb": _glb,
         ".ply": _ply,
         ".obj": _obj,
@@ -73,40 +60,14 @@ def save_surface(
         raise ValueError(f"{path}: the surface has no quads to save")
     if len(origin) != 3 or not all(map(math.isfinite, origin)):
         raise ValueError(f"origin = {origin}: must be three finite numbers (north, east, down)")
-    if limits is not None and not (len(limits) == 2 and all(map(math.isfinite, limits)) and limits[0] < limits[1]):
-        raise ValueError(f"limits = {limits}: must be two finite numbers, the first below the second")
+    check_map(color_map)
+    if limits is not None:
+        if len(limits) != 2:
+            raise ValueError(f"limits = {limits}: must be two finite numbers, the first below the second")
+        ColorScale(*limits, color_map=color_map, log=log)
+    paint = partial(colors_of, limits=limits, color_map=color_map, log=log)
     positions = surface.vertices - np.array(origin, dtype=np.float64)
-    write_whole(path, writer(surface, positions, color_by, limits))
-
-
-def colors_of(values: Floats, limits: Limits = None) -> Colors:
-    """Colour values from dark (least) to bright (greatest); missing ones grey.
-
-    Parameters
-    ----------
-    values
-        (n,) float64.
-    limits
-        Values of the darkest and the brightest colour; None: the least and the greatest of ``values``.
-
-    Returns
-    -------
-    (n, 4) uint8: red, green, blue, 255.
-    """
-    there = np.isfinite(values)
-    low, high = limits if limits is not None else _extremes(values[there])
-    span = high - low
-    share = np.clip((values - low) / span, 0, 1) if span else np.zeros_like(values)
-    steps = np.linspace(0, 1, 1024) * (len(_STOPS) - 1)  # a table: one look-up a value
-    table = np.full((1025, 4), 255, dtype=np.uint8)
-    for channel in range(3):
-        table[:1024, channel] = np.rint(np.interp(steps, np.arange(len(_STOPS)), _STOPS[:, channel]))
-    table[1024, :3] = _MISSING
-    return table[np.where(there, np.rint(np.where(there, share, 0) * 1023), 1024).astype(np.intp)]
-
-
-def _extremes(values: Floats) -> tuple[float, float]:
-    return (float(values.min()), float(values.max())) if values.size else (0.0, 0.0)
+    write_whole(path, writer(surface, positions, color_by, paint))
 
 
 def _quad_values(surface: Surface, color_by: str | None) -> Floats:
@@ -129,8 +90,8 @@ def _at_vertices(surface: Surface, values: Floats) -> Floats:
     return mean
 
 
-def _glb(surface: Surface, positions: Floats, color_by: str | None, limits: Limits) -> Callable[[BinaryIO], object]:
-    colors = colors_of(_quad_values(surface, color_by), limits)
+def _glb(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
+    colors = paint(_quad_values(surface, color_by))
     return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes)
 
 
@@ -138,7 +99,7 @@ def _z_up(positions: Floats) -> Floats:
     return np.column_stack([positions[:, 1], positions[:, 0], -positions[:, 2]])
 
 
-def _ply(surface: Surface, positions: Floats, color_by: str | None, limits: Limits) -> Callable[[BinaryIO], object]:
+def _ply(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
     """A binary PLY: float64 vertices with colours, and faces of four corners with radius and attributes.
 
     Colours sit at vertices, the mean of the quads around: several readers know no others, and trimesh fails at faces of
@@ -149,7 +110,7 @@ def _ply(surface: Surface, positions: Floats, color_by: str | None, limits: Limi
         if not re.fullmatch(r"[!-~]+", name) or name in _PLY_CORNERS:
             taken = ", ".join(_PLY_CORNERS)
             raise ValueError(f"attributes[{name!r}]: must be ASCII without blanks in a PLY file, and none of {taken}")
-    colors = colors_of(_at_vertices(surface, _quad_values(surface, color_by)), limits)
+    colors = paint(_at_vertices(surface, _quad_values(surface, color_by)))
     east_north_up = zip("xyz", _z_up(positions).T, strict=True)
     red_green_blue = zip(("red", "green", "blue"), colors.T[:3], strict=True)
     vertices = _records(
@@ -187,7 +148,7 @@ def _records(columns: list[tuple[str, str, Any]]) -> npt.NDArray[np.void]:
     return records
 
 
-def _obj(surface: Surface, positions: Floats, _color_by: str | None, _limits: Limits) -> Callable[[BinaryIO], object]:
+def _obj(surface: Surface, positions: Floats, _color_by: str | None, _paint: Paint) -> Callable[[BinaryIO], object]:
     import trimesh
 
     mesh: Any = trimesh.Trimesh(_z_up(positions), surface.triangles(), process=False)
@@ -195,7 +156,7 @@ def _obj(surface: Surface, positions: Floats, _color_by: str | None, _limits: Li
     return lambda file: file.write(content.encode("ascii"))
 
 
-def _stl(surface: Surface, positions: Floats, _color_by: str | None, _limits: Limits) -> Callable[[BinaryIO], object]:
+def _stl(surface: Surface, positions: Floats, _color_by: str | None, _paint: Paint) -> Callable[[BinaryIO], object]:
     import trimesh
 
     moved = np.abs(positions.astype(np.float32) - positions).max()

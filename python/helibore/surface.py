@@ -170,6 +170,8 @@ class Surface:
         color_by: str | None = None,
         limits: tuple[float, float] | None = None,
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        color_map: str = "viridis",
+        log: bool = False,
     ) -> None:
         """Write the surface to a file, whole or not at all; the ending tells the format.
 
@@ -197,15 +199,17 @@ class Surface:
             Values at the two ends of the colours; by default the least and the greatest.
         origin
             North, east and down of the point that becomes (0, 0, 0) in the file, metres.
+        color_map, log
+            The colours and whether they follow the logarithm: `helibore.colors.ColorScale`.
 
         Raises
         ------
         ValueError
-            On an ending or attribute that is not known, a surface without quads, and for .stl as above.
+            On an ending, attribute or map that is not known, a surface without quads, and for .stl as above.
         """
         from helibore.mesh_files import save_surface
 
-        save_surface(self, filename, color_by, limits, origin)
+        save_surface(self, filename, color_by, limits, origin, color_map, log)
 
     def __repr__(self) -> str:
         return f"Surface({len(self.vertices)} vertices, {len(self.quads)} quads, {self.attributes!r})"

@@ -12,7 +12,7 @@ import pytest
 
 import helibore as hb
 from helibore.atomic_file import write_whole
-from helibore.mesh_files import colors_of
+from helibore.colors import colors_of
 from helibore.surface import surface_of
 
 trimesh = pytest.importorskip("trimesh")
@@ -147,11 +147,11 @@ def test_colors_span_the_values_or_the_limits():
     assert colors[0].tolist() == [68, 1, 84, 255]
     assert colors[1].tolist() == pytest.approx([33, 144, 141, 255], abs=1)
     assert colors[2].tolist() == [253, 231, 37, 255]
-    assert colors[3].tolist() == colors[4].tolist() == [160, 160, 160, 255]
+    assert colors[3].tolist() == colors[4].tolist() == [176, 176, 176, 255]
     assert colors_of(values, (0, 10))[2].tolist() == colors_of(np.array([0, 3.0, 10]))[1].tolist()
     assert colors_of(np.array([-5.0, 15.0]), (0, 10)).tolist() == colors_of(np.array([0, 10.0])).tolist()
     assert len(np.unique(colors_of(np.full(5, 0.1)), axis=0)) == 1
-    assert colors_of(np.full(2, np.nan)).tolist() == [[160, 160, 160, 255]] * 2
+    assert colors_of(np.full(2, np.nan)).tolist() == [[176, 176, 176, 255]] * 2
 
 
 # ------------------------------------------------------------------ PLY, OBJ, STL
@@ -185,7 +185,7 @@ def test_ply_holds_quads_float64_colours_and_attributes(tmp_path):
     palette = colors_of(np.array([0.0, 1, 2]))[:, :3].tolist()
     for quad, value in ((300, 0), (1500, 1), (2800, 2)):  # amid quads of the same value
         assert vertices["color"][well.quads[quad]].tolist() == [palette[value]] * 4
-    assert vertices["color"][0].tolist() == [160, 160, 160]
+    assert vertices["color"][0].tolist() == [176, 176, 176]
     mesh = trimesh.load_mesh(tmp_path / "well.ply", process=False)
     assert np.abs(mesh.vertices - z_up(well.vertices)).max() == 0
     assert windings(mesh.faces) == windings(well.triangles())

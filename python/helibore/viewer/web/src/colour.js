@@ -5,24 +5,15 @@
 // Static: one range everywhere, the same colour is the same value. Dynamic: the range of each depth is the mean plus and
 // minus two standard deviations of a window around it, which brings out layers; then the same colour is NOT the same value.
 
+import definition from '../../../color_maps.json' with { type: 'json' };
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
 const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
 
-// viridis and cividis: 17 anchors of the published maps (CC0). No map contains the grey of missing values.
-export const MAPS = {
-  image: { label: 'Image (tan)', anchors: hex('1c0d02 4a2406 7d430c b06a1c d6943c efc06e fbe3a8 fffbe6') },
-  viridis: {
-    label: 'Viridis',
-    anchors: hex('440154 48186a 472d7b 424086 3b528b 33638d 2c728e 26828e 21918c 1fa088 28ae80 3fbc73 5ec962 84d44b addc30 d8e219 fde725'),
-  },
-  cividis: {
-    label: 'Cividis (colour-blind safe)',
-    anchors: hex('00224e 002e6a 1a386f 32436d 434e6c 535a6d 61656f 6f7073 7d7c78 8c8878 9b9476 aba072 bcae6c cdbb63 dec958 f0d846 fee838'),
-  },
-  gamma: { label: 'Gamma (sand to shale)', anchors: hex('fff27a f3d14e d9a93a a87b34 74552f 4b3a2b 2b2320') },
-  difference: { label: 'Difference (zero white)', anchors: hex('123a8c 3f74c4 93b9e4 f4f4f2 f0a98d cc5140 7d0f1d') },
-};
+// One definition for the page, meshes and pictures. No map contains the grey of missing values.
+export const MAPS = Object.fromEntries(
+  Object.entries(definition.maps).map(([name, { label, stops }]) => [name, { label, anchors: hex(stops) }]),
+);
 
 export function lookup(name, count = 256) {
   const { anchors } = MAPS[name] ?? MAPS.viridis;
