@@ -24,6 +24,7 @@ import numpy.typing as npt
 
 from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
+from helibore.caliper import BASIS_TEXT
 from helibore.colors import Colors, ColorScale, check_map, colors_of
 from helibore.glb_file import write_glb
 
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 Paint = Callable[[Floats], Colors]
 
 _PLY_CORNERS = ("corner_count", "vertex_indices")
+_AXES = "helibore: x east, y north, z up, metres"
 _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
 
@@ -92,7 +94,7 @@ def _at_vertices(surface: Surface, values: Floats) -> Floats:
 
 def _glb(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
     colors = paint(_quad_values(surface, color_by))
-    return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes)
+    return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes, surface.basis)
 
 
 def _z_up(positions: Floats) -> Floats:
@@ -121,7 +123,8 @@ def _ply(surface: Surface, positions: Floats, color_by: str | None, paint: Paint
     header = [
         "ply",
         "format binary_little_endian 1.0",
-        "comment helibore: x east, y north, z up, metres",
+        f"comment {_AXES}",
+        f"comment {BASIS_TEXT[surface.basis]}",
         f"element vertex {len(vertices)}",
         *[f"property double {axis}" for axis in "xyz"],
         *[f"property uchar {channel}" for channel in ("red", "green", "blue")],
@@ -152,7 +155,7 @@ def _obj(surface: Surface, positions: Floats, _color_by: str | None, _paint: Pai
     import trimesh
 
     mesh: Any = trimesh.Trimesh(_z_up(positions), surface.triangles(), process=False)
-    content = mesh.export(file_type="obj", include_normals=False, header="helibore: x east, y north, z up, metres")
+    content = mesh.export(file_type="obj", include_normals=False, header=f"{_AXES}\n{BASIS_TEXT[surface.basis]}")
     return lambda file: file.write(content.encode("ascii"))
 
 
@@ -167,4 +170,5 @@ def _stl(surface: Surface, positions: Floats, _color_by: str | None, _paint: Pai
         )
     mesh: Any = trimesh.Trimesh(_z_up(positions), surface.triangles(), process=False)
     content = mesh.export(file_type="stl")
-    return lambda file: file.write(content)
+    header = f"helibore: {BASIS_TEXT[surface.basis]}".encode("ascii").ljust(80)
+    return lambda file: file.write(header + content[80:])

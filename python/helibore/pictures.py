@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from helibore.arrays import Floats
+from helibore.caliper import BASIS_TEXT
 from helibore.shading import View, shade
 
 if TYPE_CHECKING:
@@ -103,7 +104,10 @@ def overview(
     section = _section_of_most_relief(wall)
     _draw_solid(solid_axes, wall, track, track_limits, section)
     _tie(figure, track_axes, solid_axes, [float(wall.depth[turn * wall.settings.sectors]) for turn in section])
-    figure.text(0.055, 0.03, _LEGENDS[reference], fontsize=10, color=FAINT, va="center")
+    legend = _LEGENDS[reference]
+    if wall.basis != "azimuthal":
+        legend += f". NOT an image of the shape: {BASIS_TEXT[wall.basis]}"
+    figure.text(0.055, 0.03, legend, fontsize=10, color=FAINT, va="center")
     return figure
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import os
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator, MutableMapping, Sequence
+from collections.abc import MutableMapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -22,6 +22,8 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.arrays import Floats, Integers, column
+from helibore.attributes import Attributes
+from helibore.caliper import Basis
 from helibore.survey import Path
 from helibore.threads import thread_count
 
@@ -51,46 +53,6 @@ class WallLike(Protocol):
     def radius(self) -> Floats: ...
 
 
-class Attributes(MutableMapping[str, Floats]):
-    """Named values, one a cell (quad or hexahedron): each (cells,) float64, copied and read-only.
-
-    A value for every cell the whole wall has room for is taken, too, and those of missing cells dropped.
-    """
-
-    def __init__(self, cell: str, index: Integers | range, whole: int) -> None:
-        self._cell, self._index, self._whole = cell, index, whole
-        self._values: dict[str, Floats] = {}
-
-    def __getitem__(self, name: str) -> Floats:
-        return self._values[name]
-
-    def __setitem__(self, name: str, values: npt.ArrayLike) -> None:
-        array = column(f"attributes[{name!r}]", values)
-        if array.size == self._whole != len(self._index):
-            array = array[self._index]
-        elif array.size != len(self._index):
-            whole = f" (or {self._whole}, one for each of the whole wall)" if self._whole != len(self._index) else ""
-            raise ValueError(
-                f"attributes[{name!r}] has {array.size} values: must be {len(self._index)}, one a {self._cell}{whole}"
-            )
-        else:
-            array = array.copy()
-        array.flags.writeable = False
-        self._values[name] = array
-
-    def __delitem__(self, name: str) -> None:
-        del self._values[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._values)
-
-    def __len__(self) -> int:
-        return len(self._values)
-
-    def __repr__(self) -> str:
-        return f"Attributes({', '.join(self._values) or 'none'})"
-
-
 class Surface:
     """Quads of the wall; made by `Wall.surface`. A snapshot: a wall that grows does not change it.
 
@@ -104,6 +66,8 @@ class Surface:
         that grows upwards.
     attributes
         `Attributes`, one value a quad.
+    basis
+        What the wall is made from, as in `Caliper`; files say it.
     """
 
     def __init__(
@@ -114,7 +78,9 @@ class Surface:
         quad_ranges: Integers,
         wall_radius: Floats,
         sectors: int,
+        basis: Basis = "azimuthal",
     ) -> None:
+        self.basis: Basis = basis
         self.vertices = vertices
         self.quads = quads
         self._vertex_ranges, self._quad_ranges = vertex_ranges, quad_ranges
@@ -189,6 +155,8 @@ class Surface:
                 up)
         ======  ===============  ===========  ==========================================================================
 
+        Each says what the wall is made from: the mesh's extras in .glb (``basis``), a comment or the header elsewhere.
+
         Parameters
         ----------
         filename
@@ -227,6 +195,8 @@ class Volume:
         layer next to the wall first.
     attributes
         `Attributes`, one value a hexahedron.
+    basis
+        What the wall is made from, as in `Caliper`.
     """
 
     def __init__(
@@ -236,7 +206,9 @@ class Volume:
         shell_ranges: Sequence[Integers],
         layer_ranges: Sequence[Integers],
         whole: int,
+        basis: Basis = "azimuthal",
     ) -> None:
+        self.basis: Basis = basis
         self.vertices = vertices
         self.hexes = hexes
         self._shell_ranges, self._layer_ranges = shell_ranges, layer_ranges
@@ -314,7 +286,7 @@ def surface_of(
     vertices, quads, vertex_ranges, quad_ranges = _core.surface(
         _helix(wall), first, stretch, _core.Path() if path is None else path._core, thread_count(threads)
     )
-    return Surface(vertices, quads, vertex_ranges, quad_ranges, radius, wall.settings.sectors)
+    return Surface(vertices, quads, vertex_ranges, quad_ranges, radius, wall.settings.sectors, basis_of(wall))
 
 
 def volume_of(
@@ -353,7 +325,14 @@ def volume_of(
         _core.Path() if path is None else path._core,
         thread_count(threads),
     )
-    return Volume(vertices, hexes, shell_ranges, layer_ranges, max(radius.size - wall.settings.sectors - 1, 0))
+    whole = max(radius.size - wall.settings.sectors - 1, 0)
+    return Volume(vertices, hexes, shell_ranges, layer_ranges, whole, basis_of(wall))
+
+
+def basis_of(wall: WallLike) -> Basis:
+    """Return what a wall is made from; one that does not say is taken to be measured around the hole."""
+    basis: Basis = getattr(wall, "basis", "azimuthal")
+    return basis
 
 
 def _helix(wall: WallLike) -> tuple[float, float, float, int]:

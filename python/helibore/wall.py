@@ -19,7 +19,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.arrays import Floats, Integers, column
-from helibore.caliper import Caliper
+from helibore.caliper import Basis, Caliper, check_basis
 from helibore.surface import Surface, Volume, surface_of, volume_of
 from helibore.survey import Path
 from helibore.threads import thread_count
@@ -135,6 +135,8 @@ class Wall:
         None: all cores. The result does not depend on it.
     instruction_set
         'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
+    basis
+        What its samples are, as in `Caliper`; surfaces, files and pictures of the wall say it.
 
     Raises
     ------
@@ -148,8 +150,16 @@ class Wall:
     """
 
     def __init__(
-        self, *, bit_diameter: float, threads: int | None = None, instruction_set: str = "automatic", **settings: Any
+        self,
+        *,
+        bit_diameter: float,
+        threads: int | None = None,
+        instruction_set: str = "automatic",
+        basis: Basis = "azimuthal",
+        **settings: Any,
     ) -> None:
+        check_basis(basis)
+        self._basis = basis
         self._settings = Settings(bit_diameter=bit_diameter, **settings)
         self._core = _core.Wall(
             **self._settings._core_arguments(), threads=thread_count(threads), instruction_set=instruction_set
@@ -159,6 +169,11 @@ class Wall:
     def settings(self) -> Settings:
         """What the wall is built with."""
         return self._settings
+
+    @property
+    def basis(self) -> Basis:
+        """What the wall is made from: ``"azimuthal"``, ``"average"`` or ``"gauge"``."""
+        return self._basis
 
     def append(
         self,
@@ -245,7 +260,7 @@ class Wall:
     @property
     def samples(self) -> Caliper:
         """The samples kept, in canonical order: depth, time or arrival, toolface, radius; a copy."""
-        return Caliper(*self._core.samples())
+        return Caliper(*self._core.samples(), basis=self._basis)
 
     def surface(self, path: Path | None = None, start: float | None = None, stop: float | None = None) -> Surface:
         """Place the wall along ``path`` and join neighbouring turns into quads: `surface_of` with this wall."""
@@ -274,7 +289,7 @@ def reconstruct(caliper: Caliper, *, bit_diameter: float, threads: int | None = 
     Parameters
     ----------
     caliper
-        The samples.
+        The samples; the wall takes over their basis.
     bit_diameter, threads, **settings
         As in `Wall` and `Settings`.
 
@@ -294,6 +309,6 @@ def reconstruct(caliper: Caliper, *, bit_diameter: float, threads: int | None = 
     >>> wall.radius
     array([0.1, 0.1, 0.1, 0.1, 0.1])
     """
-    wall = Wall(bit_diameter=bit_diameter, threads=threads, **settings)
+    wall = Wall(bit_diameter=bit_diameter, threads=threads, basis=caliper.basis, **settings)
     wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time)
     return wall

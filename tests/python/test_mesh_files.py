@@ -135,7 +135,7 @@ def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path):
     mesh = trimesh.load_scene(tmp_path / "well.glb").to_mesh()
     expected = np.where(np.arange(len(well.quads)) == 7, -999.25, np.arange(len(well.quads)))
     assert (mesh.vertex_attributes["_GR"].reshape(-1, 4) == expected[:, None]).all()
-    assert read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"] == {"missing": -999.25}
+    assert read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"] == {"missing": -999.25, "basis": "azimuthal"}
     colors = mesh.visual.vertex_colors.reshape(-1, 4, 4)
     assert (colors == colors[:, :1]).all()
     assert len(np.unique(colors[:, 0], axis=0)) > 100

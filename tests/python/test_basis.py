@@ -1,0 +1,101 @@
+"""Walls of wells without an azimuthal caliper: the size is right, gaps stay gaps, and everything says what it is."""
+
+from __future__ import annotations
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import helibore as hb
+
+
+def test_an_average_caliper_gives_a_round_wall_of_its_size() -> None:
+    depth = np.arange(1000, 1020, 0.1)
+    diameter = 0.22 + 0.002 * (depth - 1000)
+    wall = hb.reconstruct(hb.Caliper.from_average(depth, diameter), bit_diameter=0.216, sectors=32)
+    assert wall.basis == "average"
+    assert (wall.support == 8).all()
+    expected = np.interp(wall.depth, depth, diameter) / 2
+    assert np.abs(wall.radius - expected).max() < 1e-4  # a tenth of what the diameter grows in a row, halved
+    turns = wall.radius[: len(wall) // 32 * 32].reshape(-1, 32)
+    assert np.ptp(turns, axis=1).max() < 2e-4
+
+
+def test_missing_diameters_are_left_out_and_a_gap_stays_a_gap() -> None:
+    depth = np.arange(0, 20, 0.25)
+    diameter = np.where((depth > 5) & (depth < 15), np.nan, 0.25)
+    caliper = hb.Caliper.from_average(depth[::-1], diameter[::-1])
+    assert len(caliper) == 16 * np.isfinite(diameter).sum()
+    wall = hb.reconstruct(caliper, bit_diameter=0.216)
+    missing = np.isnan(wall.radius)
+    assert missing[(wall.depth > 6.1) & (wall.depth < 13.9)].all()
+    assert not missing[(wall.depth < 5.9) | (wall.depth > 14.1)].any()
+
+
+def test_gauge_hole_is_exactly_at_bit_size_and_reaches_both_ends() -> None:
+    caliper = hb.Caliper.gauge(100.0, 103.25, 0.216)
+    assert (caliper.depth.min(), caliper.depth.max()) == (100.0, 103.25)
+    wall = hb.reconstruct(caliper, bit_diameter=0.216)
+    assert wall.basis == "gauge"
+    assert (wall.radius == 0.108).all()
+    assert wall.samples.basis == "gauge"
+
+
+def test_a_wall_is_measured_unless_it_says_otherwise() -> None:
+    assert hb.Wall(bit_diameter=0.2).basis == hb.Caliper([1.0], [0.0], [0.1]).basis == "azimuthal"
+    assert hb.Wall(bit_diameter=0.2, basis="gauge").surface().basis == "gauge"
+    assert "not measured" in repr(hb.Caliper.gauge(0, 1, 0.2))
+    assert "measured" not in repr(hb.Caliper([1.0], [0.0], [0.1]))
+
+
+@pytest.mark.parametrize("basis", ["average", "gauge"])
+def test_files_say_what_the_wall_is_made_from(tmp_path: Path, basis: str) -> None:
+    caliper = {"gauge": hb.Caliper.gauge(0, 2, 0.2), "average": hb.Caliper.from_average([0, 1, 2], [0.2, 0.2, 0.2])}
+    surface = hb.reconstruct(caliper[basis], bit_diameter=0.2).surface()
+    words = {"gauge": b"gauge hole at bit size: not measured", "average": b"average caliper: size measured"}[basis]
+    for ending in ("ply", "obj", "stl", "glb"):
+        surface.save(tmp_path / f"wall.{ending}")
+    for ending in ("ply", "obj", "stl"):
+        assert words in (tmp_path / f"wall.{ending}").read_bytes()[:400], ending
+    content = (tmp_path / "wall.glb").read_bytes()
+    scene = json.loads(content[20 : 20 + struct.unpack("<I", content[12:16])[0]])
+    assert scene["meshes"][0]["extras"]["basis"] == basis
+
+
+def test_the_picture_says_that_the_shape_is_not_measured() -> None:
+    pytest.importorskip("matplotlib")
+    from helibore.pictures import Track, overview
+
+    wall = hb.reconstruct(hb.Caliper.gauge(0, 2, 0.2), bit_diameter=0.2)
+    track = Track(np.arange(0, 2, 0.1), np.arange(320.0).reshape(20, 16), "GR", "gAPI")
+    texts = [text.get_text() for text in overview(wall, track, "A hole", dpi=40).texts]
+    assert any("gauge hole at bit size: not measured" in text for text in texts)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (
+            lambda: hb.Caliper.from_average([1, 2], [0.2, 8.5]),
+            r"diameter\[1\] = 8.5: must be above 0 and at most 4 metres",
+        ),
+        (lambda: hb.Caliper.from_average([1, 2], [0.2, 0]), r"diameter\[1\] = 0: must be above 0 and at most 4 metres"),
+        (lambda: hb.Caliper.from_average([1, 2], [np.nan, np.nan]), "diameter: all 2 are missing"),
+        (lambda: hb.Caliper.from_average([1, 2], [0.2]), "diameter has 1 values, depth has 2: must be equal"),
+        (lambda: hb.Caliper.gauge(20, 10, 0.2), "stop = 10: must be deeper than start = 20"),
+        (lambda: hb.Caliper.gauge(0, np.inf, 0.2), "stop = inf: must be finite"),
+        (lambda: hb.Caliper.gauge(0, 10, 8.5), "bit_diameter = 8.5: must be above 0 and at most 4 metres"),
+        (lambda: hb.Caliper.gauge(0, 10, 0.2, step=0), "step = 0: must be finite and above 0"),
+        (
+            lambda: hb.Caliper([1], [0], [0.1], basis="guess"),
+            "basis = 'guess': must be one of azimuthal, average, gauge",
+        ),
+        (lambda: hb.Wall(bit_diameter=0.2, basis="bit"), "basis = 'bit': must be one of azimuthal, average, gauge"),
+    ],
+)
+def test_bad_input_is_named(call, text: str) -> None:
+    with pytest.raises(ValueError, match=f"^{text}$"):
+        call()
