@@ -12,6 +12,7 @@ from helibore.survey import Path, Survey
 from helibore.wall import Change, Settings, Wall, reconstruct
 
 if TYPE_CHECKING:
+    from helibore.archive import load as load
     from helibore.files import open as open  # noqa: A004
     from helibore.live.live import Live
     from helibore.viewer import view as view
@@ -28,13 +29,14 @@ __all__ = [
     "Volume",
     "Wall",
     "__version__",
+    "load",
     "reconstruct",
     "view",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the live part and the readers when they are asked for; `import helibore` stays small.
+    """Load the live part, the archive and the readers when they are asked for; `import helibore` stays small.
 
     ``open`` stays out of ``__all__``: a star import must not shadow the builtin.
     """
@@ -42,6 +44,10 @@ def __getattr__(name: str) -> Any:
         from helibore.live.live import Live
 
         return Live
+    if name == "load":
+        from helibore.archive import load
+
+        return load
     if name == "open":
         from helibore.files import open  # noqa: A004
 

@@ -26,7 +26,7 @@ def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], objec
     Raises
     ------
     OSError
-        If the folder is not there or cannot be written to.
+        If the folder is not there or cannot be written to, or the disk is full; it names ``path``.
     """
     target = Path(path)
     beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
@@ -36,8 +36,11 @@ def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], objec
             file.flush()
             os.fsync(file.fileno())
         beside.replace(target)
-    except BaseException:
-        beside.unlink(missing_ok=True)
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+        if isinstance(error, OSError) and error.errno is not None:
+            raise type(error)(error.errno, error.strerror, str(target)) from error
         raise
     _flush_folder(target.parent)
 

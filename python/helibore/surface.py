@@ -13,7 +13,7 @@ from __future__ import annotations
 import math
 import os
 from bisect import bisect_left, bisect_right
-from collections.abc import MutableMapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, Protocol
 
@@ -85,9 +85,7 @@ class Surface:
         self.quads = quads
         self._vertex_ranges, self._quad_ranges = vertex_ranges, quad_ranges
         self._wall_radius = wall_radius
-        self.attributes: MutableMapping[str, Floats] = Attributes(
-            "quad", _spread_if_gapped(quad_ranges), max(wall_radius.size - sectors - 1, 0)
-        )
+        self.attributes = Attributes("quad", _spread_if_gapped(quad_ranges), max(wall_radius.size - sectors - 1, 0))
 
     @cached_property
     def vertex_index(self) -> Integers:
@@ -213,7 +211,7 @@ class Volume:
         self.hexes = hexes
         self._shell_ranges, self._layer_ranges = shell_ranges, layer_ranges
         index = np.concatenate([_spread(ranges) + layer * whole for layer, ranges in enumerate(layer_ranges)])
-        self.attributes: MutableMapping[str, Floats] = Attributes("hexahedron", index, whole * len(layer_ranges))
+        self.attributes = Attributes("hexahedron", index, whole * len(layer_ranges))
 
     @cached_property
     def vertex_index(self) -> Integers:

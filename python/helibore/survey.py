@@ -120,8 +120,9 @@ class Path:
     ) -> None:
         north, east, down = head
         self._head = (float(north), float(east), float(down))
+        self._extend = float(extend)
         self._survey, self._method, self._reference = survey, method, reference
-        self._core = _core.Path(survey._core, method, reference, self._head, float(extend))
+        self._core = _core.Path(survey._core, method, reference, self._head, self._extend)
 
     @property
     def survey(self) -> Survey:
@@ -142,6 +143,11 @@ class Path:
     def head(self) -> tuple[float, float, float]:
         """North, east and down of the first station, metres."""
         return self._head
+
+    @property
+    def extend(self) -> float:
+        """Metres the path goes straight on below the last station."""
+        return self._extend
 
     @property
     def start_depth(self) -> float:

@@ -10,16 +10,20 @@ from __future__ import annotations
 
 import math
 import operator
+import os
+import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
 from helibore.arrays import Floats, Integers, column
+from helibore.attributes import WallAttributes
 from helibore.caliper import Basis, Caliper, check_basis
+from helibore.sector_image import SectorImage
 from helibore.surface import Surface, Volume, surface_of, volume_of
 from helibore.survey import Path
 from helibore.threads import thread_count
@@ -124,6 +128,18 @@ class Change:
         )
 
 
+class _Moment(NamedTuple):
+    """A wall as it is now, for what is made of its radii."""
+
+    settings: Settings
+    start_depth: float
+    radius: Floats
+    basis: Basis
+
+    def quads(self) -> int:
+        return _quad_room(self.radius.size, self.settings.sectors)
+
+
 class Wall:
     """The wall of a hole, growing with its samples; empty at first.
 
@@ -137,6 +153,18 @@ class Wall:
         'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
     basis
         What its samples are, as in `Caliper`; surfaces, files and pictures of the wall say it.
+
+    Attributes
+    ----------
+    path
+        Where the hole goes, a `Path`, or None. Surfaces and volumes follow it unless they are given another.
+    images
+        `SectorImage` by name. Every surface has them as attributes.
+    attributes
+        `WallAttributes`: other values, one for each quad of the wall. Every surface has them, too.
+    made_from
+        What else is known of where the wall comes from (files, runs, shifts), as JSON has it: texts, numbers, lists,
+        dicts. Archives and meshes carry it; nothing is read from it.
 
     Raises
     ------
@@ -164,6 +192,13 @@ class Wall:
         self._core = _core.Wall(
             **self._settings._core_arguments(), threads=thread_count(threads), instruction_set=instruction_set
         )
+        self._growing = threading.Lock()  # between an append and what must see all columns of one moment
+        self.path: Path | None = None
+        self.images: dict[str, SectorImage] = {}
+        self.attributes = WallAttributes(
+            lambda: (self._core.start_depth, _quad_room(len(self._core), self._settings.sectors))
+        )
+        self.made_from: dict[str, Any] = {}
 
     @property
     def settings(self) -> Settings:
@@ -200,12 +235,14 @@ class Wall:
             As `Caliper`. The wall is then as it was, to the last bit.
         """
         depths = column("depth", depth)
-        change = self._core.append(
+        columns = (
             depths,
             column("toolface", toolface, depths.size, "depth"),
             column("radius", radius, depths.size, "depth"),
             None if time is None else column("time", time, depths.size, "depth"),
         )
+        with self._growing:
+            change = self._core.append(*columns)
         return Change(change.ranges, change.settled, change.accepted, change.redundant)
 
     def __len__(self) -> int:
@@ -263,8 +300,20 @@ class Wall:
         return Caliper(*self._core.samples(), basis=self._basis)
 
     def surface(self, path: Path | None = None, start: float | None = None, stop: float | None = None) -> Surface:
-        """Place the wall along ``path`` and join neighbouring turns into quads: `surface_of` with this wall."""
-        return surface_of(self, path, start, stop)
+        """Place the wall along ``path`` and join neighbouring turns into quads: `surface_of` with this wall.
+
+        ``path=None`` is the wall's own `path`, and straight down where it has none. The surface has the wall's images
+        and attributes.
+        """
+        moment = self._moment()
+        surface = surface_of(moment, self.path if path is None else path, start, stop)
+        for name, image in self.images.items():
+            surface.attributes[name] = image.on(moment)
+            surface.attributes.units[name] = image.unit
+        for name in self.attributes:
+            surface.attributes[name] = self.attributes.whole(name, moment.start_depth, moment.quads())
+        surface.attributes.units.update(self.attributes.units)
+        return surface
 
     def volume(
         self,
@@ -273,14 +322,55 @@ class Wall:
         start: float | None = None,
         stop: float | None = None,
     ) -> Volume:
-        """Thicken the wall outwards, shell by shell, into hexahedra: `volume_of` with this wall."""
-        return volume_of(self, path, shells, start, stop)
+        """Thicken the wall outwards, shell by shell, into hexahedra: `volume_of` with this wall.
+
+        ``path=None`` as for `surface`.
+        """
+        return volume_of(self._moment(), self.path if path is None else path, shells, start, stop)
+
+    def save(self, filename: str | os.PathLike[str]) -> None:
+        """Write all that this wall is to an archive, whole or not at all; `helibore.load` reopens it.
+
+        Settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the same
+        bits, and goes on with the bits that this one would have. `helibore.archive` says what the file holds.
+
+        Parameters
+        ----------
+        filename
+            Ends in .wall; replaced if it is there.
+
+        Raises
+        ------
+        ValueError
+            On another ending, and on a `made_from` that JSON cannot hold.
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        """
+        from helibore import archive
+
+        archive.save(self, filename)
+
+    def _moment(self) -> _Moment:
+        with self._growing:
+            return _Moment(self._settings, self._core.start_depth, self._core.radius(), self._basis)
+
+    def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[Any], ...], float]:
+        """Samples, vertices (radius, nearest, support, iterations) and start depth of one moment."""
+        core = self._core
+        with self._growing:
+            vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
+            return core.samples(), vertices, core.start_depth
 
     def __repr__(self) -> str:
         if not len(self):
             return "Wall(empty)"
         last = self.start_depth + (len(self) - 1) * self._settings.pitch / self._settings.sectors
         return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
+
+
+def _quad_room(vertices: int, sectors: int) -> int:
+    """The quads that so many vertices have room for."""
+    return max(vertices - sectors - 1, 0)
 
 
 def reconstruct(caliper: Caliper, *, bit_diameter: float, threads: int | None = None, **settings: Any) -> Wall:
