@@ -19,6 +19,7 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
         }
     });
     helibore::bindings::register_journal(m);
+    helibore::bindings::register_logs(m);
     helibore::bindings::register_path(m);
     helibore::bindings::register_surface(m);
     helibore::bindings::register_wall(m);

@@ -6,6 +6,7 @@
 namespace helibore::bindings {
 
 void register_journal(pybind11::module_& m);
+void register_logs(pybind11::module_& m);
 void register_path(pybind11::module_& m);
 void register_surface(pybind11::module_& m);
 void register_wall(pybind11::module_& m);

@@ -78,6 +78,9 @@ def surface(
 def volume(
     helix: _Helix, first: int, shells: list[_Floats], path: Path, threads: int
 ) -> tuple[_Floats, _Integers, list[_Integers], list[_Integers]]: ...
+def turn_columns(
+    radius: _Floats, sectors: int, start_toolface: float, window: int, threads: int
+) -> dict[str, _Floats]: ...
 def crc32c(bytes: bytes | bytearray | memoryview, crc: int = 0) -> int: ...
 def journal_seal(
     sequence: int, wall: int, monotonic: int, connection: int, source: int, kind: int, payload: bytes, salt: int

@@ -14,7 +14,7 @@ import os
 import threading
 from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,6 +27,9 @@ from helibore.sector_image import SectorImage
 from helibore.surface import Surface, Volume, surface_of, volume_of
 from helibore.survey import Path
 from helibore.threads import thread_count
+
+if TYPE_CHECKING:
+    from helibore.logs import Logs
 
 _INTEGERS = ("sectors", "neighbors", "max_iterations")
 _LARGEST_INTEGER = 2**31 - 1  # the core's integers
@@ -360,6 +363,12 @@ class Wall:
         with self._growing:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
             return core.samples(), vertices, core.start_depth
+
+    def logs(self, rugosity_window: float = 1.0, threads: int | None = None) -> Logs:
+        """Measure every full turn: `helibore.logs.turn_logs` with this wall and its bit diameter."""
+        from helibore.logs import turn_logs
+
+        return turn_logs(self, None, rugosity_window, threads)
 
     def __repr__(self) -> str:
         if not len(self):

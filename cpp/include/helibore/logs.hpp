@@ -1,0 +1,52 @@
+// Logs of a wall: what each full turn of its helix measures.
+//
+//     area = 1/2 int r^2 dphi = pi mean(r^2)       centre = int r^3 (cos, sin) dphi / (3 area)
+//
+//            0
+//        .-'---`-.          c1: the largest diameter through the axis; c2: the one at right angles to it
+//      /  .-----.  `.       inscribed: the largest circle with no vertex inside, wherever its centre
+//     |  (   x   )    |     enclosing: the smallest circle with none outside
+//      `. `-----' __.'
+//        `-----'
+//
+// The means over evenly spaced toolfaces are the periodic trapezoid rule: exact to rounding for a smooth hole, where
+// the polygon of 16 vertices loses 2.5 %. A turn with a radius missing is NaN in all columns but `coverage`, `smallest`
+// and `largest`. Volumes, ratios and depths are one step from here and left to the caller.
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "helibore/types.hpp"
+
+namespace helibore {
+
+// Radii of consecutive vertices from the first of a turn on; a rest that fills no turn is left out. Borrowed.
+struct Turns {
+    double start_toolface = 0.0;     // degrees, of the first vertex
+    int sectors = 64;                // K: vertices a turn, 3 or more
+    std::span<const double> radius;  // metres; NaN: missing
+    Index window = 11;               // turns that rugosity is measured over: odd, 3 or more
+};
+
+// One value a turn. Lengths in metres; directions 0 and 90 are toolfaces. Diameters go through the axis.
+struct TurnLogs {
+    std::vector<double> coverage;                 // share of the vertices that have a radius
+    std::vector<double> mean, mean_square;        // of the radius
+    std::vector<double> smallest, largest;        // radius
+    std::vector<double> c1, c1_toolface, c2;      // toolface in [0, 180)
+    std::vector<double> least_diameter;           //
+    std::vector<double> diameter_0, diameter_90;  // across toolfaces 0 and 180, 90 and 270
+    std::vector<double> centre_0, centre_90;      // of the area, from the axis towards toolfaces 0 and 90
+    std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // and its centre
+    std::vector<double> enclosing_diameter;
+    // Root mean square of what is left of the radii in the window around the turn after taking off, in each sector, its
+    // straight line along the hole; two degrees of freedom a sector go with the line. NaN where the window reaches
+    // beyond the ends or over a turn that is not whole.
+    std::vector<double> rugosity;
+};
+
+// The bits do not depend on `threads`. Throws InputError on sectors < 3 or a window that is even or below 3.
+TurnLogs turn_logs(const Turns& turns, int threads = 1);
+
+}  // namespace helibore

@@ -1,0 +1,51 @@
+// Logs of turns for Python: a dictionary of owned columns by name.
+#include "helibore/logs.hpp"
+
+#include "arrays.hpp"
+#include "register.hpp"
+
+namespace helibore::bindings {
+
+namespace {
+
+py::dict turn_columns(const Column& radius, int sectors, double start_toolface, Index window, int threads) {
+    const Turns turns{
+        .start_toolface = start_toolface, .sectors = sectors, .radius = span_of(radius), .window = window};
+    TurnLogs logs;
+    {
+        const py::gil_scoped_release released;
+        logs = turn_logs(turns, threads);
+    }
+    py::dict columns;
+    const auto add = [&](const char* name, std::vector<double>& column) {
+        columns[name] = array_of(std::move(column));
+    };
+    add("coverage", logs.coverage);
+    add("mean", logs.mean);
+    add("mean_square", logs.mean_square);
+    add("smallest", logs.smallest);
+    add("largest", logs.largest);
+    add("c1", logs.c1);
+    add("c1_toolface", logs.c1_toolface);
+    add("c2", logs.c2);
+    add("least_diameter", logs.least_diameter);
+    add("diameter_0", logs.diameter_0);
+    add("diameter_90", logs.diameter_90);
+    add("centre_0", logs.centre_0);
+    add("centre_90", logs.centre_90);
+    add("inscribed_diameter", logs.inscribed_diameter);
+    add("inscribed_0", logs.inscribed_0);
+    add("inscribed_90", logs.inscribed_90);
+    add("enclosing_diameter", logs.enclosing_diameter);
+    add("rugosity", logs.rugosity);
+    return columns;
+}
+
+}  // namespace
+
+void register_logs(py::module_& m) {
+    m.def("turn_columns", &turn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
+          py::arg("window"), py::arg("threads"));
+}
+
+}  // namespace helibore::bindings

@@ -1,0 +1,59 @@
+"""What each log is called in files, its unit, and how rows of turns become rows of steps.
+
+The one list of names: `Logs` attribute, mnemonic, unit, description. Mnemonics follow the habit of caliper services.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+Rule = Literal["mean", "least", "greatest", "least there", "greatest there", "own"]
+
+
+@dataclass(frozen=True)
+class Definition:
+    """A log as files name it; ``by_step`` is how the turns of a step become one value.
+
+    A turn without a value leaves its step without one, but for the extremes of what is "there".
+    "own": a rule of its own.
+    """
+
+    name: str
+    mnemonic: str
+    unit: str
+    description: str
+    by_step: Rule
+
+
+COLUMNS = tuple(
+    Definition(*row)
+    for row in (
+        ("depth", "DEPT", "m", "Measured depth", "own"),
+        ("mean", "RMEAN", "m", "Mean radius", "mean"),
+        ("smallest", "RMIN", "m", "Smallest radius", "least there"),
+        ("largest", "RMAX", "m", "Largest radius", "greatest there"),
+        ("equivalent_diameter", "DEQ", "m", "Diameter of the circle of the same area", "own"),
+        ("c1", "C1", "m", "Largest diameter", "mean"),
+        ("c1_toolface", "C1TF", "deg", "Toolface of the largest diameter, 0 to 180", "own"),
+        ("c2", "C2", "m", "Diameter at right angles to the largest", "mean"),
+        ("least_diameter", "DMIN", "m", "Smallest diameter", "mean"),
+        ("diameter_0", "D0", "m", "Diameter across toolfaces 0 and 180", "mean"),
+        ("diameter_90", "D90", "m", "Diameter across toolfaces 90 and 270", "mean"),
+        ("ovality_api", "OVAL_API", "", "Ovality after API, (max - min)/(max + min)", "mean"),
+        ("ovality_dnv", "OVAL_DNV", "", "Ovality after DNV and ISO, 2 (max - min)/(max + min)", "mean"),
+        ("out_of_roundness", "OOR", "m", "Out of roundness, largest less smallest diameter", "mean"),
+        ("centre_0", "CEN0", "m", "Centre of the area from the axis towards toolface 0", "mean"),
+        ("centre_90", "CEN90", "m", "Centre of the area from the axis towards toolface 90", "mean"),
+        ("inscribed_diameter", "DINSC", "m", "Largest inscribed circle, diameter", "least"),
+        ("inscribed_0", "INSC0", "m", "Its centre from the axis towards toolface 0", "mean"),
+        ("inscribed_90", "INSC90", "m", "Its centre from the axis towards toolface 90", "mean"),
+        ("enclosing_diameter", "DENCL", "m", "Smallest enclosing circle, diameter", "greatest"),
+        ("rugosity", "RUGO", "m", "Rugosity, detrended rms of the radius over the window", "mean"),
+        ("volume", "VOL", "m3", "Volume of the hole in this row", "own"),
+        ("excess", "EXCESS", "", "Volume over that of gauge hole, less 1", "own"),
+        ("coverage", "COVER", "", "Share of vertices with a radius", "mean"),
+        ("nearest", "NEAREST", "m", "Largest distance to the nearest sample", "greatest there"),
+        ("age", "AGE", "s", "Newest sample here, before the newest of the wall", "least there"),
+    )
+)

@@ -1,0 +1,51 @@
+// Logs through the C++ interface: a circle off the axis, a gap, threads, and what is refused.
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "check.hpp"
+#include "helibore/error.hpp"
+#include "helibore/logs.hpp"
+
+namespace {
+
+// Turns of a circle of radius R whose centre lies e from the axis, towards toolface 0.
+std::vector<double> circle(double R, double e, int sectors, int turns) {
+    std::vector<double> radius;
+    for (int k = 0; k < sectors * turns; ++k) {
+        const double psi = 2.0 * 3.14159265358979323846 * k / sectors;
+        radius.push_back(e * std::cos(psi) + std::sqrt(R * R - e * e * std::sin(psi) * std::sin(psi)));
+    }
+    return radius;
+}
+
+bool near(double a, double b) {
+    return std::abs(a - b) < 1e-9;
+}
+
+}  // namespace
+
+int main() {
+    using helibore::turn_logs;
+    std::vector<double> radius = circle(0.12, 0.01, 32, 300);
+    radius[5 * 32 + 7] = std::numeric_limits<double>::quiet_NaN();
+    radius.push_back(0.12);  // fills no turn
+    const helibore::TurnLogs logs = turn_logs({.sectors = 32, .radius = radius, .window = 5});
+    CHECK(logs.mean.size() == 300);
+    CHECK(near(2.0 * std::sqrt(logs.mean_square[0]), 0.24));
+    CHECK(near(logs.centre_0[0], 0.01) && near(logs.centre_90[0], 0.0));
+    CHECK(near(logs.inscribed_diameter[9], 0.24) && near(logs.inscribed_0[9], 0.01));
+    CHECK(near(logs.enclosing_diameter[9], 0.24));
+    CHECK(near(logs.c1[0], 0.24) && near(logs.c1_toolface[0], 0.0) && near(logs.c2[0], logs.diameter_90[0]));
+    CHECK(std::isnan(logs.mean[5]) && near(logs.largest[5], 0.13) && near(logs.coverage[5], 31.0 / 32.0));
+    CHECK(std::isnan(logs.rugosity[7]) && logs.rugosity[8] < 1e-9 && std::isnan(logs.rugosity[1]));
+
+    const helibore::TurnLogs seven = turn_logs({.sectors = 32, .radius = radius, .window = 5}, 7);
+    CHECK(seven.inscribed_diameter[299] == logs.inscribed_diameter[299] && seven.rugosity[297] == logs.rugosity[297]);
+
+    CHECK(turn_logs({.sectors = 3, .radius = {}}).mean.empty());
+    CHECK_THROWS(helibore::InputError, "sectors = 2: must be 3 or more", turn_logs({.sectors = 2, .radius = radius}));
+    CHECK_THROWS(helibore::InputError, "window = 4: must be odd and 3 or more",
+                 turn_logs({.radius = radius, .window = 4}));
+    return failures();
+}
