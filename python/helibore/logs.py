@@ -16,7 +16,7 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any
 
@@ -163,18 +163,23 @@ class Logs:
             "missing": "a value is missing where a radius of its turn or step is",
         }
 
-    def table(self, more: Iterable[LogColumn] = ()) -> LogTable:
-        """Return the logs with mnemonics, units and descriptions, and ``more`` columns behind them."""
+    def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
+        """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
         from helibore.log_columns import COLUMNS
 
         own = [LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name)) for of in COLUMNS]
-        return LogTable([*own, *more], self.facts())
+        return LogTable([*own, *more], {**self.facts(), **(facts or {})})
 
-    def save(self, filename: str | os.PathLike[str], more: Iterable[LogColumn] = ()) -> None:
+    def save(
+        self,
+        filename: str | os.PathLike[str],
+        more: Iterable[LogColumn] = (),
+        facts: Mapping[str, str] | None = None,
+    ) -> None:
         """Write the logs to .las, .csv, .parquet or .dlis: `helibore.log_files.save_table` with `table`."""
         from helibore.log_files import save_table
 
-        save_table(self.table(more), filename)
+        save_table(self.table(more, facts), filename)
 
     def __repr__(self) -> str:
         if not len(self):

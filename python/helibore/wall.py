@@ -30,6 +30,7 @@ from helibore.threads import thread_count
 
 if TYPE_CHECKING:
     from helibore.logs import Logs
+    from helibore.zones import Classification, Criteria
 
 _INTEGERS = ("sectors", "neighbors", "max_iterations")
 _LARGEST_INTEGER = 2**31 - 1  # the core's integers
@@ -369,6 +370,12 @@ class Wall:
         from helibore.logs import turn_logs
 
         return turn_logs(self, None, rugosity_window, threads)
+
+    def zones(self, criteria: Criteria | None = None) -> Classification:
+        """Find washouts, breakouts, key seats and undergauge hole: `helibore.zones.classify` with this wall."""
+        from helibore.zones import classify
+
+        return classify(self, criteria)
 
     def __repr__(self) -> str:
         if not len(self):
