@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "helibore/error.hpp"
+#include "helix.hpp"
 #include "number_text.hpp"
 #include "parallel.hpp"
 
@@ -93,16 +94,20 @@ std::vector<HexahedronRun> hexahedron_runs(const std::vector<QuadRun>& inner, co
     return runs;
 }
 
-void require_nested(std::span<const std::span<const double>> shells) {
+// "radius" is the wall, and the shells beyond it count from 0.
+std::string name_of_shell(std::size_t s) {
+    return s == 0 ? "radius" : "shells[" + std::to_string(s - 1) + "]";
+}
+
+void require_nested(const HelixRadii& radii, std::span<const std::span<const double>> shells) {
+    const Helix helix{radii.start_depth, radii.start_toolface, radii.pitch, radii.sectors};
     for (std::size_t s = 1; s < shells.size(); ++s) {
         for (std::size_t i = 0; i < shells[s].size(); ++i) {
             if (!(shells[s][i] <= shells[s - 1][i])) continue;
-            const auto index = static_cast<Index>(i);
-            const std::string below =
-                s == 1 ? entry_text("radius", index, shells[0][i])
-                       : entry_text("shells[" + std::to_string(s - 2) + "]", index, shells[s - 1][i]);
-            throw InputError(entry_text("shells[" + std::to_string(s - 1) + "]", index, shells[s][i]) +
-                             ": must lie beyond " + below);
+            const Index k = radii.first + static_cast<Index>(i);
+            throw InputError(entry_text(name_of_shell(s), k, shells[s][i]) + " at depth " +
+                             number_text(helix.depth(k)) + ": must lie beyond " +
+                             entry_text(name_of_shell(s - 1), k, shells[s - 1][i]));
         }
     }
 }
@@ -157,7 +162,7 @@ VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<co
     VolumeLayout layout;
     std::vector<QuadRun> inner;
     for (std::size_t s = 0; s < shells.size(); ++s) {
-        const std::string name = s == 0 ? "radius" : "shells[" + std::to_string(s - 1) + "]";
+        const std::string name = name_of_shell(s);
         if (shells[s].size() != radii.radius.size()) {
             throw InputError(name + " has " + std::to_string(shells[s].size()) + " values, radius has " +
                              std::to_string(radii.radius.size()) + ": must be equal");
@@ -167,7 +172,7 @@ VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<co
         if (s > 0) layout.layers.push_back(hexahedron_runs(inner, outer, layout.hexahedron_count));
         inner = std::move(outer);
     }
-    require_nested(shells);
+    require_nested(radii, shells);
     return layout;
 }
 

@@ -2,6 +2,7 @@
 #include "helibore/surface.hpp"
 
 #include "arrays.hpp"
+#include "helibore/error.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -72,6 +73,7 @@ py::tuple volume(const py::tuple& helix, Index first, const std::vector<Column>&
             place(radii, path, layout.shells[s], vertex_rows, threads);
         }
         join(radii, layout, hexahedron_rows, threads);
+        require_upright(radii, layout, vertex_rows, hexahedron_rows, threads);
     }
     py::list shell_ranges, layer_ranges;
     for (const auto& runs : layout.shells) {
@@ -83,6 +85,26 @@ py::tuple volume(const py::tuple& helix, Index first, const std::vector<Column>&
     return py::make_tuple(vertices, hexahedra, shell_ranges, layer_ranges);
 }
 
+// Rows of a two-dimensional array that the Python layer has made C-contiguous.
+template <class Row, class Number>
+std::span<const Row> rows_of_array(const py::array_t<Number, py::array::c_style>& array) {
+    if (array.ndim() != 2 || array.shape(1) != static_cast<py::ssize_t>(std::tuple_size_v<Row>))
+        throw InternalError("an array of rows has another shape");
+    return {reinterpret_cast<const Row*>(array.data()), static_cast<std::size_t>(array.shape(0))};
+}
+
+py::array_t<double> hexahedron_volumes(const py::array_t<double, py::array::c_style>& vertices,
+                                       const py::array_t<Index, py::array::c_style>& hexahedra, int threads) {
+    const auto vertex_rows = rows_of_array<Vector3>(vertices);
+    const auto hexahedron_rows = rows_of_array<Hexahedron>(hexahedra);
+    std::vector<double> found;
+    {
+        const py::gil_scoped_release released;
+        found = volumes(vertex_rows, hexahedron_rows, threads);
+    }
+    return array_of(std::move(found));
+}
+
 }  // namespace
 
 void register_surface(py::module_& m) {
@@ -90,6 +112,7 @@ void register_surface(py::module_& m) {
           py::arg("threads"));
     m.def("volume", &volume, py::arg("helix"), py::arg("first"), py::arg("shells"), py::arg("path"),
           py::arg("threads"));
+    m.def("hexahedron_volumes", &hexahedron_volumes, py::arg("vertices"), py::arg("hexahedra"), py::arg("threads"));
 }
 
 }  // namespace helibore::bindings

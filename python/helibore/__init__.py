@@ -7,8 +7,9 @@ from typing import TYPE_CHECKING, Any
 from helibore._core import __version__
 from helibore.caliper import Caliper
 from helibore.sector_image import SectorImage
-from helibore.surface import Surface, Volume
+from helibore.surface import Surface
 from helibore.survey import Path, Survey
+from helibore.volume import Volume
 from helibore.wall import Change, Settings, Wall, reconstruct
 
 if TYPE_CHECKING:

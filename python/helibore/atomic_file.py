@@ -28,6 +28,7 @@ def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], objec
     OSError
         If the folder is not there or cannot be written to, or the disk is full; it names ``path``.
     """
+
     target = Path(path)
     beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     try:

@@ -27,10 +27,12 @@ class Attributes(MutableMapping[str, Floats]):
     ----------
     units
         Name to unit, where one is known; files say it.
+    index
+        The cell of the whole wall that each cell is.
     """
 
     def __init__(self, cell: str, index: Integers | range, whole: int) -> None:
-        self._cell, self._index, self._whole = cell, index, whole
+        self._cell, self.index, self._whole = cell, index, whole
         self._values: dict[str, Floats] = {}
         self.units: dict[str, str] = {}
 
@@ -39,12 +41,12 @@ class Attributes(MutableMapping[str, Floats]):
 
     def __setitem__(self, name: str, values: npt.ArrayLike) -> None:
         array = column(f"attributes[{name!r}]", values)
-        if array.size == self._whole != len(self._index):
-            array = array[self._index]
-        elif array.size != len(self._index):
-            whole = f" (or {self._whole}, one for each of the whole wall)" if self._whole != len(self._index) else ""
+        if array.size == self._whole != len(self.index):
+            array = array[self.index]
+        elif array.size != len(self.index):
+            whole = f" (or {self._whole}, one for each of the whole wall)" if self._whole != len(self.index) else ""
             raise ValueError(
-                f"attributes[{name!r}] has {array.size} values: must be {len(self._index)}, one a {self._cell}{whole}"
+                f"attributes[{name!r}] has {array.size} values: must be {len(self.index)}, one a {self._cell}{whole}"
             )
         else:
             array = array.copy()

@@ -36,7 +36,7 @@ def write_glb(
     quads: Integers,
     colors: npt.NDArray[np.uint8],
     attributes: Mapping[str, Floats],
-    basis: str,
+    extras: Mapping[str, Any],
 ) -> None:
     """Write quads, each of one colour.
 
@@ -58,8 +58,8 @@ def write_glb(
     attributes
         (q,) float64 each. Written as float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1), with
         -999.25 for missing values, which the mesh's extras say: glTF forbids NaN (3.6.2.2).
-    basis
-        What the wall is made from; in the mesh's extras, too.
+    extras
+        What else the mesh's extras say, as JSON has it.
     """
     y_up = np.stack([positions[:, 1], -positions[:, 2], -positions[:, 0]])
     middle = (y_up.min(axis=1) + y_up.max(axis=1)) / 2
@@ -73,7 +73,7 @@ def write_glb(
         *(_View(f"_{name}", _at_corners(_without_nan(of)), "SCALAR", _FLOAT, {}) for name, of in attributes.items()),
         _View("", _triangles(len(quads)), "SCALAR", _UNSIGNED_INT, {}),
     ]
-    text = json.dumps(_scene(views, 4 * len(quads), middle, basis), separators=(",", ":"), allow_nan=False).encode(
+    text = json.dumps(_scene(views, 4 * len(quads), middle, extras), separators=(",", ":"), allow_nan=False).encode(
         "ascii"
     )
     text += b" " * (-len(text) % 4)
@@ -121,7 +121,7 @@ def _linear(colors: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
     return result
 
 
-def _scene(views: list[_View], vertices: int, middle: Floats, basis: str) -> dict[str, Any]:
+def _scene(views: list[_View], vertices: int, middle: Floats, extras: Mapping[str, Any]) -> dict[str, Any]:
     starts = itertools.accumulate((view.array.nbytes for view in views), initial=0)
     attributes = {view.name: number for number, view in enumerate(views) if view.name}
     return {
@@ -133,7 +133,7 @@ def _scene(views: list[_View], vertices: int, middle: Floats, basis: str) -> dic
             {
                 "name": "wall",
                 "primitives": [{"attributes": attributes, "indices": len(views) - 1}],
-                "extras": {"missing": MISSING, "basis": basis},
+                "extras": {"missing": MISSING, **extras},
             }
         ],
         "accessors": [

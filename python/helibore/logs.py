@@ -26,8 +26,8 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.arrays import Floats, column
 from helibore.caliper import BASIS_TEXT, Basis
+from helibore.helix import WallLike, basis_of
 from helibore.log_table import LogColumn, LogTable
-from helibore.surface import WallLike, basis_of
 from helibore.threads import thread_count
 
 if TYPE_CHECKING:

@@ -1,17 +1,16 @@
-"""Surfaces as files: OBJ and STL through trimesh; GLB and PLY written here, for trimesh's GLB is slow and its PLY holds
-neither quads nor float64.
+"""Surfaces and volumes as files: which ending means what. OBJ and STL go through trimesh, VTKHDF through h5py; GLB, PLY
+and VTK's XML are written here, for trimesh's GLB is slow and its PLY holds neither quads nor float64 (and vtk_xml.py).
 
 Files have their own axes. From (north, east, down):
 
-    GLB             (east, up, -north)     Y up, as glTF requires
-    PLY, OBJ, STL   (east, north, up)      Z up, as maps are
+    GLB                 (east, up, -north)     Y up, as glTF requires
+    all others          (east, north, up)      Z up, as maps are
 
 Both are rotations; swapping only the sign of down would mirror the hole. What a file holds is in `Surface.save`.
 """
 
 from __future__ import annotations
 
-import math
 import os
 import re
 from collections.abc import Callable
@@ -27,14 +26,21 @@ from helibore.atomic_file import write_whole
 from helibore.caliper import BASIS_TEXT
 from helibore.colors import Colors, ColorScale, check_map, colors_of
 from helibore.glb_file import write_glb
+from helibore.notes import with_units
+from helibore.vtk_mesh import AXES, VtkMesh, check_origin, vtk_mesh, z_up
+from helibore.vtk_xml import write_vtp, write_vtu
+from helibore.vtkhdf import save_vtkhdf
 
 if TYPE_CHECKING:
     from helibore.surface import Surface
+    from helibore.volume import Volume
+
+SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
+VOLUME_ENDINGS = (".vtu", ".vtkhdf")
 
 Paint = Callable[[Floats], Colors]
 
 _PLY_CORNERS = ("corner_count", "vertex_indices")
-_AXES = "helibore: x east, y north, z up, metres"
 _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
 
@@ -49,36 +55,63 @@ def save_surface(
 ) -> None:
     """Write ``surface`` to ``filename``: `Surface.save`."""
     path = Path(filename)
-    writers: dict[str, Callable[[Surface, Floats, str | None, Paint], Callable[[BinaryIO], object]]] = {
+    painted: dict[str, Callable[[Surface, Floats, str | None, Paint], Callable[[BinaryIO], object]]] = {
         ".glb": _glb,
         ".ply": _ply,
         ".obj": _obj,
         ".stl": _stl,
     }
-    writer = writers.get(path.suffix.lower())
-    if writer is None:
-        raise ValueError(f"{path}: the ending must be one of {', '.join(writers)}")
+    ending = path.suffix.lower()
+    if ending not in SURFACE_ENDINGS:
+        raise ValueError(f"{path}: the ending must be one of {', '.join(SURFACE_ENDINGS)}")
     if len(surface.quads) == 0:
         raise ValueError(f"{path}: the surface has no quads to save")
-    if len(origin) != 3 or not all(map(math.isfinite, origin)):
-        raise ValueError(f"origin = {origin}: must be three finite numbers (north, east, down)")
+    check_origin(origin)
     check_map(color_map)
     if limits is not None:
         if len(limits) != 2:
             raise ValueError(f"limits = {limits}: must be two finite numbers, the first below the second")
         ColorScale(*limits, color_map=color_map, log=log)
+    if ending not in painted:
+        _check_known(surface, color_by)
+        _write_vtk(path, vtk_mesh(surface, origin, color_by))
+        return
     paint = partial(colors_of, limits=limits, color_map=color_map, log=log)
     positions = surface.vertices - np.array(origin, dtype=np.float64)
-    write_whole(path, writer(surface, positions, color_by, paint))
+    write_whole(path, painted[ending](surface, positions, color_by, paint))
+
+
+def save_volume(volume: Volume, filename: str | os.PathLike[str], origin: tuple[float, float, float]) -> None:
+    """Write ``volume`` to ``filename``: `Volume.save`."""
+    path = Path(filename)
+    if path.suffix.lower() not in VOLUME_ENDINGS:
+        raise ValueError(f"{path}: the ending must be one of {', '.join(VOLUME_ENDINGS)}; the others hold no hexahedra")
+    if len(volume.hexes) == 0:
+        raise ValueError(f"{path}: the volume has no hexahedra to save")
+    check_origin(origin)
+    _write_vtk(path, vtk_mesh(volume, origin))
+
+
+def _write_vtk(path: Path, mesh: VtkMesh) -> None:
+    ending = path.suffix.lower()
+    if ending == ".vtkhdf":
+        save_vtkhdf(path, mesh)
+    else:
+        write = write_vtu if ending == ".vtu" else write_vtp
+        write_whole(path, lambda file: write(file, mesh))
+
+
+def _check_known(surface: Surface, color_by: str | None) -> None:
+    if color_by not in (None, "radius", *surface.attributes):
+        known = ", ".join(["radius", *surface.attributes])
+        raise ValueError(f"color_by = {color_by!r}: must be one of {known}")
 
 
 def _quad_values(surface: Surface, color_by: str | None) -> Floats:
     """The values that colour the quads."""
+    _check_known(surface, color_by)
     if color_by is None or (color_by == "radius" and "radius" not in surface.attributes):
         return surface.quad_radius()
-    if color_by not in surface.attributes:
-        known = ", ".join(["radius", *surface.attributes])
-        raise ValueError(f"color_by = {color_by!r}: must be one of {known}")
     return surface.attributes[color_by]
 
 
@@ -94,11 +127,21 @@ def _at_vertices(surface: Surface, values: Floats) -> Floats:
 
 def _glb(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
     colors = paint(_quad_values(surface, color_by))
-    return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes, surface.basis)
+    return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes, _extras(surface))
+
+
+def _extras(surface: Surface) -> dict[str, Any]:
+    return {"basis": surface.basis, "units": surface.attributes.units, "notes": surface.notes}
 
 
 def _z_up(positions: Floats) -> Floats:
-    return np.column_stack([positions[:, 1], positions[:, 0], -positions[:, 2]])
+    return z_up(positions, (0.0, 0.0, 0.0))
+
+
+def _lines(surface: Surface) -> list[str]:
+    """What the surface says of itself, in ASCII lines, as PLY and OBJ have comments."""
+    notes = {"axes": f"{AXES}, metres", **with_units(surface.notes, surface.attributes.units)}
+    return [f"helibore: {name}: {ascii(text)[1:-1]}" for name, text in notes.items()]
 
 
 def _ply(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
@@ -123,8 +166,7 @@ def _ply(surface: Surface, positions: Floats, color_by: str | None, paint: Paint
     header = [
         "ply",
         "format binary_little_endian 1.0",
-        f"comment {_AXES}",
-        f"comment {BASIS_TEXT[surface.basis]}",
+        *[f"comment {line}" for line in _lines(surface)],
         f"element vertex {len(vertices)}",
         *[f"property double {axis}" for axis in "xyz"],
         *[f"property uchar {channel}" for channel in ("red", "green", "blue")],
@@ -155,7 +197,7 @@ def _obj(surface: Surface, positions: Floats, _color_by: str | None, _paint: Pai
     import trimesh
 
     mesh: Any = trimesh.Trimesh(_z_up(positions), surface.triangles(), process=False)
-    content = mesh.export(file_type="obj", include_normals=False, header=f"{_AXES}\n{BASIS_TEXT[surface.basis]}")
+    content = mesh.export(file_type="obj", include_normals=False, header="\n".join(_lines(surface)))
     return lambda file: file.write(content.encode("ascii"))
 
 

@@ -20,7 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.arrays import Floats, Integers, column
-from helibore.surface import WallLike
+from helibore.helix import WallLike
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]

@@ -24,9 +24,10 @@ from helibore.arrays import Floats, Integers, column
 from helibore.attributes import WallAttributes
 from helibore.caliper import Basis, Caliper, check_basis
 from helibore.sector_image import SectorImage
-from helibore.surface import Surface, Volume, surface_of, volume_of
+from helibore.surface import Surface, surface_of
 from helibore.survey import Path
 from helibore.threads import thread_count
+from helibore.volume import Volume, volume_of
 
 if TYPE_CHECKING:
     from helibore.logs import Logs
@@ -139,6 +140,7 @@ class _Moment(NamedTuple):
     start_depth: float
     radius: Floats
     basis: Basis
+    made_from: dict[str, Any]
 
     def quads(self) -> int:
         return _quad_room(self.radius.size, self.settings.sectors)
@@ -356,7 +358,7 @@ class Wall:
 
     def _moment(self) -> _Moment:
         with self._growing:
-            return _Moment(self._settings, self._core.start_depth, self._core.radius(), self._basis)
+            return _Moment(self._settings, self._core.start_depth, self._core.radius(), self._basis, self.made_from)
 
     def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[Any], ...], float]:
         """Samples, vertices (radius, nearest, support, iterations) and start depth of one moment."""

@@ -131,11 +131,15 @@ def test_each_quad_has_a_colour_of_its_own_by_radius_or_attribute(tmp_path):
 def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path):
     well = surface(gap=[77])
     well.attributes["GR"] = np.where(np.arange(len(well.quads)) == 7, np.nan, np.arange(len(well.quads)))
+    well.attributes.units["GR"] = "gAPI"
     well.save(tmp_path / "well.glb", color_by="GR")
     mesh = trimesh.load_scene(tmp_path / "well.glb").to_mesh()
     expected = np.where(np.arange(len(well.quads)) == 7, -999.25, np.arange(len(well.quads)))
     assert (mesh.vertex_attributes["_GR"].reshape(-1, 4) == expected[:, None]).all()
-    assert read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"] == {"missing": -999.25, "basis": "azimuthal"}
+    extras = read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"]
+    assert (extras["missing"], extras["basis"], extras["units"]) == (-999.25, "azimuthal", {"GR": "gAPI"})
+    assert extras["notes"] == well.notes
+    assert extras["notes"]["helix"] == "16 sectors, pitch 0.1 m, from 1000.0 m, toolface 0.0 deg"
     colors = mesh.visual.vertex_colors.reshape(-1, 4, 4)
     assert (colors == colors[:, :1]).all()
     assert len(np.unique(colors[:, 0], axis=0)) > 100
@@ -239,8 +243,8 @@ def test_every_format_counts_from_the_origin(tmp_path):
 @pytest.mark.parametrize(
     ("name", "settings", "text"),
     [
-        ("well.xyz", {}, "well.xyz: the ending must be one of .glb, .ply, .obj, .stl"),
-        ("well", {}, "well: the ending must be one of .glb, .ply, .obj, .stl"),
+        ("well.xyz", {}, "well.xyz: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf"),
+        ("well", {}, "well: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf"),
         ("well.glb", {"color_by": "GR"}, "color_by = 'GR': must be one of radius, RT"),
         ("well.ply", {"color_by": "GR"}, "color_by = 'GR': must be one of radius, RT"),
         ("well.glb", {"limits": (5, 5)}, "limits = (5, 5): must be two finite numbers, the first below the second"),

@@ -70,7 +70,8 @@ struct VolumeLayout {
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
 // `shells`: two or more, each the radii of the same vertices as radii.radius, the first being that very span. Throws
-// InputError unless every shell lies beyond the one before wherever both are there ("shells[0][17] = ...").
+// InputError unless every shell lies beyond the one before wherever both are there ("shells[0][17] = 0.1 at depth 12.5:
+// must lie beyond radius[17] = 0.11").
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
 
 // Fill memory of exactly the counted size; the bits do not depend on `threads`. place throws InputError where the path
@@ -79,6 +80,14 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
            int threads = 1);
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
+
+// Throws InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
+// 12.5: ..."): nested radii make it only where the path bends or turns more sharply than the shells are thick.
+void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
+                     std::span<const Hexahedron> hexahedra, int threads = 1);
+
+// Cubic metres of each, its faces being the bilinear patches that neighbours share.
+std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads = 1);
 
 struct Surface {
     std::vector<Vector3> vertices;
