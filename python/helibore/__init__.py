@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from helibore.archive import load as load
     from helibore.files import open as open  # noqa: A004
     from helibore.live.live import Live
+    from helibore.preparation import Preparation, prepare
     from helibore.viewer import view as view
 
 __all__ = [
@@ -23,6 +24,7 @@ __all__ = [
     "Change",
     "Live",
     "Path",
+    "Preparation",
     "SectorImage",
     "Settings",
     "Surface",
@@ -31,13 +33,14 @@ __all__ = [
     "Wall",
     "__version__",
     "load",
+    "prepare",
     "reconstruct",
     "view",
 ]
 
 
 def __getattr__(name: str) -> Any:
-    """Load the live part, the archive and the readers when they are asked for; `import helibore` stays small.
+    """Load the live part, archive, readers and preparation when they are asked for; `import helibore` stays small.
 
     ``open`` stays out of ``__all__``: a star import must not shadow the builtin.
     """
@@ -49,6 +52,10 @@ def __getattr__(name: str) -> Any:
         from helibore.archive import load
 
         return load
+    if name in ("Preparation", "prepare"):
+        from helibore import preparation
+
+        return getattr(preparation, name)
     if name == "open":
         from helibore.files import open  # noqa: A004
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from helibore.arrays import Floats, column
 
-__all__ = ["Step", "closed", "combine", "in_range", "radius_of_travel_time", "repeated_rows", "spikes", "stuck"]
+__all__ = ["Echo", "Step", "closed", "combine", "in_range", "radius_of_travel_time", "repeated_rows", "spikes", "stuck"]
 
 Mask = npt.NDArray[np.bool_]
 _SAMPLES_AT_ONCE = 1 << 17
@@ -307,6 +307,34 @@ def radius_of_travel_time(
             f"travel_time[{at}] = {time[at]:g}: must be finite and not shorter than the window, {window:g}"
         )
     return tool_radius + 0.5 * velocity * (time - window)
+
+
+@dataclass(frozen=True)
+class Echo:
+    """How a travel time becomes a radius; see :func:`radius_of_travel_time`.
+
+    Attributes
+    ----------
+    velocity
+        Of sound in the mud, m/s.
+    tool_radius
+        From the tool's axis to the face of its transducer, m.
+    window
+        What the echo spends inside the tool, seconds.
+    """
+
+    velocity: float
+    tool_radius: float
+    window: float = 0.0
+
+    def __post_init__(self) -> None:
+        radius_of_travel_time([], self.tool_radius, self.velocity, self.window)
+
+    def radius(self, travel_time: Floats) -> Floats:
+        """Radii of travel times of any shape, m; a time shorter than the window is no echo: NaN."""
+        late = np.where(travel_time >= self.window, travel_time, np.nan)
+        flat = radius_of_travel_time(late.ravel(), self.tool_radius, self.velocity, self.window)
+        return flat.reshape(travel_time.shape)
 
 
 def _table(name: str, columns: Sequence[npt.ArrayLike]) -> Floats:

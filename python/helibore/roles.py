@@ -26,6 +26,7 @@ ROLES: dict[str, str] = {
     "diameter": units.LENGTH,
     "mean-diameter": units.LENGTH,
     "radius-image": units.LENGTH,
+    "travel-time": units.TIME,
     "image": "",
     "inclination": units.ANGLE,
     "azimuth": units.ANGLE,
@@ -34,12 +35,22 @@ ROLES: dict[str, str] = {
     "east": units.LENGTH,
     "bit-diameter": units.LENGTH,
     "pass": "",
+    "toolface-reference": "",
     "none": "",
 }
 """Every role, and what its unit must measure ("" for any)."""
 
-SINGLE = ("depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass")
+SINGLE = (
+    "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
+    "toolface-reference",
+)  # fmt: skip
 """Roles that one channel of a set can have; the first pattern below that fits wins."""
+
+WALL = ("radius", "diameter", "radius-image", "travel-time")
+"""Roles whose values are wall points."""
+
+REFERENCES = ("north", "high-side", "automatic")
+"""What a toolface channel may count from; automatic: north in a steep hole, else the high side, by inclination."""
 
 # Role, pattern of the whole name (unit suffix taken off, lower case), pattern anywhere in the description.
 # Within a role the earlier pattern wins, so "md" is taken before "tdep".
@@ -59,6 +70,7 @@ PATTERNS: tuple[tuple[str, str, str], ...] = (
     ("east", r"e/w|e|ew|east|easting|dispew", r"^(easting|east[- ]west)\b"),
     ("bit-diameter", r"bs|bit[_ ]?size|bit[_ ]?d(iam(eter)?)?", r"\bbit ?size\b"),
     ("pass", r"pass([_ ]?(no|nr|number|id))?", r"^pass( number)?$"),
+    ("toolface-reference", r"(toolface|tf)[_ ]?(ref(erence)?|type)", r"^toolface (reference|type)$"),
 )
 NO_RULE = "no rule fits"
 
@@ -69,6 +81,7 @@ ARM = re.compile(
     r"(?:.*(?:cal|caliper|pfc|arm|diam)[a-z]*\d?[_ ]?)(x|y)|(x|y)[_ ]?cal(?:iper)?|(?:c|cal|caliper)[_ ]?([12])"
 )
 SIDE = re.compile(r"\bcaliper\b.*\b(horizontal|vertical)\b|\b(horizontal|vertical)\b.*\bcaliper\b", re.IGNORECASE)
+ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
 MEAN = re.compile(r"hcal|cali?|calcm|caliper|.*cal.*(ave|avg|mean|max|min).*|(ave|avg|mean)[_ ]?cal.*|[du]cav")
 CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosity|salinity)\b)", re.IGNORECASE)
 
@@ -91,6 +104,11 @@ class Role:
         For a radius or diameter: where it stands, degrees from the toolface. None: not known.
     first, step
         For an image: angle of its first sector and from one to the next, in degrees. None: not stated.
+    offset, latency
+        For the sensor of a wall channel: metres up the string from where the depth is counted, and seconds from the
+        measurement to its time stamp.
+    reference
+        For a toolface: what it counts from, one of ``REFERENCES``; "": what the wall's toolface counts from.
     confirmed
         Whether a map states this role: checks that only suspect a wrong column are then left out.
     """
@@ -102,6 +120,9 @@ class Role:
     angle: float | None = None
     first: float | None = None
     step: float | None = None
+    offset: float = 0.0
+    latency: float = 0.0
+    reference: str = ""
     confirmed: bool = False
 
 
@@ -153,8 +174,27 @@ def guess(one: LogSet) -> RoleMap:
             roles[channel.name] = _none(channel, f"{channel.shape[0]} values beside {one.rows} rows: an axis")
         else:
             roles[channel.name] = _wall_role(channel, has_toolface) or roles[channel.name]
+    _text_roles(one, roles, has_toolface)
     _pair_arms(roles)
     return RoleMap(one.name, roles)
+
+
+def _text_roles(one: LogSet, roles: dict[str, Role], has_toolface: bool) -> None:
+    """A column of text named like one that is needed and missing: taken, so that reading it tells the bad cell."""
+    taken = {each.role for each in roles.values()}
+    for channel in one:
+        if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
+            continue
+        for role, name, _ in PATTERNS:
+            wanted = role in ("depth", "toolface", "inclination", "azimuth") and role not in taken
+            if wanted and re.fullmatch(name, stem(channel)) and _fits(channel, ROLES[role]):
+                reason = f"named {channel.name}, but not every cell is a number"
+                roles[channel.name] = Role(channel.name, role, reason, channel.unit)
+                taken.add(role)
+                break
+        found = None if taken & set(WALL) else _wall_role(channel, has_toolface or "toolface" in taken)
+        if roles[channel.name].role == "none" and found is not None and found.role in WALL:
+            roles[channel.name] = replace(found, reason=f"{found.reason}, but not every cell is a number")
 
 
 def _none(channel: Channel, reason: str) -> Role:
@@ -191,7 +231,11 @@ def _single_roles(one: LogSet, roles: dict[str, Role]) -> None:
     inclined = False
     for role, name, described in PATTERNS:
         for channel in one:
-            if len(channel.shape) != 1 or channel.shape[0] != one.rows or (channel.is_text and role != "time"):
+            if (
+                len(channel.shape) != 1
+                or channel.shape[0] != one.rows
+                or (channel.is_text and role not in ("time", "toolface-reference"))
+            ):
                 continue
             how = _match(channel, name, described)
             if not how or roles[channel.name].role != "none":
@@ -235,6 +279,8 @@ def _image_role(channel: Channel) -> Role:
     role = "image"
     if measures(channel.unit) == units.LENGTH:
         role, reason = "radius-image", f"{reason}, in a unit of length"
+    elif _is_echo(channel):
+        role, reason = "travel-time", f"{reason}, in a unit of time, named or described as a travel time"
     first = step = None
     axis = channel.axis
     if axis is not None and measures(axis.unit) == units.ANGLE:
@@ -247,8 +293,17 @@ def _image_role(channel: Channel) -> Role:
     return Role(channel.name, role, reason, channel.unit, first=first, step=step)
 
 
+def _is_echo(channel: Channel) -> bool:
+    """Whether a channel is named or described as a travel time, in a unit of time."""
+    named = ECHO.fullmatch(stem(channel)) or re.search(r"\btravel ?time\b", channel.description, re.IGNORECASE)
+    return bool(named) and measures(channel.unit) == units.TIME
+
+
 def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
-    """Radius, diameter, arm or mean diameter."""
+    """Radius, diameter, arm, travel time or mean diameter."""
+    if _is_echo(channel):
+        reason = f"named or described as a travel time ({channel.description or channel.name})"
+        return Role(channel.name, "travel-time", reason, channel.unit, 0.0 if has_toolface else None)
     if not _fits(channel, units.LENGTH):
         return None
     name, unit = stem(channel), channel.unit

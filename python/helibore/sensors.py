@@ -181,7 +181,7 @@ def observe_by_time(
         depth = bit_depth.at(when) - sensor.offset
         looking = _wrapped(toolface.at(when) + sensor.mounting)
         parts.append((when, depth, looking, _radii(index, radii[index], stamps.size, f"times[{index}]")))
-    return _gather(parts, timed=True)
+    return _gather(parts)
 
 
 def observe_by_depth(
@@ -210,15 +210,48 @@ def observe_by_depth(
     _check_counts(sensors, radii=radii)
     rows = column("depth", depth)
     reference = column("toolface", toolface, rows.size, "depth")
-    parts = []
-    for index, sensor in enumerate(sensors):
-        looking = _wrapped(reference + sensor.mounting)
-        when = np.arange(rows.size, dtype=np.float64)
-        parts.append((when, rows - sensor.offset, looking, _radii(index, radii[index], rows.size, "depth")))
-    return _gather(parts, timed=False)
+    columns = [column(f"radii[{index}]", values, rows.size, "depth") for index, values in enumerate(radii)]
+    for name, values in (("depth", rows), ("toolface", reference)):
+        if np.isinf(values).any():
+            raise ValueError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows: must be finite")
+    radius = _grid(columns)
+    if np.isinf(radius).any():
+        row, index = np.argwhere(np.isinf(radius))[0]
+        raise ValueError(f"radii[{index}][{row}] = {radius[row, index]:g}: must be finite, or NaN where missing")
+    offsets, mountings = (np.array([getattr(one, name) for one in sensors]) for name in ("offset", "mounting"))
+    depths = rows[:, None] - offsets if offsets.any() else np.broadcast_to(rows[:, None], radius.shape)
+    looking = reference[:, None] + mountings if mountings.any() else np.broadcast_to(reference[:, None], radius.shape)
+    sensor = np.broadcast_to(np.arange(len(sensors)), radius.shape).reshape(-1)
+    row = np.broadcast_to(np.arange(rows.size)[:, None], radius.shape).reshape(-1)
+    flat = (depths.reshape(-1), looking.reshape(-1), radius.reshape(-1))
+    kept, counts = _present(*flat)
+    if kept is None:
+        return Observed(flat[0], _wrapped(flat[1]), flat[2], None, sensor, row, counts)
+    return Observed(flat[0][kept], _wrapped(flat[1][kept]), flat[2][kept], None, sensor[kept], row[kept], counts)
 
 
-def _gather(parts: Sequence[tuple[Floats, Floats, Floats, Floats]], timed: bool) -> Observed:
+def _grid(columns: Sequence[Floats]) -> Floats:
+    """Columns side by side, (n, p)."""
+    return columns[0][:, None] if len(columns) == 1 else np.stack(columns, axis=1)
+
+
+def _present(depth: Floats, toolface: Floats, radius: Floats) -> tuple[Integers | None, dict[str, int]]:
+    """The samples that have all three, in order (None: all of them), and a count for each reason that they have not."""
+    reasons = (("no depth", depth), ("no toolface", toolface), ("no radius", radius))
+    counts = dict.fromkeys((reason for reason, _ in reasons), 0)
+    if not any(np.isnan(values.min(initial=0.0)) for _, values in reasons):
+        return None, counts | {"taken": depth.size}
+    kept = np.ones(depth.size, dtype=bool)
+    for reason, values in reasons:
+        absent = kept & np.isnan(values)
+        counts[reason] = int(np.count_nonzero(absent))
+        kept &= ~absent
+    chosen = np.flatnonzero(kept)
+    return chosen, counts | {"taken": chosen.size}
+
+
+def _gather(parts: Sequence[tuple[Floats, Floats, Floats, Floats]]) -> Observed:
+    """The samples of time-indexed sensors, in order of time."""
     sizes = [part[0].size for part in parts]
     time, depth, toolface, radius = (np.concatenate([part[i] for part in parts]) for i in range(4))
     for name, values in (("time", time), ("depth", depth), ("toolface", toolface)):
@@ -226,24 +259,10 @@ def _gather(parts: Sequence[tuple[Floats, Floats, Floats, Floats]], timed: bool)
             raise ValueError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows: must be finite")
     sensor = np.repeat(np.arange(len(parts)), sizes)
     row = np.concatenate([np.arange(size) for size in sizes])
-    kept = np.ones(time.size, dtype=bool)
-    counts = {}
-    for reason, values in (("no depth", depth), ("no toolface", toolface), ("no radius", radius)):
-        absent = kept & np.isnan(values)
-        counts[reason] = int(np.count_nonzero(absent))
-        kept &= ~absent
-    counts["taken"] = int(np.count_nonzero(kept))
-    chosen = np.flatnonzero(kept)
+    kept, counts = _present(depth, toolface, radius)
+    chosen = np.arange(time.size) if kept is None else kept
     chosen = chosen[np.lexsort((sensor[chosen], time[chosen]))]
-    return Observed(
-        depth[chosen],
-        toolface[chosen],
-        radius[chosen],
-        time[chosen] if timed else None,
-        sensor[chosen],
-        row[chosen],
-        counts,
-    )
+    return Observed(depth[chosen], toolface[chosen], radius[chosen], time[chosen], sensor[chosen], row[chosen], counts)
 
 
 def _radii(index: int, values: npt.ArrayLike, size: int, like: str) -> Floats:
@@ -255,6 +274,8 @@ def _radii(index: int, values: npt.ArrayLike, size: int, like: str) -> Floats:
 
 
 def _wrapped(angle: Floats) -> Floats:
+    if angle.size and angle.min() >= 0.0 and angle.max() < 360.0:
+        return angle
     turned = angle % 360.0
     return np.where(turned < 360.0, turned, np.where(np.isnan(turned), turned, 0.0))  # -1e-20 % 360 rounds to 360
 

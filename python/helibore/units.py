@@ -26,6 +26,7 @@ _TABLE: dict[str, tuple[str, float, str]] = {
     "rad": (ANGLE, 180.0 / math.pi, "rada radian radians"),
     "s": (TIME, 1.0, "sec secs second seconds"),
     "ms": (TIME, 0.001, "msec millisecond milliseconds"),
+    "us": (TIME, 1e-6, "usec µs μs microsecond microseconds"),
     "min": (TIME, 60.0, "mins minute minutes"),
     "h": (TIME, 3600.0, "hr hrs hour hours"),
 }

@@ -16,11 +16,10 @@ import trimesh
 from click.testing import CliRunner, Result
 
 import helibore
-from helibore.caliper_file import read_caliper
 from helibore.cli import cli
-from helibore.cli.reconstruct import ENDINGS, diameters
+from helibore.cli.reconstruct import ENDINGS
+from helibore.cli.wall_lines import diameters
 from helibore.simulate import Hole, simulate
-from helibore.survey_file import read_survey
 
 F12 = Path(__file__).parents[3] / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
@@ -44,11 +43,11 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_simulate_writes_what_the_library_gives(folder: Path) -> None:
-    caliper = read_caliper(folder / "caliper.csv").caliper
+    caliper = helibore.open(folder / "caliper.csv").caliper()
     assert len(caliper) == 9000
     assert caliper.time is not None
     assert (np.diff(caliper.depth) < 0).sum() == 1  # the lift
-    survey = read_survey(folder / "survey.csv").survey
+    survey = helibore.open(folder / "survey.csv").survey()
     assert survey.depth[0] < 2000
     assert survey.depth[-1] > 2003
     kept = json.loads((folder / "hole.json").read_text())
@@ -66,9 +65,9 @@ def test_simulate_writes_what_the_library_gives(folder: Path) -> None:
 def test_simulate_formats_hold_the_same(tmp_path: Path) -> None:
     for ending in ("csv", "csv.gz", "npz"):
         assert run("simulate", tmp_path, "--to", "2001m", "--samples", 500, "--format", ending, "-q").exit_code == 0
-    plain = read_caliper(tmp_path / "caliper.csv").caliper
+    plain = helibore.open(tmp_path / "caliper.csv").caliper()
     assert gzip.decompress((tmp_path / "caliper.csv.gz").read_bytes()) == (tmp_path / "caliper.csv").read_bytes()
-    exact = read_caliper(tmp_path / "caliper.npz").caliper
+    exact = helibore.open(tmp_path / "caliper.npz").caliper()
     expected = simulate(Hole.example(2000.0, 2001.0), samples=500)
     assert np.array_equal(exact.radius, expected.radius)
     np.testing.assert_allclose(plain.radius, exact.radius, rtol=0, atol=5.1e-7)
@@ -80,16 +79,17 @@ def test_reconstruct_is_the_library(folder: Path, tmp_path: Path) -> None:
     result = run("reconstruct", folder / "caliper.csv", "--survey", folder / "survey.csv", "-o", mesh,
                  "--bit-diameter", "216mm", "--sectors", 32, "--pitch", "5cm", "--neighbors", 6)  # fmt: skip
     assert result.exit_code == 0, result.output
-    caliper, survey = read_caliper(folder / "caliper.csv").caliper, read_survey(folder / "survey.csv").survey
+    caliper, survey = helibore.open(folder / "caliper.csv").caliper(), helibore.open(folder / "survey.csv").survey()
     wall = helibore.reconstruct(caliper, bit_diameter=0.216, sectors=32, pitch=0.05, neighbors=6)
     expected = tmp_path / "expected.ply"
     wall.surface(survey.path()).save(expected)
     assert mesh.read_bytes() == expected.read_bytes()
     across = diameters(wall) / 0.0254
     for line in (
-        "caliper   caliper.csv: CSV, comma-separated, 9,000 rows, 9,000 samples in the interval",
-        "          radius: radius_m, unit m (column and unit assumed by name)",
+        "caliper   caliper.csv: csv, 9,000 rows",
+        "          radius_m is radius in m at 0 deg: named radius_m",
         "dropped   nothing",
+        "samples   9,000, 9,000 of them in the interval",
         f"wall      2000.00 to 2003.00 m, 32 sectors, pitch 0.05 m: {len(wall):,} vertices, {len(wall) - 33:,} quads, "
         "from 9,000 samples",
         "bit       8.504 in (216.0 mm)",
@@ -107,7 +107,7 @@ def test_every_ending_is_saved(folder: Path, tmp_path: Path, ending: str) -> Non
     mesh = tmp_path / f"wall{ending}"
     result = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "8.5in", "-q")
     assert (result.exit_code, result.output) == (0, "")
-    assert [path.name for path in tmp_path.iterdir()] == [mesh.name]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [mesh.name, f"{mesh.name}.toml"]
     assert len(trimesh.load_mesh(mesh).faces) == 2 * (64 * 30 + 1 - 65)
 
 
@@ -121,7 +121,8 @@ def test_interval_and_dropped_rows(folder: Path, tmp_path: Path) -> None:
         "reconstruct", path, "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "--from", "2001", "--to", "2002m"
     )
     assert result.exit_code == 0, result.output
-    assert "dropped   2 rows without radius_m" in result.output
+    assert "missing   2 values of radius_m" in result.output
+    assert "dropped   2 samples of c.csv without a radius" in result.output
     assert "wall      2001.00 to 2002.00 m, 64 sectors, pitch 0.1 m: 641 vertices, 576 quads" in result.output
 
 
@@ -149,43 +150,33 @@ def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
     ("text", "options", "message"),
     [
         ("md_m,rb_deg\n1,2\n", [], "c.csv: column 'r': not in the file, which has md_m, rb_deg"),
-        ("md_m,rb_deg,r\n1,2,0.1\n", [], "c.csv: column r: unit not given; write it as r:m"),
-        (
-            "md_m,rb_deg,r\n1,2,0.1\n",
-            ["--radius", "r:parsec"],
-            "c.csv: column r: unit 'parsec': not known; "
-            "known are m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, min, h",
-        ),
-        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv: column r, line 3: 'big': must be a number"),
-        ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--radius", "r:m"], "c.csv: column md_m, line 3: nan: must be finite"),
-        ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--radius", "r:m"], "c.csv: column md_m, line 3: inf: must be finite"),
-        (
-            "md_m,rb_deg,r\n1,2,0\n",
-            ["--radius", "r:m"],
-            "c.csv: column r, line 2: radius 0 m: must be larger than 0 and at most 2 m",
-        ),
-        (
-            "md_m,rb_deg,r\n1,2,8.5\n",
-            ["--radius", "r:m"],
-            "c.csv: column r, line 2: radius 8.5 m: must be larger than 0 and at most 2 m",
-        ),
-        ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv: has no rows below its header in line 1"),
-        ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv: no samples: 1 of 1 rows without r"),
-        ("", [], "c.csv: is empty: must have a header line and rows"),
-        (
-            "md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n",
-            ["--radius", "r:m", "--from", "5"],
-            "c.csv: no samples between 5 and inf m; it has 1 to 2 m",
-        ),
+        ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
+         '([channels."r"] unit = ...), or as r:UNIT; radius is length'),
+        ("md_m,rb_deg,r\n1,2,0.1\n", ["--radius", "r:parsec"],
+         "c.csv: r: unit = 'parsec': must be a unit of length for a radius"),
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv, line 3, column r: 'big' is not a number"),
+        ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--radius", "r:m"],
+         "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
+        ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--radius", "r:m"],
+         "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--radius", "r:m"],
+         "c.csv, line 3, column r: radius 0 m: must be larger than 0 and at most 2 m; a radius range drops such"),
+        ("md_m,rb_deg,r\n1,2,8.5\n", ["--radius", "r:m"],
+         "c.csv, column r: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
+        ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: a header and no rows"),
+        ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
+        ("", [], "c.csv: empty: 0 bytes"),
+        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--from", "5"],
+         "c.csv: no samples between 5 and inf m; it has 1 to 2 m"),
     ],
-)
+)  # fmt: skip
 def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str) -> None:
     (tmp_path / "c.csv").write_text(text)
     radius = ["--radius", "r"] if "--radius" not in options else []
     result = run("reconstruct", tmp_path / "c.csv", "--depth", "md_m", "--toolface", "rb_deg", *radius, *options,
                  "-o", tmp_path / "w.glb", "--bit-diameter", "8.5in")  # fmt: skip
     assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr == f"helibore: {tmp_path}/{message}\n"
+    assert result.stderr == f"helibore: {message}\n"
     assert [path.name for path in tmp_path.iterdir()] == ["c.csv"]
 
 
@@ -215,15 +206,15 @@ def test_bad_option(folder: Path, tmp_path: Path, options: list[str], message: s
 @pytest.mark.parametrize(
     ("survey", "message"),
     [
-        ("1990,5,0\n1990,5,0\n", "s.csv: column md_m, line 3: 1990 m after 1990 m: must increase"),
-        ("1990,5,0\n2010,190,0\n", "s.csv: column incl_deg, line 3: 190 deg: must be in [0, 180]"),
+        ("1990,5,0\n1990,5,0\n", "s.csv, line 3, column md_m: depth 1990 m repeats 1990 m: must grow"),
+        ("1990,5,0\n2010,190,0\n", "s.csv, line 3, column incl_deg: 190 deg: inclination lies within 0 and 180"),
     ],
 )
 def test_bad_survey(folder: Path, tmp_path: Path, survey: str, message: str) -> None:
     (tmp_path / "s.csv").write_text(f"md_m,incl_deg,azim_deg\n{survey}")
     result = run("reconstruct", folder / "caliper.csv", "--survey", tmp_path / "s.csv", "-o", tmp_path / "w.glb",
                  "--bit-diameter", "8.5in")  # fmt: skip
-    assert (result.exit_code, result.stderr) == (2, f"helibore: {tmp_path}/{message}\n")
+    assert (result.exit_code, result.stderr) == (2, f"helibore: {message}\n")
 
 
 def test_path_must_cover_the_wall(folder: Path, tmp_path: Path) -> None:
@@ -237,7 +228,7 @@ def test_path_must_cover_the_wall(folder: Path, tmp_path: Path) -> None:
     assert result.stderr.count("\n") == 1
     assert old.read_bytes() == b"the old file"
     assert run("reconstruct", folder / "caliper.csv", *options, "--extend", "10m").exit_code == 0
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["s.csv", "w.glb"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["s.csv", "w.glb", "w.glb.toml"]
 
 
 @pytest.mark.parametrize("verb", ["demo", "reconstruct", "simulate"])

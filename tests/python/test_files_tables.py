@@ -235,7 +235,7 @@ def test_missing_library_names_the_extra(tmp_path: Path, monkeypatch: pytest.Mon
     import sys
 
     for library, content, message in (
-        ("pyarrow", b"a,b\n1,2\n", 'needs pyarrow: pip install "helibore[parquet]"'),
+        ("pyarrow", b"PAR1 and more", 'needs pyarrow: pip install "helibore[parquet]"'),
         ("lasio", b"~V\nVERS. 2.0:\n~W\n~C\nDEPT.M:\n~A\n1\n", 'needs lasio: pip install "helibore[las]"'),
         ("dlisio", b"\0" * 4 + b"V1.00RECORD" + b" " * 90, 'needs dlisio: pip install "helibore[dlis]"'),
     ):

@@ -25,6 +25,12 @@ def test_python(tmp_path: Path) -> None:
     assert (tmp_path / "well.glb").stat().st_size > 10_000
 
 
+def test_python_from_files(tmp_path: Path) -> None:
+    subprocess.run([sys.executable, "-m", "helibore", "simulate", ".", "--to", "2002m", "-q"], cwd=tmp_path, check=True)
+    program = "import helibore as hb\n" + block("python", "prepare")
+    subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=tmp_path, check=True)
+
+
 def test_cpp(tmp_path: Path) -> None:
     source = tmp_path / "main.cpp"
     source.write_text(block("cpp", "int main"))
@@ -35,9 +41,11 @@ def test_cpp(tmp_path: Path) -> None:
 def test_real_hole(tmp_path: Path) -> None:
     if not F12.exists():
         pytest.skip("shared/data/calipers is not beside the project: no Volve F-12 caliper")
-    command = shlex.split(block("sh", "volve_F-12").replace("\\\n", " ").replace(F12.name, str(F12)))
-    subprocess.run([sys.executable, "-m", *command], cwd=tmp_path, check=True, capture_output=True)
+    for having in ("-o f12.glb", "--from-settings"):
+        for line in block("sh", having).replace("\\\n", " ").replace(F12.name, str(F12)).splitlines():
+            subprocess.run([sys.executable, "-m", *shlex.split(line)], cwd=tmp_path, check=True, capture_output=True)
     assert (tmp_path / "f12.glb").read_bytes()[:4] == b"glTF"
+    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "f12-larger.glb").read_bytes()
 
 
 def test_every_place_named_is_there() -> None:

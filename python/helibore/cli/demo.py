@@ -6,8 +6,8 @@ from pathlib import Path
 
 import click
 
-from helibore.cli.reconstruct import wall_lines
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_lines import wall_lines
 
 
 @click.command(short_help="A simulated hole, from samples to mesh and picture.")

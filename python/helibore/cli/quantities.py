@@ -28,3 +28,4 @@ class Quantity(click.ParamType[float | None]):
 LENGTH = Quantity(units.LENGTH)
 LENGTH_OR_NONE = Quantity(units.LENGTH, none=True)
 ANGLE = Quantity(units.ANGLE)
+TIME = Quantity(units.TIME)

@@ -1,50 +1,125 @@
-"""``helibore reconstruct CALIPER -o wall.glb --bit-diameter 8.5in``: a caliper file and a survey become a mesh.
+"""``helibore reconstruct CALIPER -o wall.glb --bit-diameter 8.5in``: caliper files and a survey become a mesh.
 
-Reads, rebuilds, places, saves, and says what was read and dropped, how large the hole is, and what to trust.
+Reads, prepares, rebuilds, places, saves, and says what was read and dropped and why, what was corrected, how large the
+hole is, and what to trust. Beside the mesh it writes the settings that repeat it.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
-from helibore.cli.quantities import ANGLE, LENGTH, LENGTH_OR_NONE
+from helibore.cli.quantities import ANGLE, LENGTH, LENGTH_OR_NONE, TIME
+from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, open_track, taking
+from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_lines import wall_lines
 
 if TYPE_CHECKING:
-    import helibore
     from helibore.arrays import Floats
-    from helibore.caliper_file import CaliperReading
-    from helibore.survey_file import SurveyReading
+    from helibore.run import Run
+    from helibore.run_settings import RunSettings
 
-FILE = click.Path(path_type=Path)
-INCH = 0.0254
 ENDINGS = (".glb", ".ply", ".obj", ".stl")
+REPEATABLE = {"output", "quiet", "threads", "from_settings"}
+"""What may stand beside --from-settings: nothing that changes the mesh."""
 
 
-@click.command(short_help="A caliper file and a survey to a mesh.")
-@click.argument("caliper", type=FILE)
-@click.option("-o", "--output", type=FILE, required=True, help="Mesh to write: .glb, .ply, .obj or .stl.")
-@click.option("--bit-diameter", type=LENGTH, required=True, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")
-@click.option("--depth", metavar="COLUMN", help="NAME[:UNIT] of the depth.")
-@click.option("--toolface", metavar="COLUMN", help="NAME[:UNIT] of the toolface or relative bearing.")
-@click.option("--radius", metavar="COLUMN", multiple=True, help="NAME[@ANGLE][:UNIT] of an arm's radius; repeatable.")
-@click.option("--diameter", metavar="COLUMN", multiple=True, help="NAME[@ANGLE][:UNIT] of a diameter; repeatable.")
-@click.option("--time", metavar="COLUMN", help="NAME[:UNIT] of the time.")
-@click.option("--absent", type=float, multiple=True, help="A number that means no value.  [-999.25 and -9999]")
+class Numbers(click.ParamType[tuple[int, ...]]):
+    """``2,3,5``."""
+
+    name = "numbers"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
+        """Read the text of an option."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            return tuple(int(one) for one in str(value).split(","))
+        except ValueError:
+            self.fail(f"'{value}': must be pass numbers, such as 2,3", param, ctx)
+
+
+class Shift(click.ParamType[tuple[int, float]]):
+    """``PASS=LENGTH``."""
+
+    name = "pass=length"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, float]:
+        """Read the text of an option."""
+        number, mark, length = str(value).partition("=")
+        try:
+            found = LENGTH.convert(length, param, ctx)
+            if not mark or found is None:
+                raise ValueError
+            return int(number), found
+        except ValueError:
+            self.fail(f"'{value}': must be PASS=LENGTH, such as 3=-0.2m", param, ctx)
+
+
+class Reconstruct(Sectioned):
+    """The verb, its many options in sections."""
+
+    sections = {  # noqa: RUF012
+        "--map": "Columns", "--track": "Sensors", "--samples-from": "Conditioning", "--recentre": "Eccentering",
+        "--split-passes": "Passes", "--survey": "Path and toolface", "--from": "Wall",
+    }  # fmt: skip
+
+
+@click.command(cls=Reconstruct, short_help="Caliper files and a survey to a mesh.")
+@click.argument("caliper", type=FILE, nargs=-1)
+@click.option("-o", "--output", type=FILE, help="Mesh to write: .glb, .ply, .obj or .stl.")
+@click.option("--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")
+@click.option("--from-settings", type=FILE, help="Repeat the run of a wall.glb.toml, to the last bit.")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+@taking(*COLUMNS)
+@click.option("--travel-time", metavar="COLUMN", multiple=True, help="NAME[@ANGLE][:UNIT] of an echo's travel time.")
+@click.option("--track", type=FILE, help="File with depth (and toolface) by time, for a caliper that has only a time.")
+@click.option("--sensor-offset", type=LENGTH, default="0m", show_default=True, help="From the depth up to all sensors.")
+@click.option("--latency", type=TIME, default="0s", show_default=True, help="Of all sensors: measurement to stamp.")
+@click.option("--mud-velocity", type=float, help="Of sound, m/s, for travel times.")
+@click.option("--tool-radius", type=LENGTH, help="From its axis to the transducer, for travel times.")
+@click.option("--echo-window", type=TIME, default="0s", show_default=True, help="Time of the echo inside the tool.")
+@click.option("--samples-from", type=LENGTH, help="Leave out shallower samples.")
+@click.option("--samples-to", type=LENGTH, help="Leave out deeper samples.")
+@click.option("--drop-closed", type=LENGTH, metavar="RADIUS", help="Rows where no arm reads more than the closed tool.")
+@click.option("--drop-stuck", type=int, metavar="ROWS", help="Arms that stand still so long while others move.")
+@click.option("--radius-range", type=LENGTH, nargs=2, metavar="LEAST MOST", help="Leave out radii beyond.")
+@click.option("--drop-repeated", is_flag=True, help="Samples equal to an earlier one.")
+@click.option("--drop-spikes", type=float, metavar="DEVIATIONS", help="Off the neighbours in the turn; 6 is usual.")
+@click.option("--turn-height", type=LENGTH, help="A turn of a tool that does not turn.  [rotation, image row]")
+@click.option("--recentre", is_flag=True, help="Take the tool's offset out of every turn.")
+@click.option("--centres", type=FILE, help="Write centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.")
+@click.option("--split-passes", type=LENGTH, metavar="REVERSAL", help="A pass begins where the tool went back so far.")
+@click.option("--passes", type=Numbers(), help="Passes to use, as 2,3.  [all]")
+@click.option("--latest", is_flag=True, help="In each 0.5 m, only the last pass that was there.  [merged]")
+@click.option("--shift", "shifts", type=Shift(), multiple=True, help="Added to a pass's depths: 3=-0.2m; repeatable.")
+@click.option("--find-shifts", is_flag=True, help="Find each pass's depth shift from the overlap.")
+@click.option(
+    "--bias",
+    type=click.Choice(["none", "arm", "side"]),
+    default="none",
+    show_default=True,
+    help="Take off what each pass and arm reads too much; side: by the side it lies on.",
+)
+@click.option("--compare-with", type=Numbers(), help="Earlier passes: how much larger is the wall? An attribute.")
+@taking(*SURVEY)
+@click.option("--method", type=click.Choice(["minimum-curvature", "radius-of-curvature"]), default="minimum-curvature")
+@click.option("--head", type=LENGTH, nargs=3, default=(0, 0, 0), help="North, east, down of the first station.")
+@click.option(
+    "--toolface-from",
+    type=click.Choice(["north", "high-side", "automatic"]),
+    help="What the samples' toolface counts from; automatic: by inclination.  [the file's map, or the wall's]",
+)
+@click.option(
+    "--switch", type=ANGLE, nargs=2, default=("4deg", "6deg"), help="Automatic: high side from 6 deg, north to 4."
+)
 @click.option("--from", "start_depth", type=LENGTH, help="Depth to start at.  [shallowest sample]")
 @click.option("--to", "stop_depth", type=LENGTH, help="Depth to stop at.  [deepest sample]")
-@click.option("--survey", type=FILE, help="Survey file; without one the hole is straight and vertical.")
-@click.option("--survey-depth", metavar="COLUMN", help="NAME[:UNIT] of the stations' depth.")
-@click.option("--inclination", metavar="COLUMN", help="NAME[:UNIT] of the inclination.")
-@click.option("--azimuth", metavar="COLUMN", help="NAME[:UNIT] of the azimuth.")
-@click.option("--method", type=click.Choice(["minimum-curvature", "radius-of-curvature"]), default="minimum-curvature")
-@click.option("--reference", type=click.Choice(["high-side", "north"]), default="high-side", help="What toolface 0 is.")
-@click.option("--head", type=LENGTH, nargs=3, default=(0, 0, 0), help="North, east, down of the first station.")
-@click.option("--extend", type=LENGTH, default="0m", show_default=True, help="Straight on past the last station.")
 @click.option("--sectors", type=int, default=64, show_default=True, help="Vertices a turn.")
 @click.option("--pitch", type=LENGTH, default="100mm", show_default=True, help="Of the helix; negative: upwards.")
 @click.option("--start-toolface", type=ANGLE, default="0deg", show_default=True, help="Of the first vertex.")
@@ -57,133 +132,204 @@ ENDINGS = (".glb", ".ply", ".obj", ".stl")
 @click.option("--max-iterations", type=int, default=4, show_default=True)
 @click.option("--tolerance", type=LENGTH, default="0.001mm", show_default=True, help="Move that ends the iteration.")
 @click.option("--angular-scale", type=float, default=1.0, show_default=True, help="1: true arc; 2: as published.")
+@click.option("--color-by", type=click.Choice(["radius", "difference"]), default="radius", show_default=True)
 @click.option("--threads", type=int, help="[all cores]")
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
-def reconstruct(caliper: Path, output: Path, survey: Path | None, quiet: bool, **options: Any) -> None:
-    """Turn the samples in CALIPER, CSV (.gz) or NPZ, into a mesh of the wall.
+@click.pass_context
+def reconstruct(
+    ctx: click.Context, /, caliper: tuple[Path, ...], output: Path | None, from_settings: Path | None, quiet: bool,
+    **options: Any,
+) -> None:  # fmt: skip
+    """Turn the samples in CALIPER into a mesh of the wall: CSV, Parquet, LAS, DLIS, JSON, WITSML or NPZ.
 
     \b
     helibore reconstruct caliper.csv --survey survey.csv -o wall.glb --bit-diameter 8.5in
     helibore reconstruct xy.csv.gz --diameter x_in@0 --diameter y_in@90 --from 3080 --to 3240m \\
                          -o wall.glb --bit-diameter 6.2in
-    helibore reconstruct log.csv --depth MD:ft --toolface TF:rad --radius R:mm -o wall.ply --bit-diameter 216mm
+    helibore reconstruct run1.las run2.las --map map.toml --drop-spikes 6 --find-shifts --compare-with 1 \\
+                         -o wall.glb --bit-diameter 216mm
+    helibore reconstruct --from-settings wall.glb.toml -o again.glb
 
-    Columns of a usual name (depth or md, toolface or rb, radius, diameter, time) are found by themselves, units by the
-    ending of the name (md_m, CAL (in)); what was assumed is printed. @ANGLE is where an arm is mounted: a diameter
-    there counts for both sides.
+    What each column is gets guessed from names and units, and printed; `helibore inspect` prints the map to change it.
+    @ANGLE is where an arm is mounted; a diameter counts for both sides. Several files are passes over one hole,
+    earliest first. Beside wall.glb stands wall.glb.toml, with which the run can be repeated.
     """
-    _check_output(output)
+    if output is None:
+        raise click.UsageError("Missing option '-o' / '--output'.")
+    _check_output(output, options)
     terminal = Terminal(quiet)
-    with terminal.stage("import", "Loading helibore"):
-        import helibore
-        from helibore.caliper_file import read_caliper
-        from helibore.survey_file import read_survey
-        from helibore.table_file import ABSENT
-    absent = options["absent"] or ABSENT
-    with terminal.stage("read", f"Reading {caliper.name}"):
-        columns = {name: options[name] for name in ("depth", "toolface", "radius", "diameter", "time")}
-        reading = read_caliper(caliper, **columns, absent=absent)
-        stations = path = None
-        if survey is not None:
-            chosen = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
-            stations = read_survey(survey, **chosen, absent=absent)
-            placing = {name: options[name] for name in ("method", "reference", "head", "extend")}
-            path = stations.survey.path(**placing)
-    inside = _check_interval(caliper, reading, options)
-    with terminal.stage("rebuild", f"Rebuilding the wall from {len(reading.caliper):,} samples"):
-        wall = helibore.reconstruct(reading.caliper, **_settings(options))
-    with terminal.stage("place", f"Placing {len(wall):,} vertices"):
-        surface = wall.surface(path)
+    run = _repeat(ctx, from_settings, terminal) if from_settings is not None else _read(caliper, options, terminal)
+    _work(run, terminal, options["threads"])
     with terminal.stage("save", f"Writing {output.name}"):
-        surface.save(output)
+        from helibore.run import save
+
+        expected = run.settings.output_blake2b
+        settings = save(run, output)
+        if options["centres"] is not None:
+            _write_centres(run, options["centres"])
     if not quiet:
-        lines = _read_lines("caliper", caliper, reading, f"{inside.size:,} samples in the interval")
-        if survey is not None and stations is not None:
-            lines += _read_lines("survey", survey, stations, f"{len(stations.survey)} stations")
-        lines += wall_lines(wall, len(surface.quads), 2.0 * float(inside.mean()))
-        lines += [("time", terminal.times()), ("wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB)")]
-        terminal.summary(lines)
+        terminal.summary([*_lines(run), *_result(settings, expected, output), ("time", terminal.times())])
 
 
-def _check_output(output: Path) -> None:
-    """Refuse before the work what would fail after it."""
-    if output.suffix.lower() not in ENDINGS:
-        raise ValueError(f"{output}: the ending must be one of {', '.join(ENDINGS)}")
-    if not output.parent.is_dir():
-        raise ValueError(f"{output}: the folder {output.parent} must be there")
-
-
-def _settings(options: dict[str, Any]) -> dict[str, Any]:
-    names = (
-        "bit_diameter", "sectors", "pitch", "start_depth", "stop_depth", "start_toolface", "neighbors", "window",
-        "power", "max_distance", "max_iterations", "tolerance", "angular_scale", "threads",
-    )  # fmt: skip
-    settings = {name: options[name] for name in names}
-    if options["pitch"] < 0:  # the helix starts at its deep end
-        settings["start_depth"], settings["stop_depth"] = options["stop_depth"], options["start_depth"]
-    return settings
-
-
-def _check_interval(caliper: Path, reading: CaliperReading, options: dict[str, Any]) -> Floats:
-    """Return the radii of the samples between --from and --to; refuse an interval without any."""
+def _read(caliper: tuple[Path, ...], options: dict[str, Any], terminal: Terminal) -> Run:
+    """Open and read everything the options name."""
+    if not caliper:
+        raise click.UsageError("Missing argument 'CALIPER...'.")
+    if options["bit_diameter"] is None:
+        raise click.UsageError("Missing option '--bit-diameter'.")
     start, stop = options["start_depth"], options["stop_depth"]
     if start is not None and stop is not None and not start < stop:
         raise ValueError(f"--to {stop:g} m: must be deeper than --from {start:g} m")
-    samples = reading.caliper
-    if start is None and stop is None:
-        return samples.radius
-    start = -np.inf if start is None else start
-    stop = np.inf if stop is None else stop
-    inside = samples.radius[(samples.depth >= start) & (samples.depth <= stop)]
-    if not inside.size:
-        low, high = samples.depth.min(), samples.depth.max()
-        raise ValueError(f"{caliper}: no samples between {start:g} and {stop:g} m; it has {low:g} to {high:g} m")
-    return inside
+    with terminal.stage("import", "Loading helibore"):
+        from helibore.run import read
+    with terminal.stage("read", f"Reading {', '.join(file.name for file in caliper)}"):
+        track = open_track(options)
+        found = open_calipers(caliper, options, track is not None)
+        settings = _settings(options)
+        return read(settings, found, open_survey(options), track)
 
 
-def _read_lines(label: str, file: Path, reading: CaliperReading | SurveyReading, found: str) -> list[tuple[str, str]]:
-    lines = [(label, f"{file.name}: {reading.notes[0]}, {reading.rows:,} rows, {found}")]
-    lines += [("", note) for note in reading.notes[1:]]
-    lines += [("dropped", f"{count:,} rows without {name}") for name, count in reading.dropped.items()]
-    return lines if reading.dropped else [*lines, ("dropped", "nothing")]
+def _repeat(ctx: click.Context, from_settings: Path, terminal: Terminal) -> Run:
+    """Open and read what the settings of an earlier run name."""
+    for parameter in ctx.command.params:
+        name = parameter.name or ""
+        given = ctx.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE and ctx.params[name] != ()
+        if given and name not in REPEATABLE:
+            shown = parameter.opts[0] if parameter.opts[0].startswith("-") else "CALIPER"
+            raise click.UsageError(f"{shown}: does not go with --from-settings, which repeats a run as it was")
+    with terminal.stage("import", "Loading helibore"):
+        from helibore.run import read, reopened
+        from helibore.run_settings import read_settings
+    with terminal.stage("read", f"Reading what {from_settings.name} names"):
+        settings = read_settings(from_settings)
+        return read(settings, *reopened(settings))
 
 
-def diameters(wall: helibore.Wall) -> Floats:
-    """Return the diameter across each vertex that has one half a turn deeper, metres; NaN where either is missing.
+def _work(run: Run, terminal: Terminal, threads: int | None) -> None:
+    from helibore.run import place, rebuild
 
-    With an odd number of sectors the far side is the mean of the two vertices next to it.
-    """
-    radius, sectors = wall.radius, wall.settings.sectors
-    near, far = sectors // 2, (sectors + 1) // 2
-    count = max(radius.size - far, 0)
-    across: Floats = radius[:count] + 0.5 * (radius[near : near + count] + radius[far : far + count])
-    return across
+    with terminal.stage("rebuild", "Rebuilding the wall"):
+        rebuild(run, threads)
+    with terminal.stage("place", f"Placing {len(run.wall or ()):,} vertices"):
+        place(run)
 
 
-def wall_lines(wall: helibore.Wall, quads: int, samples_mean: float) -> list[tuple[str, str]]:
-    """Return the summary a driller reads, as labels and texts; ``samples_mean`` is their mean diameter in metres."""
-    settings, depth, nearest = wall.settings, wall.depth, wall.nearest
-    bit = settings.bit_diameter
-    lines = [
-        ("wall", f"{depth.min():.2f} to {depth.max():.2f} m, {settings.sectors} sectors, pitch {settings.pitch:g} m: "
-         f"{len(wall):,} vertices, {quads:,} quads, from {wall.sample_count:,} samples"),
-        ("bit", f"{bit / INCH:.3f} in ({bit * 1e3:.1f} mm)"),
-    ]  # fmt: skip
-    across = diameters(wall)
-    across = across[~np.isnan(across)]
-    if across.size:
-        sizes = (("mean", across.mean()), ("least", across.min()), ("greatest", across.max()))
-        for index, (name, size) in enumerate(sizes):
-            text = (
-                f"{name:<9}{size / INCH:7.3f} in ({size * 1e3:6.1f} mm), {(size - bit) / INCH:+.3f} in against the bit"
-            )
-            lines.append(("diameter" if index == 0 else "", text))
-        lines.append(("", f"samples  {samples_mean / INCH:7.3f} in ({samples_mean * 1e3:6.1f} mm), their mean"))
-    without = float(np.mean(wall.support == 0)) if len(wall) else 1.0
-    lines.append(("support", f"{100 * without:.2f} % of the vertices are without support (no sample in reach)"))
-    if without < 1:
-        middle, most = np.nanpercentile(nearest, [50, 99])
-        lines.append(
-            ("", f"nearest sample: {middle * 1e3:.0f} mm away for half of the vertices, {most * 1e3:.0f} mm for 99 %")
+def _check_output(output: Path, options: dict[str, Any]) -> None:
+    """Refuse before the work what would fail after it."""
+    if output.suffix.lower() not in ENDINGS:
+        raise ValueError(f"{output}: the ending must be one of {', '.join(ENDINGS)}")
+    centres = options["centres"]
+    if centres is not None and not centres.name.endswith((".csv", ".csv.gz", ".npz")):
+        raise ValueError(f"{centres}: the ending must be one of .csv, .csv.gz, .npz")
+    if centres is not None and not options["recentre"]:
+        raise click.UsageError("--centres: needs --recentre")
+    if options["color_by"] == "difference" and not options["compare_with"]:
+        raise click.UsageError("--color-by difference: needs --compare-with")
+    for file in (output, *([centres] if centres is not None else [])):
+        if not file.parent.is_dir():
+            raise ValueError(f"{file}: the folder {file.parent} must be there")
+
+
+def _settings(options: dict[str, Any]) -> RunSettings:
+    """The options as the settings of a run; files are added when they have been read."""
+    from helibore.conditioning import Echo
+    from helibore.preparation import Preparation
+    from helibore.run_settings import PathSettings, RunSettings
+    from helibore.wall import Settings
+
+    names = (
+        "bit_diameter", "sectors", "pitch", "start_depth", "stop_depth", "start_toolface", "neighbors", "window",
+        "power", "max_distance", "max_iterations", "tolerance", "angular_scale",
+    )  # fmt: skip
+    wall = {name: options[name] for name in names}
+    if options["pitch"] < 0:  # the helix starts at its deep end
+        wall["start_depth"], wall["stop_depth"] = options["stop_depth"], options["start_depth"]
+    echo = None
+    if options["mud_velocity"] is not None or options["tool_radius"] is not None:
+        if options["mud_velocity"] is None or options["tool_radius"] is None:
+            raise click.UsageError("--mud-velocity and --tool-radius: travel times need both")
+        echo = Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
+    least, most = options["radius_range"] or (None, None)
+    steep, level = options["switch"]
+    preparation = Preparation(
+        shallowest=options["samples_from"], deepest=options["samples_to"], closed=options["drop_closed"],
+        stuck=options["drop_stuck"], least_radius=least, greatest_radius=most, repeated=options["drop_repeated"],
+        spikes=options["drop_spikes"], turn_height=options["turn_height"], sensor_offset=options["sensor_offset"],
+        latency=options["latency"], toolface_from=options["toolface_from"], steep=steep, level=level,
+        recentre=options["recentre"], reversal=options["split_passes"], passes=options["passes"],
+        latest=options["latest"], shifts=tuple(options["shifts"]), find_shifts=options["find_shifts"],
+        bias=options["bias"], earlier=options["compare_with"] or (),
+    )  # fmt: skip
+    way = PathSettings(
+        **{name: options[name] for name in ("method", "reference", "extend")},
+        head=tuple(float(one) for one in options["head"]),
+    )
+    color_by = None if options["color_by"] == "radius" else options["color_by"]
+    return RunSettings(
+        caliper=(), wall=Settings(**wall), echo=echo, preparation=preparation, path=way, nulls=nulls(options),
+        color_by=color_by,
+    )  # fmt: skip
+
+
+def _write_centres(run: Run, file: Path) -> None:
+    """Publish the tool's centre in each turn as columns of a table."""
+    from helibore.table_writing import write_table
+
+    if run.prepared is None or run.prepared.centres is None or run.prepared.centre_depth is None:
+        return
+    found = run.prepared.centres
+    columns: dict[str, tuple[Floats, int]] = {
+        "depth_m": (run.prepared.centre_depth, 4),
+        "turn": (found.turn.astype(np.float64), 0),
+        **{f"{name}_m": (getattr(found, name), 7) for name in ("x", "y", "sigma_x", "sigma_y", "eccentering")},
+        "direction_deg": (found.direction, 2),
+        **{f"{name}_m": (getattr(found, name), 7) for name in ("mean_radius", "noise")},
+        "inliers": (found.inliers, 4),
+        "samples": (found.samples.astype(np.float64), 0),
+    }
+    write_table(file, columns)
+
+
+def _lines(run: Run) -> Iterator[tuple[str, str]]:
+    """Yield what was read, what was done to it, and the wall, as labels and texts."""
+    from helibore.run import told
+
+    if run.prepared is None or run.wall is None or run.surface is None:
+        return
+    yield from told(run)
+    inside = _inside(run)
+    if not run.prepared.told and not any(found.missing for found in run.readings):
+        yield "dropped", "nothing"
+    yield from run.prepared.told
+    yield "samples", f"{len(run.prepared.caliper):,}, {inside.size:,} of them in the interval"
+    yield from wall_lines(run.wall, len(run.surface.quads), 2.0 * float(inside.mean()))
+    if run.earlier is not None:
+        values = 1e3 * run.surface.attributes["difference"]
+        known = values[np.isfinite(values)]
+        middle = (
+            f"{np.median(known):+.2f} mm in the median, {known.min():+.2f} to {known.max():+.2f}"
+            if known.size
+            else "none"
         )
-    return lines
+        yield "difference", f"wall less that of the earlier passes: {middle}; {known.size:,} of {values.size:,} quads"
+
+
+def _inside(run: Run) -> Floats:
+    """The radii of the samples in the wall's interval."""
+    from helibore.run import interval
+
+    if run.prepared is None:
+        raise RuntimeError("no samples are prepared; this is a bug in helibore")
+    samples, (top, bottom) = run.prepared.caliper, interval(run.settings)
+    if top == -np.inf and bottom == np.inf:
+        return samples.radius
+    return samples.radius[(samples.depth >= top) & (samples.depth <= bottom)]
+
+
+def _result(settings: RunSettings, expected: str, output: Path) -> Iterator[tuple[str, str]]:
+    """Yield what was written, and for a repeated run whether it is the same to the last bit."""
+    from helibore.run_settings import settings_file
+
+    yield "wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB), {settings_file(output).name}"
+    if expected:
+        same = settings.output_blake2b == expected
+        yield "repeated", "to the last bit" if same else "with other bytes: another ending, version or machine"

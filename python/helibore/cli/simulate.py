@@ -137,7 +137,7 @@ def _hole(start: float, stop: float, bit_diameter: float, plain: bool, seed: int
 
 def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None:
     from helibore.atomic_file import write_whole
-    from helibore.table_file import write_table
+    from helibore.table_writing import write_table
 
     write_table(
         folder / f"caliper.{ending}",

@@ -24,10 +24,12 @@ from .source import complaint
 
 if TYPE_CHECKING:
     from helibore.caliper import Caliper
+    from helibore.conditioning import Echo
     from helibore.roles import RoleMap
     from helibore.survey import Survey
 
-    from .columns import SectorColumns, WallSamples
+    from .columns import SectorColumns
+    from .readings import Readings, WallSamples
 
 Array = npt.NDArray[Any]
 
@@ -75,6 +77,11 @@ class Channel:
         The sector angles where the file states them, else None.
     is_text
         Whether the values are text.
+
+    Notes
+    -----
+    ``load`` returns the values as stored; a masked array says which cells are empty. In a format that has its own way
+    to leave a cell empty, ``nan_is_missing`` is False: a NaN is then what somebody computed (see ``odd_row``).
     """
 
     def __init__(
@@ -87,6 +94,7 @@ class Channel:
         nulls: Iterable[float] = CUSTOMARY_NULLS,
         axis: SectorAxis | None = None,
         is_text: bool = False,
+        nan_is_missing: bool = True,
     ) -> None:
         self.name = name
         self.unit = unit.strip()
@@ -97,8 +105,10 @@ class Channel:
         self.members: tuple[str, ...] = ()
         self._load = load
         self._nulls = tuple(nulls)
+        self._nan_is_missing = nan_is_missing
         self._values: Array | None = None
         self._missing = 0
+        self._odd: int | None = None
 
     @property
     def values(self) -> Array:
@@ -107,7 +117,7 @@ class Channel:
         Whole numbers become float64 unless one is too large to be exact. Nulls are NaN in numbers, "" in text.
         """
         if self._values is None:
-            self._values, self._missing = clean(self._load(), self._nulls)
+            self._values, self._missing, self._odd = clean(self._load(), self._nulls, self._nan_is_missing)
             self._values.flags.writeable = False
         return self._values
 
@@ -117,27 +127,44 @@ class Channel:
         _ = self.values
         return self._missing
 
+    @property
+    def odd_row(self) -> int | None:
+        """The first row in which the file holds an infinity, or a NaN where NaN is not its word for an empty cell."""
+        _ = self.values
+        return self._odd
+
     def __repr__(self) -> str:
         return f"<Channel {self.name} [{self.unit or 'no unit'}] {'x'.join(map(str, self.shape))}>"
 
 
-def clean(values: Array, nulls: tuple[float, ...]) -> tuple[Array, int]:
-    """Return an owned copy with nulls and infinities as NaN, and how many cells are missing."""
+def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) -> tuple[Array, int, int | None]:
+    """Return numbers with nulls and infinities as NaN, how many cells are missing, and the first odd row (see Channel).
+
+    A copy is made only where something is replaced or converted.
+    """
     kind = values.dtype.kind
     if kind in "OSUMm":
         text = np.array(["" if cell is None else str(cell) for cell in values.ravel()], dtype=np.str_)
-        return text.reshape(values.shape), int(np.count_nonzero(text == ""))
+        return text.reshape(values.shape), int(np.count_nonzero(text == "")), None
     if kind in "iu" and values.size and max(abs(int(values.max())), abs(int(values.min()))) > EXACT:
-        return np.array(values), 0
+        return np.array(values), 0, None
     width = np.float32 if values.dtype == np.float32 else np.float64
-    numbers = np.array(values, dtype=width, order="C")
-    gone = ~np.isfinite(numbers)
+    empty = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
+    numbers = np.array(np.ma.getdata(values), dtype=width, order="C", copy=None)
+    if empty is None and numbers.size and numbers.min() > max(nulls, default=-np.inf) and numbers.max() < np.inf:
+        return numbers.view(), 0, None
+    infinite = ~np.isfinite(numbers)
+    odd = infinite if empty is None else infinite & ~empty
+    if nan_is_missing:
+        odd = odd & ~np.isnan(numbers)
+    gone = infinite.copy() if empty is None else infinite | empty
     for null in nulls:
         gone |= numbers == width(null)
     missing = int(np.count_nonzero(gone))
     if missing:
-        numbers[gone] = np.nan
-    return numbers, missing
+        numbers = np.where(gone, width(np.nan), numbers)
+    first = int(np.argmax(odd)) // max(1, numbers[:1].size) if odd.any() else None
+    return numbers.view(), missing, first
 
 
 def unique(names: list[str]) -> list[str]:
@@ -227,7 +254,7 @@ class LogSet:
         return f"line {self._line_of(row)}" if self._line_of else f"row {row}"
 
     def numbers(self, name: str) -> npt.NDArray[np.float64]:
-        """Return a channel as float64, or raise ValueError that names the first cell that is no number."""
+        """Return a channel as float64 (read-only), or raise ValueError that names the first cell that is no number."""
         channel = self[name]
         if channel.is_text:
             for row, cell in enumerate(channel.values.ravel()):
@@ -236,19 +263,30 @@ class LogSet:
                 except ValueError:
                     place = self.place(row // max(1, channel.values[:1].size))
                     raise complaint(self.path, f"{str(cell)[:40]!r} is not a number", place, name) from None
-        return channel.values.astype(np.float64)
+        return channel.values.astype(np.float64, copy=False)
 
-    def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
-        """Return the wall samples of the set as a :class:`helibore.Caliper`. See :func:`columns.caliper`."""
-        from . import columns
+    def readings(
+        self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
+    ) -> Readings:
+        """Return what each sensor read in each row, for :func:`helibore.prepare`. See :func:`readings.readings`."""
+        from .readings import readings
 
-        return columns.caliper(self, roles, bit_diameter)
+        return readings(self, roles, bit_diameter, echo)
 
     def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
-        """Return the wall samples and what was left out. See :func:`columns.samples`."""
-        from . import columns
+        """Return the wall samples as they stand in the file. See :func:`readings.samples`."""
+        from .readings import samples
 
-        return columns.samples(self, roles, bit_diameter)
+        return samples(self, roles, bit_diameter)
+
+    def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
+        """Return the wall samples as a :class:`helibore.Caliper`; a radius that none holds is an error with its line.
+
+        ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges them first.
+        """
+        from helibore.preparation import prepare
+
+        return prepare(self.readings(roles, bit_diameter)).caliper
 
     def survey(self, roles: RoleMap | None = None) -> Survey:
         """Return the directional survey of the set as a :class:`helibore.Survey`. See :func:`columns.survey`."""
@@ -314,6 +352,12 @@ class LogFile:
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
         """Return the wall samples of the only set (or of the one the map names)."""
         return self.set(roles.set_name if roles else None).caliper(roles, bit_diameter)
+
+    def readings(
+        self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
+    ) -> Readings:
+        """Return the readings of the only set (or of the one the map names)."""
+        return self.set(roles.set_name if roles else None).readings(roles, bit_diameter, echo)
 
     def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
         """Return the wall samples of the only set (or of the one the map names), and what was left out."""

@@ -20,6 +20,12 @@ from .channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
 from .headings import describe
 from .source import GZIP_FREE, GZIP_RATIO, Source, complaint, missing_library
 
+OWN_UNITS = {
+    "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",
+    "azimuth": "deg",
+}  # fmt: skip
+"""Units of columns that are named and stored as helibore's own arrays are (``np.savez(depth=caliper.depth, ...)``)."""
+
 
 def read_parquet(source: Source, nulls: tuple[float, ...]) -> LogFile:
     """Open a Parquet file; columns are read when asked."""
@@ -49,8 +55,9 @@ def read_parquet(source: Source, nulls: tuple[float, ...]) -> LogFile:
         if pa.types.is_nested(kind):
             remarks.append(f"{name}: a {kind} is not read")
             continue
-        unit = _field_unit(schema.field(position)) or describe(name)
-        channels.append(Channel(name, unit, "", shape, load, nulls, None, not number and not pa.types.is_null(kind)))
+        unit = _field_unit(schema.field(position)) or describe(name) or own_unit(name, remarks)
+        text = not number and not pa.types.is_null(kind)
+        channels.append(Channel(name, unit, "", shape, load, nulls, None, text, nan_is_missing=False))
     one = LogSet(source.path, "table", channels, rows, None, {}, remarks)
     return LogFile(source.path, "parquet", [one], file.close)
 
@@ -69,7 +76,9 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
         except (pa.ArrowException, OSError, ValueError) as error:
             raise complaint(source.path, f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
         if not pa.types.is_nested(column.type):
-            return column.to_numpy(zero_copy_only=False)  # type: ignore[no-any-return]
+            values: Array = column.to_numpy(zero_copy_only=False)
+            empty = bool(column.null_count) and values.dtype.kind == "f"
+            return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
         if len(lengths) != 1 or column.null_count:
             raise complaint(source.path, f"lists of {len(lengths)} different lengths: must be one", column=name)
@@ -103,8 +112,17 @@ def read_npz(source: Source, nulls: tuple[float, ...]) -> LogFile:
             remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
             continue
         text = array.dtype.kind in "US"
-        channels.append(Channel(name, describe(name), "", array.shape, _keep(array), nulls, axis, text))
+        unit = describe(name) or own_unit(name, remarks)
+        channels.append(Channel(name, unit, "", array.shape, _keep(array), nulls, axis, text, nan_is_missing=False))
     return LogFile(source.path, "npz", [LogSet(source.path, "arrays", channels, rows, None, {}, remarks)])
+
+
+def own_unit(name: str, remarks: list[str]) -> str:
+    """The unit of a binary column that is named as helibore names its own, ``depth``, ``radius`` ...: with a remark."""
+    unit = OWN_UNITS.get(name, "")
+    if unit:
+        remarks.append(f"{name}: no unit stated; a binary column of this name is taken as {unit}")
+    return unit
 
 
 def _row_count(shapes: list[tuple[int, ...]]) -> int:

@@ -1,12 +1,12 @@
-"""CSV, TSV and semicolon tables, plain or gzipped, read with pyarrow.
+"""CSV, TSV and semicolon tables, plain or gzipped, read with pyarrow where it pays (``cells`` reads the others).
 
     # comment lines                      kept as remarks
     depth_m,toolface_deg,radius_mm       the header; a second line of units is taken as such
     1000.0,12.5,108.1
 
 A column is numbers when everything in its first 2 MiB is; a cell that is not a number after that is an error that names
-its line. Decimal commas and blank-separated columns are refused, not guessed. Units come from the header
-(``helibore.files.headings``).
+its line. An empty cell is missing; NaN and infinities are numbers that somebody computed. Decimal commas and
+blank-separated columns are refused, not guessed. Units come from the header (``helibore.files.headings``).
 """
 
 from __future__ import annotations
@@ -19,12 +19,15 @@ from itertools import islice
 from types import ModuleType
 from typing import Any
 
+import numpy as np
+
+from .cells import NULL_TEXTS, ragged, read_cells, text_lines
 from .channel import EXACT, Array, Channel, LogFile, LogSet, unique
 from .headings import describe, is_number, is_units_row
-from .source import LINE_LIMIT, UTF8_BOM, Source, complaint, decode, missing_library
+from .source import LINE_LIMIT, UTF8_BOM, Source, complaint, decode
 
 DELIMITERS = (",", "\t", ";", "|")
-NULL_TEXTS = ("", "-", "--", "NaN", "nan", "NAN", "null", "NULL", "(null)", "N/A", "n/a", "NA", "#N/A", "None", "-nan")
+BLANKS = tuple(" " * count for count in range(1, 17))
 # What pyarrow says of a cell that does not fit its column.
 NOT_A_NUMBER = re.compile(r"In CSV column #(?P<column>\d+): .*invalid value '(?P<cell>.*)'", re.DOTALL)
 
@@ -45,25 +48,31 @@ class Layout:
 
 def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
     """Open a delimited table."""
-    head, remark = _head_text(source)
+    head, remark, whole = _head_text(source)
     layout = find_layout(source, head)
     if remark:
         layout.remarks.append(remark)
-    table = _table(source, layout, head, "utf8" if not remark else "cp1252")
+    encoding = "utf8" if not remark else "cp1252"
     names = unique(layout.names)
+    arrow = None if whole else _arrow()
+    if arrow is None:
+        lines = head.split("\n") if whole else text_lines(source, encoding)
+        arrays = read_cells(source.path, lines, layout.skip, layout.delimiter, names)
+        columns = [(_keep(values), values.size, values.dtype.kind == "U") for values in arrays]
+    else:
+        table = _table(*arrow, source, layout, head, encoding)
+        columns = [(_loader(column), len(column), str(column.type) == "string") for column in table.columns]
     channels = []
-    for position, name in enumerate(names):
+    for position, (name, (load, rows, text)) in enumerate(zip(names, columns, strict=True)):
         unit = layout.units[position] if layout.units else describe(name)
-        column = table.column(position)
-        text = str(column.type) in ("string", "large_string")
-        channels.append(Channel(name, unit, "", (table.num_rows,), _loader(column), nulls, is_text=text))
+        channels.append(Channel(name, unit, "", (rows,), load, nulls, None, text, nan_is_missing=False))
     line_of = _line_finder(source, layout)
-    one = LogSet(source.path, "table", channels, table.num_rows, None, {}, layout.remarks, line_of)
+    one = LogSet(source.path, "table", channels, columns[0][1], None, {}, layout.remarks, line_of)
     return LogFile(source.path, "csv", [one])
 
 
-def _head_text(source: Source) -> tuple[str, str]:
-    """The first 2 MiB of the file, cut at the last whole line, and the remark on the encoding."""
+def _head_text(source: Source) -> tuple[str, str, bool]:
+    """The first 2 MiB of the file, cut at the last whole line, the remark on the encoding, and whether that is all."""
     with source.stream() as stream:
         head = stream.read(2 * LINE_LIMIT)
         more = bool(stream.read(1))
@@ -74,7 +83,7 @@ def _head_text(source: Source) -> tuple[str, str]:
         if len(head) - end > LINE_LIMIT:
             raise source.line_too_long(head.count(b"\n") + 1)
         head = head[: end + 1]
-    return decode(source.path, head)
+    return *decode(source.path, head), not more
 
 
 def find_layout(source: Source, head: str) -> Layout:
@@ -156,18 +165,17 @@ def _delimiter(source: Source, rows: list[str], line: int) -> str:
     raise complaint(source.path, "not a table: no comma, tab, semicolon or | separates columns", line)
 
 
-def _arrow() -> tuple[ModuleType, Any]:
+def _arrow() -> tuple[ModuleType, Any] | None:
     try:
         import pyarrow as pa
         from pyarrow import csv
-    except ImportError as error:
-        raise missing_library("pyarrow", "parquet") from error
+    except ImportError:
+        return None
     return pa, csv
 
 
-def _table(source: Source, layout: Layout, head: str, encoding: str) -> Any:
+def _table(pa: ModuleType, csv: Any, source: Source, layout: Layout, head: str, encoding: str) -> Any:
     """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall."""
-    pa, csv = _arrow()
     numbered = [str(position) for position in range(len(layout.names))]  # repeated names would be refused
     parse = csv.ParseOptions(delimiter=layout.delimiter, newlines_in_values=False)
 
@@ -178,7 +186,7 @@ def _table(source: Source, layout: Layout, head: str, encoding: str) -> Any:
             ),
             "parse_options": parse,
             "convert_options": csv.ConvertOptions(
-                null_values=list(NULL_TEXTS), column_types=types, strings_can_be_null=True, timestamp_parsers=[]
+                null_values=[*NULL_TEXTS, *BLANKS], column_types=types, strings_can_be_null=True, timestamp_parsers=[]
             ),
         }
 
@@ -225,7 +233,14 @@ def min_max(column: Any) -> tuple[int, int]:
 
 
 def _loader(column: Any) -> Callable[[], Array]:
-    return lambda: column.to_numpy()
+    """The values of a column, masked where cells are empty."""
+    if not column.null_count or str(column.type) == "string":
+        return lambda: column.to_numpy()
+    return lambda: np.ma.MaskedArray(column.to_numpy(), column.is_null().to_numpy())
+
+
+def _keep(values: Array) -> Callable[[], Array]:
+    return lambda: values
 
 
 def _explain(source: Source, layout: Layout, error: Exception) -> ValueError:
@@ -242,15 +257,10 @@ def _explain(source: Source, layout: Layout, error: Exception) -> ValueError:
             continue
         cells = split(text, layout.delimiter)
         if len(cells) != width:
-            return complaint(source.path, f"{len(cells)} cells where the header has {width}{_hint(text, layout)}", line)
+            return ragged(source.path, text, line, len(cells), width, layout.delimiter)
         if text.count('"') % 2:
             return complaint(source.path, "a quote is opened and not closed", line)
     return complaint(source.path, str(error).splitlines()[0])
-
-
-def _hint(text: str, layout: Layout) -> str:
-    other = [mark for mark in DELIMITERS if mark != layout.delimiter and text.count(mark) == len(layout.names) - 1]
-    return f" (it has {len(layout.names)} when cut at {other[0]!r}: another delimiter?)" if other else ""
 
 
 def _not_a_number(source: Source, layout: Layout, position: int, cell: str) -> ValueError | None:

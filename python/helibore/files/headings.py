@@ -11,7 +11,7 @@ import re
 
 # Spellings that may end a name after "_" or stand in a units row. Written in lower case; compared in lower case.
 _SPELLED = """
-    m mm cm km ft in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
+    m mm cm km ft ftus in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
     deg degree degrees dega rad radian radians grad gon
     s sec second seconds ms us min minute h hr hour hours day days
     g/cc g/cm3 g/c3 kg/m3 gapi api ohm.m ohmm pu v/v % unitless b/e rpm c/min m/h m/hr ft/h ft/hr

@@ -61,7 +61,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
     number = version.get("VERS", "").strip()
     try:
         major = int(float(number))
-    except ValueError:
+    except (ValueError, OverflowError):
         raise complaint(source.path, f"VERS = {number!r}: must be 2.0 or 3.0", sections[0].line) from None
     if major not in (1, 2, 3):
         raise complaint(source.path, f"VERS = {number}: LAS 2.0 and 3.0 are read", sections[0].line)

@@ -1,0 +1,292 @@
+"""One run, from files to a mesh: what ``helibore reconstruct`` does, stage by stage, for Python too.
+
+    settings = read_settings("wall.glb.toml")
+    run = repeat(settings)                      # the same samples, wall and surface, to the last bit
+    run.surface.save("again.glb")
+
+    files --opened--> channels and roles --readings--> --prepare--> samples --> wall --> surface
+
+What decides the bytes of a mesh is a ``RunSettings``, and nothing else does. Not here: options and printing (``cli``).
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from helibore.arrays import Floats
+from helibore.files import open as open_file
+from helibore.files.channel import LogFile, LogSet
+from helibore.files.readings import Readings, note, readings
+from helibore.preparation import Prepared, Track, prepare
+from helibore.roles import RoleMap
+from helibore.run_settings import Input, RunSettings, checksum, read_settings, settings_file, write_settings
+from helibore.sensors import TimeSeries
+from helibore.surface import Surface
+from helibore.survey import Path as WellPath
+from helibore.survey import Survey
+from helibore.wall import Wall
+
+__all__ = ["Opened", "Run", "opened", "place", "read", "rebuild", "repeat", "save"]
+
+DIFFERENCE = "difference"
+"""The attribute that tells how much larger the wall is than that of the earlier passes, metres."""
+
+
+class Checksum(threading.Thread):
+    """The checksum of a file, made while it is read."""
+
+    def __init__(self, path: Path) -> None:
+        super().__init__(name=f"checksum of {path.name}", daemon=True)
+        self._path, self._found = path, ""
+        self._error: OSError | None = None
+        self.start()
+
+    def run(self) -> None:
+        """Read the file once."""
+        try:
+            self._found = checksum(self._path)
+        except OSError as error:
+            self._error = error
+
+    def known(self) -> str:
+        """Wait for it."""
+        self.join()
+        if self._error is not None:
+            raise self._error
+        return self._found
+
+
+@dataclass(frozen=True)
+class Opened:
+    """A file that is open: its format, the set that is used, and what its channels are taken for."""
+
+    file: Path
+    format: str
+    one: LogSet
+    roles: RoleMap
+    blake2b: Checksum
+
+    def input(self) -> Input:
+        """What the settings say of it."""
+        return Input(self.file, self.blake2b.known(), replace(self.roles, set_name=self.one.name))
+
+
+def opened(file: str | os.PathLike[str], nulls: tuple[float, ...], choose: Callable[[LogFile], RoleMap]) -> Opened:
+    """Open a file; ``choose`` says which set and roles. Its checksum is made meanwhile, in a thread of its own."""
+    path = Path(file)
+    blake2b = Checksum(path)
+    found = open_file(path, nulls)
+    roles = choose(found)
+    return Opened(path, found.format, found.set(roles.set_name), roles, blake2b)
+
+
+@dataclass
+class Run:
+    """A run under way: what has been read, rebuilt and placed so far.
+
+    Attributes
+    ----------
+    settings
+        What it is made with. Checksums of inputs are filled in by ``save``.
+    caliper, survey_file, track_file
+        The open files.
+    survey, path
+        The survey and its path; None without.
+    readings
+        What the caliper files hold.
+    prepared
+        Samples, and what was done to them.
+    wall, earlier
+        The wall, and that of the earlier passes.
+    surface
+        The wall along the path.
+    """
+
+    settings: RunSettings
+    caliper: tuple[Opened, ...]
+    survey_file: Opened | None
+    track_file: Opened | None
+    readings: tuple[Readings, ...]
+    survey: Survey | None = None
+    path: WellPath | None = None
+    track: Track | None = None
+    prepared: Prepared | None = None
+    wall: Wall | None = None
+    earlier: Wall | None = None
+    surface: Surface | None = None
+
+
+def read(
+    settings: RunSettings, caliper: tuple[Opened, ...], survey_file: Opened | None, track_file: Opened | None
+) -> Run:
+    """Read what the open files hold."""
+    bit = settings.wall.bit_diameter if settings.wall.bit_diameter > 0 else None  # Wall says what is wrong with it
+    found = tuple(readings(each.one, each.roles, bit, settings.echo, track_file is not None) for each in caliper)
+    run = Run(settings, caliper, survey_file, track_file, found)
+    if survey_file is not None:
+        run.survey = survey_file.one.survey(survey_file.roles)
+        way = settings.path
+        north, east, down = way.head
+        run.path = run.survey.path(way.method, way.reference, (north, east, down), way.extend)  # type: ignore[arg-type]
+    if track_file is not None:
+        run.track = _track(track_file)
+    return run
+
+
+def _track(file: Opened) -> Track:
+    """Depth and toolface by time."""
+    from helibore.files.columns import column, needed
+
+    when = column(file.one, needed(file.one, file.roles, "time"))
+    depth = column(file.one, needed(file.one, file.roles, "depth"))
+    role = file.roles.one("toolface")
+    known = np.isfinite(when)
+    turning = TimeSeries(when[known], column(file.one, role)[known], angle=True) if role else None
+    return Track(TimeSeries(when[known], depth[known]), turning)
+
+
+def rebuild(run: Run, threads: int | None = None) -> Wall:
+    """Prepare the readings and rebuild the wall, and the earlier one where there is one."""
+    run.prepared = prepare(list(run.readings), run.settings.preparation, run.path, run.track)
+    top, bottom = interval(run.settings)
+    depth = run.prepared.caliper.depth
+    if not (depth.min() >= top and depth.max() <= bottom) and not ((depth >= top) & (depth <= bottom)).any():
+        name, there = run.readings[0].name, f"it has {depth.min():g} to {depth.max():g} m"
+        raise ValueError(f"{name}: no samples between {top:g} and {bottom:g} m; {there}")
+    run.wall = _reconstructed(run, run.prepared, threads)
+    if run.prepared.earlier is not None:
+        run.earlier = Wall(threads=threads, **vars(run.settings.wall))
+        one = run.prepared.earlier
+        run.earlier.append(one.depth, one.toolface, one.radius, one.time)
+    return run.wall
+
+
+def interval(settings: RunSettings) -> tuple[float, float]:
+    """Depths the wall is asked for, shallow and deep; infinite where that is left to the samples."""
+    ends = (settings.wall.start_depth, settings.wall.stop_depth)
+    top, bottom = ends if settings.wall.pitch > 0 else ends[::-1]
+    return -np.inf if top is None else top, np.inf if bottom is None else bottom
+
+
+def _reconstructed(run: Run, prepared: Prepared, threads: int | None) -> Wall:
+    import helibore
+
+    return helibore.reconstruct(prepared.caliper, threads=threads, **vars(run.settings.wall))
+
+
+def place(run: Run) -> Surface:
+    """Place the wall along the path, with the difference to the earlier one as an attribute."""
+    if run.wall is None:
+        raise RuntimeError("place before rebuild; this is a bug in helibore")
+    run.surface = run.wall.surface(run.path)
+    if run.earlier is not None:
+        from helibore.passes import difference
+
+        run.surface.attributes[DIFFERENCE] = of_quads(difference(run.earlier, run.wall), run.wall.settings.sectors)
+    return run.surface
+
+
+def of_quads(vertices: Floats, sectors: int) -> Floats:
+    """Mean of the four corners of every quad of a whole helix, (n - sectors - 1,); NaN where one is missing."""
+    count = max(vertices.size - sectors - 1, 0)
+    first, next_turn = vertices[: count + 1], vertices[sectors : sectors + count + 1]
+    mean: Floats = 0.25 * (first[:-1] + first[1:] + next_turn[:-1] + next_turn[1:])
+    return mean
+
+
+def save(run: Run, output: str | os.PathLike[str]) -> RunSettings:
+    """Write the mesh and, beside it, the settings that repeat it; each whole or not at all.
+
+    Returns
+    -------
+    RunSettings
+        As written: with the checksums of what was read and of the mesh.
+    """
+    output = Path(output)
+    if run.surface is None:
+        raise RuntimeError("save before place; this is a bug in helibore")
+    inputs = [each.input() for each in run.caliper]
+    run.surface.save(output, color_by=run.settings.color_by)
+    settings = replace(
+        run.settings, caliper=tuple(inputs), output=output, output_blake2b=checksum(output),
+        survey=run.survey_file.input() if run.survey_file else None,
+        track=run.track_file.input() if run.track_file else None,
+    )  # fmt: skip
+    write_settings(settings_file(output), settings)
+    run.settings = settings
+    return settings
+
+
+def reopened(settings: RunSettings) -> tuple[tuple[Opened, ...], Opened | None, Opened | None]:
+    """Open the files that settings name, as they were.
+
+    Raises
+    ------
+    ValueError
+        If a file has changed since, naming it and both checksums.
+    """
+
+    def again(one: Input | None) -> Opened | None:
+        if one is None:
+            return None
+        found = checksum(one.file)
+        if found != one.blake2b:
+            raise ValueError(
+                f"{one.file}: has changed since the run: its BLAKE2b is {found}, the settings have {one.blake2b}; "
+                "only the same file repeats it"
+            )
+        return opened(one.file, settings.nulls, lambda file: _known(file.set(one.roles.set_name), one.roles))
+
+    calipers = tuple(found for one in settings.caliper if (found := again(one)) is not None)
+    return calipers, again(settings.survey), again(settings.track)
+
+
+def _known(log: LogSet, roles: RoleMap) -> RoleMap:
+    for role in roles:
+        if role.channel not in log:
+            raise ValueError(f"{log.path.name}: no channel {role.channel!r}; it holds {', '.join(log.names)}")
+    return roles
+
+
+def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
+    """Repeat a run from its settings, or from the file they are in, up to the placed surface.
+
+    Raises
+    ------
+    ValueError
+        If an input has changed, and as the run itself.
+    """
+    if not isinstance(settings, RunSettings):
+        settings = read_settings(settings)
+    run = read(settings, *reopened(settings))
+    rebuild(run, threads)
+    place(run)
+    return run
+
+
+def told(run: Run) -> Iterator[tuple[str, str]]:
+    """Yield (label, sentence) for every file: what was read, what each channel was taken for, what was left out."""
+    for each, found in zip(run.caliper, run.readings, strict=True):
+        yield "caliper", f"{each.file.name}: {each.format}, {_set(each)}{found.rows:,} rows"
+        for sentence in (*each.one.remarks, *found.notes):
+            yield "", sentence
+        for name, count in found.missing.items():
+            yield "missing", f"{count:,} values of {name}"
+    for label, file, roles in (
+        ("survey", run.survey_file, ("depth", "inclination", "azimuth")),
+        ("track", run.track_file, ("time", "depth", "toolface")),
+    ):
+        if file is not None:
+            yield label, f"{file.file.name}: {file.format}, {_set(file)}{file.one.rows:,} rows"
+            for sentence in (*file.one.remarks, *(note(role) for role in file.roles.all(*roles))):
+                yield "", sentence
+
+
+def _set(each: Opened) -> str:
+    return f"set {each.one.name!r}, " if each.one.name not in ("table", "arrays") else ""

@@ -1,0 +1,288 @@
+"""Runs: settings beside the mesh, repeated to the last bit; a changed input is refused; every format in, one path."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.passes import difference
+from helibore.run import of_quads, repeat
+from helibore.run_settings import checksum, read_settings, settings_file, write_settings
+from helibore.simulate import Hole, Lift, Tool, simulate
+from helibore.table_writing import write_table
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Samples of 3 m of hole with a lift, by time, and a survey."""
+    folder = tmp_path_factory.mktemp("run")
+    simulation = simulate(Hole.example(2000.0, 2003.0, seed=5), Tool(lifts=(Lift(2002.0, 1.0),)), samples=6000, seed=5)
+    columns = {name: getattr(simulation, name) for name in ("time", "depth", "toolface", "radius")}
+    units = {"time": "s", "depth": "m", "toolface": "deg", "radius": "m"}
+    write_table(folder / "c.csv", {f"{name}_{units[name]}": (values, 9) for name, values in columns.items()})
+    np.savez(folder / "c.npz", **columns)
+    (folder / "s.csv").write_text("md_m,incl_deg,azim_deg\n1990,5,40\n2010,7,50\n")
+    return folder
+
+
+def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None:
+    mesh, again = tmp_path / "w.glb", tmp_path / "again.glb"
+    first = run(
+        "reconstruct", folder / "c.csv", "--survey", folder / "s.csv", "-o", mesh, "--bit-diameter", "216mm",
+        "--sectors", 32, "--drop-spikes", 6, "--radius-range", "50mm", "300mm", "--recentre", "--split-passes", "0.5m",
+        "--find-shifts", "--bias", "arm", "--compare-with", 1, "--color-by", "difference", "--reference", "carried",
+        "--toolface-from", "automatic", "--max-distance", "none", "--centres", tmp_path / "centres.csv",
+    )  # fmt: skip
+    assert first.exit_code == 0, first.output
+    second = run("reconstruct", "--from-settings", settings_file(mesh), "-o", again)
+    assert second.exit_code == 0, second.output
+    assert again.read_bytes() == mesh.read_bytes()
+    assert re.search(r"repeated +to the last bit", second.output)
+    for label in ("spikes", "range", "turns", "passes", "shift", "toolface", "recentre", "bias", "difference"):
+        assert f"\n{label} " in first.output, label
+    settings = read_settings(settings_file(mesh))
+    third = repeat(settings)
+    assert third.surface is not None
+    third.surface.save(tmp_path / "third.glb", color_by="difference")
+    assert (tmp_path / "third.glb").read_bytes() == mesh.read_bytes()
+    assert settings.output_blake2b == checksum(mesh)
+    assert (settings.wall.max_distance, settings.wall.sectors) == (None, 32)
+    assert settings.preparation.earlier == (1,)
+    centres = hb.open(tmp_path / "centres.csv").set()
+    assert third.prepared is not None
+    assert third.prepared.centres is not None
+    np.testing.assert_allclose(centres["x_m"].values, third.prepared.centres.x, atol=1e-7)
+    assert {"sigma_x_m", "inliers", "samples"} <= set(centres.names)
+    assert third.wall is not None
+    assert third.earlier is not None
+    expected = of_quads(difference(third.earlier, third.wall), 32)
+    np.testing.assert_array_equal(third.surface.attributes["difference"], expected[: len(third.surface.quads)])
+
+
+def test_settings_survive_and_stay_beside_their_files(folder: Path, tmp_path: Path) -> None:
+    for name in ("c.csv", "s.csv"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    mesh = tmp_path / "w.ply"
+    result = run(
+        "reconstruct", tmp_path / "c.csv", "--survey", tmp_path / "s.csv", "-o", mesh, "--bit-diameter", "216mm", "-q"
+    )
+    assert (result.exit_code, result.output) == (0, "")
+    settings = read_settings(settings_file(mesh))
+    assert [one.file for one in settings.inputs] == [tmp_path / "c.csv", tmp_path / "s.csv"]
+    write_settings(tmp_path / "other.toml", settings)
+    assert read_settings(tmp_path / "other.toml") == settings
+    moved = tmp_path.with_name(f"{tmp_path.name}-moved")
+    tmp_path.rename(moved)
+    again = run("reconstruct", "--from-settings", moved / "w.ply.toml", "-o", moved / "again.ply")
+    assert again.exit_code == 0, again.output
+    assert (moved / "again.ply").read_bytes() == (moved / "w.ply").read_bytes()
+    roles = tomllib.loads((moved / "w.ply.toml").read_text())["caliper"][0]["channel"]
+    assert [role["role"] for role in roles] == ["time", "depth", "toolface", "radius"]
+
+
+def test_a_changed_input_is_refused(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "c.csv").write_bytes((folder / "c.csv").read_bytes())
+    assert (
+        run("reconstruct", tmp_path / "c.csv", "-o", tmp_path / "w.stl", "--bit-diameter", "216mm", "-q").exit_code == 0
+    )
+    before = checksum(tmp_path / "c.csv")
+    with (tmp_path / "c.csv").open("a") as file:
+        file.write("1,2001,3,0.1\n")
+    again = run("reconstruct", "--from-settings", tmp_path / "w.stl.toml", "-o", tmp_path / "again.stl")
+    assert (again.exit_code, again.stdout) == (2, "")
+    assert again.stderr == (
+        f"helibore: {tmp_path}/c.csv: has changed since the run: its BLAKE2b is {checksum(tmp_path / 'c.csv')}, the "
+        f"settings have {before}; only the same file repeats it\n"
+    )
+    assert not (tmp_path / "again.stl").exists()
+    (tmp_path / "c.csv").unlink()
+    gone = run("reconstruct", "--from-settings", tmp_path / "w.stl.toml", "-o", tmp_path / "again.stl")
+    assert (gone.exit_code, gone.stderr) == (2, f"helibore: {tmp_path}/c.csv: No such file or directory\n")
+
+
+def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
+    assert (
+        run("reconstruct", folder / "c.npz", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "-q").exit_code == 0
+    )
+    from_settings = ("reconstruct", "--from-settings", tmp_path / "w.glb.toml", "-o", tmp_path / "x.glb")
+    for option in (["--sectors", "8"], [folder / "c.npz"], ["--recentre"]):
+        result = run(*from_settings, *option)
+        assert result.exit_code == 2
+        name = option[0] if str(option[0]).startswith("-") else "CALIPER"
+        assert f"{name}: does not go with --from-settings" in result.stderr
+    assert run(*from_settings, "--threads", 1, "-q").exit_code == 0
+    assert (tmp_path / "x.glb").read_bytes() == (tmp_path / "w.glb").read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("sectors = 64", "sectors = 6.5", "wall.sectors = 6.5: must be a whole number"),
+        ("sectors = 64", "sektors = 64", "wall.sektors: must be one of"),
+        ("recentre = false", "recentre = 0", "preparation.recentre = 0: must be true or false"),
+        ('bias = "none"', 'bias = "tool"', "preparation: bias = 'tool': must be one of none, arm, side"),
+        ("head = [0.0, 0.0, 0.0]", "head = 3", "path.head = 3: must be a list"),
+        ("[wall]", "[wail]", "wail: must be one of helibore, nulls"),
+        ("[[caliper]]", "[caliper]", ""),
+        ('role = "radius"', 'roll = "radius"', "caliper 1.channel 4.roll: must be one of"),
+        ("bit_diameter = 0.216", "", "wall: "),
+        ("nulls", "nulls = [1", "not TOML"),
+    ],
+)
+def test_bad_settings(folder: Path, tmp_path: Path, old: str, new: str, rule: str) -> None:
+    assert (
+        run("reconstruct", folder / "c.npz", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "-q").exit_code == 0
+    )
+    text = (tmp_path / "w.glb.toml").read_text()
+    assert old in text
+    (tmp_path / "bad.toml").write_text(text.replace(old, new, 1))
+    result = run("reconstruct", "--from-settings", tmp_path / "bad.toml", "-o", tmp_path / "x.glb")
+    assert result.exit_code == 2, result.exception
+    assert result.stderr.startswith(f"helibore: bad.toml: {rule}"), result.stderr
+    assert not (tmp_path / "x.glb").exists()
+
+
+def loaded(folder: Path) -> dict[str, np.ndarray]:
+    with np.load(folder / "c.npz") as arrays:
+        return dict(arrays)
+
+
+def written(folder: Path, tmp_path: Path, kind: str) -> tuple[Path, list[object]]:
+    """The same samples in another format, and the options it takes to read them."""
+    arrays = loaded(folder)
+    columns = {name: arrays[name] for name in ("depth", "toolface", "radius")}
+    path = tmp_path / f"c.{kind}"
+    if kind == "parquet":
+        pa = pytest.importorskip("pyarrow")
+        from pyarrow import parquet
+
+        parquet.write_table(pa.table(columns), path)
+        return path, []
+    table = np.column_stack(list(columns.values()))
+    curves = "DEPT.M : depth\nTF.DEG : toolface\nRADIUS.M : radius\n"
+    if kind == "las":
+        pytest.importorskip("lasio")
+        head = "~V\nVERS. 2.0 :\nWRAP. NO :\n~W\nSTRT.M 0 :\nSTOP.M 0 :\nSTEP.M 0 :\nNULL. -999.25 :\n~C\n"
+        rows = "".join(" ".join(repr(float(cell)) for cell in row) + "\n" for row in table)
+        path.write_text(f"{head}{curves}~A\n{rows}")
+        return path, []
+    if kind == "las3":
+        head = "~Version\nVERS. 3.0 :\nWRAP. NO :\nDLM. COMMA :\n~Well\nNULL. -999.25 :\n~Log_Definition\n"
+        rows = "".join(",".join(repr(float(cell)) for cell in row) + "\n" for row in table)
+        path.write_text(f"{head}{curves}~Log_Data | Log_Definition\n{rows}")
+        return path, []
+    if kind == "json":
+        import json
+
+        curves_of = [{"name": n, "unit": u, "valueType": "float", "dimensions": 1}
+                     for n, u in (("MD", "m"), ("TF", "deg"), ("radius", "m"))]  # fmt: skip
+        path.write_text(json.dumps([{"header": {"name": "w"}, "curves": curves_of, "data": table.tolist()}]))
+        return path, []
+    rows = "".join(f"<data>{','.join(repr(float(cell)) for cell in row)}</data>" for row in table)
+    path.write_text(
+        '<logs xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"><log><name>x</name>'
+        "<indexCurve>MD</indexCurve><logData><mnemonicList>MD,TF,RADIUS</mnemonicList><unitList>m,deg,m</unitList>"
+        f"{rows}</logData></log></logs>"
+    )
+    return path, []
+
+
+@pytest.mark.parametrize("kind", ["parquet", "las", "las3", "json", "xml"])
+def test_every_format_is_one_path(folder: Path, tmp_path: Path, kind: str) -> None:
+    path, options = written(folder, tmp_path, kind)
+    result = run("reconstruct", path, *options, "-o", tmp_path / "w.ply", "--bit-diameter", "216mm")
+    assert result.exit_code == 0, result.output
+    arrays = loaded(folder)
+    wall = hb.reconstruct(hb.Caliper(arrays["depth"], arrays["toolface"], arrays["radius"]), bit_diameter=0.216)
+    wall.surface().save(tmp_path / "expected.ply")
+    assert (tmp_path / "w.ply").read_bytes() == (tmp_path / "expected.ply").read_bytes()
+
+
+def test_dlis_is_on_the_path_too(folder: Path, tmp_path: Path) -> None:
+    pytest.importorskip("dlisio")
+    dliswriter = pytest.importorskip("dliswriter")
+    arrays = loaded(folder)
+    file = dliswriter.DLISFile()
+    logical = file.add_logical_file()
+    logical.add_origin("O", file_set_number=1)
+    units = {"depth": "m", "toolface": "deg", "radius": "m"}
+    channels = [logical.add_channel(n.upper(), data=arrays[n].astype(np.float64), units=u) for n, u in units.items()]
+    logical.add_frame("MAIN", channels=channels)
+    file.write(str(tmp_path / "c.dlis"))
+    result = run("reconstruct", tmp_path / "c.dlis", "-o", tmp_path / "w.ply", "--bit-diameter", "216mm")
+    assert result.exit_code == 0, result.output
+    wall = hb.reconstruct(hb.Caliper(*(arrays[n] for n in units)), bit_diameter=0.216)
+    wall.surface().save(tmp_path / "expected.ply")
+    assert (tmp_path / "w.ply").read_bytes() == (tmp_path / "expected.ply").read_bytes()
+
+
+def test_a_map_overrules_and_several_files_are_passes(folder: Path, tmp_path: Path) -> None:
+    rows = (folder / "c.csv").read_text().splitlines()
+    half = len(rows) // 2
+    (tmp_path / "a.csv").write_text("\n".join(["t,odd,b,c", *rows[1:half]]))
+    (tmp_path / "b.csv").write_text("\n".join(["t,odd,b,c", *rows[half:]]))
+    (tmp_path / "m.toml").write_text(
+        '[channels.t]\nrole = "time"\nunit = "s"\n[channels.odd]\nrole = "depth"\nunit = "m"\n'
+        '[channels.b]\nrole = "toolface"\nunit = "deg"\n[channels.c]\nrole = "radius"\nunit = "m"\n'
+    )
+    files = (tmp_path / "a.csv", tmp_path / "b.csv", "--map", tmp_path / "m.toml", "--bit-diameter", "216mm")
+    assert run("reconstruct", *files, "-o", tmp_path / "w.ply", "-q").exit_code == 0
+    assert (
+        run("reconstruct", folder / "c.csv", "--bit-diameter", "216mm", "-o", tmp_path / "one.ply", "-q").exit_code == 0
+    )
+    assert (tmp_path / "w.ply").read_bytes() == (tmp_path / "one.ply").read_bytes()
+    result = run("reconstruct", *files, "-o", tmp_path / "l.ply", "--compare-with", 1)
+    assert result.exit_code == 0, result.output
+    assert "difference  wall less that of the earlier passes: " in result.output
+    again = run("reconstruct", "--from-settings", tmp_path / "l.ply.toml", "-o", tmp_path / "l2.ply", "-q")
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "l2.ply").read_bytes() == (tmp_path / "l.ply").read_bytes()
+    wrong = run(
+        "reconstruct", *files, "--map", tmp_path / "m.toml", "--map", tmp_path / "m.toml", "-o", tmp_path / "x.ply"
+    )
+    assert wrong.exit_code == 2
+    assert "3 maps for 2 caliper files: must be one, or one a file" in wrong.stderr
+
+
+def test_track_and_travel_times_on_the_command_line(tmp_path: Path) -> None:
+    time = np.arange(3000) * 0.1
+    depth, turn = 100 + 0.002 * time, time * 77.0 % 360
+    np.savez(tmp_path / "track.npz", time=time, depth=depth, toolface=turn)
+    echo = 2 * (0.108 - 0.045) / 1500.0 * 1e6
+    rows = "".join(f"{t:.3f},{echo + 0.5 * np.sin(t):.4f}\n" for t in time[50:-50])
+    (tmp_path / "c.csv").write_text(f"time_s,tt_us\n{rows}")
+    base = ("reconstruct", tmp_path / "c.csv", "--track", tmp_path / "track.npz", "--bit-diameter", "216mm")
+    result = run(*base, "--mud-velocity", 1500, "--tool-radius", "45mm", "--latency", "0.2s", "-o", tmp_path / "w.ply")
+    assert result.exit_code == 0, result.output
+    assert "tt_us is travel-time in us" in result.output
+    again = run("reconstruct", "--from-settings", tmp_path / "w.ply.toml", "-o", tmp_path / "again.ply")
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "again.ply").read_bytes() == (tmp_path / "w.ply").read_bytes()
+    lacking = run(*base, "-o", tmp_path / "x.ply")
+    assert (lacking.exit_code, lacking.stdout) == (2, "")
+    assert "a travel time needs the velocity in the mud" in lacking.stderr
+    half = run(*base, "--mud-velocity", 1500, "-o", tmp_path / "x.ply")
+    assert "--mud-velocity and --tool-radius: travel times need both" in half.stderr
+
+
+def test_the_settings_of_another_version_are_read(folder: Path, tmp_path: Path) -> None:
+    assert (
+        run("reconstruct", folder / "c.npz", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "-q").exit_code == 0
+    )
+    settings = replace(read_settings(tmp_path / "w.glb.toml"), version="99.0", output_blake2b="0" * 64)
+    write_settings(tmp_path / "old.toml", settings)
+    result = run("reconstruct", "--from-settings", tmp_path / "old.toml", "-o", tmp_path / "x.glb")
+    assert result.exit_code == 0
+    assert re.search(r"repeated +with other bytes: another ending, version or machine", result.output)
