@@ -89,7 +89,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (
             WALL + SOURCE + 'items = { bit_depth = { item = "0108", unit = "fathom" } }\n',
             "source.rig.items.bit_depth = '0108': not known; known are "
-            "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, min, h",
+            "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h",
         ),
         (WALL + SOURCE + CALIPER, "source.rig.caliper.toolface: must be set: a list of items, one for each triple"),
         (
