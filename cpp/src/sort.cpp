@@ -16,6 +16,7 @@
 #include "helibore/error.hpp"
 #include "helix.hpp"
 #include "instruction_set.hpp"
+#include "lines.hpp"
 #include "number_text.hpp"
 #include "pages.hpp"
 #include "parallel.hpp"
@@ -183,24 +184,35 @@ struct Buckets {
         if (high > low) scale = static_cast<double>(buckets) / (high - low);
         if (!(scale < 1e300)) scale = 0.0;
     }
-    Index of(double depth) const { return std::min(static_cast<Index>((depth - least) * scale), count - 1); }
+    Index of(double depth) const {
+        return std::clamp(static_cast<Index>((depth - least) * scale), Index{0}, count - 1);
+    }
+    // Finer ones for the depths of one of these.
+    Buckets bins(Index bucket, Index n) const {
+        if (scale == 0.0) return {least, least, n};
+        return {least + static_cast<double>(bucket) / scale, least + static_cast<double>(bucket + 1) / scale, n};
+    }
 };
 
-// Rows [start, stop) of the chunks, copied out, ordered and put back.
+// Brings the rows of one bucket, [start, stop) of the chunks, into order.
+template <bool timed>
 class BucketSorter {
   public:
-    void sort(SortedBatch& batch, Range rows) {
+    void sort(SortedBatch& batch, Range rows, const Buckets& buckets, Index bucket) {
         const auto n = static_cast<std::size_t>(rows.stop - rows.start);
         if (n < 2) return;
-        for (auto* column : {&depth_, &toolface_, &radius_, &time_})
-            if (column->size() < n) column->resize(n);
-        load(batch, rows);
-        put_in_bins(n, batch.timed);
-        for (std::size_t i = 1; i < n; ++i) sift(i, batch.timed);
+        if (rows_.size() < n) rows_.resize(n);
+        put_in_bins(batch, rows, buckets.bins(bucket, static_cast<Index>(n)));
+        for (std::size_t i = 1; i < n; ++i)
+            if (before(rows_[i], rows_[i - 1])) sift(i);
         store(batch, rows);
     }
 
   private:
+    struct Row {
+        double depth, toolface, radius, time;
+    };
+
     // Calls with each piece of a chunk the rows lie in: (chunk, offset in it, index in the rows, length).
     template <class Call>
     static void pieces(const SortedBatch& batch, Range rows, const Call& call) {
@@ -211,98 +223,135 @@ class BucketSorter {
         }
     }
 
-    void load(const SortedBatch& batch, Range rows) {
-        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index n) {
-            std::copy_n(c.depth() + offset, n, depth_.begin() + at);
-            std::copy_n(c.toolface() + offset, n, toolface_.begin() + at);
-            std::copy_n(c.radius() + offset, n, radius_.begin() + at);
-            if (batch.timed) std::copy_n(c.time() + offset, n, time_.begin() + at);
-        });
-    }
-
-    void store(SortedBatch& batch, Range rows) const {
-        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index n) {
-            for (Index i = 0; i < n; ++i) {
-                const std::size_t from = order_[static_cast<std::size_t>(at + i)];
-                c.depth()[offset + i] = depth_[from];
-                c.toolface()[offset + i] = toolface_[from];
-                c.radius()[offset + i] = radius_[from];
-            }
-            if (batch.timed)
-                for (Index i = 0; i < n; ++i) c.time()[offset + i] = time_[order_[static_cast<std::size_t>(at + i)]];
-        });
-    }
-
     // A stable counting sort into about one bin a row; bins that stay large are sorted by comparison at once.
-    void put_in_bins(std::size_t n, bool timed) {
-        const auto [low, high] = std::minmax_element(depth_.begin(), depth_.begin() + static_cast<std::ptrdiff_t>(n));
-        const Buckets bins(*low, *high, static_cast<Index>(n));
+    void put_in_bins(const SortedBatch& batch, Range rows, const Buckets& bins) {
+        const auto n = static_cast<std::size_t>(rows.stop - rows.start);
         bin_.resize(std::max(bin_.size(), n));
-        order_.resize(std::max(order_.size(), n));
         starts_.assign(n + 1, 0);
-        for (std::size_t i = 0; i < n; ++i) {
-            bin_[i] = static_cast<std::uint32_t>(bins.of(depth_[i]));
-            ++starts_[bin_[i] + 1];
-        }
+        std::uint32_t most = 0;
+        pieces(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
+            for (Index i = 0; i < length; ++i) {
+                const auto bin = static_cast<std::uint32_t>(bins.of(c.depth()[offset + i]));
+                bin_[static_cast<std::size_t>(at + i)] = bin;
+                most = std::max(most, ++starts_[bin + 1]);
+            }
+        });
         std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-        for (std::size_t i = 0; i < n; ++i) order_[starts_[bin_[i]]++] = static_cast<std::uint32_t>(i);
+        pieces(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
+            for (Index i = 0; i < length; ++i) {
+                Row& row = rows_[starts_[bin_[static_cast<std::size_t>(at + i)]]++];
+                row.depth = c.depth()[offset + i];
+                row.toolface = c.toolface()[offset + i];
+                row.radius = c.radius()[offset + i];
+                if constexpr (timed) row.time = c.time()[offset + i];
+            }
+        });
+        if (most <= 32) return;
         // starts_[b] is now the end of bin b.
         for (std::size_t b = 0, start = 0; b < n; start = starts_[b++])
             if (starts_[b] - start > 32)
-                std::stable_sort(order_.begin() + static_cast<std::ptrdiff_t>(start), order_.begin() + starts_[b],
-                                 [&](std::uint32_t x, std::uint32_t y) { return before(x, y, timed); });
+                std::stable_sort(rows_.begin() + static_cast<std::ptrdiff_t>(start), rows_.begin() + starts_[b],
+                                 before);
     }
 
-    bool before(std::size_t x, std::size_t y, bool timed) const {
-        if (depth_[x] != depth_[y] || !timed) return depth_[x] < depth_[y];
-        if (time_[x] != time_[y]) return time_[x] < time_[y];
-        if (toolface_[x] != toolface_[y]) return toolface_[x] < toolface_[y];
-        return radius_[x] < radius_[y];
+    static bool before(const Row& x, const Row& y) {
+        if constexpr (!timed) return x.depth < y.depth;
+        if (x.depth != y.depth) return x.depth < y.depth;
+        if (x.time != y.time) return x.time < y.time;
+        if (x.toolface != y.toolface) return x.toolface < y.toolface;
+        return x.radius < y.radius;
     }
 
-    void sift(std::size_t i, bool timed) {
-        const std::uint32_t row = order_[i];
-        for (; i > 0 && before(row, order_[i - 1], timed); --i) order_[i] = order_[i - 1];
-        order_[i] = row;
+    void sift(std::size_t i) {
+        const Row row = rows_[i];
+        for (; i > 0 && before(row, rows_[i - 1]); --i) rows_[i] = rows_[i - 1];
+        rows_[i] = row;
     }
 
-    std::vector<double> depth_, toolface_, radius_, time_;
-    std::vector<std::uint32_t> order_, bin_, starts_;
+    void store(SortedBatch& batch, Range rows) const {
+        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index length) {
+            const Row* from = rows_.data() + at;
+            for (Index i = 0; i < length; ++i) {
+                c.depth()[offset + i] = from[i].depth;
+                c.toolface()[offset + i] = from[i].toolface;
+                c.radius()[offset + i] = from[i].radius;
+                if constexpr (timed) c.time()[offset + i] = from[i].time;
+            }
+        });
+    }
+
+    std::vector<Row> rows_;
+    std::vector<std::uint32_t> bin_, starts_;
+};
+
+template <bool timed>
+void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, int threads) {
+    std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(threads));
+    for_each_part(buckets.count, threads, [&](int w, Index b) {
+        const auto i = static_cast<std::size_t>(b);
+        sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
+    });
+}
+
+// Where a worker's rows of one bucket go. Eight of them are collected before they are written, a line of memory a
+// column: scattered single stores would have the processor fetch and write back each line several times.
+struct Collected {
+    Index start, next;  // the rows' places in the order of buckets
+    alignas(64) double rows[4][8];
+
+    // Writes the rows collected since the last place that is a multiple of 8.
+    void write(SortedBatch& batch) const {
+        const Index first = std::max(start, (next - 1) / 8 * 8), n = next - first;
+        if (n <= 0) return;
+        Chunk& chunk = *batch.chunks[static_cast<std::size_t>(first / Chunk::full)];
+        double* columns[4] = {chunk.depth(), chunk.toolface(), chunk.radius(), batch.timed ? chunk.time() : nullptr};
+        for (int c = 0; c < (batch.timed ? 4 : 3); ++c) {
+            double* to = columns[c] + first % Chunk::full;
+            if (n == 8)
+                stream_line(to, rows[c]);
+            else
+                std::copy_n(rows[c] + first % 8, n, to);
+        }
+    }
 };
 
 // Puts each row into its bucket.
 void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
                 int threads) {
-    constexpr auto full = static_cast<std::size_t>(Chunk::full);
     const auto n = static_cast<Index>(c.depth.size());
     const auto size = static_cast<std::size_t>(buckets.count);
-    std::vector<std::vector<Index>> next(static_cast<std::size_t>(threads), std::vector<Index>(size, 0));
+    std::vector<std::vector<Collected>> collected(static_cast<std::size_t>(threads), std::vector<Collected>(size));
     on_workers(threads, [&](int w) {
-        auto& counts = next[static_cast<std::size_t>(w)];
+        std::vector<Index> counts(size, 0);
         const Range rows = part(n, threads, w);
         for (Index i = rows.start; i < rows.stop; ++i)
             ++counts[static_cast<std::size_t>(buckets.of(c.depth[static_cast<std::size_t>(i)]))];
+        for (std::size_t b = 0; b < size; ++b) collected[static_cast<std::size_t>(w)][b].next = counts[b];
     });
-    std::vector<double*> columns;  // of the chunks: depth, toolface, radius, time, `stride` apart
-    const std::size_t stride = std::min(full, static_cast<std::size_t>(n));
-    for (const auto& chunk : batch.chunks) columns.push_back(chunk->depth());
     Index total = 0;
     ends.resize(size);
     for (std::size_t b = 0; b < size; ++b) {
-        for (auto& counts : next) total += std::exchange(counts[b], total);
+        for (auto& of_worker : collected) {
+            of_worker[b].start = total;
+            total += std::exchange(of_worker[b].next, total);
+        }
         ends[b] = total;
     }
     on_workers(threads, [&](int w) {
-        auto& place = next[static_cast<std::size_t>(w)];
+        auto& mine = collected[static_cast<std::size_t>(w)];
         const Range rows = part(n, threads, w);
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
-            const auto at = static_cast<std::size_t>(place[static_cast<std::size_t>(buckets.of(c.depth[i]))]++);
-            double* row = columns[at / full] + at % full;
-            row[0] = c.depth[i];
-            row[stride] = wrap_toolface(c.toolface[i]);
-            row[2 * stride] = c.radius[i];
-            if (batch.timed) row[3 * stride] = c.time[i];
+            Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
+            const Index slot = bucket.next++ % 8;
+            bucket.rows[0][slot] = c.depth[i];
+            bucket.rows[1][slot] = wrap_toolface(c.toolface[i]);
+            bucket.rows[2][slot] = c.radius[i];
+            if (batch.timed) bucket.rows[3][slot] = c.time[i];
+            if (slot == 7) bucket.write(batch);
         }
+        for (const Collected& bucket : mine)
+            if (bucket.next % 8 != 0) bucket.write(batch);
+        finish_streams();
     });
 }
 
@@ -372,11 +421,8 @@ SortedBatch sort_batch(const SampleColumns& columns, int threads, const kernel::
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
     distribute(columns, batch, buckets, ends, threads);
-    std::vector<BucketSorter> sorters(static_cast<std::size_t>(threads));
-    for_each_part(buckets.count, threads, [&](int w, Index b) {
-        const auto i = static_cast<std::size_t>(b);
-        sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]});
-    });
+    batch.timed ? sort_buckets<true>(batch, buckets, ends, threads)
+                : sort_buckets<false>(batch, buckets, ends, threads);
     if (batch.timed && has_redundant(batch)) drop_redundant(batch);
     return batch;
 }
