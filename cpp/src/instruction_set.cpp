@@ -58,6 +58,15 @@ const double* position_table() {
     return table.data();
 }
 
+const float* narrow_position_table() {
+    static constexpr auto table = [] {
+        std::array<float, std::size_t{1} << narrow_position_bits> bits{};
+        for (std::size_t i = 0; i < bits.size(); ++i) bits[i] = std::bit_cast<float>(static_cast<std::int32_t>(i));
+        return bits;
+    }();
+    return table.data();
+}
+
 }  // namespace kernel
 
 std::string_view instruction_set_in_use() {

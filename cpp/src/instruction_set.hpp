@@ -13,6 +13,7 @@ const Functions& functions_for(InstructionSet level);
 
 // list_capacity + 1 doubles that carry the bits of the integers 0, 1, 2, ...
 const double* position_table();
+const float* narrow_position_table();
 
 }  // namespace helibore::kernel
 

@@ -26,6 +26,11 @@ inline constexpr int position_bits = 12;
 inline constexpr std::int64_t list_capacity = (std::int64_t{1} << position_bits) - 1;  // the last position is "none"
 inline constexpr int max_neighbors = 256;
 
+// Short lists are searched with floats first, at half the cost, the position in the low 8 bits. What floats cannot tell
+// apart is left to the doubles, so which of the two found the neighbours does not show.
+inline constexpr int narrow_position_bits = 8;
+inline constexpr std::int64_t narrow_capacity = (std::int64_t{1} << narrow_position_bits) - 16;
+
 // Squares up to this are distances of 0 (1e-20 m): products of eight larger ones stay in the range of a double.
 inline constexpr double zero_square = 1e-40;
 
@@ -34,18 +39,30 @@ inline constexpr double missing_square = 1e300;
 inline constexpr double boundless_square = 1e301;
 
 inline constexpr double none_depth = 1e150;  // squared: missing_square
+inline constexpr float narrow_none = 1e18f;  // squared: more than any real squared distance, and finite
 
-// Columns of list_capacity + 1 values and `lanes` more of slack for whole-vector stores.
-// Positions from count on, up to the next multiple of 8 and at list_capacity itself, hold "none": depth none_depth,
-// toolface and radius 0.
+struct alignas(32) Candidate {
+    double depth, toolface, radius;
+    double rank;  // canonical rank less an offset the caller knows; set in window mode only
+};
+
+// Columns of list_capacity + 1 values. Positions from count on, up to the next multiple of 16, and list_capacity itself
+// hold "none": depth none_depth, toolface and radius 0; in the narrow columns 0 and narrow_none.
 struct CandidateList {
-    double* depth;
-    double* toolface;
-    double* radius;
-    double* rank;            // canonical rank less an offset the caller knows; read in window mode only
-    const double* position;  // the bits of the integers 0, 1, 2, ...
+    Candidate* rows;
+    float* across;                 // toolface less the group's center, in (-180, 180]
+    float* along;                  // depth less the group's middle
+    const double* position;        // the bits of the integers 0, 1, 2, ...
+    const float* narrow_position;  // likewise
     std::int64_t count;
 };
+
+// Writes the numbers first + i of the set bits i of a mask of 16 and returns how many; out has room for 16.
+static inline int store_set_bits(unsigned bits, std::int32_t first, std::int32_t* out) {
+    int count = 0;
+    for (; bits != 0; bits &= bits - 1) out[count++] = first + __builtin_ctz(bits);
+    return count;
+}
 
 struct Rules {
     int neighbors;
@@ -58,6 +75,7 @@ struct Rules {
 };
 
 struct Group {
+    double center, middle;  // toolface and depth half way between the first vertex and the last
     double depth[lanes];
     double toolface[lanes];
     double window_first[lanes];  // ranks less first_rank, window mode only: candidates in [first, last) count
@@ -75,7 +93,16 @@ struct Group {
 struct Box {
     double height;  // h, metres; infinity when all depths are in the list
     double width;   // w, degrees; infinity when all toolfaces are in the list
-    bool wraps;     // may a candidate lie across 0/360 from a vertex of the group?
+    // Half the extent of the list around the group's center and middle, for the error of the narrow columns; narrow:
+    // may they be used?
+    double across, along;
+    bool narrow;
+};
+
+// Which samples go into the list: those within half_width of the group's center; any, if that is 180 or more.
+struct Filter {
+    double half_width;
+    bool wraps;  // is one of them across 0/360 from the center?
 };
 
 enum class Verdict : int {
@@ -91,10 +118,9 @@ struct Functions {
     // Do all values lie in [low, high]? NaN does not.
     bool (*all_within)(const double* values, std::int64_t n, double low, double high);
     Order (*order)(const double* values, std::int64_t n);
-    // Appends the samples whose toolface lies within half_width of center (any, if that is 180 or more), and returns
-    // how many of the n were read: fewer than n only if the list is full.
-    std::int64_t (*gather)(CandidateList& list, const double* depth, const double* toolface, const double* radius,
-                           std::int64_t n, double center, double half_width, bool wraps);
+    // Appends the samples that pass the filter and returns how many of the n were read: fewer only if the list is full.
+    std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,
+                           const double* radius, std::int64_t n, const Filter& filter);
     // Iterates every active lane until it converges, or until the list cannot decide.
     Verdict (*estimate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box);
     // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the

@@ -1,4 +1,5 @@
-// A pack of four doubles in plain C++, for every machine; compilers turn the loops into what vectors there are.
+// Packs of eight doubles and eight floats in plain C++, for every machine; compilers turn the loops into what vectors
+// there are.
 #pragma once
 
 #include "kernel.hpp"
@@ -6,15 +7,79 @@
 namespace helibore::kernel {
 namespace {
 
+// The bits of a number, and the number of bits.
+template <class Bits, class Number>
+inline Bits bits_of(Number x) {
+    Bits b;
+    __builtin_memcpy(&b, &x, sizeof b);
+    return b;
+}
+
+struct PlainNarrow {
+    static constexpr int width = 8;
+    static constexpr int candidates = 1;
+    using Single = PlainNarrow;
+    float v[width];
+
+    PlainNarrow() = default;
+    explicit PlainNarrow(float x) : v{x, x, x, x, x, x, x, x} {}
+    void store(float* p) const {
+        for (int i = 0; i < width; ++i) p[i] = v[i];
+    }
+    static PlainNarrow each_vertex(PlainNarrow x) { return x; }
+    static PlainNarrow each_candidate(const float* p) { return PlainNarrow(*p); }
+    Single candidate(int) const { return *this; }
+    template <class F>
+    static PlainNarrow each(F f) {
+        PlainNarrow r;
+        for (int i = 0; i < width; ++i) r.v[i] = f(i);
+        return r;
+    }
+    friend PlainNarrow operator+(PlainNarrow a, PlainNarrow b) {
+        return each([&](int i) { return a.v[i] + b.v[i]; });
+    }
+    friend PlainNarrow operator-(PlainNarrow a, PlainNarrow b) {
+        return each([&](int i) { return a.v[i] - b.v[i]; });
+    }
+    friend PlainNarrow operator*(PlainNarrow a, PlainNarrow b) {
+        return each([&](int i) { return a.v[i] * b.v[i]; });
+    }
+    static PlainNarrow min(PlainNarrow a, PlainNarrow b) {
+        return each([&](int i) { return a.v[i] < b.v[i] ? a.v[i] : b.v[i]; });
+    }
+    static PlainNarrow max(PlainNarrow a, PlainNarrow b) {
+        return each([&](int i) { return a.v[i] > b.v[i] ? a.v[i] : b.v[i]; });
+    }
+
+    static constexpr std::int32_t low = (std::int32_t{1} << narrow_position_bits) - 1;
+    static std::int32_t bits(float x) { return bits_of<std::int32_t>(x); }
+    static PlainNarrow tag(PlainNarrow square, PlainNarrow position) {
+        return each([&](int i) { return bits_of<float>((bits(square.v[i]) & ~low) | bits(position.v[i])); });
+    }
+    static PlainNarrow position_key(PlainNarrow key) {
+        return each([&](int i) { return bits_of<float>((bits(key.v[i]) & low) | bits(1.0f)); });
+    }
+    void store_positions(std::int32_t* at) const {
+        for (int i = 0; i < width; ++i) at[i] = bits(v[i]) & low;
+    }
+};
+
 struct PlainPack {
-    static constexpr int width = 4;
+    static constexpr int width = 8;
+    using Narrow = PlainNarrow;
     struct Mask {
         bool m[width];
     };
     double v[width];
 
     PlainPack() = default;
-    explicit PlainPack(double x) : v{x, x, x, x} {}
+    explicit PlainPack(double x) : v{x, x, x, x, x, x, x, x} {}
+    explicit PlainPack(Narrow x) {
+        for (int i = 0; i < width; ++i) v[i] = static_cast<double>(x.v[i]);
+    }
+    Narrow narrow() const {
+        return Narrow::each([&](int i) { return static_cast<float>(v[i]); });
+    }
 
     static PlainPack load(const double* p) {
         PlainPack r;
@@ -70,43 +135,38 @@ struct PlainPack {
     static Mask both(Mask a, Mask b) {
         return test([&](int i) { return a.m[i] && b.m[i]; });
     }
-    static bool all(Mask a) { return a.m[0] && a.m[1] && a.m[2] && a.m[3]; }
-    static bool any(Mask a) { return a.m[0] || a.m[1] || a.m[2] || a.m[3]; }
+    static unsigned bits(Mask a) {
+        unsigned all = 0;
+        for (int i = 0; i < width; ++i) all |= static_cast<unsigned>(a.m[i]) << i;
+        return all;
+    }
     static PlainPack blend(Mask m, PlainPack yes, PlainPack no) {
         return each([&](int i) { return m.m[i] ? yes.v[i] : no.v[i]; });
     }
 
-    static std::int64_t bits(double x) {
-        std::int64_t b;
-        __builtin_memcpy(&b, &x, sizeof b);
-        return b;
-    }
-    static double number(std::int64_t b) {
-        double x;
-        __builtin_memcpy(&x, &b, sizeof x);
-        return x;
-    }
     static constexpr std::int64_t low = (std::int64_t{1} << position_bits) - 1;
+    static std::int64_t bits(double x) { return bits_of<std::int64_t>(x); }
     static PlainPack tag(PlainPack square, double position) {
-        return each([&](int i) { return number((bits(square.v[i]) & ~low) | bits(position)); });
+        return each([&](int i) { return bits_of<double>((bits(square.v[i]) & ~low) | bits(position)); });
     }
     // 1 + position 2^-52: ordinary numbers in the order of the positions.
     static PlainPack position_key(PlainPack key) {
-        return each([&](int i) { return number((bits(key.v[i]) & low) | bits(1.0)); });
+        return each([&](int i) { return bits_of<double>((bits(key.v[i]) & low) | bits(1.0)); });
     }
-    void store_positions(std::int64_t* at) const {
-        for (int i = 0; i < width; ++i) at[i] = bits(v[i]) & low;
+    void store_positions(std::int32_t* at) const {
+        for (int i = 0; i < width; ++i) at[i] = static_cast<std::int32_t>(bits(v[i]) & low);
     }
-    static PlainPack pick(const double* base, const std::int64_t* at) {
-        return each([&](int i) { return base[at[i]]; });
-    }
-    static std::int64_t compress(Mask m, PlainPack a, double* out) {
-        std::int64_t n = 0;
+    template <class Row>
+    static void read(const Row& row, PlainPack& depth, PlainPack& toolface, PlainPack& radius) {
         for (int i = 0; i < width; ++i) {
-            out[n] = a.v[i];
-            n += m.m[i];
+            depth.v[i] = row(i).depth;
+            toolface.v[i] = row(i).toolface;
+            radius.v[i] = row(i).radius;
         }
-        return n;
+    }
+
+    static int store_indices(unsigned bits, std::int32_t first, std::int32_t* out) {
+        return store_set_bits(bits, first, out);
     }
 };
 

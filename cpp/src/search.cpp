@@ -18,35 +18,31 @@ constexpr Index stride = 16;  // samples the depth bounds of a box are found to;
 
 // The depths and toolfaces a group covers.
 struct Search::Span {
-    double shallow, deep;       // depth
-    double center, half_width;  // toolface, degrees
+    double shallow, deep;
+    double half_width;  // toolface, degrees
 
     Span(const kernel::Group& g, const Helix& helix)
-        : shallow(std::min(g.depth[0], g.depth[lanes - 1])), deep(std::max(g.depth[0], g.depth[lanes - 1])) {
-        half_width = 0.5 * static_cast<double>(lanes - 1) * 360.0 / static_cast<double>(helix.sectors);
-        center = wrap_toolface(g.toolface[0] + half_width);
+        : shallow(std::min(g.depth[0], g.depth[lanes - 1])),
+          deep(std::max(g.depth[0], g.depth[lanes - 1])),
+          half_width(half_width_of(helix)) {}
+
+    static double half_width_of(const Helix& helix) {
+        return 0.5 * static_cast<double>(lanes - 1) * 360.0 / static_cast<double>(helix.sectors);
     }
 };
 
-Search::Scratch::Scratch() : columns(4 * (kernel::list_capacity + 1 + lanes)), keep(kernel::list_capacity + 1) {
-    const auto size = static_cast<std::size_t>(kernel::list_capacity + 1 + lanes);
-    list = {columns.data(),
-            columns.data() + size,
-            columns.data() + 2 * size,
-            columns.data() + 3 * size,
-            kernel::position_table(),
-            0};
-    list.depth[kernel::list_capacity] = kernel::none_depth;
+Search::Scratch::Scratch()
+    : rows(kernel::list_capacity + 1),
+      across(kernel::list_capacity + 1),
+      along(kernel::list_capacity + 1),
+      list{rows.data(), across.data(), along.data(), kernel::position_table(), kernel::narrow_position_table(), 0},
+      keep(kernel::list_capacity + 1) {
+    rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0.0};
 }
 
-// "None" up to the next multiple of eight.
+// "None" up to the next multiple of sixteen.
 void Search::Scratch::pad() {
-    for (std::int64_t i = list.count; i % 8 != 0; ++i) {
-        list.depth[i] = kernel::none_depth;
-        list.toolface[i] = list.radius[i] = list.rank[i] = 0.0;
-    }
-    list.depth[kernel::list_capacity] = kernel::none_depth;
-    list.toolface[kernel::list_capacity] = list.radius[kernel::list_capacity] = 0.0;
+    for (std::int64_t i = list.count; i % 16 != 0; ++i) list.rows[i] = {kernel::none_depth, 0.0, 0.0, 0.0};
 }
 
 Search::Search(const Settings& settings)
@@ -65,6 +61,9 @@ Search::Search(const Settings& settings)
 
 kernel::Group Search::start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const {
     kernel::Group g;  // results are set by the kernel
+    g.middle = 0.5 * (helix.depth(group * lanes) + helix.depth(group * lanes + lanes - 1));
+    g.center =
+        wrap_toolface(toolface_[static_cast<std::size_t>(group * lanes % helix.sectors)] + Span::half_width_of(helix));
     Index sector = group * lanes % helix.sectors;
     for (Index i = 0; i < lanes; ++i) {
         const Index k = group * lanes + i;
@@ -90,7 +89,7 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     kernel::Group g = start(samples, helix, group, vertex_count);
     const Span span(g, helix);
     if (rules_.windowed) {
-        constexpr kernel::Box everything{no_limit, no_limit, true};
+        constexpr kernel::Box everything{no_limit, no_limit, 0.0, 0.0, false};
         do fetch_window(samples, g, scratch);
         while (functions_->estimate(g, scratch.list, rules_, everything) != kernel::Verdict::done);
     } else {
@@ -142,14 +141,16 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         for (Index i = 0; i < lanes; ++i)
             if (g.active[i] > 0.0) least_trial = std::min(least_trial, g.trial[i]);
         const double width = half_height / (least_trial * rules_.scale);
-        const bool all_depths = samples.size() == 0 || (span.shallow - half_height <= samples.first_depth() &&
-                                                        span.deep + half_height >= samples.last_depth());
-        const bool all_toolfaces = span.half_width + width >= 180.0;
-        // No toolface difference in the box exceeds 180 degrees if it spans no more and does not cross 0/360.
-        const double reach = span.half_width + width + 1e-9;
-        const bool wraps = reach + span.half_width > 180.0 || span.center - reach < 0.0 || span.center + reach >= 360.0;
-        fetch_box(samples, span, half_height, reach, wraps, g, scratch);
-        const kernel::Box box{all_depths ? no_limit : half_height, all_toolfaces ? no_limit : width, wraps};
+        const double low = span.shallow - half_height, high = span.deep + half_height;
+        const bool all_depths = samples.size() == 0 || (low <= samples.first_depth() && high >= samples.last_depth());
+        const double across = span.half_width + width + 1e-9;
+        const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
+        fetch_box(samples, low, high, filter, g, scratch);
+        const std::int64_t count = scratch.list.count;
+        const bool narrow = rules_.neighbors <= std::min<std::int64_t>(count, 8) && count <= kernel::narrow_capacity &&
+                            across + span.half_width < 180.0;
+        const kernel::Box box{all_depths ? no_limit : half_height, across < 180.0 ? width : no_limit, across,
+                              0.5 * (high - low), narrow};
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;
@@ -172,11 +173,10 @@ double Search::first_guess(const Samples& samples) const {
     return std::min(guess, 1.001 * settings_.max_distance);
 }
 
-void Search::fetch_box(const Samples& samples, const Span& span, double half_height, double half_width, bool wraps,
-                       kernel::Group& g, Scratch& scratch) const {
+void Search::fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter, kernel::Group& g,
+                       Scratch& scratch) const {
     scratch.list.count = 0;
     std::fill_n(g.discarded, lanes, kernel::boundless_square);
-    const double low = span.shallow - half_height, high = span.deep + half_height;
     scratch.place = samples.step_to(low, scratch.place, stride);
     Samples::Place place = scratch.place;
     for (; place.chunk < samples.chunks().size(); ++place.chunk, place.offset = 0) {
@@ -184,7 +184,7 @@ void Search::fetch_box(const Samples& samples, const Span& span, double half_hei
         Index stop = place.offset;
         while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
         stop = std::min(stop, chunk.count);
-        gather(chunk, place.offset, stop, {span.center, half_width, wraps, 0}, g, scratch);
+        gather(chunk, place.offset, stop, 0, filter, g, scratch);
         if (stop < chunk.count) break;
     }
     scratch.pad();
@@ -194,30 +194,31 @@ void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scr
     scratch.list.count = 0;
     std::fill_n(g.discarded, lanes, kernel::boundless_square);
     if (samples.size() == 0) return scratch.pad();
+    constexpr kernel::Filter everything{360.0, true};
     const auto rank = static_cast<Index>(*std::min_element(g.window_first, g.window_first + lanes));
     const auto last = static_cast<Index>(*std::max_element(g.window_last, g.window_last + lanes));
     for (Samples::Place place = samples.place(rank);; ++place.chunk, place.offset = 0) {
         const Chunk& chunk = *samples.chunks()[place.chunk];
         const Index stop = std::min(chunk.count, place.offset + last - samples.rank(place));
-        gather(chunk, place.offset, stop, {0.0, 360.0, true, samples.rank(place)}, g, scratch);
+        gather(chunk, place.offset, stop, samples.rank(place), everything, g, scratch);
         if (samples.rank(place) + stop - place.offset >= last) break;
     }
     scratch.pad();
 }
 
-// Rows [start, stop) of a chunk into the list; where it fills up, all but the nearest so far make room.
-void Search::gather(const Chunk& chunk, Index start, Index stop, Filter filter, kernel::Group& g,
-                    Scratch& scratch) const {
+// Rows [start, stop) of a chunk into the list, the first of them of the given rank; where the list fills up, all but
+// the nearest so far make room.
+void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
+                    kernel::Group& g, Scratch& scratch) const {
     while (start < stop) {
         const Index before = scratch.list.count;
-        const Index read =
-            functions_->gather(scratch.list, chunk.depth() + start, chunk.toolface() + start, chunk.radius() + start,
-                               stop - start, filter.center, filter.half_width, filter.wraps);
+        const Index read = functions_->gather(scratch.list, g, chunk.depth() + start, chunk.toolface() + start,
+                                              chunk.radius() + start, stop - start, filter);
         if (rules_.windowed)  // no toolface filter: the list holds the rows as they were read
             for (Index i = before; i < scratch.list.count; ++i)
-                scratch.list.rank[i] = static_cast<double>(filter.rank + (i - before));
+                scratch.list.rows[i].rank = static_cast<double>(rank + (i - before));
         start += read;
-        filter.rank += read;
+        rank += read;
         if (start < stop) shrink(g, scratch);
     }
 }
@@ -230,10 +231,7 @@ void Search::shrink(kernel::Group& g, Scratch& scratch) const {
     std::int64_t kept = 0;
     for (std::int64_t i = 0; i < list.count; ++i) {
         if (!scratch.keep[static_cast<std::size_t>(i)]) continue;
-        list.depth[kept] = list.depth[i];
-        list.toolface[kept] = list.toolface[i];
-        list.radius[kept] = list.radius[i];
-        list.rank[kept++] = list.rank[i];
+        list.rows[kept++] = list.rows[i];
     }
     list.count = kept;
 }

@@ -38,7 +38,8 @@ class Search {
         friend class Search;
         void pad();
 
-        std::vector<double> columns;
+        std::vector<kernel::Candidate> rows;
+        std::vector<float> across, along;
         kernel::CandidateList list;
         std::vector<unsigned char> keep;
         Samples::Place place;
@@ -53,19 +54,15 @@ class Search {
     const kernel::Functions& functions() const { return *functions_; }
 
   private:
-    struct Span;     // the depths and toolfaces of a group
-    struct Filter {  // what of a run of samples goes into the list
-        double center, half_width;
-        bool wraps;
-        Index rank;  // of the first sample
-    };
+    struct Span;  // the depths and toolfaces of a group
 
     kernel::Group start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const;
     void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
-    void fetch_box(const Samples& samples, const Span& span, double half_height, double half_width, bool wraps,
-                   kernel::Group& g, Scratch& scratch) const;
+    void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter, kernel::Group& g,
+                   Scratch& scratch) const;
     void fetch_window(const Samples& samples, kernel::Group& g, Scratch& scratch) const;
-    void gather(const Chunk& chunk, Index start, Index stop, Filter filter, kernel::Group& g, Scratch& scratch) const;
+    void gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter, kernel::Group& g,
+                Scratch& scratch) const;
     void shrink(kernel::Group& g, Scratch& scratch) const;
     void window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const;
     double first_guess(const Samples& samples) const;
