@@ -115,6 +115,18 @@ def test_ties_go_by_canonical_order(window: int | None) -> None:
     np.testing.assert_array_equal(wall.support, truth.support)
 
 
+@pytest.mark.parametrize("apart", [1e-5, 1e-7, 1e-9])
+@pytest.mark.parametrize("from_surface", [0.0, 1e6])
+def test_what_floats_cannot_tell_apart(apart: float, from_surface: float) -> None:
+    """Clusters of samples closer together than single precision resolves, with radii that differ: each choice shows."""
+    rng = np.random.default_rng(9)
+    depth = from_surface + 0.0071 + np.repeat(np.arange(0.0, 1.0, 0.02), 80) + apart * rng.normal(size=4000)
+    toolface = 7.3 + np.tile(np.repeat(np.arange(0.0, 360.0, 18.0), 4), 50) + 1000 * apart * rng.normal(size=4000)
+    radius = 0.1 + 0.02 * rng.random(4000)
+    for neighbors in (1, 5, 8):
+        agree((depth, toolface, radius), sectors=24, pitch=0.09, neighbors=neighbors, max_iterations=1)
+
+
 def test_a_vertex_on_samples_is_their_mean() -> None:
     wall = rebuild(([5.0, 5.0, 5.0, 5.1], [0.0, 360.0, 0.0, 90.0], [0.1, 0.2, 0.6, 0.1]), sectors=4, pitch=0.1)
     assert wall.radius[0] == pytest.approx(0.3, abs=1e-15)
