@@ -21,6 +21,11 @@ they become hard to tell from an offset and the stated covariance grows by itsel
   come alone. A box of width b has |a_1 / a_n| = n |sin(b/2) / sin(n b/2)|. Odd harmonics beyond their prior therefore
   count, fourfold, into the deviation of the centre.
 
+A second fit lets the odd harmonics be as large as a washout makes them. Where the samples show that they are, or, with
+much of the circle missing, do not show that they are not, the two models are mixed: the centre moves to what is left
+when the wall may have a first harmonic of its own, the covariance takes in both models and what lies between them, and
+less of the offset is corrected (``Centres.one_sided``, ``Centres.share``).
+
 Not here: which samples make a turn of a tool that does not rotate (any integers will do), and the wall itself.
 """
 
@@ -32,56 +37,12 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.arrays import Floats, Integers, column
-from helibore.harmonics import Complexes, evaluate, leverage, normal_equations, powers
+from helibore.turn_fits import Shape, TurnFits
 
 __all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_numbers"]
 
 _SAMPLES_AT_ONCE = 1 << 16
-_REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
-_NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
-_ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
-_ROUNDS, _ROUNDS_TOGETHER = 32, 8
-_CONVERGED = 2e-6  # m: a hundredth of the best standard deviation
-_STATE = ("centre", "terms", "free", "noise")  # all that one round takes over from the last
-
-
-@dataclass(frozen=True)
-class Shape:
-    """What may be expected of a hole and a tool, before any sample: standard deviations in metres.
-
-    Parameters
-    ----------
-    even
-        Of the second harmonic (ovality, breakouts); harmonic n has even * 2 / n. Two opposite boxes of depth D and
-        width 60 deg hold a second harmonic of 0.55 D.
-    odd
-        Of the third harmonic (three-lobed hole); harmonic n has odd * 3 / n.
-    reach
-        Of each coordinate of the tool's centre: about the clearance between tool and wall.
-    noise
-        Expected noise of one sample. The noise of each turn is found from its samples; this weighs as four of them.
-    harmonics
-        The highest harmonic, at least 2.
-    """
-
-    even: float = 0.008
-    odd: float = 0.0008
-    reach: float = 0.02
-    noise: float = 0.0005
-    harmonics: int = 12
-
-    def __post_init__(self) -> None:
-        for name in ("even", "odd", "reach", "noise"):
-            value = getattr(self, name)
-            if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value:g}: must be finite and larger than 0")
-        if self.harmonics < 2:
-            raise ValueError(f"harmonics = {self.harmonics}: must be at least 2")
-
-    def deviations(self) -> Floats:
-        """Prior standard deviation of each harmonic from 2 on, (harmonics - 1,)."""
-        n = np.arange(2, self.harmonics + 1)
-        return np.where(n % 2 == 0, self.even * 2.0 / n, self.odd * 3.0 / n)
+_SHUT, _OPEN = 0.64, 0.72  # of the third harmonic of a washout left open: it counts from here on, and fully
 
 
 @dataclass(frozen=True)
@@ -104,6 +65,10 @@ class Centres:
         Share of the samples within three times that noise, (t,).
     samples
         Samples with a finite radius, (t,) int64.
+    one_sided
+        How far a wall enlarged on one side counts, (t,) in [0, 1]: shown by the samples, or not excluded by them.
+    within
+        Covariance if it were excluded, (t, 2, 2) m^2.
     """
 
     turn: Integers
@@ -114,6 +79,8 @@ class Centres:
     noise: Floats
     inliers: Floats
     samples: Integers
+    one_sided: Floats
+    within: Floats
 
     @property
     def sigma_x(self) -> Floats:
@@ -136,22 +103,23 @@ class Centres:
         return np.degrees(np.arctan2(self.y, self.x)) % 360.0
 
     def share(self, significance: float = 6.0) -> Floats:
-        """Part of each centre that is worth correcting, (t,) in [0, 1]: max(0, 1 - (significance / c' cov^-1 c)^2).
+        """Part of each centre that is worth correcting: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
 
-        c' cov^-1 c of a centred tool follows chi-squared with two degrees of freedom and passes 6 in 5 % of turns, so
-        noise is not taken for eccentering; at ten standard deviations the share is 0.996. ``significance=0`` corrects
-        all. Turns without a centre get 0.
+        c' within^-1 c of a centred tool follows chi-squared with two degrees of freedom and passes 6 in 5 % of turns:
+        noise is not taken for eccentering. At ten standard deviations the share is 0.996; ``significance=0`` corrects
+        all that is not one-sided. Turns without a centre get 0.
         """
         centre = np.stack([self.x, self.y], axis=1)
         found = np.isfinite(self.x)
         ratio = np.zeros(self.x.size)
-        solved = np.linalg.solve(self.covariance[found], centre[found, :, None])[..., 0]
+        solved = np.linalg.solve(self.within[found], centre[found, :, None])[..., 0]
         ratio[found] = (centre[found] * solved).sum(axis=1)
         if significance <= 0:
-            return found.astype(np.float64)
+            return np.where(found, 1.0 - np.nan_to_num(self.one_sided), 0.0)
         known = ratio > significance
         share = np.zeros(self.x.size)
         share[known] = 1.0 - np.square(significance / ratio[known])
+        share[found] *= 1.0 - self.one_sided[found]
         return share
 
 
@@ -209,9 +177,9 @@ def find_centres(
     known = np.flatnonzero(np.isfinite(distance))
     order = known[np.argsort(row[known], kind="stable")]
     count = np.bincount(row[known], minlength=turns.size)
-    blank = np.full((9, turns.size), np.nan)
-    x, y, mean_radius, noise, inliers = blank[:5]
-    result = Centres(turns, x, y, blank[5:].T.reshape(-1, 2, 2).copy(), mean_radius, noise, inliers, count)
+    x, y, mean_radius, noise, inliers, one_sided = np.full((6, turns.size), np.nan)
+    covariance, within = np.full((2, turns.size, 2, 2), np.nan)
+    result = Centres(turns, x, y, covariance, mean_radius, noise, inliers, count, one_sided, within)
     filled = np.flatnonzero(count)
     ends = np.cumsum(count[filled])
     seen = np.radians(angle[order])
@@ -221,11 +189,30 @@ def find_centres(
         begin = ends[first] - count[filled[first]]
         last = max(first + 1, int(np.searchsorted(ends, begin + _SAMPLES_AT_ONCE, side="right")))
         rows = filled[first:last]
-        turns_fit = _Fit(reach[begin : ends[last - 1]], count[rows], shape)
-        turns_fit.solve()
-        turns_fit.write(result, rows)
+        fits = TurnFits(reach[begin : ends[last - 1]], count[rows], shape)
+        fits.solve()
+        _write(fits, result, rows)
         first = last
     return result
+
+
+def _write(fits: TurnFits, result: Centres, rows: Integers) -> None:
+    """Mix the two models of each turn and write them into their rows.
+
+    Of two models with weights 1 - w and w, the mean is between them and the covariance the mean of theirs plus
+    w (1 - w) times the square of what lies between.
+    """
+    wide = fits.widened()
+    weight = np.clip((wide.left_open() - _SHUT) / (_OPEN - _SHUT), 0.0, 1.0)
+    other, spread = wide.one_sided()
+    apart = np.stack([(other - fits.centre).real, (other - fits.centre).imag], axis=1)
+    centre = fits.centre + weight * (other - fits.centre)
+    w = weight[:, None, None]
+    result.within[rows] = fits.covariance()
+    between = w * (1.0 - w) * apart[:, :, None] * apart[:, None, :]
+    result.covariance[rows] = (1.0 - w) * result.within[rows] + w * spread + between
+    result.x[rows], result.y[rows], result.one_sided[rows] = centre.real, centre.imag, weight
+    result.mean_radius[rows], result.noise[rows], result.inliers[rows] = fits.terms[:, 0], fits.noise, fits.inliers()
 
 
 def recentre(
@@ -266,111 +253,6 @@ def recentre(
     turned = np.degrees(np.angle(wall, deg=False)) % 360.0
     turned[turned == 360.0] = 0.0
     return np.where(moved, turned, angle % 360.0), np.where(moved, np.abs(wall), distance)
-
-
-class _Fit:
-    """The turns of one chunk: Gauss-Newton on the centre, each round one linear fit of rho(phi) in the hole's frame.
-
-    rho(c + dc) = rho(c) + u(phi) dc, so the first harmonic of the fit is -dc; at the solution it is zero.
-    """
-
-    def __init__(self, reach: Complexes, count: Integers, shape: Shape) -> None:
-        self.reach, self.count, self.shape = reach, count, shape
-        self.starts = np.cumsum(count) - count
-        self.turn = np.repeat(np.arange(count.size), count)
-        deviations = shape.deviations()
-        self.precision = np.concatenate([[0.0], np.full(2, shape.reach**-2), np.repeat(deviations**-2, 2)])
-        self.centre = np.zeros(count.size, dtype=np.complex128)
-        self.terms = np.zeros((count.size, self.precision.size))
-        self.terms[:, 0] = np.add.reduceat(np.abs(reach), self.starts) / count
-        self.free = np.zeros(count.size)
-        self.noise: Floats = np.full(count.size, 6.0 * shape.noise)
-        self.inverse: Floats = np.empty((count.size, self.precision.size, self.precision.size))
-        self.distance: Floats = np.empty(reach.size)
-        self.residual: Floats = np.empty(reach.size)
-        self.weight: Floats = np.ones(reach.size)
-        self.table: Complexes = np.empty((0, reach.size), dtype=np.complex128)
-
-    def solve(self, rounds: int = _ROUNDS) -> None:
-        """Fit all turns for a few rounds, then only those that still move."""
-        for _ in range(min(rounds, _ROUNDS_TOGETHER)):
-            moving = self._step() > _CONVERGED
-            if not moving.any():
-                return
-        if rounds > _ROUNDS_TOGETHER:
-            rest = self._only(moving)
-            rest.solve(rounds - _ROUNDS_TOGETHER)
-            for name in _STATE:
-                getattr(self, name)[moving] = getattr(rest, name)
-            self._step()
-
-    def _only(self, chosen: npt.NDArray[np.bool_]) -> _Fit:
-        part = _Fit(self.reach[chosen[self.turn]], self.count[chosen], self.shape)
-        for name in _STATE:
-            setattr(part, name, getattr(self, name)[chosen])
-        return part
-
-    def _step(self) -> Floats:
-        """One round: weights from the residuals, the linear fit, the centre moved; returns by how much, (t,) m."""
-        self.distance = self._look()
-        self.residual = self.distance - evaluate(self.terms, self.table, self.turn)
-        self._weigh()
-        matrix, side = normal_equations(self.weight, self.distance, self.table, self.starts)
-        ridge = (self.noise**2)[:, None] * self.precision
-        ridge[:, 0] = 1e-9  # the mean radius is free; this keeps a turn whose every sample is rejected solvable
-        matrix[:, np.arange(self.precision.size), np.arange(self.precision.size)] += ridge
-        side[:, 1] += ridge[:, 1] * self.centre.real
-        side[:, 2] += ridge[:, 2] * self.centre.imag
-        self.inverse = np.linalg.inv(matrix).astype(np.float64, copy=False)
-        self.terms = (self.inverse @ side[:, :, None])[:, :, 0]
-        self.free = self.precision.size - (np.einsum("tpp->tp", self.inverse) * ridge).sum(axis=1)
-        step = self.terms[:, 1] + 1j * self.terms[:, 2]
-        self.centre = self.centre - step
-        self.terms[:, 1:3] = 0.0
-        return np.abs(step)
-
-    def _look(self) -> Floats:
-        wall = self.centre[self.turn] + self.reach
-        distance = np.abs(wall)
-        self.table = powers(wall / distance, 2 * self.shape.harmonics)
-        return distance
-
-    def _weigh(self) -> None:
-        """Biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used), with the expected noise as four samples.
-
-        1.25 makes sum(w e^2) / sum(w) of Gaussian noise, cut by a biweight of 6 deviations, come back as its variance.
-        """
-        for _ in range(2):
-            ratio = np.square(self.residual / (_REJECT * self.noise[self.turn]))
-            self.weight = np.square(np.clip(1.0 - ratio, 0.0, None))
-            total = np.add.reduceat(self.weight, self.starts)
-            squares = 1.25 * np.add.reduceat(self.weight * self.residual**2, self.starts)
-            spare = np.maximum(total - self.free, 0.1 * total)
-            variance: Floats = (_NOISE_SAMPLES * self.shape.noise**2 + squares) / (_NOISE_SAMPLES + spare)
-            self.noise = variance**0.5
-
-    def _covariance(self) -> Floats:
-        covariance: Floats = self.inverse[:, 1:3, 1:3] * (self.noise**2)[:, None, None]
-        hat = self.weight * leverage(self.inverse, self.table, self.turn)
-        left_out = self.weight * self.residual / np.maximum(1.0 - hat, 0.05)
-        pull = [left_out * evaluate(self.inverse[:, p], self.table, self.turn) for p in (1, 2)]
-        for p in range(2):
-            for q in range(2):
-                covariance[:, p, q] += np.add.reduceat(pull[p] * pull[q], self.starts)
-        odd = np.arange(2, self.shape.harmonics + 1) % 2 == 1
-        amplitude = np.square(self.terms[:, 3::2]) + np.square(self.terms[:, 4::2])
-        excess = amplitude[:, odd].sum(axis=1) - 2.0 * np.square(self.shape.deviations()[odd]).sum()
-        one_sided = _ONE_SIDED**2 * np.maximum(excess, 0.0)
-        covariance[:, [0, 1], [0, 1]] += one_sided[:, None]
-        return covariance
-
-    def write(self, result: Centres, rows: Integers) -> None:
-        within = np.abs(self.residual) <= 3.0 * self.noise[self.turn]
-        result.x[rows], result.y[rows] = self.centre.real, self.centre.imag
-        result.covariance[rows] = self._covariance()
-        result.mean_radius[rows] = self.terms[:, 0]
-        result.noise[rows] = self.noise
-        result.inliers[rows] = np.add.reduceat(within.astype(np.float64), self.starts) / self.count
 
 
 def _samples(toolface: npt.ArrayLike, radius: npt.ArrayLike, turn: npt.ArrayLike) -> tuple[Floats, Floats, Integers]:

@@ -284,6 +284,7 @@ def _write_centres(run: Run, file: Path) -> None:
         "direction_deg": (found.direction, 2),
         **{f"{name}_m": (getattr(found, name), 7) for name in ("mean_radius", "noise")},
         "inliers": (found.inliers, 4),
+        "one_sided": (found.one_sided, 4),
         "samples": (found.samples.astype(np.float64), 0),
     }
     write_table(file, columns)

@@ -1,0 +1,80 @@
+"""How well the tool's centre is found, and what is left in the wall: ``python bench/eccentering.py``.
+
+300 turns of a simulated tool 10 mm off centre (tests/python/test_eccentering.py), each case with two seeds:
+
+    error    rms over the samples of corrected less true radius, each sample's own noise taken off, mm
+    covered  turns whose true centre lies within three standard deviations on both axes, %; bar 99
+    sigma    stated standard deviation of the centre, median of turns, mm
+    doubt    turns in which a wall enlarged on one side counts fully (``Centres.one_sided``), %
+
+Then what a wall rebuilt by ``hb.reconstruct`` from half of the samples is off, and which part of that is whose:
+
+    points   the samples' own positions, noise-free and perfectly centred: interpolation alone
+    noise    the same with their noise
+    found    as measured, recentred by the library
+    left     sqrt(found^2 - noise^2): what the correction adds
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+
+import numpy as np
+
+import helibore as hb
+from helibore.eccentering import find_centres, recentre
+
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python"))
+from test_eccentering import BELL_WASHOUT, WASHOUT, Simulated
+
+HALF = {"missing": "half circle"}
+CASES = {
+    "bar, 64 a turn": {}, "bar, 128 a turn": {"samples": 128}, "bowl-shaped lobes, 64": {"edge": "bowl"},
+    "box-edged lobes, 64": {"edge": "box"}, "box-edged lobes, 128": {"edge": "box", "samples": 128},
+    "centred tool": {"eccentering": 0.0}, "centred, round hole": {"eccentering": 0.0, "lobes": 0.0, "ovality": 0.0},
+    "half circle missing": HALF, "half, box-edged lobes": HALF | {"edge": "box"},
+    "half, washout 30 mm": HALF | WASHOUT, "half, washout 20 mm": HALF | BELL_WASHOUT,
+    "half, washout and lobes": HALF | {"washout": 0.015, "edge": "bowl"},
+    "washout 30 mm, box": WASHOUT, "washout 20 mm": BELL_WASHOUT,
+}  # fmt: skip
+
+
+def centres() -> None:
+    print(f"{'case':26s} {'error':>7s} {'covered':>8s} {'sigma':>7s} {'doubt':>6s}")
+    for name, case in CASES.items():
+        rows = []
+        for seed in (1, 2):
+            tool = Simulated(seed, **case)
+            found = tool.centres()
+            sigma = np.median(np.hypot(found.sigma_x, found.sigma_y))
+            rows.append((1e3 * tool.error(found), 100 * tool.inside(found), 1e3 * sigma,
+                         100 * np.mean(found.one_sided == 1.0)))  # fmt: skip
+        error, covered, sigma, doubt = np.mean(rows, axis=0)
+        print(f"{name:26s} {error:7.3f} {covered:8.2f} {sigma:7.2f} {doubt:6.1f}")
+
+
+def walls() -> None:
+    print(f"\n{'wall, half of the samples':26s} {'points':>7s} {'noise':>7s} {'found':>7s} {'left':>7s}   mm rms")
+    for samples in (64, 128, 256):
+        for edge in ("bell", "box"):
+            tool = Simulated(10, samples=samples, steady=True, edge=edge)
+            depth = 0.02 * (tool.turn + tool.toolface / 360)
+            centre = (tool.x + 1j * tool.y)[tool.turn]
+            turned = np.degrees(np.angle(centre + (tool.radius - tool.noise) * np.exp(1j * np.radians(tool.toolface))))
+            found = find_centres(tool.toolface, tool.radius, tool.turn)
+            recentred = recentre(tool.toolface, tool.radius, tool.turn, found)
+            errors = []
+            for toolface, radius in ((turned, tool.wall), (turned, tool.wall + tool.noise), recentred):
+                caliper = hb.Caliper(depth, toolface, radius)
+                wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=samples, pitch=0.02)
+                truth = tool.shape(np.radians(wall.toolface)).ravel()
+                errors.append(1e3 * np.sqrt(np.mean((wall.radius - truth) ** 2)))
+            left = np.sqrt(max(errors[2] ** 2 - errors[1] ** 2, 0.0))
+            name = f"{samples} a turn, {edge} lobes"
+            print(f"{name:26s} {errors[0]:7.3f} {errors[1]:7.3f} {errors[2]:7.3f} {left:7.3f}")
+
+
+if __name__ == "__main__":
+    centres()
+    walls()
