@@ -28,9 +28,9 @@ import numpy.typing as npt
 
 from helibore.arrays import Floats
 from helibore.breakouts import Axes, Lobe, axial_mean, lobes_of
+from helibore.helix import WallLike
 from helibore.log_table import LogColumn, LogTable
 from helibore.logs import Logs, turn_logs
-from helibore.surface import WallLike
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 """Kinds by their code in files, from 0."""
