@@ -200,7 +200,14 @@ def prepare(
         Naming file, line and rule: nothing left, an impossible radius, a step that lacks what it needs.
     """
     every = [readings] if not isinstance(readings, Sequence) else list(readings)
-    return _Line(every, settings or Preparation(), path, track).run()
+    if not every:
+        raise ValueError("readings: must have at least one")
+    try:
+        return _Line(every, settings or Preparation(), path, track).run()
+    except ValueError as error:
+        if str(error).startswith(tuple(one.name for one in every)):
+            raise
+        raise ValueError(f"{', '.join(one.name for one in every)}: {error}") from error
 
 
 class _Line:

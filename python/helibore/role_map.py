@@ -174,7 +174,11 @@ def spelled(
             for each in roles
         }
         roles = RoleMap(roles.set_name, kept)
-    return overlay(roles, one, entries, one.path.name, "named by an option")
+    laid = overlay(roles, one, entries, one.path.name, "named by an option")
+    for name, entry in entries.items():
+        if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians stay suspect
+            laid.roles[name] = replace(laid.roles[name], confirmed=False)
+    return laid
 
 
 def wanted_toolface(roles: RoleMap, columns: Mapping[str, str | None]) -> bool:

@@ -22,6 +22,7 @@ import numpy as np
 from helibore.arrays import Floats
 from helibore.files import open as open_file
 from helibore.files.channel import LogFile, LogSet
+from helibore.files.depth_remarks import depth_remarks
 from helibore.files.readings import Readings, note, readings
 from helibore.preparation import Prepared, Track, prepare
 from helibore.roles import RoleMap
@@ -185,6 +186,11 @@ def place(run: Run) -> Surface:
     if run.wall is None:
         raise RuntimeError("place before rebuild; this is a bug in helibore")
     run.surface = run.wall.surface(run.path)
+    if not len(run.surface.quads):
+        low, high = run.wall.depth.min(initial=np.inf), run.wall.depth.max(initial=-np.inf)
+        pitch = abs(run.settings.wall.pitch)
+        rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
+        raise ValueError(f"{run.readings[0].name}: no quads: {rule}")
     if run.earlier is not None:
         from helibore.passes import difference
 
@@ -275,6 +281,8 @@ def told(run: Run) -> Iterator[tuple[str, str]]:
     for each, found in zip(run.caliper, run.readings, strict=True):
         yield "caliper", f"{each.file.name}: {each.format}, {_set(each)}{found.rows:,} rows"
         for sentence in (*each.one.remarks, *found.notes):
+            yield "", sentence
+        for sentence in depth_remarks(each.one, each.roles):
             yield "", sentence
         for name, count in found.missing.items():
             yield "missing", f"{count:,} values of {name}"

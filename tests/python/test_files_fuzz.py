@@ -134,6 +134,13 @@ def damaged(content: bytes, seed: int) -> bytes:
     return bytes(spoiled)
 
 
+STEPS = (
+    hb.Preparation(least_radius=0.02, greatest_radius=1.0, repeated=True, spikes=6.0, recentre=True),
+    hb.Preparation(closed=0.05, stuck=3, turn_height=0.5, latency=0.1, sensor_offset=1.0, greatest_radius=1.0),
+    hb.Preparation(reversal=1.0, find_shifts=True, bias="side", latest=True, least_radius=0.0),
+)
+
+
 def opened_or_refused(path: Path) -> bool:
     """Do all that can be done with a file; True where it opened. Any error but a named ValueError passes through."""
     try:
@@ -144,8 +151,10 @@ def opened_or_refused(path: Path) -> bool:
                     assert channel.values.shape == channel.shape
                     if not channel.is_text:
                         assert not np.isinf(channel.values).any()
-                for use in (one.samples, one.survey):
+                for use in (one.samples, one.survey, one.caliper):
                     _named(path, lambda use=use, roles=roles: use(roles))
+                for steps in STEPS:
+                    _named(path, lambda one=one, roles=roles, steps=steps: hb.prepare(one.readings(roles), steps))
                 for role in roles.all("image", "radius-image"):
                     _named(path, lambda one=one, role=role: one.image(role.channel))
     except ValueError as error:

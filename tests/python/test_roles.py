@@ -367,7 +367,7 @@ def test_inspect_in_a_narrow_terminal_and_in_the_group(tmp_path: Path) -> None:
 
 
 def test_depth_remarks() -> None:
-    from helibore.cli.inspect import depth_remarks
+    from helibore.files.depth_remarks import depth_remarks
 
     one = log_set(channel("MD", "m", [1, 2, 3, 9, 8, 8.0]))
     assert depth_remarks(one, guess(one)) == [

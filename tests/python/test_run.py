@@ -286,3 +286,43 @@ def test_the_settings_of_another_version_are_read(folder: Path, tmp_path: Path) 
     result = run("reconstruct", "--from-settings", tmp_path / "old.toml", "-o", tmp_path / "x.glb")
     assert result.exit_code == 0
     assert re.search(r"repeated +with other bytes: another ending, version or machine", result.output)
+
+
+SPOILED = {
+    "tf_deg": (lambda text: re.sub(r",(\d+\.\d+),", lambda m: f",{float(m[1]) / 57.2957795:.6f},", text),
+               "values between 0 and 6.23 deg: looks like radians; state the unit in a map or as tf_deg:rad"),
+    "everywhere": (lambda text: re.sub(r"(?m)^\d+\.\d+", "1000.0", text),
+                   "no quads: no two turns of the wall lie side by side between 1000 and 1000 m, at 0.1 m a turn"),
+    "furlong": (lambda text: text.replace("md_m", "md [furlong]"), "'furlong' is no known unit of length"),
+    "cut": (lambda text: text[:-12], "line 201: 2 cells where the header has 3"),
+}  # fmt: skip
+
+
+def plain() -> str:
+    rows = "".join(f"{1000 + n * 0.01:.3f},{n * 33.0 % 360:.4f},0.108\n" for n in range(200))
+    return f"md_m,tf_deg,radius_m\n{rows}"
+
+
+@pytest.mark.parametrize("what", SPOILED)
+def test_spoiled_files_say_what_is_wrong(tmp_path: Path, what: str) -> None:
+    spoil, rule = SPOILED[what]
+    (tmp_path / "c.csv").write_text(spoil(plain()))
+    columns = ("--depth", "md_m", "--toolface", "tf_deg") if what in ("tf_deg", "everywhere") else ()
+    result = run("reconstruct", tmp_path / "c.csv", *columns, "-o", tmp_path / "w.glb", "--bit-diameter", "216mm")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert rule in result.stderr
+    assert result.stderr.startswith("helibore: c.csv")
+    assert [path.name for path in tmp_path.iterdir()] == ["c.csv"]
+
+
+def test_depths_that_fall_or_repeat_are_told(tmp_path: Path) -> None:
+    rows = plain().splitlines()
+    (tmp_path / "c.csv").write_text("\n".join([rows[0], *rows[:0:-1], rows[1], rows[1].replace("0.108", "0.109")]))
+    result = run("reconstruct", tmp_path / "c.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm")
+    assert result.exit_code == 0
+    assert "md_m: falls: logged upwards" in result.output
+    assert "md_m: 2 rows repeat the depth before" in result.output
+    lacking = run(
+        "reconstruct", tmp_path / "c.csv", "-o", tmp_path / "x.glb", "--bit-diameter", "1m", "--reference", "carried"
+    )
+    assert "--reference carried: needs --survey" in lacking.stderr

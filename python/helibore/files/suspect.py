@@ -102,7 +102,7 @@ def angles(one: LogSet, role: Role, values: Floats) -> None:
     within = -np.pi - 1e-3 <= low and high <= 2.0 * np.pi + 1e-3 and high - low > 3.0
     if within and not role.confirmed and found.size >= 4 * FEW:
         rule = f"values between {low:.3g} and {high:.3g} {role.unit}: looks like radians; state the unit in a map"
-        raise complaint(one.path, rule, column=role.channel)
+        raise complaint(one.path, f"{rule} or as {role.channel}:rad", column=role.channel)
 
 
 def survey_angles(one: LogSet, inclined: Role, turned: Role, inclination: Floats, azimuth: Floats) -> None:
