@@ -155,11 +155,11 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;
     }
-    // The next group's first box: where samples are spread evenly, one vertex in a hundred needs twice the mean area.
+    // The next group's first box: where samples are spread evenly, few vertices need 2.4 times the mean area.
     const double mean = std::accumulate(g.reach_square, g.reach_square + lanes, 0.0) / lanes;
     if (mean < kernel::missing_square) {
         scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
-        scratch.half_height = std::sqrt(2.0 * scratch.mean_square);
+        scratch.half_height = std::sqrt(2.4 * scratch.mean_square);
     }
 }
 
