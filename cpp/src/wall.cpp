@@ -8,9 +8,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <iterator>
 #include <mutex>
 #include <utility>
 
+#include "direct.hpp"
 #include "helibore/error.hpp"
 #include "instruction_set.hpp"
 #include "number_text.hpp"
@@ -51,6 +53,22 @@ void add_range(std::vector<Range>& ranges, Range range) {
         ranges.push_back(range);
 }
 
+// Two sorted lists of ranges as one.
+std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>& b) {
+    std::vector<Range> both;
+    both.reserve(a.size() + b.size());
+    std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both),
+               [](const Range& x, const Range& y) { return x.start < y.start; });
+    std::vector<Range> ranges;
+    for (const Range& range : both) {
+        if (!ranges.empty() && range.start <= ranges.back().stop)
+            ranges.back().stop = std::max(ranges.back().stop, range.stop);
+        else
+            ranges.push_back(range);
+    }
+    return ranges;
+}
+
 }  // namespace
 
 void Settings::validate() const {
@@ -89,7 +107,9 @@ struct Wall::State {
                        std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count) const;
-    Index settled_now() const;
+    Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
+                        const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
+    void show_direct(Range range, double* radius) const;
 
     template <class T, std::size_t n, class Out>
     std::vector<Out> copy(std::array<T, n> Vertices::Block::* member) const {
@@ -107,6 +127,7 @@ struct Wall::State {
     Vertices vertices;
     Index count = 0;
     Index settled = 0;
+    std::vector<double> direct;  // radii of the samples that stand for the vertices from `settled` on; NaN: none does
     std::vector<Search::Scratch> scratches;
 };
 
@@ -164,7 +185,13 @@ Change Wall::State::update(const SortedBatch& batch) {
     Change change;
     change.accepted = batch.count;
     change.redundant = batch.redundant;
+    change.settled = settled_after(next, into, kept, new_count, old, staged);
     change.ranges = compare(old, staged, new_count);
+    std::vector<double> next_direct;
+    if (settings.direct) {
+        next_direct = direct_radii(samples, next, {change.settled, std::max(change.settled, new_count)});
+        change.ranges = joined(change.ranges, direct_changes(direct, settled, next_direct, change.settled, kept));
+    }
     change.ranges.reserve(change.ranges.size() + 1);
     add_range(change.ranges, {kept, std::max(kept, new_count)});
 
@@ -173,6 +200,8 @@ Change Wall::State::update(const SortedBatch& batch) {
     for (std::size_t i = 0; i < old.size(); ++i) vertices.put(old[i], new_count, staged[i]);
     helix = next;
     count = new_count;
+    settled = change.settled;
+    direct.swap(next_direct);
     Index measured = -1;
     const auto measure = [&](Index b) {
         if (b != std::exchange(measured, b)) vertices.measure_hull(b, groups_of(count));
@@ -181,7 +210,6 @@ Change Wall::State::update(const SortedBatch& batch) {
     for (Index g = fresh.start; g < fresh.stop; g += Vertices::groups_per_block)
         measure(g / Vertices::groups_per_block);
     if (fresh.start < fresh.stop) measure((fresh.stop - 1) / Vertices::groups_per_block);
-    change.settled = settled = settled_now();
     return change;
 }
 
@@ -250,21 +278,38 @@ std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const 
     return ranges;
 }
 
-// The first vertex whose group a sample at the far end of the hole, or beyond, could still change.
-Index Wall::State::settled_now() const {
-    if (samples.size() == 0) return 0;
-    const bool down = settings.pitch > 0.0;
+// The first vertex whose group a sample at the far end of the hole, or beyond, could still change, once the staged
+// groups are in their place. The hulls of blocks are known for the first `measured` vertices.
+Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
+                                 const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
+    const bool down = on.pitch > 0.0;
     const double end = down ? samples.last_depth() : samples.first_depth();
     const auto open = [&](double shallow, double deep) { return down ? deep >= end : shallow <= end; };
-    const Index groups = groups_of(count);
+    const Index groups = groups_of(vertex_count);
+    std::size_t next = 0;  // of the staged
     for (Index b = 0; b * Vertices::groups_per_block < groups; ++b) {
-        if (!open(vertices.hull(b).shallow, vertices.hull(b).deep)) continue;
-        const Vertices::Block& block = vertices.block(b);
-        for (Index g = 0; g < std::min(Vertices::groups_per_block, groups - b * Vertices::groups_per_block); ++g)
-            if (open(block.shallow[static_cast<std::size_t>(g)], block.deep[static_cast<std::size_t>(g)]))
-                return (b * Vertices::groups_per_block + g) * lanes;
+        const Index first = b * Vertices::groups_per_block, last = std::min(groups, first + Vertices::groups_per_block);
+        const bool as_measured = last * lanes <= measured && (next == old.size() || old[next] >= last);
+        if (as_measured && !open(of.hull(b).shallow, of.hull(b).deep)) continue;
+        const Vertices::Block& block = of.block(b);
+        for (Index g = first; g < last; ++g) {
+            const auto i = static_cast<std::size_t>(g - first);
+            const bool anew = next < old.size() && old[next] == g;
+            if (anew ? open(staged[next].shallow, staged[next].deep) : open(block.shallow[i], block.deep[i]))
+                return g * lanes;
+            if (anew) ++next;
+        }
     }
-    return count;
+    return vertex_count;
+}
+
+// Puts the samples that stand for vertices of a range in place of their radii.
+void Wall::State::show_direct(Range range, double* radius) const {
+    for (Index k = std::max(range.start, settled); k < range.stop && k - settled < static_cast<Index>(direct.size());
+         ++k) {
+        const double sample = direct[static_cast<std::size_t>(k - settled)];
+        if (!std::isnan(sample)) radius[k - range.start] = sample;
+    }
 }
 
 Wall::Wall(const Settings& settings)
@@ -320,7 +365,11 @@ std::vector<double> Wall::toolface() const {
 }
 
 std::vector<double> Wall::radius() const {
-    return state_->copy<double, Vertices::block_size, double>(&Vertices::Block::radius);
+    const std::scoped_lock held(state_->lock);
+    std::vector<double> out(static_cast<std::size_t>(state_->count));
+    state_->vertices.copy(&Vertices::Block::radius, {0, state_->count}, out.data());
+    state_->show_direct({0, state_->count}, out.data());
+    return out;
 }
 std::vector<double> Wall::nearest() const {
     return state_->copy<double, Vertices::block_size, double>(&Vertices::Block::nearest);
@@ -343,6 +392,15 @@ void Wall::copy_radius(Range range, std::span<double> out) const {
         throw InputError("out has " + std::to_string(out.size()) + " values, the range " +
                          std::to_string(range.stop - range.start) + ": must be equal");
     state_->vertices.copy(&Vertices::Block::radius, range, out.data());
+    state_->show_direct(range, out.data());
+}
+
+std::vector<bool> Wall::provisional() const {
+    const std::scoped_lock held(state_->lock);
+    std::vector<bool> out(static_cast<std::size_t>(state_->count));
+    for (std::size_t i = 0; i < state_->direct.size(); ++i)
+        out[static_cast<std::size_t>(state_->settled) + i] = !std::isnan(state_->direct[i]);
+    return out;
 }
 
 std::vector<std::vector<double>> Wall::samples() const {

@@ -36,6 +36,7 @@ Settings settings_of(const py::kwargs& given) {
     take("max_iterations", s.max_iterations);
     take("tolerance", s.tolerance);
     take("angular_scale", s.angular_scale);
+    take("direct", s.direct);
     take("threads", s.threads);
     if (given.contains("instruction_set"))
         s.instruction_set = instruction_set_named(given["instruction_set"].cast<std::string>());
@@ -98,6 +99,17 @@ void register_wall(py::module_& m) {
         .def("nearest", reader(&Wall::nearest))
         .def("support", reader(&Wall::support))
         .def("iterations", reader(&Wall::iterations))
+        .def("provisional",
+             [](const Wall& wall) {
+                 std::vector<bool> values;
+                 {
+                     const py::gil_scoped_release released;
+                     values = wall.provisional();
+                 }
+                 py::array_t<bool> out(static_cast<py::ssize_t>(values.size()));
+                 std::copy(values.begin(), values.end(), out.mutable_data());
+                 return out;
+             })
         .def("samples", [](const Wall& wall) {
             std::vector<std::vector<double>> columns;
             {

@@ -65,6 +65,10 @@ class Settings:
         The estimate is repeated with the new radius until it moves by at most ``tolerance`` metres or this often.
     angular_scale
         1: distances along the wall are true arc lengths; 2: twice that, as the published Eq. 4 has it.
+    direct
+        Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
+        (half a sector to either side, half a pitch up and down), the last of them in canonical order stands for it,
+        provisionally. Once settled it is interpolated like any other.
     """
 
     bit_diameter: float
@@ -80,11 +84,17 @@ class Settings:
     max_iterations: int = 4
     tolerance: float = 1e-6
     angular_scale: float = 1.0
+    direct: bool = False
 
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
             if value is None and field.name in ("start_depth", "stop_depth", "window", "max_distance"):
+                continue
+            if field.name == "direct":
+                if not isinstance(value, bool | np.bool_):
+                    raise ValueError(f"direct = {value!r}: must be True or False")
+                object.__setattr__(self, "direct", bool(value))
                 continue
             integer = field.name in _INTEGERS or field.name == "window"
             try:
@@ -299,6 +309,11 @@ class Wall:
     def iterations(self) -> npt.NDArray[np.int32]:
         """(n,) int32 number of estimates made for each vertex; a copy."""
         return self._core.iterations()
+
+    @property
+    def provisional(self) -> npt.NDArray[np.bool_]:
+        """(n,) bool: is the radius that of a sample, until the vertex is settled? Only with ``direct``; a copy."""
+        return self._core.provisional()
 
     @property
     def samples(self) -> Caliper:

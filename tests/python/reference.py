@@ -116,7 +116,7 @@ def random_hole(seed: int, shape: str, n: int, length: float, top: float = 1000.
 
 def bits(wall: hb.Wall) -> bytes:
     """Every bit a user can read from the wall."""
-    fields = [getattr(wall, name).tobytes() for name in ("depth", "toolface", *FIELDS)]
+    fields = [getattr(wall, name).tobytes() for name in ("depth", "toolface", *FIELDS, "provisional")]
     return b"".join([*fields, str((len(wall), wall.settled, wall.sample_count)).encode()])
 
 

@@ -51,6 +51,7 @@ wall_settings = st.fixed_dictionaries(
         "max_iterations": st.integers(1, 5),
         "tolerance": st.sampled_from([0.0, 1e-6, 1e-3]),
         "angular_scale": st.sampled_from([1.0, 2.0]),
+        "direct": st.booleans(),
         "threads": st.sampled_from([1, 2]),
     }
 )
@@ -212,8 +213,9 @@ def test_bounds(columns: Columns, chosen: dict[str, Any]) -> None:
     radius = radius[~np.isnan(radius)]
     assert np.all((columns[2].min() <= radius) & (radius <= columns[2].max()))
     constant = whole((*columns[:2], np.full(columns[0].size, 0.1234567), *columns[3:]), chosen)
-    assert np.all((constant.radius == 0.1234567) | (constant.support == 0))
-    np.testing.assert_array_equal(np.isnan(constant.radius), constant.support == 0)
+    shown = (constant.support > 0) | constant.provisional
+    assert np.all((constant.radius == 0.1234567) | ~shown)
+    np.testing.assert_array_equal(np.isnan(constant.radius), ~shown)
 
 
 @pytest.mark.parametrize("pitch", [0.15, -0.15])

@@ -27,6 +27,7 @@ struct Settings {
     int max_iterations = 4;                  // estimates at the most
     double tolerance = 1e-6;                 // metres; stop when the radius moves by no more
     double angular_scale = 1.0;              // 1: true arc length; 2: as published (Energies 2021, 14, 291, Eq. 4)
+    bool direct = false;                     // show samples of vertices that are not settled as they are, provisionally
     int threads = 1;                         // 1 or more; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 

@@ -65,6 +65,9 @@ class Wall {
     std::vector<std::int32_t> support() const;     // samples used
     std::vector<std::int32_t> iterations() const;  // estimates made
 
+    // Is the radius that of a sample in the vertex's cell, until the vertex is settled? With Settings::direct only.
+    std::vector<bool> provisional() const;
+
     // Copies the radii of a range into memory of the caller, of exactly that length.
     void copy_radius(Range range, std::span<double> out) const;
 
