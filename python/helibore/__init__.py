@@ -13,6 +13,7 @@ from helibore.volume import Volume
 from helibore.wall import Change, Settings, Wall, reconstruct
 
 if TYPE_CHECKING:
+    from helibore import plot as plot
     from helibore.archive import load as load
     from helibore.files import open as open  # noqa: A004
     from helibore.live.live import Live
@@ -34,6 +35,7 @@ __all__ = [
     "__version__",
     "load",
     "prepare",
+    "plot",
     "reconstruct",
     "view",
 ]
@@ -60,6 +62,10 @@ def __getattr__(name: str) -> Any:
         from helibore.files import open  # noqa: A004
 
         return open
+    if name == "plot":
+        import helibore.plot
+
+        return helibore.plot
     if name == "view":
         from helibore.viewer import view
 

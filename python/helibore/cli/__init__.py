@@ -21,6 +21,7 @@ VERBS = {
     "demo": "helibore.cli.demo:demo",
     "inspect": "helibore.cli.inspect:inspect",
     "live": "helibore.live.command:live",
+    "plot": "helibore.cli.plot:plot",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
     "simulate": "helibore.cli.simulate:simulate",
     "view": "helibore.viewer.command:view",

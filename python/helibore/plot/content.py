@@ -1,0 +1,306 @@
+"""What a picture of a wall shows: interval, scale, tracks, cross sections, shaded body. Decided once, for all papers.
+
+    Drawing (options, checked)  +  Wall  ->  Content (tracks with their colours, limits shared by every page)
+
+A track's colour scale comes from the values in the interval: percentiles 2 to 98 (static), logarithms for
+resistivity, or a sliding window (dynamic). A scale that cannot be made is an error that names the image.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from string import ascii_uppercase
+from typing import TYPE_CHECKING, Literal
+
+import numpy as np
+
+from helibore.arrays import Floats
+from helibore.colors import ColorScale, check_map, customary_map
+from helibore.normalization import percentile_limits, sliding_window
+from helibore.plot.calipers import diameters
+from helibore.plot.raster import at_points
+from helibore.plot.scales import Lines, nice_limits, usual_scale
+from helibore.plot.sections import Section, sections_at, telling_depths
+from helibore.plot.solid import Stretched, most_relief, stretch_of
+from helibore.plot.tracks import LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
+from helibore.sector_image import SectorImage
+
+if TYPE_CHECKING:
+    from helibore.plot.calipers import Diameters
+    from helibore.wall import Wall
+
+RADIUS = "Radius"
+MOST_SECTIONS = len(ascii_uppercase)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Look:
+    """How an image is coloured; None: as is customary for it.
+
+    Attributes
+    ----------
+    limits
+        Values of the first and the last colour.
+    color_map
+        One of `helibore.colors.COLOR_MAPS`.
+    log
+        Whether colours follow the logarithm.
+    window
+        Metres: dynamic normalisation by a window that slides; colours are then not values.
+    """
+
+    limits: tuple[float, float] | None = None
+    color_map: str | None = None
+    log: bool | None = None
+    window: float | None = None
+
+    def __post_init__(self) -> None:
+        if self.color_map is not None:
+            check_map(self.color_map)
+        if self.window is not None and self.limits is not None:
+            raise ValueError("limits and window: a window that slides has its own limits; give one of the two")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Drawing:
+    """What is drawn, and how.
+
+    Attributes
+    ----------
+    title, subtitle
+        Of the header: the well, and what else to say.
+    start, stop
+        Measured depths, metres; None: the ends of the wall.
+    scale
+        200 for 1:200; None: the finest usual one that the interval allows.
+    images
+        Names of the wall's images to draw, in this order; None: all.
+    looks
+        `Look` by name of an image; ``"Radius"`` is that of the radius.
+    reference
+        What toolface 0 is: ``"high-side"`` or ``"north"``.
+    left
+        Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts the top in the middle.
+    unit
+        Of diameters and cross sections: ``"in"`` or ``"mm"``.
+    polar
+        Depths of the cross sections; None: up to four that tell most; empty: none.
+    body
+        Ends of the stretch drawn as a shaded body, metres; None: the 12 m with most relief; empty: none.
+    dpi
+        Pixels an inch.
+    """
+
+    title: str = ""
+    subtitle: str = ""
+    start: float | None = None
+    stop: float | None = None
+    scale: int | None = None
+    images: Sequence[str] | None = None
+    looks: Mapping[str, Look] = field(default_factory=dict)
+    reference: Literal["high-side", "north"] = "high-side"
+    left: float = 0.0
+    unit: Literal["in", "mm"] = "in"
+    polar: Sequence[float] | None = None
+    body: Sequence[float] | None = None
+    dpi: int = 150
+
+    def __post_init__(self) -> None:
+        if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
+            raise ValueError(f"scale = {self.scale}: must be a whole number, 200 for 1:200")
+        if self.reference not in SIDES:
+            raise ValueError(f"reference = {self.reference!r}: must be one of {', '.join(SIDES)}")
+        if self.left not in (0, 90, 180, 270):
+            raise ValueError(f"left = {self.left:g}: must be 0, 90, 180 or 270")
+        if self.unit not in LENGTHS:
+            raise ValueError(f"unit = {self.unit!r}: must be one of {', '.join(LENGTHS)}")
+        if not 30 <= self.dpi <= 1200:
+            raise ValueError(f"dpi = {self.dpi}: must be 30 to 1200")
+        if self.polar is not None and len(self.polar) > MOST_SECTIONS:
+            raise ValueError(f"polar: {len(self.polar)} depths: must be at most {MOST_SECTIONS}")
+        if self.body is not None and len(self.body) not in (0, 2):
+            raise ValueError(f"body: {len(self.body)} depths: must be two, or none for no body")
+
+
+@dataclass(frozen=True)
+class Body:
+    """Colours of the shaded body: a scale, one value a vertex of the stretch, and what they are."""
+
+    scale: ColorScale
+    values: Floats
+    name: str
+
+
+@dataclass(frozen=True)
+class Content:
+    """All that is drawn of a wall; made by `content_of`."""
+
+    wall: Wall
+    drawing: Drawing
+    top: float
+    bottom: float
+    scale: int
+    lines: Lines
+    tracks: list[DepthTrack | CaliperTrack | ImageTrack]
+    turns: Diameters
+    sections: list[Section]
+    stretched: Stretched | None
+    bodies: list[Body]
+
+    @property
+    def letters(self) -> str:
+        """The name of each cross section."""
+        return ascii_uppercase[: len(self.sections)]
+
+    def paper_length(self) -> float:
+        """Millimetres of paper that the interval takes."""
+        return (self.bottom - self.top) * 1000.0 / self.scale
+
+
+def content_of(wall: Wall, drawing: Drawing) -> Content:
+    """Decide what a picture of a wall shows."""
+    if len(wall) < wall.settings.sectors:
+        raise ValueError(f"a picture needs a full turn of the wall: it has {len(wall)} vertices")
+    top, bottom = _interval(wall, drawing)
+    scale = drawing.scale or usual_scale(bottom - top)
+    turns = diameters(wall, wall.settings.bit_diameter)
+    images = _images(wall, drawing)
+    shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
+    tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [DepthTrack(scale)]
+    tracks.append(_caliper(wall, turns, top, bottom, drawing))
+    count = len(images) + (wall.basis == "azimuthal")
+    width = min(130.0, max(24.0, (190.0 - 14.0 - 40.0 - 2.0 * (count + 1)) / max(count, 1)))
+    radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom)
+    helix = (wall.settings, wall.start_depth)
+    if wall.basis == "azimuthal":
+        tracks.append(ImageTrack(radius[0], (helix, radius[1]), drawing.reference, drawing.left, width))
+    for image, (how, values) in zip(images, shown, strict=True):
+        tracks.append(ImageTrack(how, (image, values), drawing.reference, drawing.left, width))
+    stretched = _stretched(wall, drawing, top, bottom)
+    bodies = []
+    if stretched is not None:
+        bodies = _bodies(wall, stretched, radius, list(zip(images, shown, strict=True)))
+    polar = drawing.polar
+    if polar is None:
+        polar = telling_depths(turns, top, bottom) if wall.basis == "azimuthal" else []
+    sections = sections_at(wall, sorted(polar)) if polar else []
+    return Content(wall, drawing, top, bottom, scale, Lines.of(scale), tracks, turns, sections, stretched, bodies)
+
+
+def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
+    ends = sorted((wall.start_depth, wall.start_depth + (len(wall) - 1) * wall.settings.pitch / wall.settings.sectors))
+    top = ends[0] if drawing.start is None else float(drawing.start)
+    bottom = ends[1] if drawing.stop is None else float(drawing.stop)
+    if not (math.isfinite(top) and math.isfinite(bottom) and top < bottom):
+        raise ValueError(f"interval {top:g} to {bottom:g} m: the end must be deeper than the start")
+    if bottom <= ends[0] or top >= ends[1]:
+        raise ValueError(f"interval {top:g} to {bottom:g} m: the wall reaches from {ends[0]:g} to {ends[1]:g} m")
+    return top, bottom
+
+
+def _images(wall: Wall, drawing: Drawing) -> list[SectorImage]:
+    names = list(wall.images) if drawing.images is None else list(drawing.images)
+    for name in [*names, *drawing.looks]:
+        if name not in wall.images and name != RADIUS:
+            there = ", ".join(wall.images) or "none"
+            raise ValueError(f"image {name!r}: the wall has none of this name; it has {there}")
+    found = [wall.images[name] for name in names if name != RADIUS]
+    for image in found:
+        if image.reference != drawing.reference:
+            raise ValueError(
+                f"image {image.name!r} counts toolfaces from {image.reference}, the picture from {drawing.reference}: "
+                "must be the same"
+            )
+    return found
+
+
+def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
+    """How an image is shown between two depths, and the values that its colours stand for."""
+    rows = (image.depth >= top - image.reach) & (image.depth <= bottom + image.reach)
+    if not rows.any():
+        ends = f"{image.depth[0]:g} to {image.depth[-1]:g} m"
+        raise ValueError(f"image {image.name!r} reaches from {ends}: outside the interval, {top:g} to {bottom:g} m")
+    color_map = look.color_map or customary_map(image.name, image.unit)
+    log = color_map == "resistivity" if look.log is None else look.log
+    kind = f"{image.sectors} sectors"
+    try:
+        if look.window is not None:
+            scale = ColorScale(0.0, 1.0, color_map)
+            values = sliding_window(image.depth, image.values, look.window, log)
+            return Shown(image.name, image.unit, scale, f"{kind}, dynamic {look.window:g} m", shares=True), values
+        values = image.values[rows]
+        if look.limits is None:
+            scale = ColorScale(*percentile_limits(values, log=log), color_map, log)
+        else:
+            scale = ColorScale(*look.limits, color_map, log)
+            scale.share(values)
+    except ValueError as error:
+        raise ValueError(f"image {image.name!r}, {top:g} to {bottom:g} m: {error}") from error
+    return Shown(image.name, image.unit, scale, f"{kind}, static"), image.values
+
+
+def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
+    """Radius beyond half the bit size, millimetres, one a vertex."""
+    over = (wall.radius - 0.5 * wall.settings.bit_diameter) * 1000.0
+    depth = wall.depth
+    there = over[(depth >= top) & (depth <= bottom) & np.isfinite(over)]
+    limits = look.limits
+    if limits is None:
+        low, high = np.percentile(there, [0.2, 99.8]).tolist() if there.size else (0.0, 1.0)
+        step = 1.0 if high - low < 10 else 5.0
+        low = math.floor(low / step) * step
+        limits = (low, max(math.ceil(high / step) * step, low + step))
+    if look.log or look.window is not None:
+        raise ValueError("Radius: is drawn beyond bit size, on a plain scale: log and window are not for it")
+    scale = ColorScale(*limits, look.color_map or "caliper")
+    return Shown("Radius − bit/2", "mm", scale, f"wall, {wall.settings.sectors} sectors"), over
+
+
+def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing) -> CaliperTrack:
+    bit, unit = wall.settings.bit_diameter, drawing.unit
+    inside = (turns.depth >= top) & (turns.depth <= bottom)
+    drawn = [turns.area[inside]]
+    if wall.basis == "azimuthal":
+        drawn += [turns.least[inside], turns.greatest[inside]]
+    limits = nice_limits(np.concatenate(drawn) / LENGTHS[unit], bit / LENGTHS[unit], 0.01 / LENGTHS[unit])
+    return CaliperTrack(turns, wall.basis, bit, unit, limits)
+
+
+def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float) -> Stretched | None:
+    if drawing.body is not None:
+        return stretch_of(wall, drawing.body[0], drawing.body[1]) if drawing.body else None
+    if wall.basis != "azimuthal" and not wall.images:
+        return None
+    found = most_relief(wall, top, bottom)
+    if found is not None and wall.basis == "gauge":  # no relief: where the images have most to show
+        found = _imaged(wall, *found)
+    return None if found is None else stretch_of(wall, *found)
+
+
+def _imaged(wall: Wall, top: float, bottom: float) -> tuple[float, float]:
+    """A stretch of the same length around the middle row of those that hold a value."""
+    first = next(iter(wall.images.values()))
+    rows = first.depth[np.isfinite(first.values).all(axis=1)]
+    ends = sorted((float(wall.depth[0]), float(wall.depth[-1])))
+    half = 0.5 * (bottom - top)
+    middle = float(np.clip(np.median(rows) if rows.size else top + half, ends[0] + half, ends[1] - half))
+    return middle - half, middle + half
+
+
+def _bodies(
+    wall: Wall, one: Stretched, radius: tuple[Shown, Floats], images: list[tuple[SectorImage, tuple[Shown, Floats]]]
+) -> list[Body]:
+    """The body coloured by the radius, where that was measured, and by the images that say most of it: two at most."""
+    part = slice(one.first, one.first + one.radius.size)
+    bodies = []
+    if wall.basis == "azimuthal":
+        bodies.append(Body(radius[0].scale, radius[1][part], "radius"))
+    depth, toolface = wall.depth[part], wall.toolface[part]
+    colored = []
+    for image, (how, values) in images:
+        colored.append(Body(how.scale, at_points(image, values, depth, toolface), image.name))
+    colored.sort(key=lambda body: int(np.isnan(body.values).sum()))
+    telling = [body for body in colored if np.isfinite(body.values).mean() >= 0.5]
+    return [*bodies, *(telling or colored[:1])][:2]

@@ -1,0 +1,77 @@
+"""The header of a log, which says what hole it is and what was measured, and the foot, which explains signs.
+
+A wall that is not an image of the shape says so in the header, in red.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from helibore import __version__
+from helibore.caliper import BASIS_TEXT
+from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
+from helibore.plot.scales import length_text
+from helibore.plot.tracks import GREY
+
+if TYPE_CHECKING:
+    from helibore.plot.content import Content
+
+HEADER = 34.0
+"""Millimetres."""
+REFERENCE_TEXT = {
+    "high-side": "from the high side, clockwise looking downhole",
+    "north": "from north, clockwise looking downhole",
+}
+SIDES_TEXT = {
+    "high-side": "T top, R right, B bottom, L left of the hole, looking downhole",
+    "north": "N, E, S, W: sides of the hole, clockwise looking downhole",
+}
+WARNING = "#b3261e"
+
+
+def facts(content: Content) -> list[tuple[str, str, bool]]:
+    """Return label, text and whether it is a warning, for everything a reader must know."""
+    wall, settings = content.wall, content.wall.settings
+    bit = settings.bit_diameter
+    without = float(np.mean(wall.support == 0))
+    made = BASIS_TEXT[wall.basis]
+    ends = f"{content.top:,.2f} to {content.bottom:,.2f} m MD"
+    return [
+        ("Interval", f"{ends} ({content.bottom - content.top:,.1f} m)", False),
+        ("Bit size", f"{length_text(bit / 0.0254, 'in')} ({bit * 1e3:.1f} mm)", False),
+        ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre", False),
+        ("Toolface", REFERENCE_TEXT[content.drawing.reference], False),
+        ("Wall made from", made, wall.basis != "azimuthal"),
+        ("Samples", f"{wall.sample_count:,}", False),
+        ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {len(wall):,} vertices", False),
+        ("No sample in reach", f"{100 * without:.2f} % of the wall", False),
+    ]
+
+
+def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
+    """Draw title, subtitle and facts in a frame."""
+    title = content.drawing.title or "Borehole wall"
+    sheet.text(x, y + 3.5, title, LARGE, weight="bold", within=width)
+    sheet.text(x, y + 9.0, content.drawing.subtitle, USUAL, color=FAINT, within=width)
+    sheet.line((x, x + width), (y + 11.8, y + 11.8), color=RULE)
+    rows = facts(content)
+    half = (len(rows) + 1) // 2
+    first, label = 0.46 * width, 24.0
+    for index, (name, text, warning) in enumerate(rows):
+        column, row = divmod(index, half)
+        left, at = x + column * first, y + 15.0 + row * 4.3
+        sheet.text(left, at, name, SMALL, color=FAINT)
+        look = {"color": WARNING, "weight": "bold"} if warning else {}
+        sheet.text(left + label, at, text, USUAL, within=(width - first if column else first) - label - 1.0, **look)
+
+
+def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = "") -> None:
+    """Explain the letters and the grey; say what drew it."""
+    sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
+    sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
+    words = f"missing: no value, or no sample in reach.   {SIDES_TEXT[content.drawing.reference]}"
+    sheet.text(x + 5.2, y, words, SMALL, within=sheet.width - 2 * x - 52.0)
+    made = f"helibore {__version__}" + (f", {page}" if page else "")
+    sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)

@@ -1,0 +1,188 @@
+"""A log on paper: header, heads, tracks at a true scale, cross sections and shaded bodies beneath.
+
+    figure = hb.plot.log(wall, title="F-12", scale=200)      one sheet, as long as the interval
+    figures = hb.plot.pages(wall, title="F-12")              the same on A4
+    hb.plot.save(figures, "f12.pdf")
+
+Every function returns matplotlib figures, to go on with. What is shown is decided in ``content``; here is where.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from helibore.plot.content import Content, Drawing, content_of
+from helibore.plot.header import HEADER, draw_footer, draw_header
+from helibore.plot.paper import INK, SMALL, USUAL, Sheet
+from helibore.plot.sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
+from helibore.plot.solid import draw_solid
+from helibore.plot.tracks import HEAD, Stretch
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from helibore.wall import Wall
+
+MARGIN, GAP, FOOTER = 10.0, 2.0, 10.0
+"""Millimetres around the sheet, between tracks, and at the foot."""
+PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
+NARROWEST = 210.0
+BODY = 130.0
+"""Millimetres of height of a shaded body."""
+
+
+def log(wall: Wall, **options: Any) -> Figure:
+    """Draw a wall, its images, cross sections and a shaded body on one sheet that is as long as they need.
+
+    Parameters
+    ----------
+    wall
+        At least one full turn; its ``images`` are drawn.
+    **options
+        As in `Drawing`.
+
+    Returns
+    -------
+    matplotlib.figure.Figure
+        As large as the paper; its resolution is ``dpi``.
+
+    Raises
+    ------
+    ValueError
+        On an image outside the interval, without a value in it, constant, or not above 0 on a log scale; on options
+        that break their rules.
+    ImportError
+        Without matplotlib.
+    """
+    content = content_of(wall, Drawing(**options))
+    length = content.paper_length()
+    height = MARGIN + HEADER + HEAD + length + _tail_height(content) + FOOTER + MARGIN
+    sheet = Sheet(_width(content), height, content.drawing.dpi)
+    draw_header(sheet, content, MARGIN, MARGIN, sheet.width - 2 * MARGIN)
+    bottom = _draw_tracks(sheet, content, content.top, content.bottom, MARGIN + HEADER)
+    _draw_tail(sheet, content, bottom + GAP)
+    draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
+    return sheet.figure
+
+
+def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -> list[Figure]:
+    """Draw the same as `log` on pages of a size, each with its heads; the depth scale stays.
+
+    Parameters
+    ----------
+    wall, **options
+        As in `log`.
+    paper
+        ``"a4"``, ``"a3"``, or width and height in millimetres. It is made wider where the tracks need it.
+    """
+    content = content_of(wall, Drawing(**options))
+    width, height = PAPERS[paper] if isinstance(paper, str) else paper
+    width = max(width, _width(content))
+    parts = _divided(content, height - 2 * MARGIN - FOOTER - HEAD)
+    sheets = []
+    for number, (top, bottom) in enumerate(parts):
+        sheets.append(Sheet(width, height, content.drawing.dpi))
+        y = MARGIN
+        if number == 0:
+            draw_header(sheets[0], content, MARGIN, y, width - 2 * MARGIN)
+            y += HEADER
+        y = _draw_tracks(sheets[-1], content, top, bottom, y)
+    tail = _tail_height(content)
+    if tail and y + GAP + tail > height - MARGIN - FOOTER:  # else it stands under the last metres
+        sheets.append(Sheet(width, max(height, tail + 2 * MARGIN + FOOTER), content.drawing.dpi))
+        y = MARGIN - GAP
+    _draw_tail(sheets[-1], content, y + GAP)
+    for number, sheet in enumerate(sheets, 1):
+        draw_footer(sheet, content, MARGIN, sheet.height - MARGIN - 4.0, f"page {number} of {len(sheets)}")
+    return [sheet.figure for sheet in sheets]
+
+
+def _width(content: Content) -> float:
+    tracks = content.tracks
+    return max(NARROWEST, 2 * MARGIN + sum(track.width for track in tracks) + GAP * (len(tracks) - 1))
+
+
+def _divided(content: Content, room: float) -> list[tuple[float, float]]:
+    """Cut the interval into pages at strong depth lines; the first page also has the header."""
+    metres = content.scale / 1000.0
+    coarse = content.lines.coarse
+    parts, top, free = [], content.top, room - HEADER
+    while (content.bottom - top) / metres > free + 1e-6:
+        cut = coarse * int((top + free * metres) / coarse + 1e-9)
+        if cut <= top:
+            cut = top + free * metres
+        parts.append((top, cut))
+        top, free = cut, room
+    return [*parts, (top, content.bottom)]
+
+
+def _draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: float) -> float:
+    """Draw heads and tracks; return where they end."""
+    height = (bottom - top) * 1000.0 / content.scale
+    stretch = Stretch(top, bottom, y + HEAD, height, content.lines)
+    x, first = MARGIN, None
+    for track in content.tracks:
+        track.head(sheet, x, y)
+        sheet.box(x, y, track.width, HEAD)
+        axes = track.draw(sheet, x, stretch)
+        if first is None:
+            first = axes
+        else:
+            axes.sharey(first)
+        x += track.width + GAP
+    _mark(sheet, content, stretch)
+    return y + HEAD + height
+
+
+def _mark(sheet: Sheet, content: Content, stretch: Stretch) -> None:
+    """Letters of the cross sections, and a bar along the shaded body, left of the tracks."""
+
+    def down(depth: float) -> float:
+        return stretch.y + (depth - stretch.top) / (stretch.bottom - stretch.top) * stretch.height
+
+    last = -10.0
+    for letter, section in zip(content.letters, content.sections, strict=True):
+        if stretch.top <= section.depth < stretch.bottom or section.depth == stretch.bottom == content.bottom:
+            at = down(section.depth)
+            sheet.line((MARGIN - 2.0, MARGIN), (at, at), color=INK, linewidth=0.8)
+            sheet.text(MARGIN - 2.4, max(at, last + 2.4), letter, SMALL, ha="right", weight="bold")
+            last = max(at, last + 2.4)
+    if content.stretched is not None:
+        top, bottom = (min(max(depth, stretch.top), stretch.bottom) for depth in content.stretched.depth)
+        if bottom > top:
+            right = sheet.width - MARGIN if len(content.tracks) > 3 else MARGIN + _tracks_width(content)
+            sheet.line((right + 1.2, right + 1.2), (down(top), down(bottom)), color=INK, linewidth=2.0)
+
+
+def _tracks_width(content: Content) -> float:
+    return sum(track.width for track in content.tracks) + GAP * (len(content.tracks) - 1)
+
+
+def _tail_rows(content: Content) -> int:
+    across = max(int((_width(content) - 2 * MARGIN + 2.0) // WIDTH), 1)
+    return -(-len(content.sections) // across)
+
+
+def _tail_height(content: Content) -> float:
+    sections = _tail_rows(content) * HEIGHT + 8.0 if content.sections else 0.0
+    return sections + (BODY + 6.0 if content.stretched is not None else 0.0)
+
+
+def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
+    """Cross sections in rows, then the shaded body, once in each of its colours."""
+    drawing, settings = content.drawing, content.wall.settings
+    if content.sections:
+        room = sheet.width - 2 * MARGIN
+        sheet.text(MARGIN, y + 3.0, key_text(settings.bit_diameter, drawing.unit, settings.pitch), USUAL, within=room)
+        across = max(int((room + 2.0) // WIDTH), 1)
+        outer = largest_shown(content.sections, settings.bit_diameter)
+        look = (settings.bit_diameter, outer, drawing.unit, drawing.reference)
+        for index, (letter, section) in enumerate(zip(content.letters, content.sections, strict=True)):
+            place = (MARGIN + index % across * WIDTH, y + 7.0 + index // across * HEIGHT)
+            draw_section(sheet, *place, section, letter, look)
+        y += _tail_rows(content) * HEIGHT + 8.0
+    if content.stretched is not None:
+        width = (sheet.width - 2 * MARGIN) / max(len(content.bodies), 2)
+        for index, body in enumerate(content.bodies):
+            box = (MARGIN + index * width, y + 3.0, width - 4.0, BODY)
+            draw_solid(sheet, box, content.wall, content.stretched, body.scale, body.values, body.name)

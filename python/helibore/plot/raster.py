@@ -1,0 +1,183 @@
+"""The wall and its images, cut open and laid flat on a grid of pixels: means of blocks, never one patch a quad.
+
+            left                                     a pixel shows the mean of the cells whose centres lie in it, or,
+    top    +----+----+----+----+                     where pixels are finer, the cell that holds its centre;
+           |    |    |    |    |  one row of pixels  it is missing where more than half of those cells are missing,
+    bottom +----+----+----+----+                     and where there is none
+
+A 10 km well of millions of cells so costs a few sums over its columns, and no more pixels than the paper shows.
+Not here: colours (``colors``) and paper (``paper``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from helibore.arrays import Floats, Integers
+from helibore.sector_image import SectorImage
+
+
+class HelixSettings(Protocol):
+    """What must be known of a helix."""
+
+    @property
+    def sectors(self) -> int: ...
+    @property
+    def pitch(self) -> float: ...
+    @property
+    def start_toolface(self) -> float: ...
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Pixels between two depths, once around the hole.
+
+    Attributes
+    ----------
+    top, bottom
+        Depths of the edges, metres, the first above the second.
+    rows, columns
+        Pixels.
+    left
+        Toolface at the left and the right edge, degrees.
+    """
+
+    top: float
+    bottom: float
+    rows: int
+    columns: int
+    left: float = 0.0
+
+    def edges(self) -> Floats:
+        """Depths of the edges of the rows, (rows + 1,)."""
+        return np.linspace(self.top, self.bottom, self.rows + 1)
+
+    def toolfaces(self) -> Floats:
+        """Toolfaces of the edges of the columns, (columns + 1,), rising from ``left``."""
+        return self.left + np.linspace(0.0, 360.0, self.columns + 1)
+
+
+def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
+    """Return one value of a helix a pixel, (rows, columns); each vertex is the middle of its cell.
+
+    Parameters
+    ----------
+    values
+        (n,) one a vertex; NaN where missing.
+    settings, start_depth
+        The helix.
+    grid
+        Where the pixels are.
+    """
+    K, pitch = settings.sectors, settings.pitch
+    turns = -(-values.size // K)
+    by_turn = np.full(turns * K, np.nan)
+    by_turn[: values.size] = values
+    # Column j lies j/K of a turn farther along: each has its own rows for the same depths.
+    along = (grid.edges() - start_depth) / pitch
+    reduced = np.empty((grid.rows, K))
+    columns = by_turn.reshape(turns, K)
+    sums, counts = _running(columns)
+    for j in range(K):
+        reduced[:, j] = _blocks(columns[:, j], sums[:, j], counts[:, j], along - j / K)
+    start = (grid.toolfaces() - settings.start_toolface) * (K / 360.0)
+    return _around(reduced, start)
+
+
+def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
+    """Return one value of a sector image a pixel, (rows, columns); its gaps are missing.
+
+    Parameters
+    ----------
+    image
+        Where its rows and sectors are.
+    values
+        (n, S) what to show: ``image.values``, or those normalised.
+    grid
+        Where the pixels are.
+    """
+    sums, counts = _running(values)
+    edges = grid.edges()
+    middle = 0.5 * (edges[:-1] + edges[1:])
+    first = np.searchsorted(image.depth, edges[:-1])
+    stop = np.searchsorted(image.depth, edges[1:])
+    several = stop - first >= 2
+    total, count = sums[stop] - sums[first], counts[stop] - counts[first]
+    reduced = np.where(2 * count >= (stop - first)[:, None], total / np.maximum(count, 1), np.nan)
+    reduced[count == 0] = np.nan
+    reduced[~several] = _nearest_rows(image, values, middle[~several])
+    turn = 1 if image.direction == "clockwise" else -1
+    sector = (grid.toolfaces() - image.offset) * (turn * image.sectors / 360.0)
+    # Sector 1 is cell 0 of _around, centred on 0.
+    return _around(reduced, sector if image.origin == "centre" else sector - 0.5)
+
+
+def _nearest_rows(image: SectorImage, values: Floats, depth: Floats) -> Floats:
+    """The row nearest to each depth, missing beyond its reach."""
+    right = np.clip(np.searchsorted(image.depth, depth), 1, max(image.depth.size - 1, 1))
+    left = right - 1
+    right = np.minimum(right, image.depth.size - 1)
+    row = np.where(depth - image.depth[left] < image.depth[right] - depth, left, right)
+    near: Floats = values[row].copy()
+    near[np.abs(depth - image.depth[row]) > image.reach] = np.nan
+    return near
+
+
+def _running(columns: Floats) -> tuple[Floats, Floats]:
+    """Sums down each column of what is there, and how many there are, with a row of zeros first."""
+    there = np.isfinite(columns)
+    sums = np.zeros((columns.shape[0] + 1, columns.shape[1]))
+    counts = np.zeros_like(sums)
+    np.cumsum(np.where(there, columns, 0.0), axis=0, out=sums[1:])
+    np.cumsum(there, axis=0, out=counts[1:])
+    return sums, counts
+
+
+def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
+    """Mean between neighbouring edges (in cells; cell i is centred on i), or the cell that holds the middle."""
+    low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
+    size = column.size
+    middle = 0.5 * (low + high)
+    cell = np.floor(middle + 0.5).astype(np.int64)
+    inside = (cell >= 0) & (cell < size)
+    found = np.where(inside, column[np.clip(cell, 0, size - 1)], np.nan)
+    first, stop = _bound(low, size), _bound(high, size)
+    several = stop - first >= 2
+    total, count = sums[stop] - sums[first], counts[stop] - counts[first]
+    mean = np.where(2 * count >= stop - first, total / np.maximum(count, 1), np.nan)
+    mean[count == 0] = np.nan
+    return np.where(several, mean, found)
+
+
+def _bound(edges: Floats, size: int) -> Integers:
+    return np.clip(np.ceil(edges), 0, size).astype(np.int64)
+
+
+def _around(rows: Floats, edges: Floats) -> Floats:
+    """Columns between neighbouring edges (in cells; cell j, modulo their number, is centred on j)."""
+    cells = rows.shape[1]
+    low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
+    if high[0] - low[0] < 2.0:
+        return rows[:, np.floor(0.5 * (low + high) + 0.5).astype(np.int64) % cells]
+    columns = []
+    for first, stop in zip(np.ceil(low).astype(int), np.ceil(high).astype(int), strict=True):
+        block = rows[:, np.arange(first, stop) % cells]
+        there = np.isfinite(block)
+        count = there.sum(axis=1)
+        total = np.where(there, block, 0.0).sum(axis=1)
+        columns.append(np.where(2 * count >= max(stop - first, 1), total / np.maximum(count, 1), np.nan))
+        columns[-1][count == 0] = np.nan
+    return np.column_stack(columns)
+
+
+def at_points(image: SectorImage, values: Floats, depth: Floats, toolface: Floats) -> Floats:
+    """Return the value of the cell that holds each point; NaN in gaps. ``values`` as in `unroll_image`."""
+    turn = 1 if image.direction == "clockwise" else -1
+    sector = (toolface - image.offset) * (turn * image.sectors / 360.0)
+    column = np.floor(sector + 0.5 if image.origin == "centre" else sector).astype(np.int64) % image.sectors
+    rows = _nearest_rows(image, values, depth)
+    found: Floats = np.take_along_axis(rows, column[:, None], axis=1)[:, 0]
+    return found

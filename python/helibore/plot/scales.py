@@ -1,0 +1,95 @@
+"""Numbers that people read off a picture: scales of the paper, steps of the depth lines, ends of an axis.
+
+1:200     5 mm a metre     a line each metre, a number each 5 m
+1:500     2 mm a metre     a line each 2 m, a number each 10 m
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.arrays import Floats
+
+FINE_SCALES = (20, 40, 200)
+COARSEST = 500
+LONGEST = 1000.0
+"""Millimetres of paper that a fine scale may need."""
+
+
+def usual_scale(length: float) -> int:
+    """Return the finest of 1:20, 1:40 and 1:200 that puts so many metres on a metre of paper, else 1:500.
+
+    >>> usual_scale(3.0), usual_scale(160.0), usual_scale(736.0)
+    (20, 200, 500)
+    """
+    return next((scale for scale in FINE_SCALES if length * 1000.0 / scale <= LONGEST), COARSEST)
+
+
+@dataclass(frozen=True)
+class Lines:
+    """Depth lines: a thin one each ``fine`` metres, a strong one with its number each ``coarse`` metres."""
+
+    fine: float
+    coarse: float
+
+    @classmethod
+    def of(cls, scale: int) -> Lines:
+        """Return lines at least 4 mm apart, and numbers at least 20 mm apart, on paper of this scale."""
+        steps = [mantissa * 10.0**power for power in range(-3, 6) for mantissa in (1, 2, 5)]
+        coarse = next(step for step in steps if step * 1000.0 / scale >= 20.0)
+        fine = next(
+            step for step in steps if step * 1000.0 / scale >= 4.0 and abs(coarse / step - round(coarse / step)) < 1e-6
+        )
+        return cls(fine, coarse)
+
+    def major(self, top: float, bottom: float) -> Sequence[float]:
+        """Depths of the strong lines from top to bottom."""
+        return _multiples(self.coarse, top, bottom)
+
+    def minor(self, top: float, bottom: float) -> Sequence[float]:
+        """Depths of the thin lines between them."""
+        every = round(self.coarse / self.fine)
+        return [depth for depth in _multiples(self.fine, top, bottom) if round(depth / self.fine) % every]
+
+    def label(self, depth: float) -> str:
+        """The number at a strong line."""
+        return f"{depth:.{max(0, -math.floor(math.log10(self.coarse)))}f}"
+
+
+def _multiples(step: float, top: float, bottom: float) -> list[float]:
+    first, last = math.ceil(top / step - 1e-9), math.floor(bottom / step + 1e-9)
+    return [round(at * step, 9) for at in range(first, last + 1)]
+
+
+def nice_limits(values: Floats, always: float, least: float) -> tuple[float, float]:
+    """Return round ends of an axis for nearly all values and one number that must be on it, off its edge.
+
+    Parameters
+    ----------
+    values
+        NaN where missing; the outermost 0.2 % at each end may lie beyond the axis.
+    always
+        A number the axis holds.
+    least
+        The least length of the axis.
+    """
+    there = values[np.isfinite(values)]
+    low, high = (always, always) if not there.size else np.percentile(there, [0.2, 99.8]).tolist()
+    low, high = min(low, always), max(high, always)
+    if high - low < least:
+        low, high = low - 0.5 * (least - high + low), high + 0.5 * (least - high + low)
+    step = 10.0 ** math.floor(math.log10((high - low) / 4))
+    step = next(step * mantissa for mantissa in (1, 2, 5, 10) if step * mantissa >= (high - low) / 5)
+    first, last = math.floor(low / step), math.ceil(high / step)
+    first -= always <= first * step + 0.05 * (high - low)
+    last += always >= last * step - 0.05 * (high - low)
+    return round(first * step, 9), round(last * step, 9)
+
+
+def length_text(length: float, unit: str) -> str:
+    """Write a length in inches or millimetres: ``8.5 in``, ``215.9 mm``."""
+    return f"{length:.3f}".rstrip("0").rstrip(".") + " in" if unit == "in" else f"{length:.1f} mm"

@@ -1,0 +1,182 @@
+"""Cross sections of the hole, as it is: the same scale across and along, the bit's circle, what was measured.
+
+      T                 one point a sector, from the turn nearest to the depth: nothing is interpolated;
+   .-----.              dots are the samples within half a pitch; a grey wedge is where no sample is in reach
+L |   +   | R
+   '-----'              looking downhole, clockwise
+      B
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from helibore.arrays import Floats
+from helibore.plot.calipers import Diameters
+from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
+from helibore.plot.scales import length_text
+from helibore.plot.tracks import GREY, LENGTHS, SIDES, UNDERGAUGE, WASHOUT
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from helibore.wall import Wall
+
+WIDTH, HEIGHT = 47.0, 54.0
+"""Millimetres that a section takes, with its caption."""
+
+
+@dataclass(frozen=True)
+class Section:
+    """The wall at a depth: radius (m) by toolface (deg, from the wall's first), NaN where missing, and the samples."""
+
+    depth: float
+    toolface: Floats
+    radius: Floats
+    sample_toolface: Floats
+    sample_radius: Floats
+
+
+def sections_at(wall: Wall, depths: list[float]) -> list[Section]:
+    """Cut the wall.
+
+    Raises
+    ------
+    ValueError
+        ``polar section at 5 m: the wall reaches from 10 to 20 m``.
+    """
+    settings = wall.settings
+    K, pitch = settings.sectors, settings.pitch
+    radius, samples = wall.radius, wall.samples
+    ends = sorted((wall.start_depth, wall.start_depth + (radius.size - 1) * pitch / K))
+    column = np.arange(K)
+    toolface: Floats = settings.start_toolface + column.astype(np.float64) * (360.0 / K)
+    cut = []
+    for depth in depths:
+        if not ends[0] <= depth <= ends[1]:
+            raise ValueError(f"polar section at {depth:g} m: the wall reaches from {ends[0]:g} to {ends[1]:g} m")
+        turn = np.rint((depth - wall.start_depth) / pitch - column / K).astype(np.int64)
+        vertex = turn * K + column
+        there = (turn >= 0) & (vertex < radius.size)
+        across = np.where(there, radius[np.clip(vertex, 0, radius.size - 1)], np.nan)
+        near = slice(
+            np.searchsorted(samples.depth, depth - 0.5 * abs(pitch)),
+            np.searchsorted(samples.depth, depth + 0.5 * abs(pitch), side="right"),
+        )
+        cut.append(Section(depth, toolface, across, samples.toolface[near], samples.radius[near]))
+    return cut
+
+
+def telling_depths(turns: Diameters, top: float, bottom: float) -> list[float]:
+    """Return up to four depths worth a section: the largest, the most oval, a usual and the smallest turn."""
+    inside = (turns.depth >= top) & (turns.depth <= bottom) & np.isfinite(turns.area)
+    if not inside.any():
+        return []
+    area, depth = turns.area[inside], turns.depth[inside]
+    oval = (turns.greatest - turns.least)[inside]
+    usual = np.abs(area - np.median(area)) + np.abs(oval - np.median(oval))
+    apart = 0.03 * (bottom - top)
+    chosen: list[float] = []
+    for at in (np.argmax(area), np.argmax(oval), np.argmin(usual), np.argmin(area)):
+        if all(abs(depth[at] - other) >= apart for other in chosen):
+            chosen.append(float(depth[at]))
+    return sorted(chosen)
+
+
+def largest_shown(sections: list[Section], bit_diameter: float) -> float:
+    """Return the radius of the outer ring of all sections, metres."""
+    radii = [one.radius[np.isfinite(one.radius)].max(initial=0.5 * bit_diameter) for one in sections]
+    return 1.08 * max(float(radius) for radius in radii)
+
+
+def draw_section(
+    sheet: Sheet, x: float, y: float, section: Section, name: str, look: tuple[float, float, str, str]
+) -> Axes:
+    """Draw a section with its caption; ``look``: bit diameter and outer radius (m), unit, reference."""
+    bit, outer, unit, reference = look
+    size = HEIGHT - 14.0
+    middle = x + 0.5 * WIDTH
+    sheet.text(middle, y + 2.0, f"{name}   {section.depth:,.2f} m", USUAL, ha="center", weight="bold")
+    axes = sheet.axes(middle - 0.5 * size, y + 7.5, size, size)
+    axes.set_axis_off()
+    axes.set_aspect("equal")
+    axes.set_xlim(-1.02 * outer, 1.02 * outer)
+    axes.set_ylim(-1.02 * outer, 1.02 * outer)
+    scale = LENGTHS[unit]
+    step = _ring_step(outer / scale)
+    for ring in np.arange(step, outer / scale * 1.0001, step):
+        _circle(axes, ring * scale, color=RULE, linewidth=0.3, alpha=0.7)
+    for angle in range(0, 360, 45):
+        _ray(axes, angle, outer)
+    _fill(axes, section, 0.5 * bit, outer)
+    _circle(axes, 0.5 * bit, color=INK, linewidth=0.8, dashes=(4, 2))
+    axes.plot(*_xy(section.sample_toolface, section.sample_radius), ".", color="#23415f", markersize=1.4, alpha=0.6)
+    closed = np.append(np.arange(section.radius.size), 0)
+    axes.plot(*_xy(section.toolface[closed], section.radius[closed]), color="#b3261e", linewidth=0.9)
+    for side, (right, up) in zip(SIDES[reference], ((0, 1), (1, 0), (0, -1), (-1, 0)), strict=True):
+        centre = y + 7.5 + 0.5 * size
+        place = (middle + right * (0.5 * size + 1.8), centre - up * (0.5 * size + 1.8))
+        sheet.text(*place, side, SMALL, ha="center")
+    there = np.isfinite(section.radius)
+    words = f"rings each {step:g} {unit}" + ("" if there.all() else f"; {100 * (1 - there.mean()):.0f} % missing")
+    sheet.text(middle, y + HEIGHT - 1.0, words, SMALL, ha="center", within=WIDTH - 2)
+    return axes
+
+
+def key_text(bit_diameter: float, unit: str, pitch: float) -> str:
+    """Explain what the sections show, in one line."""
+    size = length_text(bit_diameter / LENGTHS[unit], unit)
+    return (
+        f"Cross sections, looking downhole, true shape. Red: wall; dashed: bit, {size}; dots: samples within "
+        f"{500 * abs(pitch):g} mm; grey: no sample in reach"
+    )
+
+
+def _fill(axes: Axes, section: Section, bit: float, outer: float) -> None:
+    """Amber beyond the bit, green within it, grey wedges where the radius is missing."""
+    K = section.radius.size
+    finer = max(720 // K, 1)
+    fine = section.toolface[0] + np.linspace(0.0, 360.0, finer * K + 1)
+    place = np.arange(fine.size) / finer
+    left = np.floor(place).astype(int)
+    r = section.radius
+    radius = r[left % K] + (place - left) * (r[(left + 1) % K] - r[left % K])
+    shown = np.where(np.isnan(radius), bit, radius)
+    for other, color in ((np.maximum(shown, bit), WASHOUT), (np.minimum(shown, bit), UNDERGAUGE)):
+        inner = _xy(fine, np.full(fine.size, bit))
+        ring = [np.append(a, b[::-1]) for a, b in zip(_xy(fine, other), inner, strict=True)]
+        _patch(axes, ring, color, 0.85)
+    for j in np.flatnonzero(np.isnan(r)):
+        arc = section.toolface[j] + np.linspace(-180.0 / K, 180.0 / K, 8)
+        x, y = _xy(arc, np.full(8, outer))
+        _patch(axes, [np.append(x, 0.0), np.append(y, 0.0)], GREY)
+
+
+def _patch(axes: Axes, outline: list[Floats], color: str | tuple[float, ...], alpha: float = 1.0) -> None:
+    """A filled outline; the limits of the axes are known, so it is not measured."""
+    from matplotlib.patches import Polygon
+
+    axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, edgecolor="none", alpha=alpha))
+
+
+def _xy(toolface: Floats, radius: Floats) -> tuple[Floats, Floats]:
+    phi = np.radians(toolface)
+    return radius * np.sin(phi), radius * np.cos(phi)
+
+
+def _circle(axes: Axes, radius: float, **look: object) -> None:
+    around = np.linspace(0.0, 360.0, 181)
+    axes.plot(*_xy(around, np.full(181, radius)), **look)  # type: ignore[arg-type]
+
+
+def _ray(axes: Axes, angle: float, outer: float) -> None:
+    x, y = _xy(np.full(2, float(angle)), np.array([0.0, outer]))
+    axes.plot(x, y, color=RULE, linewidth=0.3, alpha=0.7)
+
+
+def _ring_step(outer: float) -> float:
+    power = 10.0 ** np.floor(np.log10(outer / 3))
+    return float(next(power * step for step in (1, 2, 5, 10) if power * step >= outer / 4))

@@ -1,0 +1,168 @@
+"""A stretch of the wall as a shaded body, with what was exaggerated written on it.
+
+    tube x 10     the diameter is drawn ten times larger than the depth
+    shape x 3     what the radius differs from bit size is drawn three times larger still
+
+Where the wall has no radius the body is closed at its usual radius and grey: closed for the eye, missing by its colour.
+Not here: the shading itself (``shading``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from helibore.arrays import Floats
+from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
+from helibore.plot.tracks import GREY
+from helibore.shading import View, shade
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from helibore.colors import ColorScale
+    from helibore.wall import Wall
+
+LENGTH = 12.0
+"""Metres of hole in a body, unless another length is asked for."""
+STEPS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
+SLENDER = 5.5
+"""A body is about so many times longer than its drawn bit size is wide."""
+MOST_SHAPE = 10.0
+
+
+@dataclass(frozen=True)
+class Stretched:
+    """Whole turns of a wall, from vertex ``first``: (turns, sectors) radius, metres, NaN where missing."""
+
+    first: int
+    radius: Floats
+    depth: tuple[float, float]
+    toolface: float
+
+
+def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | None:
+    """Return the ends of the 12 m between two depths that hold most enlarged turns; None where no turn is whole."""
+    sectors, pitch = wall.settings.sectors, wall.settings.pitch
+    turns = len(wall) // sectors
+    by_turn = wall.radius[: turns * sectors].reshape(turns, sectors)
+    begins = wall.start_depth + pitch * np.arange(turns)
+    inside = (begins >= top - 1e-9) & (begins <= bottom - abs(pitch) + 1e-9)
+    complete = ~np.isnan(by_turn).any(axis=1) & inside
+    count = min(int(inside.sum()), max(3, round(LENGTH / abs(pitch))))
+    if count < 3 or not complete.any():
+        return None
+    largest = np.where(complete, by_turn.max(axis=1), -np.inf)
+    usual, most = np.median(largest[complete]), largest.max()
+    enlarged = np.where(complete, np.clip((largest - usual) / (0.4 * (most - usual) + 1e-9), 0, 1), -1)
+    enlarged[~inside] = -turns
+    first = int(np.argmax(np.convolve(enlarged, np.ones(count), mode="valid")))
+    ends = sorted(wall.start_depth + pitch * at for at in (first, first + count - 1))
+    return ends[0], ends[1]
+
+
+def stretch_of(wall: Wall, start: float, stop: float) -> Stretched:
+    """Cut whole turns between two depths out of a wall.
+
+    Raises
+    ------
+    ValueError
+        If the wall has less than three turns there, or no radius.
+    """
+    sectors, pitch = wall.settings.sectors, wall.settings.pitch
+    turns = len(wall) // sectors
+    ends = sorted(((start - wall.start_depth) / pitch, (stop - wall.start_depth) / pitch))
+    low, high = max(round(ends[0]), 0), min(round(ends[1]), turns - 1)
+    if high - low < 2:
+        depth = wall.depth
+        there = f"the wall reaches from {depth.min():g} to {depth.max():g} m"
+        raise ValueError(f"3-D view of {start:g} to {stop:g} m: must hold three turns of the wall; {there}")
+    radius = wall.radius[low * sectors : (high + 1) * sectors].reshape(-1, sectors)
+    if np.isnan(radius).all():
+        raise ValueError(f"3-D view of {start:g} to {stop:g} m: the wall has no radius there")
+    depths = sorted(wall.start_depth + pitch * at for at in (low, high))
+    first = low * sectors
+    return Stretched(first, radius, (depths[0], depths[1]), wall.settings.start_toolface)
+
+
+def exaggeration(one: Stretched, bit_diameter: float) -> tuple[float, float]:
+    """Return tube and shape exaggeration, round numbers, that make a body of usual slenderness with visible relief."""
+    length = one.depth[1] - one.depth[0]
+    relief = float(np.nanmax(np.abs(one.radius - 0.5 * bit_diameter)))
+    tube = _nearest_step(length / SLENDER / bit_diameter)
+    return tube, min(_nearest_step(0.45 * bit_diameter / max(relief, 1e-6)), MOST_SHAPE)
+
+
+def _nearest_step(value: float) -> float:
+    return min(STEPS, key=lambda step: abs(np.log(step / value)))
+
+
+def draw_solid(
+    sheet: Sheet,
+    box: tuple[float, float, float, float],
+    wall: Wall,
+    one: Stretched,
+    scale: ColorScale,
+    values: Floats,
+    name: str,
+) -> Axes:
+    """Draw the body with its depth axis and its caption.
+
+    Parameters
+    ----------
+    sheet, box
+        Where: left, top, width and height in millimetres; the caption takes the uppermost 10.
+    wall, one
+        Of which stretch.
+    scale, values
+        Colours, and one value a vertex of the stretch; NaN where missing.
+    name
+        What the values are.
+    """
+    x, y, width, height = box
+    settings = wall.settings
+    sectors, bit = settings.sectors, settings.bit_diameter
+    flat = one.radius.ravel()
+    gone = np.isnan(flat)
+    body = np.where(gone, np.nanmedian(flat), flat)
+    colors = scale.colors(values)[:, :3] / 255.0
+    colors[gone] = GREY
+    largest = settings.start_toolface + 360.0 / sectors * int(np.argmax(body.reshape(-1, sectors).mean(axis=0)))
+    tube, shape = exaggeration(one, bit)
+    view = View(
+        facing=float((largest + 50.0) % 360.0), tube=tube, shape=shape,
+        width=sheet.pixels(width - 14.0), height=sheet.pixels(height - 10.0),
+    )  # fmt: skip
+    start = (wall.start_depth + one.first // sectors * settings.pitch, settings.start_toolface)
+    picture = shade(body, colors, sectors, settings.pitch, start, bit, view)
+    axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
+    edges = (picture.left, picture.right, picture.bottom, picture.top)
+    axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="nearest")
+    _dress(axes, one)
+    sheet.text(
+        x + 0.5 * width, y + 2.5, f"{one.depth[0]:.0f} to {one.depth[1]:.0f} m, coloured by {name}",
+        USUAL, within=width, ha="center", weight="bold",
+    )  # fmt: skip
+    words = f"tube × {tube:g} against depth, shape × {shape:g} more; seen from toolface {view.facing:.0f}°"
+    sheet.text(x + 0.5 * width, y + 6.5, words, SMALL, within=width, ha="center", color=FAINT)
+    return axes
+
+
+def _dress(axes: Axes, one: Stretched) -> None:
+    """A depth axis beside the body, as long as it is."""
+    from helibore.plot.scales import Lines
+
+    top, bottom = one.depth
+    lines = Lines.of(max(int((bottom - top) * 8), 1))
+    axes.set_xticks([])
+    axes.set_facecolor("none")
+    ticks = list(lines.major(top, bottom))
+    axes.set_yticks(ticks, [lines.label(at) for at in ticks])
+    axes.tick_params(labelsize=SMALL, color=FAINT, labelcolor=INK, length=2, labelfontfamily=FONT)
+    axes.set_ylabel("Depth MD [m]", fontsize=SMALL, color=INK, family=FONT)
+    for side in ("top", "right", "bottom"):
+        axes.spines[side].set_visible(False)
+    axes.spines["left"].set_bounds(top, bottom)
+    axes.spines["left"].set_color(FAINT)

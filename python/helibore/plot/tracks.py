@@ -1,0 +1,289 @@
+"""The tracks of a log: depth, caliper and images, each with its head, all on one line of depth.
+
+    |  Depth |     Diameter [in]    |   Radius - bit/2   |      GR [gAPI]     |     heads
+    |        | 6 ................ 9 |   0 [======] 40 mm |    0 [=====] 150   |
+    |        |                      |  T   R   B   L   T |  T   R   B   L   T |
+    |  2010 -|------(--)------------|--------------------|--------------------|     depth lines across all
+    |        |       \\              |                    |                    |
+
+A track knows its width and draws itself between two depths; where tracks stand is the ``log``'s business.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from helibore.arrays import Floats
+from helibore.caliper import Basis
+from helibore.colors import MISSING, ColorScale
+from helibore.plot.calipers import Diameters, thinned
+from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
+from helibore.plot.raster import Grid, unroll_image, unroll_wall
+from helibore.plot.scales import Lines, length_text
+from helibore.sector_image import SectorImage
+from helibore.wall import Settings
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+HEAD = 24.0
+"""Millimetres of head over every track."""
+SIDES = {"high-side": ("T", "R", "B", "L"), "north": ("N", "E", "S", "W")}
+GREY = tuple(part / 255.0 for part in MISSING)
+WASHOUT, UNDERGAUGE, BAND = "#f2b366", "#6fae7c", "#cfd8e0"
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A stretch of hole on paper: from ``top`` to ``bottom`` metres, ``height`` millimetres from ``y`` down."""
+
+    top: float
+    bottom: float
+    y: float
+    height: float
+    lines: Lines
+
+
+@dataclass(frozen=True)
+class Shown:
+    """What an image shows: values on a colour scale, and the words over it.
+
+    ``scale.low`` and ``scale.high`` are the ends of the colour bar; ``remark`` goes under its name.
+    """
+
+    name: str
+    unit: str
+    scale: ColorScale
+    remark: str = ""
+    shares: bool = False
+
+
+class DepthTrack:
+    """Measured depth in metres."""
+
+    width = 14.0
+
+    def __init__(self, scale: int) -> None:
+        self.scale = scale
+
+    def head(self, sheet: Sheet, x: float, y: float) -> None:
+        """Write what the numbers are, and the scale of the paper."""
+        middle = x + 0.5 * self.width
+        for down, text, size in ((8.0, "Depth", USUAL), (12.0, "MD [m]", USUAL), (18.0, f"1:{self.scale}", USUAL)):
+            sheet.text(middle, y + down, text, size, ha="center")
+
+    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
+        """Draw the numbers beside their lines."""
+        axes = _bare(sheet, x, self.width, stretch)
+        for depth in stretch.lines.major(stretch.top, stretch.bottom):
+            axes.plot([0.0, 0.12], [depth, depth], color=INK, linewidth=0.6)
+            axes.plot([0.88, 1.0], [depth, depth], color=INK, linewidth=0.6)
+            room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
+            if stretch.top + room <= depth <= stretch.bottom - room:
+                axes.text(0.5, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT)
+        for depth in stretch.lines.minor(stretch.top, stretch.bottom):
+            axes.plot([0.0, 0.06], [depth, depth], color=RULE, linewidth=0.4)
+            axes.plot([0.94, 1.0], [depth, depth], color=RULE, linewidth=0.4)
+        axes.set_xlim(0, 1)
+        return axes
+
+
+class CaliperTrack:
+    """Diameters against bit size, with the trade's shading: amber where the hole is larger, green where it is smaller.
+
+    Parameters
+    ----------
+    turns
+        What to draw.
+    basis
+        What was measured: without directions there is no least and greatest, without a caliper no curve.
+    bit_diameter
+        Metres.
+    unit
+        ``"in"`` or ``"mm"``.
+    limits
+        Diameters at the left and the right edge, in that unit.
+    """
+
+    width = 40.0
+
+    def __init__(
+        self, turns: Diameters, basis: Basis, bit_diameter: float, unit: str, limits: tuple[float, float]
+    ) -> None:
+        self.turns, self.basis, self.unit, self.limits = turns, basis, unit, limits
+        self.bit = bit_diameter / LENGTHS[unit]
+
+    def head(self, sheet: Sheet, x: float, y: float) -> None:
+        """Write the title, the scale and a key of what is drawn."""
+        sheet.text(x + 0.5 * self.width, y + 2.5, f"Diameter [{self.unit}]", ha="center", weight="bold")
+        low, high = (f"{limit:g}" for limit in self.limits)
+        sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
+        keys = [(f"bit size {length_text(self.bit, self.unit)}", {"color": INK, "dashes": (4, 2)})]
+        if self.basis != "gauge":
+            keys.append(("by area", {"color": "#b3261e"}))
+        row = y + 6.3
+        for text, look in keys:
+            sheet.line((x + 1, x + 7), (row, row), linewidth=0.9, **look)
+            sheet.text(x + 8.2, row, text, SMALL, within=self.width - 9)
+            row += 3.5
+        if self.basis == "azimuthal":
+            sheet.box(x + 1, row - 1.1, 6, 2.2, facecolor=BAND, edgecolor=RULE, linewidth=0.4)
+            sheet.text(x + 8.2, row, "least to greatest across", SMALL, within=self.width - 9)
+            row += 3.5
+        if self.basis == "gauge":
+            sheet.text(x + 1, row, "hole not measured", SMALL, within=self.width - 2)
+        else:
+            for at, color, text in ((1.0, WASHOUT, "washout"), (20.0, UNDERGAUGE, "cake, undergauge")):
+                sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
+                sheet.text(x + at + 3.8, row, text, 5.2, within=self.width - at - 4 if at > 10 else 15)
+        sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
+        sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
+
+    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
+        """Draw the curves; grey where a turn has no radius at all."""
+        axes = _bare(sheet, x, self.width, stretch)
+        step = (self.limits[1] - self.limits[0]) / 5
+        for at in range(1, 5):
+            axes.axvline(self.limits[0] + at * step, color=RULE, linewidth=0.3, alpha=0.6)
+        turns = thinned(self.turns, stretch.top, stretch.bottom, 2 * sheet.pixels(stretch.height))
+        scale = LENGTHS[self.unit]
+        area = turns.area / scale
+        if self.basis != "gauge":
+            bit = np.full(area.size, self.bit)
+            if self.basis == "azimuthal":
+                least, greatest = turns.least / scale, turns.greatest / scale
+                axes.fill_betweenx(turns.depth, least, greatest, facecolor=BAND, edgecolor=RULE, linewidth=0.35)
+            larger = {"where": area >= bit, "facecolor": WASHOUT, "interpolate": True}
+            smaller = {"where": area <= bit, "facecolor": UNDERGAUGE, "interpolate": True}
+            for look in (larger, smaller):
+                axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)  # type: ignore[arg-type]
+            axes.plot(area, turns.depth, color="#b3261e", linewidth=0.8)
+        axes.axvline(self.bit, color=INK, linewidth=0.9, dashes=(4, 2))
+        self._missing(axes, sheet, stretch)
+        axes.set_xlim(*self.limits)
+        _depth_lines(axes, stretch)
+        return axes
+
+    def _missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
+        """Grey over turns without any radius, and beyond the wall's ends."""
+        rows = sheet.pixels(stretch.height)
+        edges = np.linspace(stretch.top, stretch.bottom, rows + 1)
+        turn = np.searchsorted(self.turns.depth, 0.5 * (edges[:-1] + edges[1:]))
+        near = np.clip(turn, 0, self.turns.depth.size - 1)
+        pitch = np.median(np.diff(self.turns.depth)) if self.turns.depth.size > 1 else np.inf
+        away = np.abs(self.turns.depth[near] - 0.5 * (edges[:-1] + edges[1:])) > pitch
+        grey = np.where(away | (self.turns.coverage[near] == 0), 1.0, np.nan)[:, None]
+        if np.isfinite(grey).any():
+            from matplotlib.colors import ListedColormap
+
+            box = (*self.limits, stretch.bottom, stretch.top)
+            axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="nearest", zorder=3)
+
+
+class ImageTrack:
+    """Values around the hole, cut open: a wall's or a sector image's.
+
+    Parameters
+    ----------
+    shown
+        Name, unit, colours.
+    source
+        A sector image with the values to show (its own, or normalised), or the helix of a wall with one value a vertex.
+    reference
+        ``"high-side"`` or ``"north"``.
+    left
+        Toolface of the left edge, degrees; a multiple of 90.
+    width
+        Millimetres.
+    """
+
+    def __init__(
+        self,
+        shown: Shown,
+        source: tuple[SectorImage, Floats] | tuple[tuple[Settings, float], Floats],
+        reference: str,
+        left: float,
+        width: float,
+    ) -> None:
+        self.shown, self.source, self.reference, self.left, self.width = shown, source, reference, left, width
+
+    def head(self, sheet: Sheet, x: float, y: float) -> None:
+        """Write name and unit, draw the colour bar with its numbers, and the letters of the sides."""
+        shown, scale = self.shown, self.shown.scale
+        middle, room = x + 0.5 * self.width, self.width - 1
+        unit = f" [{shown.unit}]" if shown.unit else ""
+        sheet.text(middle, y + 2.5, f"{shown.name}{unit}", ha="center", weight="bold", within=room)
+        sheet.text(middle, y + 6.2, shown.remark, 5.6, within=room, ha="center", color=FAINT)
+        color_bar(sheet, scale, x + 1.0, y + 9.0, self.width - 2.0, shares=shown.shares)
+        first = round(self.left / 90.0)
+        for place in range(5):
+            at, side = x + place * self.width / 4, SIDES[self.reference][(first + place) % 4]
+            inward = {0: 0.9, 4: -0.9}.get(place, 0.0)
+            ha = {0: "left", 4: "right"}.get(place, "center")
+            sheet.text(at + inward * 0.6, y + HEAD - 2.2, side, SMALL, ha=ha)
+        sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
+
+    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
+        """Draw the pixels, and a line a quarter of the way round."""
+        axes = _bare(sheet, x, self.width, stretch)
+        grid = Grid(stretch.top, stretch.bottom, sheet.pixels(stretch.height), sheet.pixels(self.width), self.left)
+        source, values = self.source
+        if isinstance(source, SectorImage):
+            pixels = unroll_image(source, values, grid)
+        else:
+            pixels = unroll_wall(values, source[0], source[1], grid)
+        colors = self.shown.scale.colors(pixels)[..., :3]
+        box = (0.0, 360.0, stretch.bottom, stretch.top)
+        axes.imshow(colors, extent=box, aspect="auto", interpolation="nearest", origin="upper")
+        for quarter in (90, 180, 270):
+            axes.axvline(quarter, color="white", linewidth=0.35, alpha=0.5)
+        axes.set_xlim(0, 360)
+        _depth_lines(axes, stretch)
+        return axes
+
+
+LENGTHS = {"in": 0.0254, "mm": 0.001}
+"""Units of diameters, in metres."""
+
+
+def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float, shares: bool = False) -> None:
+    """Draw the colours of a scale with the numbers at its ends and in its middle, and grey for missing values."""
+    axes = sheet.axes(x, y, width, 2.6)
+    ramp = np.linspace(scale.low, scale.high, 256)
+    middle = 0.5 * (scale.low + scale.high)
+    if scale.log:
+        ramp = np.geomspace(scale.low, scale.high, 256)
+        middle = float(np.sqrt(scale.low * scale.high))
+    axes.imshow(scale.colors(ramp[None, :])[..., :3], extent=(0, 1, 0, 1), aspect="auto")
+    axes.set_axis_off()
+    sheet.box(x, y, width, 2.6, edgecolor=RULE, linewidth=0.4)
+    words = ("low", "", "high") if shares else tuple(f"{one:.3g}" for one in (scale.low, middle, scale.high))
+    for at, ha, text in zip((0.0, 0.5, 1.0), ("left", "center", "right"), words, strict=True):
+        sheet.text(x + at * width, y + 4.9, text, SMALL, ha=ha)
+    kind = "logarithmic" if scale.log else ""
+    if kind:
+        sheet.text(x + 0.5 * width, y + 8.0, kind, 5.6, ha="center", color=FAINT)
+
+
+def _bare(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
+    """Axes of a track: depth grows downwards, no ticks, a frame."""
+    axes = sheet.axes(x, stretch.y, width, stretch.height)
+    axes.set_xticks([])
+    axes.set_yticks([])
+    axes.set_ylim(stretch.bottom, stretch.top)
+    axes.set_autoscaley_on(False)
+    for spine in axes.spines.values():
+        spine.set_color(RULE)
+        spine.set_linewidth(0.6)
+        spine.set_zorder(5)
+    return axes
+
+
+def _depth_lines(axes: Axes, stretch: Stretch) -> None:
+    for depth in stretch.lines.minor(stretch.top, stretch.bottom):
+        axes.axhline(depth, color=INK, linewidth=0.2, alpha=0.22, zorder=4)
+    for depth in stretch.lines.major(stretch.top, stretch.bottom):
+        axes.axhline(depth, color=INK, linewidth=0.4, alpha=0.55, zorder=4)

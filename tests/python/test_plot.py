@@ -1,0 +1,470 @@
+"""Pictures on paper: the structure of the figures, cells against slow loops, the command line, and its errors."""
+
+from __future__ import annotations
+
+import io
+import math
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from hypothesis import given
+from hypothesis import strategies as st
+
+import helibore as hb
+from helibore import plot
+from helibore.cli import cli
+from helibore.colors import MISSING
+from helibore.plot.calipers import diameters, thinned
+from helibore.plot.content import content_of
+from helibore.plot.log import MARGIN, _divided
+from helibore.plot.paper import MM
+from helibore.plot.raster import Grid, at_points, unroll_image, unroll_wall
+from helibore.plot.scales import Lines, nice_limits, usual_scale
+from helibore.plot.sections import sections_at
+from helibore.plot.solid import most_relief, stretch_of
+from helibore.plot.tracks import HEAD
+from helibore.simulate import Hole, Tool, simulate
+
+DATA = Path(__file__).parents[3] / "shared" / "data"
+BIT = 0.216
+
+
+def image_of(depth: Any, values: Any, name: str = "GR", unit: str = "gAPI", **extra: Any) -> hb.SectorImage:
+    return hb.SectorImage(depth, values, name, unit, **({"origin": "edge", "reference": "high-side"} | extra))
+
+
+@pytest.fixture(scope="module")
+def wall() -> hb.Wall:
+    """22 m of hole with a gap of 4 m, a gamma image with gaps, and a resistivity image."""
+    run = simulate(Hole.example(2000.0, 2022.0), Tool(sample_rate=5.0))
+    there = (run.depth < 2012) | (run.depth > 2016)
+    made = hb.reconstruct(
+        hb.Caliper(run.depth[there], run.toolface[there], run.radius[there]), bit_diameter=BIT, sectors=32
+    )
+    gamma = run.gamma.copy()
+    gamma[40:60] = np.nan
+    made.images["GR"] = image_of(run.gamma_depth, gamma)
+    resistivity = np.exp(0.02 * run.gamma)
+    made.images["RES"] = image_of(run.gamma_depth, resistivity, "RES", "ohm.m", origin="centre")
+    return made
+
+
+def texts(figure: Any) -> list[Any]:
+    """Every visible text with a word in it."""
+    found = figure.findobj(lambda artist: hasattr(artist, "get_text"))
+    return [text for text in found if text.get_text().strip() and text.get_visible()]
+
+
+def assert_readable(figure: Any) -> None:
+    """No text leaves the page, and none touches another."""
+    figure.draw_without_rendering()
+    shown = [(text.get_text(), text.get_window_extent()) for text in texts(figure)]
+    page = figure.bbox
+    for label, box in shown:
+        assert box.x0 >= page.x0, label
+        assert box.x1 <= page.x1, label
+        assert box.y0 >= page.y0, label
+        assert box.y1 <= page.y1, label
+    for (one, first), (two, second) in combinations(shown, 2):
+        apart = first.x1 <= second.x0 or second.x1 <= first.x0 or first.y1 <= second.y0 or second.y1 <= first.y0
+        assert apart, (one, two)
+
+
+def tracks_of(figure: Any) -> list[Any]:
+    """The axes of the tracks: those whose depth grows downwards over many metres."""
+    return [axes for axes in figure.axes if axes.get_ylim()[0] > 1000 > 400 and axes.get_xlim()[0] >= 0]
+
+
+def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
+    figure = plot.log(wall, title="A well", subtitle="A run", dpi=60)
+    words = " | ".join(text.get_text() for text in texts(figure))
+    for needed in (
+        "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
+        "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
+        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest across", "washout", "cake, undergauge",
+        "Radius − bit/2 [mm]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
+        "missing: no value, or no sample in reach", "Cross sections, looking downhole", "tube × ", "shape × ",
+        "coloured by radius", "rings each",
+    ):  # fmt: skip
+        assert needed in words, needed
+    assert "A   2,0" in words
+    assert_readable(figure)
+
+
+@pytest.mark.parametrize("basis", ["average", "gauge"])
+def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
+    depth = np.arange(1000.0, 1030.0, 0.2)
+    caliper = (
+        hb.Caliper.gauge(1000.0, 1030.0, BIT)
+        if basis == "gauge"
+        else hb.Caliper.from_average(depth, 0.22 + 0.002 * np.sin(depth))
+    )
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=16)
+    wall.images["GR"] = image_of(depth, np.add.outer(depth - 900, np.arange(8.0)))
+    figure = plot.log(wall, dpi=50)
+    words = [text.get_text() for text in texts(figure)]
+    (said,) = [text for text in texts(figure) if text.get_text() == hb.caliper.BASIS_TEXT[wall.basis]]  # type: ignore[attr-defined]
+    assert said.get_color() == "#b3261e"
+    assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
+    assert ("hole not measured" in words) == (basis == "gauge")
+    assert_readable(figure)
+
+
+@pytest.mark.parametrize("scale", [200, 500])
+def test_the_paper_has_the_scale_it_says(wall: hb.Wall, scale: int) -> None:
+    figure = plot.log(wall, scale=scale, start=2002, stop=2020, dpi=60, polar=(), body=())
+    height = figure.get_size_inches()[1] * MM
+    tracks = [axes for axes in figure.axes if axes.get_ylim() == (2020, 2002)]
+    assert len(tracks) == 5
+    for axes in tracks:
+        box = axes.get_position()
+        assert box.height * height == pytest.approx(18 * 1000 / scale, abs=1e-6)
+        assert axes.get_shared_y_axes().joined(axes, tracks[0])
+        assert box.y1 == pytest.approx(tracks[0].get_position().y1, abs=1e-12)
+    for ending, size in ((".pdf", 72.0), (".svg", 72.0)):
+        points = plot.rendered([figure], ending)[:4000].decode("latin-1")
+        assert f"{height / MM * size:.5f}".rstrip("0")[:8] in points or f"{height / MM * size:g}" in points
+
+
+def test_pages_cover_the_interval_once_at_one_scale(wall: hb.Wall) -> None:
+    figures = plot.pages(wall, paper=(210, 200), scale=40, dpi=50, polar=(), body=())
+    ends = []
+    for number, figure in enumerate(figures, 1):
+        width, height = figure.get_size_inches() * MM
+        assert (width, height) == (pytest.approx(210), pytest.approx(200))
+        (bottom, top) = figure.axes[-1].get_ylim()
+        assert figure.axes[-1].get_position().height * height == pytest.approx((bottom - top) * 25)
+        assert [text for text in texts(figure) if text.get_text().endswith(f"page {number} of {len(figures)}")]
+        ends.append((top, bottom))
+        assert_readable(figure)
+    assert len(figures) > 3
+    assert (ends[0][0], ends[-1][1]) == (pytest.approx(2000.0), pytest.approx(wall.depth[-1]))
+    assert [end for _, end in ends[:-1]] == [start for start, _ in ends[1:]]
+    assert [end for _, end in ends[:-1]] == [round(end) for _, end in ends[:-1]]  # at a line with a number
+
+
+def test_a_gap_is_grey_in_every_track(wall: hb.Wall) -> None:
+    figure = plot.log(wall, dpi=60, polar=(), body=())
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+    tracks = [axes for axes in figure.axes if axes.get_ylim()[0] > axes.get_ylim()[1]]
+    assert len(tracks) == 5
+    grey = []
+    for axes, depth in ((tracks[1], 2014.15), (tracks[2], 2014.15), (tracks[3], 2005.15)):
+        right, up = axes.transData.transform((np.mean(axes.get_xlim()) + 0.02 * np.ptp(axes.get_xlim()), depth))
+        grey.append(tuple(pixels[int(pixels.shape[0] - up), int(right) + 2]))
+    assert grey == [MISSING] * 3
+
+
+@st.composite
+def helices(draw: st.DrawFn) -> tuple[Any, float, np.ndarray]:
+    K = draw(st.integers(3, 9))
+    pitch = draw(st.sampled_from([0.1, -0.1, 0.37]))
+    turns = draw(st.integers(1, 12))
+    settings = hb.Settings(bit_diameter=BIT, sectors=K, pitch=pitch, start_toolface=draw(st.sampled_from([0.0, 33.0])))
+    values = np.array(draw(st.lists(st.floats(0, 9), min_size=K * turns, max_size=K * turns)))
+    missing = draw(st.lists(st.booleans(), min_size=values.size, max_size=values.size))
+    return settings, draw(st.sampled_from([0.0, 50.3])), np.where(missing, np.nan, values)
+
+
+@given(helices(), st.integers(1, 40), st.integers(12, 30), st.sampled_from([0.0, 90.0, 180.0]))
+def test_pixels_of_a_wall_are_means_of_the_vertices_in_them(
+    helix: tuple[Any, float, np.ndarray], rows: int, columns: int, left: float
+) -> None:
+    settings, start, values = helix
+    K, pitch = settings.sectors, settings.pitch
+    ends = sorted((start - 0.217, start + pitch * values.size / K + 0.2))
+    grid = Grid(ends[0], ends[1], rows, columns, left)
+    found = unroll_wall(values, settings, start, grid)
+    height = (ends[1] - ends[0]) / rows
+    for row in range(rows):
+        for column in range(columns):
+            toolface = left + (column + 0.5) * 360 / columns - settings.start_toolface
+            j = math.floor(toolface * K / 360 + 0.5) % K
+            if abs(toolface * K / 360 + 0.5 - round(toolface * K / 360 + 0.5)) < 1e-9:
+                continue  # on a border both are right
+            inside = [
+                values[k]
+                for k in range(j, values.size, K)
+                if ends[0] + row * height + 1e-9 < start + k * pitch / K < ends[0] + (row + 1) * height - 1e-9
+            ]
+            near = [abs((start + k * pitch / K - ends[0]) / height % 1.0 - 0.5) for k in range(j, values.size, K)]
+            if any(abs(one - 0.5) < 1e-6 for one in near):
+                continue  # a vertex on the edge of a row
+            if len(inside) < 2:
+                middle = (ends[0] + (row + 0.5) * height - start) / pitch - j / K
+                if abs(middle + 0.5 - round(middle + 0.5)) < 1e-9:
+                    continue
+                turn = math.floor(middle + 0.5)
+                expected = values[turn * K + j] if 0 <= turn < values.size // K else np.nan
+            else:
+                there = [value for value in inside if not math.isnan(value)]
+                expected = np.mean(there) if there and 2 * len(there) >= len(inside) else np.nan
+            assert found[row, column] == pytest.approx(expected, nan_ok=True)
+
+
+@pytest.mark.parametrize("origin", ["edge", "centre"])
+@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
+def test_pixels_of_an_image_are_its_cells(origin: str, direction: str) -> None:
+    rng = np.random.default_rng(3)
+    depth = np.array([10.0, 10.1, 10.2, 10.35, 11.0, 11.1])
+    values = rng.random((6, 5))
+    values[1, 2] = np.nan
+    image = image_of(depth, values, origin=origin, direction=direction, offset=17.0, reach=0.08)
+    grid = Grid(9.8, 11.3, 211, 47, 90.0)
+    pixels = unroll_image(image, image.values, grid)
+    settings = hb.Settings(bit_diameter=BIT, sectors=3)
+    for row in range(0, 211, 3):
+        for column in range(47):
+            at, toolface = 9.8 + (row + 0.5) * 1.5 / 211, 90 + (column + 0.5) * 360 / 47
+            turned = (toolface - 17) * (1 if direction == "clockwise" else -1) / 72 + (0.5 if origin == "centre" else 0)
+            nearest = int(np.argmin(np.abs(depth - at)))
+            expected = values[nearest, math.floor(turned) % 5] if abs(depth[nearest] - at) <= 0.08 else np.nan
+            assert pixels[row, column] == pytest.approx(expected, nan_ok=True)
+            point = at_points(image, image.values, np.array([at]), np.array([toolface]))
+            assert point[0] == pytest.approx(expected, nan_ok=True)
+    assert settings.sectors == 3
+    coarse = unroll_image(image, image.values, Grid(9.9, 10.3, 1, 5, 0.0))
+    assert np.isfinite(coarse).all()
+
+
+def test_many_sectors_are_averaged_over_few_pixels() -> None:
+    values = np.tile(np.arange(40.0), 6)
+    settings = hb.Settings(bit_diameter=BIT, sectors=40)
+    found = unroll_wall(values, settings, 0.0, Grid(0.15, 0.25, 1, 4, -4.5))
+    assert found[0] == pytest.approx([4.5, 14.5, 24.5, 34.5])
+
+
+def test_diameters_against_a_loop(wall: hb.Wall) -> None:
+    turns = diameters(wall, BIT)
+    K, radius = wall.settings.sectors, wall.radius
+    for turn in range(turns.depth.size):
+        one = radius[turn * K : (turn + 1) * K]
+        across = [one[j] + one[(j + K // 2) % K] for j in range(K)]
+        there = [size for size in across if not math.isnan(size)]
+        assert turns.least[turn] == pytest.approx(min(there, default=np.nan), nan_ok=True)
+        assert turns.greatest[turn] == pytest.approx(max(there, default=np.nan), nan_ok=True)
+    few = thinned(turns, 2001.0, 2021.0, 17)
+    assert few.depth.size == 17
+    inside = (turns.depth >= 2001) & (turns.depth <= 2021)
+    assert np.nanmax(few.greatest) == np.nanmax(turns.greatest[inside])
+    assert np.nanmin(few.least) == np.nanmin(turns.least[inside])
+
+
+def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall) -> None:
+    (section,) = sections_at(wall, [2003.14])
+    K = wall.settings.sectors
+    for j in range(K):
+        column = slice(j, None, K)
+        nearest = np.argmin(np.abs(wall.depth[column] - 2003.14))
+        assert section.radius[j] == wall.radius[column][nearest]
+    samples = wall.samples
+    assert section.sample_radius.size == np.count_nonzero(np.abs(samples.depth - 2003.14) <= 0.05) > 0
+    with pytest.raises(ValueError, match=r"polar section at 5 m: the wall reaches from 2000 to 20"):
+        sections_at(wall, [5.0])
+
+
+def test_scales_lines_and_limits() -> None:
+    assert [usual_scale(length) for length in (3.0, 20.0, 40.0, 41.0, 200.0, 201.0, 9000.0)] == [
+        20, 20, 40, 200, 200, 500, 500,
+    ]  # fmt: skip
+    assert Lines.of(200) == Lines(1.0, 5.0)
+    assert Lines.of(500) == Lines(2.0, 10.0)
+    lines = Lines.of(200)
+    assert lines.major(1.0, 11.0) == [5.0, 10.0]
+    assert lines.minor(3.5, 7.5) == [4.0, 6.0, 7.0]
+    assert lines.label(3085.0) == "3085"
+    assert Lines.of(20).label(10.5) == "10.5"
+    assert nice_limits(np.array([8.5, 12.1]), 8.5, 0.4) == (8.0, 13.0)
+    assert nice_limits(np.array([np.nan]), 8.5, 0.4) == (8.3, 8.7)
+
+
+@given(st.floats(1.0, 5000.0), st.floats(0.5, 900.0), st.integers(5, 2000))
+def test_lines_and_limits_keep_their_promises(start: float, length: float, scale: int) -> None:
+    lines = Lines.of(scale)
+    assert lines.fine * 1000 / scale >= 4.0 - 1e-9
+    assert lines.coarse * 1000 / scale >= 20.0 - 1e-9
+    assert round(lines.coarse / lines.fine) == pytest.approx(lines.coarse / lines.fine)
+    low, high = nice_limits(np.array([start, start + length]), start, 0.1)
+    assert low < start
+    assert high >= start + 0.99 * length
+
+
+def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall) -> None:
+    run = simulate(Hole(2000.0, 2040.0, washouts=(hb_washout(2025.0, 2030.0),)), Tool(sample_rate=4.0))
+    made = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT, sectors=16)
+    ends = most_relief(made, 2000.0, 2040.0)
+    assert ends is not None
+    assert ends[0] <= 2026 < 2029 <= ends[1]
+    with pytest.raises(ValueError, match=r"3-D view of 1 to 2 m: must hold three turns of the wall; the wall reaches"):
+        stretch_of(wall, 1.0, 2.0)
+    with pytest.raises(ValueError, match=r"3-D view of 2013\.3 to 2014\.6 m: the wall has no radius there"):
+        stretch_of(wall, 2013.3, 2014.6)
+
+
+def hb_washout(start: float, stop: float) -> Any:
+    from helibore.simulate import Washout
+
+    return Washout(start, stop, 0.03)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scale": 0}, "scale = 0: must be a whole number, 200 for 1:200"),
+        ({"reference": "up"}, "reference = 'up': must be one of high-side, north"),
+        ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
+        ({"unit": "m"}, "unit = 'm': must be one of in, mm"),
+        ({"start": 2010, "stop": 2001}, "interval 2010 to 2001 m: the end must be deeper than the start"),
+        ({"start": 3000, "stop": 3001}, "interval 3000 to 3001 m: the wall reaches from 2000 to"),
+        ({"images": ["X"]}, "image 'X': the wall has none of this name; it has GR, RES"),
+        ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
+        ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
+        ({"body": (2001,)}, "body: 1 depths: must be two"),
+        ({"dpi": 5}, "dpi = 5: must be 30 to 1200"),
+    ],
+)
+def test_options_that_break_a_rule(wall: hb.Wall, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match="^" + message.replace("(", r"\(")):
+        plot.log(wall, **options)
+
+
+def wall_with(depth: Any, values: Any, unit: str = "gAPI") -> hb.Wall:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, BIT), bit_diameter=BIT, sectors=8)
+    wall.images["X"] = image_of(depth, values, "X", unit)
+    return wall
+
+
+def test_images_that_cannot_be_shown() -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    values = np.add.outer(depth, np.arange(4.0))
+    late = ([*depth, 2000.0], [*np.full_like(values, np.nan), [1, 2, 3, 4]])
+    same = np.full_like(values, 7.0)
+    cases = [
+        (wall_with(depth + 500, values), r"image 'X' reaches from 1500 to .* m: outside the interval, 1000 to"),
+        (wall_with(depth, same), r"image 'X', .*: constant, 7 at both .*: give limits=\(low, high\)"),
+        (wall_with(depth, values - 1002.0, "ohm.m"), r"image 'X', .*: values\[0, 0\] = -2: must be above 0 on a log"),
+        (wall_with(*late), r"image 'X', .*: all 200 are missing"),
+    ]  # fmt: skip
+    for wall, message in cases:
+        with pytest.raises(ValueError, match=message):
+            plot.log(wall)
+    constant = wall_with(depth, np.full_like(values, 7.0))
+    assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
+
+
+def run_cli(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, ["plot", *map(str, arguments)])
+
+
+@pytest.fixture
+def archive(tmp_path: Path, wall: hb.Wall) -> Path:
+    wall.save(tmp_path / "well.wall")
+    return tmp_path / "well.wall"
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, ending: str) -> None:
+    output = tmp_path / f"log.{ending}"
+    result = run_cli(archive, "-o", output, "--dpi", 50, "--well", "Well & <one>", "--scale", "1:200")
+    assert result.exit_code == 0, result.output
+    content = output.read_bytes()
+    assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending])
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", "well.wall"]
+    again = tmp_path / f"again.{ending}"
+    assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200).exit_code == 0
+    assert again.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
+        (["-o", "no/log.png"], "no/log.png: the folder no must be there"),
+        (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, as 200 or 1:200"),
+        (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
+        (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
+        (["-o", "log.png", "--map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
+        (["-o", "log.png", "--gauge"], "one of SOURCE, --average and --gauge must say what the wall is made from"),
+        (["-o", "log.png", "--image", "x.las"], "--image x.las: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge"),
+        (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
+        (["-o", "log.png", "--from", "9000", "--to", "9001"], "interval 9000 to 9001 m: the wall reaches from 2000"),
+    ],
+)
+def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str) -> None:
+    monkeypatch.chdir(archive.parent)
+    (archive.parent / "log.png").write_bytes(b"old")
+    result = run_cli("well.wall", *arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert (archive.parent / "log.png").read_bytes() == b"old"
+    assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
+
+
+def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import os
+
+    output = archive.with_name("log.png")
+    output.write_bytes(b"old")
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    result = run_cli(archive, "-o", output, "--dpi", 40, "--no-body", "--no-polar")
+    assert (result.exit_code, output.read_bytes()) == (2, b"old")
+    assert "No space left on device" in result.stderr
+    assert sorted(path.name for path in output.parent.iterdir()) == ["log.png", "well.wall"]
+
+
+def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
+    figure = plot.log(wall, scale=200, dpi=40, polar=(), body=())
+    figure.set_size_inches(8, 300)
+    with pytest.raises(ValueError, match=r"a page of 7,620 mm: PDF allows 5,080"):
+        plot.save(figure, tmp_path / "log.pdf")
+    figure.set_size_inches(8, 2000)
+    with pytest.raises(ValueError, match=r"at 40 dpi are 80,000 pixels: must be at most 65,000"):
+        plot.save(figure, tmp_path / "log.png")
+    with pytest.raises(ValueError, match=r"2 pages: only \.pdf holds more than one"):
+        plot.save([figure, figure], tmp_path / "log.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_pages_of_a_long_well_are_divided_at_numbers(wall: hb.Wall) -> None:
+    content = content_of(wall, plot.Drawing(scale=20, polar=(), body=()))
+    parts = _divided(content, 250.0)
+    assert all(bottom > top for top, bottom in parts)
+    assert max(bottom - top for top, bottom in parts) <= 250.0 / 50
+    assert MARGIN + HEAD < 60
+
+
+@pytest.mark.skipif(not DATA.is_dir(), reason="the public data is not there")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz", "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90",
+         "--from", 3080, "--to", 3110, "--bit-diameter", "6.2in"],
+        ["--gauge", "--bit-diameter", "8.5in", "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:ABDC:centre",
+         "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:GRAS:edge", "--from", 2020, "--to", 2060],
+        ["--average", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:CALCM", "--bit-diameter",
+         "8.5in", "--image", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:APRA:centre",
+         "--log", "APRA", "--map", "APRA=resistivity", "--from", 4320, "--to", 4340],
+    ],
+)  # fmt: skip
+def test_real_wells(arguments: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(DATA)
+    output = tmp_path / "well.png"
+    result = run_cli(*arguments, "-o", output, "--dpi", 60, "-q")
+    assert (result.exit_code, result.output) == (0, "")
+    from PIL import Image
+
+    with Image.open(io.BytesIO(output.read_bytes())) as picture:
+        assert picture.size[0] == pytest.approx(210 / MM * 60, abs=1)
