@@ -34,8 +34,8 @@ __all__ = [
     "Wall",
     "__version__",
     "load",
-    "prepare",
     "plot",
+    "prepare",
     "reconstruct",
     "view",
 ]

@@ -391,7 +391,7 @@ def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, endi
         (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, as 200 or 1:200"),
         (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
         (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
-        (["-o", "log.png", "--map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
+        (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
         (["-o", "log.png", "--gauge"], "one of SOURCE, --average and --gauge must say what the wall is made from"),
         (["-o", "log.png", "--image", "x.las"], "--image x.las: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge"),
         (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
@@ -456,7 +456,7 @@ def test_pages_of_a_long_well_are_divided_at_numbers(wall: hb.Wall) -> None:
          "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:GRAS:edge", "--from", 2020, "--to", 2060],
         ["--average", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:CALCM", "--bit-diameter",
          "8.5in", "--image", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:APRA:centre",
-         "--log", "APRA", "--map", "APRA=resistivity", "--from", 4320, "--to", 4340],
+         "--log", "APRA", "--color-map", "APRA=resistivity", "--from", 4320, "--to", 4340],
     ],
 )  # fmt: skip
 def test_real_wells(arguments: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -13,8 +13,9 @@ from typing import TYPE_CHECKING, Any
 import click
 
 from helibore.cli.quantities import LENGTH
+from helibore.cli.reading import FILE
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_source import FILE, Sourced, takes_a_wall, wall_from
+from helibore.cli.wall_source import Sourced, takes_a_wall, wall_from
 
 if TYPE_CHECKING:
     from helibore.plot import Look
@@ -28,7 +29,7 @@ DRAWING = (
         help="Toolface at the left edge of images; 180 puts the top in the middle.",
     ),
     click.option("--limits", metavar="NAME=LOW,HIGH", multiple=True, help="Ends of an image's colours, in its unit."),
-    click.option("--map", "maps", metavar="NAME=MAP", multiple=True, help="Colour map of an image."),
+    click.option("--color-map", "color_maps", metavar="NAME=MAP", multiple=True, help="Colour map of an image."),
     click.option("--log", "logs", metavar="NAME", multiple=True, help="Colours of this image follow the logarithm."),
     click.option("--linear", metavar="NAME", multiple=True, help="They do not, though it is a resistivity."),
     click.option("--dynamic", metavar="NAME=LENGTH", multiple=True, help="Normalise an image in a sliding window."),
@@ -59,7 +60,8 @@ def takes_a_drawing(command: Callable[..., Any]) -> Callable[..., Any]:
 def plot(output: Path, paper: str, quiet: bool, **options: Any) -> None:
     """Draw the log of a wall: caliper, radius and images, cross sections, 3-D view.
 
-    SOURCE is an archive of a wall (.wall), or a caliper file with the columns that `reconstruct` takes.
+    SOURCE is an archive of a wall (.wall), a caliper file with the columns that `reconstruct` takes, or the settings
+    it wrote beside a mesh (wall.glb.toml), which repeat its conditioning, too.
 
     \b
     helibore plot well.wall -o well.pdf --scale 1:500
@@ -80,8 +82,7 @@ def plot(output: Path, paper: str, quiet: bool, **options: Any) -> None:
     width, height = figures[0].get_size_inches() * 25.4
     pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
     terminal.summary([
-        *((("source" if not at else ""), line) for at, line in enumerate(found.origins)),
-        *(("dropped", f"{count:,}: {what}") for what, count in found.dropped),
+        *found.told,
         ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm"),
         ("time", terminal.times()),
         ("wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB)"),
@@ -112,7 +113,7 @@ def drawing_options(options: dict[str, Any], found: Sourced) -> dict[str, Any]:
     body: tuple[float, ...] | None = options["body"]
     return {
         "title": options["well"] or found.name,
-        "subtitle": "; ".join(found.origins[:1]),
+        "subtitle": found.told[0][1],
         "start": options["start_depth"],
         "stop": options["stop_depth"],
         "scale": _scale(options["scale"]),
@@ -157,8 +158,8 @@ def _looks(options: dict[str, Any]) -> dict[str, Look]:
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
             raise click.UsageError(f"--limits {text}: LOW must be below HIGH")
         look["limits"] = (low, high)
-    for text in options["maps"]:
-        look, value = split("map", text)
+    for text in options["color_maps"]:
+        look, value = split("color-map", text)
         look["color_map"] = value
     for text in options["dynamic"]:
         look, value = split("dynamic", text)

@@ -1,4 +1,4 @@
-"""Where a wall to be drawn comes from: an archive, a caliper file, an average caliper, gauge hole; and its images.
+"""Where a wall to be drawn comes from, and its images.
 
 well.wall                                   as `Wall.save` wrote it, images and all
 caliper.csv --bit-diameter 8.5in            rebuilt from its samples
@@ -9,7 +9,7 @@ caliper.csv --bit-diameter 8.5in            rebuilt from its samples
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -17,31 +17,27 @@ import click
 import numpy as np
 
 from helibore.cli.quantities import LENGTH, LENGTH_OR_NONE
+from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking
 
 if TYPE_CHECKING:
     from helibore.caliper import Caliper
     from helibore.cli.terminal import Terminal
+    from helibore.run import Run
     from helibore.sector_image import SectorImage
     from helibore.wall import Wall
 
-FILE = click.Path(path_type=Path)
-ARCHIVE = ".wall"
+ARCHIVE, SETTINGS = ".wall", ".toml"
 
-OPTIONS = (
+OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.argument("source", type=FILE, required=False),
-    click.option("--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in'; an archive has its own."),
+    click.option("--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in'; archives and settings have it."),
     click.option("--average", metavar="FILE:CHANNEL", help="Average caliper instead of SOURCE: shape assumed round."),
     click.option("--gauge", is_flag=True, help="Gauge hole instead of SOURCE: not measured, carries images only."),
     click.option(
         "--image", "images", metavar="FILE:CHANNEL:ORIGIN", multiple=True,
         help="An image; ORIGIN says what of sector 1 lies at toolface 0: its centre or its edge. Repeatable.",
     ),
-    click.option("--depth", metavar="COLUMN", help="NAME[:UNIT] of the depth."),
-    click.option("--toolface", metavar="COLUMN", help="NAME[:UNIT] of the toolface or relative bearing."),
-    click.option("--radius", metavar="COLUMN", multiple=True, help="NAME[@ANGLE][:UNIT] of a radius; repeatable."),
-    click.option("--diameter", metavar="COLUMN", multiple=True, help="NAME[@ANGLE][:UNIT] of a diameter; repeatable."),
-    click.option("--time", metavar="COLUMN", help="NAME[:UNIT] of the time."),
-    click.option("--absent", type=float, multiple=True, help="A number that means no value.  [-999.25 and -9999]"),
+    *COLUMNS,
     click.option("--from", "start_depth", type=LENGTH, help="Depth to start at.  [top of the wall]"),
     click.option("--to", "stop_depth", type=LENGTH, help="Depth to stop at.  [bottom of the wall]"),
     click.option("--sectors", type=int, default=64, show_default=True, help="Vertices a turn."),
@@ -54,79 +50,98 @@ OPTIONS = (
 )  # fmt: skip
 
 
-def takes_a_wall(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command SOURCE and the options that say how a wall is made of it."""
-    for option in reversed(OPTIONS):
-        command = option(command)
-    return command
+takes_a_wall = taking(*OPTIONS)
+"""Give a command SOURCE and the options that say how a wall is made of it."""
 
 
 @dataclass(frozen=True)
 class Sourced:
-    """A wall with its images, where it came from, and what was left out on the way: (what, how many)."""
+    """A wall with its images, the name of where it came from, and what was read and left out: (label, sentence)."""
 
     wall: Wall
     name: str
-    origins: list[str]
-    dropped: list[tuple[str, int]] = field(default_factory=list)
+    told: list[tuple[str, str]]
 
 
 def wall_from(options: dict[str, Any], terminal: Terminal) -> Sourced:
     """Take the options of `takes_a_wall` and return the wall they stand for."""
-    source, average, gauge = options["source"], options["average"], options["gauge"]
-    if (source is not None) + (average is not None) + gauge != 1:
+    source = options["source"]
+    if (source is not None) + (options["average"] is not None) + options["gauge"] != 1:
         raise click.UsageError("one of SOURCE, --average and --gauge must say what the wall is made from")
-    if source is not None and source.suffix.lower() == ARCHIVE:
+    ending = source.suffix.lower() if source is not None else ""
+    if ending not in (ARCHIVE, SETTINGS) and options["bit_diameter"] is None:
+        raise click.UsageError(
+            "--bit-diameter must be given: only archives (.wall) and settings (.toml) have it"
+        )
+    if ending == ARCHIVE:
         with terminal.stage("read", f"Reopening {source.name}"):
             import helibore
 
-            found = Sourced(helibore.load(source), source.stem, [f"{source.name}: archive of a wall"])
+            found = Sourced(helibore.load(source), source.stem, [("wall", f"{source.name}: archive of a wall")])
+    elif ending == SETTINGS:
+        with terminal.stage("rebuild", f"Repeating {source.name}"):
+            from helibore.run import repeat
+
+            found = _sourced(repeat(source), Path(source.stem).stem)
+    elif source is not None:
+        found = _azimuthal(source, options, terminal)
     else:
-        if options["bit_diameter"] is None:
-            raise click.UsageError("--bit-diameter must be given: only an archive (.wall) has its own")
-        found = _rebuilt(options, terminal)
+        found = _round(options, terminal)
     with terminal.stage("images", "Reading images"):
         for spelling in options["images"]:
-            image = _image(spelling, options["reference"])
+            image = _image(spelling, options)
             found.wall.images[image.name] = image
-            found.origins.append(f"{Path(spelling).name}: {image.depth.size:,} rows x {image.sectors} sectors")
+            size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
+            found.told.append(("image", f"{Path(spelling).name}: {size}"))
     return found
 
 
-def _rebuilt(options: dict[str, Any], terminal: Terminal) -> Sourced:
-    source, average = options["source"], options["average"]
-    with terminal.stage("read", "Reading the caliper"):
-        if source is not None:
-            caliper, origins, dropped = _azimuthal(source, options)
-            name = source.name.split(".")[0]
-        elif average is not None:
-            caliper, origins, dropped = _average(average)
-            name = Path(average.rpartition(":")[0]).name.split(".")[0]
-        else:
-            caliper = _gauge(options)
-            name, origins, dropped = "Gauge hole", ["gauge hole: not measured"], []
+def _settings(options: dict[str, Any]) -> dict[str, Any]:
     names = ("bit_diameter", "sectors", "pitch", "max_distance", "start_depth", "stop_depth")
     settings = {name: options[name] for name in names}
     if settings["pitch"] < 0:
         settings["start_depth"], settings["stop_depth"] = settings["stop_depth"], settings["start_depth"]
+    return settings
+
+
+def _azimuthal(source: Path, options: dict[str, Any], terminal: Terminal) -> Sourced:
+    """A caliper file, read as `reconstruct` reads it."""
+    from helibore.run import read, rebuild
+    from helibore.run_settings import RunSettings
+    from helibore.wall import Settings
+
+    with terminal.stage("read", f"Reading {source.name}"):
+        settings = RunSettings(caliper=(), wall=Settings(**_settings(options)), nulls=nulls(options))
+        run = read(settings, open_calipers([source], options), None, None)
+    with terminal.stage("rebuild", "Rebuilding the wall"):
+        rebuild(run)
+    return _sourced(run, source.name.split(".")[0])
+
+
+def _sourced(run: Run, name: str) -> Sourced:
+    """What a run made, and what it tells of it."""
+    from helibore.run import told
+
+    if run.wall is None or run.prepared is None:
+        raise RuntimeError("a run without a wall; this is a bug in helibore")
+    return Sourced(run.wall, name, [*told(run), *run.prepared.told])
+
+
+def _round(options: dict[str, Any], terminal: Terminal) -> Sourced:
+    """A wall without directions: of an average caliper, or of bit size."""
+    with terminal.stage("read", "Reading the caliper"):
+        if options["average"] is not None:
+            caliper, told = _average(options["average"], options)
+            name = Path(options["average"].rpartition(":")[0]).name.split(".")[0]
+        else:
+            caliper, told, name = _gauge(options), [("wall", "gauge hole: not measured")], "Gauge hole"
     with terminal.stage("rebuild", f"Rebuilding the wall from {len(caliper):,} samples"):
         import helibore
 
-        wall = helibore.reconstruct(caliper, **settings)
-    return Sourced(wall, name, origins, dropped)
+        return Sourced(helibore.reconstruct(caliper, **_settings(options)), name, told)
 
 
-def _azimuthal(source: Path, options: dict[str, Any]) -> tuple[Caliper, list[str], list[tuple[str, int]]]:
-    from helibore.caliper_file import read_caliper
-    from helibore.table_file import ABSENT
-
-    columns = {name: options[name] for name in ("depth", "toolface", "radius", "diameter", "time")}
-    reading = read_caliper(source, **columns, absent=options["absent"] or ABSENT)
-    origins = [f"{source.name}: {reading.rows:,} rows", *reading.notes]
-    return reading.caliper, origins, [(f"no value of {name}", count) for name, count in reading.dropped.items()]
-
-
-def _average(spelling: str) -> tuple[Caliper, list[str], list[tuple[str, int]]]:
+def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tuple[str, str]]]:
     """The mean diameters of a channel; what no caliper holds is missing, and counted."""
     import helibore
     from helibore import units
@@ -137,20 +152,25 @@ def _average(spelling: str) -> tuple[Caliper, list[str], list[tuple[str, int]]]:
     file, _, name = spelling.rpartition(":")
     if not file:
         raise click.UsageError(f"--average {spelling}: must be FILE:CHANNEL")
-    with helibore.open(file) as opened:
-        one = opened.set()
+    with helibore.open(file, nulls(options)) as opened:
+        one = opened.set(options["set_name"])
         role = guess(one).one("depth")
         if role is None:
             raise ValueError(f"{file}: no channel is a depth")
-        depth, values = column(one, role), one.numbers(name)
-        unit = one[name].unit
-        size = values * units.factor(unit, units.LENGTH)
+        depth, size, unit = column(one, role), one.numbers(name), one[name].unit
+        try:
+            size = size * units.factor(unit, units.LENGTH)
+        except ValueError as error:
+            raise ValueError(f"{file}, column {name}: {error}") from error
     there = np.isfinite(depth) & np.isfinite(size)
     usable = there & (size > 0) & (size <= 2 * LARGEST_RADIUS)
-    dropped = [("no depth or diameter", int((~there).sum())), ("no diameter of a hole", int((there & ~usable).sum()))]
-    caliper = helibore.Caliper.from_average(depth[usable], size[usable])
-    origins = [f"{Path(file).name}: {one.rows:,} rows", f"diameter: {name}, unit {unit}; depth: {role.channel}"]
-    return caliper, origins, [one for one in dropped if one[1]]
+    read = f"{Path(file).name}: {one.rows:,} rows; {name} is the diameter, in {unit}; {role.channel} is the depth"
+    told = [("caliper", read)]
+    reasons = (((~there).sum(), "without a depth or diameter"), ((there & ~usable).sum(), "no hole is so large"))
+    for count, what in reasons:
+        if count:
+            told.append(("dropped", f"{count:,} rows: {what}"))
+    return helibore.Caliper.from_average(depth[usable], size[usable]), told
 
 
 def _gauge(options: dict[str, Any]) -> Caliper:
@@ -159,7 +179,7 @@ def _gauge(options: dict[str, Any]) -> Caliper:
 
     ends = [options["start_depth"], options["stop_depth"]]
     if None in ends:
-        depths = [_image(one, options["reference"]).depth for one in options["images"]]
+        depths = [_image(one, options).depth for one in options["images"]]
         if not depths:
             raise click.UsageError("--gauge needs --from and --to, or an --image whose depths it takes")
         ends[0] = min(float(depth[0]) for depth in depths) if ends[0] is None else ends[0]
@@ -167,7 +187,7 @@ def _gauge(options: dict[str, Any]) -> Caliper:
     return helibore.Caliper.gauge(ends[0], ends[1], options["bit_diameter"])
 
 
-def _image(spelling: str, reference: str) -> SectorImage:
+def _image(spelling: str, options: dict[str, Any]) -> SectorImage:
     """An image spelled FILE:CHANNEL:ORIGIN."""
     import helibore
 
@@ -175,13 +195,13 @@ def _image(spelling: str, reference: str) -> SectorImage:
     if len(parts) != 3 or parts[2] not in ("centre", "edge"):
         raise click.UsageError(f"--image {spelling}: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge")
     file, name, origin = parts
-    with helibore.open(file) as opened:
+    with helibore.open(file, nulls(options)) as opened:
         found = opened.image(name)
     order = "counterclockwise" if found.step is not None and found.step < 0 else "clockwise"
     try:
         return helibore.SectorImage(
-            found.depth, found.values, found.name, found.unit,
-            origin=origin, reference=reference, direction=order, offset=found.first or 0.0,  # type: ignore[arg-type]
+            found.depth, found.values, found.name, found.unit, origin=origin,  # type: ignore[arg-type]
+            reference=options["reference"], direction=order, offset=found.first or 0.0,  # type: ignore[arg-type]
         )  # fmt: skip
     except ValueError as error:
         raise ValueError(f"{file}: {name}: {error}") from error

@@ -14,7 +14,7 @@ import numpy as np
 
 from helibore.arrays import Floats
 from helibore.logs import turn_logs
-from helibore.surface import WallLike
+from helibore.helix import WallLike
 
 
 @dataclass(frozen=True)
