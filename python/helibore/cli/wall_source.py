@@ -70,9 +70,7 @@ def wall_from(options: dict[str, Any], terminal: Terminal) -> Sourced:
         raise click.UsageError("one of SOURCE, --average and --gauge must say what the wall is made from")
     ending = source.suffix.lower() if source is not None else ""
     if ending not in (ARCHIVE, SETTINGS) and options["bit_diameter"] is None:
-        raise click.UsageError(
-            "--bit-diameter must be given: only archives (.wall) and settings (.toml) have it"
-        )
+        raise click.UsageError("--bit-diameter must be given: only archives (.wall) and settings (.toml) have it")
     if ending == ARCHIVE:
         with terminal.stage("read", f"Reopening {source.name}"):
             import helibore

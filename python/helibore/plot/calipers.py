@@ -13,8 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.arrays import Floats
-from helibore.logs import turn_logs
 from helibore.helix import WallLike
+from helibore.logs import turn_logs
 
 
 @dataclass(frozen=True)
