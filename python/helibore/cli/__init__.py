@@ -23,6 +23,7 @@ VERBS = {
     "live": "helibore.live.command:live",
     "plot": "helibore.cli.plot:plot",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
+    "report": "helibore.cli.report:report",
     "simulate": "helibore.cli.simulate:simulate",
     "view": "helibore.viewer.command:view",
 }

@@ -58,7 +58,7 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
     sheet.line((x, x + width), (y + 11.8, y + 11.8), color=RULE)
     rows = facts(content)
     half = (len(rows) + 1) // 2
-    first, label = 0.46 * width, 24.0
+    first, label = 0.48 * width, 24.0
     for index, (name, text, warning) in enumerate(rows):
         column, row = divmod(index, half)
         left, at = x + column * first, y + 15.0 + row * 4.3

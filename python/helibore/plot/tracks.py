@@ -136,9 +136,9 @@ class CaliperTrack:
         if self.basis == "gauge":
             sheet.text(x + 1, row, "hole not measured", SMALL, within=self.width - 2)
         else:
-            for at, color, text in ((1.0, WASHOUT, "washout"), (20.0, UNDERGAUGE, "cake, undergauge")):
+            for at, color, text in ((1.0, WASHOUT, "washout"), (15.5, UNDERGAUGE, "cake, undergauge")):
                 sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
-                sheet.text(x + at + 3.8, row, text, 5.2, within=self.width - at - 4 if at > 10 else 15)
+                sheet.text(x + at + 3.8, row, text, 5.2, within=self.width - at - 4 if at > 10 else 10)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
 
