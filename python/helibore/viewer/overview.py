@@ -92,22 +92,27 @@ class _Window:
         self.first, self.last = centre - TURNS // 2, centre + TURNS // 2
         self.sector = sector
         away = (np.arange(K)[:, None] * C - np.arange(C)[None, :] * K + K * C // 2) % (K * C) - K * C // 2
-        self.member = (np.abs(away) * 2 <= K).astype(np.float64)  # (K, C): is the wall's sector in the window?
+        self.members = [np.flatnonzero(row) for row in (np.abs(away) * 2 <= K).T]  # the wall's sectors in each window
 
     def sums(self, values: npt.NDArray[np.generic]) -> Floats:
-        """Sum (turns, K) values over every window, as (high - low, C)."""
-        by_sector = values.astype(np.float64) @ self.member
-        running = np.concatenate([np.zeros((1, by_sector.shape[1])), np.cumsum(by_sector, axis=0)])
-        top = len(by_sector)
+        """Sum (turns, K) values over every window, as (high - low, C).
+
+        By rows of whole sectors, not as a product of matrices: a BLAS would start threads of its own for it, which
+        wait for each other on a busy machine.
+        """
+        by_turn = values.T.astype(np.float64, order="C")
+        running = np.zeros((len(self.members), by_turn.shape[1] + 1))
+        for c, sectors in enumerate(self.members):
+            np.cumsum(by_turn[sectors].sum(axis=0), out=running[c, 1:])
+        top = by_turn.shape[1]
         first, last = np.clip(self.first, 0, top), np.clip(self.last, 0, top)
-        total: Floats = running[last, self.sector] - running[first, self.sector]
+        total: Floats = running[self.sector, last] - running[self.sector, first]
         return total
 
     def extreme(self, pick: np.ufunc, values: npt.NDArray[np.generic], neutral: int) -> npt.NDArray[np.int64]:
         """Largest or smallest (turns, K) value of every window; `neutral` where a window is empty."""
-        by_sector = np.stack(
-            [pick.reduce(values[:, self.member[:, c] > 0], axis=1) for c in range(self.member.shape[1])], axis=1
-        ).astype(np.int64)
+        by_turn = values.T.astype(np.int64, order="C")
+        by_sector = np.stack([pick.reduce(by_turn[sectors], axis=0) for sectors in self.members], axis=1)
         rest = np.full((TURNS, by_sector.shape[1]), neutral, np.int64)  # windows may reach over either end
         padded = np.concatenate([rest, by_sector, rest])
         rows = np.clip(self.first + TURNS, 0, len(padded) - TURNS)[..., None] + np.arange(TURNS)
