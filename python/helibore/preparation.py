@@ -18,14 +18,13 @@ import numpy as np
 from helibore import conditioning
 from helibore.arrays import Floats, Integers
 from helibore.caliper import Caliper
-from helibore.samples import LARGEST_RADIUS, Samples, place_of
+from helibore.samples import LARGEST_RADIUS, Samples, Track, place_of
 
 if TYPE_CHECKING:
     from helibore.conditioning import Step
     from helibore.eccentering import Centres
     from helibore.files.readings import Readings
     from helibore.passes import Bias, Shifts
-    from helibore.sensors import TimeSeries
     from helibore.survey import Path
 
 __all__ = ["Preparation", "Prepared", "Track", "prepare"]
@@ -127,14 +126,6 @@ class Preparation:
         return bool(
             self.passes or self.latest or self.shifts or self.find_shifts or self.bias != "none" or self.earlier
         )
-
-
-@dataclass(frozen=True)
-class Track:
-    """Where the tool was at any time: depth and, where the file has one, toolface, from a file of their own."""
-
-    depth: TimeSeries
-    toolface: TimeSeries | None = None
 
 
 @dataclass(frozen=True)

@@ -19,7 +19,7 @@ from helibore.sensors import Observed, Sensor, TimeSeries, observe_by_depth, obs
 
 if TYPE_CHECKING:
     from helibore.files.readings import Readings
-    from helibore.preparation import Preparation, Track
+    from helibore.preparation import Preparation
     from helibore.survey import Path
 
 Mask = npt.NDArray[np.bool_]
@@ -33,6 +33,14 @@ IMAGE_ROW = 8
 """From so many sensors on, one row sees the hole all around: it is a turn."""
 
 WORDS = {"no depth": "depth", "no toolface": "toolface", "no radius": "radius", "no time": "time"}
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the tool was at any time: depth and, where the file has one, toolface, from a file of their own."""
+
+    depth: TimeSeries
+    toolface: TimeSeries | None = None
 
 
 @dataclass
