@@ -180,6 +180,7 @@ def test_the_seeds_open(tmp_path: Path, name: str) -> None:
 FOUND = (
     ("parquet", b"note", b"\x8dote"),  # a column name that is not UTF-8
     ("csv", b"-999.25", b"-1"),  # rows without any radius beside one below zero
+    ("json", b'"dimensions": 3', b'"dimensions": 33333333333333333333'),  # arrays of more cells than memory
     ("las2", b"VERS. 2.0", b"VERS. inf"),  # a version that is no whole number
 )
 

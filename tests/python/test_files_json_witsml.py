@@ -183,3 +183,13 @@ def test_a_station_without_a_value_is_left_out_and_told(tmp_path: Path) -> None:
     file = hb.open(xml_file(tmp_path, trajectory(stations)))
     assert len(file.survey()) == 3
     assert file.set().remarks == ["survey: 1 of 4 stations left out: a value is missing"]
+
+
+def test_empty_arrays_do_not_fill_the_memory(tmp_path: Path) -> None:
+    curves = [
+        {"name": n, "unit": "m", "valueType": "float", "dimensions": d} for n, d in (("MD", 1), ("IMG", 100_000_000))
+    ]
+    log = [{"header": {"name": "w"}, "curves": curves, "data": [[1.0, None], [2.0, None]]}]
+    (tmp_path / "big.json").write_text(json.dumps(log))
+    with pytest.raises(ValueError, match=r"^big.json, column IMG: dimensions = 100000000: 2 rows hold 0 values"):
+        hb.open(tmp_path / "big.json")

@@ -22,6 +22,9 @@ from .source import Source, complaint, decode, read_exactly
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""
 
+EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
+"""Cells of an array curve that null rows may always stand for; beyond them, how many to each cell that is there."""
+
 # Columns of a survey in feet or metres as its header's depth_unit says.
 SURVEY_LENGTHS = frozenset({"MD", "TVD"})
 SURFACE_LENGTHS = frozenset({"N", "E"})
@@ -104,6 +107,12 @@ def _column(source: Source, name: str, curve: dict[str, Any], cells: list[Any]) 
 
 
 def _array_column(source: Source, name: str, size: int, cells: list[Any]) -> Array:
+    stated = sum(len(cell) for cell in cells if isinstance(cell, list))
+    if size * len(cells) > EMPTY_FREE + EMPTY_RATIO * stated:
+        rule = (
+            f"dimensions = {size}: {len(cells)} rows hold {stated} values: more than {EMPTY_RATIO} empty ones to each"
+        )
+        raise complaint(source.path, rule, column=name)
     empty = [None] * size
     for row, cell in enumerate(cells):
         if cell is not None and (not isinstance(cell, list) or len(cell) != size):
