@@ -6,11 +6,18 @@ one-dimensional, C-contiguous float64 array is copied here, and nowhere else.
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+
+
+def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
+    """Return ``values`` as an array of ``dtype`` and of its own shape, copied only where it is of another."""
+    return np.asarray(values, dtype)
 
 
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:

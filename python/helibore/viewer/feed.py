@@ -15,6 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
+from helibore.arrays import numbers
 from helibore.viewer import dirty, frames
 from helibore.viewer.messages import Vertices
 from helibore.viewer.scene import Attribute, Helix, Scene
@@ -53,7 +54,7 @@ class Feed:
         self._wall = wall
         if len(wall) == 0:
             raise ValueError("the wall has no vertex yet: append samples first")
-        named = {_attribute(key): np.asarray(values, np.float64) for key, values in attributes.items()}
+        named = {_attribute(key): numbers(values) for key, values in attributes.items()}
         self._helix = _helix(wall, tuple(named), well, path is not None)
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
@@ -95,7 +96,7 @@ class Feed:
         """Take new values of a named attribute."""
         if name not in self._values:
             raise ValueError(f"attribute {name}: was not named when the viewer was made")
-        taken = np.asarray(values, np.float64)
+        taken = numbers(values)
         self._check(name, taken)
         with self._changed:
             self._values[name] = taken

@@ -29,6 +29,6 @@ def on_path(helix: Helix, path: Any | None, first: int, stop: int) -> Frames:
         centre = np.column_stack([np.zeros(count), np.zeros(count), depth])
         return Frames(centre, np.tile([1.0, 0.0, 0.0], (count, 1)), np.tile([0.0, 1.0, 0.0], (count, 1)))
     inside = np.clip(depth, path.start_depth, path.stop_depth)
-    frame = np.asarray(path.frame(inside), np.float64)
+    frame = path.frame(inside)
     beyond = (depth - inside)[:, None] * frame[:, 2]
-    return Frames(np.asarray(path.position(inside), np.float64) + beyond, frame[:, 0], frame[:, 1])
+    return Frames(path.position(inside) + beyond, frame[:, 0], frame[:, 1])

@@ -22,6 +22,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from helibore.arrays import numbers
+
 Texels = npt.NDArray[np.uint16]
 
 HEAD = struct.Struct("<BBHIIIIId")
@@ -71,21 +73,21 @@ class Write:
 
 def pack_vertices(vertices: Vertices, radius_unit: float) -> Texels:
     """Return the texels (n, 4) of `vertices`: radius, first-pass radius, nearest distance, state. No radius is 0."""
-    radius = np.asarray(vertices.radius, np.float64)
+    radius = numbers(vertices.radius)
     texels = np.zeros((radius.size, TEXEL), np.uint16)
     there = np.isfinite(radius)
     steps = np.rint(np.where(there, radius, 0.0) / radius_unit)
     texels[:, RADIUS] = np.where(there, np.clip(steps, 1, TOP), 0)
     texels[:, FIRST] = texels[:, RADIUS]
     if vertices.nearest is not None:
-        nearest = np.asarray(vertices.nearest, np.float64)
+        nearest = numbers(vertices.nearest)
         distance = np.where(np.isfinite(nearest), np.rint(nearest / NEAREST_UNIT), TOP)
         texels[:, NEAREST] = np.clip(distance, 0, TOP)
-    support = there.astype(np.int64) if vertices.support is None else np.asarray(vertices.support)
+    support = there.astype(np.int64) if vertices.support is None else numbers(vertices.support, np.int64)
     state = np.clip(support, 0, SUPPORT_MASK).astype(np.uint16)
     state[steps > TOP] |= CLIPPED
     if vertices.provisional is not None:
-        state[np.asarray(vertices.provisional, bool)] |= PROVISIONAL
+        state[numbers(vertices.provisional, np.bool_)] |= PROVISIONAL
     texels[:, STATE] = state
     return texels
 

@@ -21,6 +21,7 @@ from typing import Protocol
 import numpy as np
 import numpy.typing as npt
 
+from helibore.arrays import numbers
 from helibore.viewer import messages, overview
 from helibore.viewer.messages import Texels, Vertices
 
@@ -182,7 +183,7 @@ class Scene:
             level.texels[first:stop] = texels
             for column, attribute in zip(level.columns, self.helix.attributes, strict=True):
                 if attribute.name in attributes:
-                    values = np.asarray(attributes[attribute.name], np.float32)
+                    values = numbers(attributes[attribute.name], np.float32)
                     column[first : first + len(values)] = values[: stop - first]
             self._mark(0, min(first, before), stop)
             start, end = overview.refresh(self.levels[1], level, first, stop)
