@@ -68,6 +68,40 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path
         assert text in done.stderr
 
 
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
+    import helibore as hb
+
+    rng = np.random.default_rng(3)
+    depth = 700 + np.sort(rng.uniform(0, 3, 3000))
+    samples = hb.Caliper(depth, rng.uniform(0, 360, 3000), rng.uniform(0.108, 0.115, 3000))
+    wall = hb.reconstruct(samples, bit_diameter=0.216)
+    wall.attributes["GR"] = np.linspace(20, 140, len(wall) - 65)
+    wall.attributes.units["GR"] = "gAPI"
+    file = tmp_path / "hole.wall"
+    wall.save(file)
+    command = [*HELIBORE, "view", str(file), "--no-browser", "-q"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as shown:
+        try:
+            assert shown.stdout is not None
+            url = shown.stdout.readline().split()[0]
+            with urllib.request.urlopen(url + "api/vertex/500") as answer:
+                said = json.load(answer)
+            assert said["radius"] == pytest.approx(wall.radius[500], abs=5.1e-6)
+            assert said["attributes"] == {"GR": pytest.approx(wall.attributes["GR"][500], rel=1e-6)}
+        finally:
+            shown.send_signal(signal.SIGINT)
+        assert shown.wait(20) == 0
+    done = run(str(file), "--sectors", "32")
+    assert done.returncode == 2
+    assert "--sectors: a saved wall has its own settings" in done.stderr
+    torn = tmp_path / "torn.wall"
+    torn.write_bytes(file.read_bytes()[:2000])
+    done = run(str(torn))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "torn.wall" in done.stderr
+
+
 def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
     from helibore.viewer import command, server
 

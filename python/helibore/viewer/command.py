@@ -1,24 +1,34 @@
-"""``helibore view CALIPER --bit-diameter 8.5in``: rebuild a wall and look at it in the browser.
+"""``helibore view hole.wall`` and ``helibore view CALIPER --bit-diameter 8.5in``: look at a wall in the browser.
 
-Takes the columns and settings of ``helibore reconstruct`` that shape what is seen, serves the page on this machine
-and waits for Ctrl-C. Nothing is written.
+A wall that was saved is shown as it is, with its path, images and attributes. A caliper file is rebuilt first, by the
+columns and settings of ``helibore reconstruct`` that shape what is seen. The page is served on this machine until
+Ctrl-C. Nothing is written.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from helibore.cli.quantities import LENGTH
 from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, taking
 from helibore.cli.terminal import Terminal
 
+if TYPE_CHECKING:
+    from helibore.arrays import Floats
+    from helibore.viewer import Viewer
+
+SERVING = ("host", "port", "token", "browser")  # options that say where, not what; they go to `helibore.view`
+
 
 @click.command()
-@click.argument("caliper", type=FILE)
-@click.option("--bit-diameter", type=LENGTH, required=True, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")
+@click.argument("file", type=FILE)
+@click.option(
+    "--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m; a saved wall has its own."
+)
 @taking(*COLUMNS)
 @click.option("--from", "start_depth", type=LENGTH, help="Depth to start at.  [shallowest sample]")
 @click.option("--to", "stop_depth", type=LENGTH, help="Depth to stop at.  [deepest sample]")
@@ -31,28 +41,66 @@ from helibore.cli.terminal import Terminal
 @click.option("--token", help="Secret that the page's address must carry.")
 @click.option("--browser/--no-browser", default=True, show_default=True, help="Open the page.")
 @click.option("-q", "--quiet", is_flag=True, help="Print the address and errors only.")
-def view(caliper: Path, quiet: bool, **options: Any) -> None:
-    """Show the wall rebuilt from CALIPER, a file of any format `helibore inspect` reads, in the browser."""
+@click.pass_context
+def view(context: click.Context, /, file: Path, quiet: bool, **options: Any) -> None:
+    """Show a wall in the browser: FILE is a saved .wall, or calipers in any format `helibore inspect` reads."""
     terminal = Terminal(quiet)
+    check_page()
+    if file.suffix.lower() == ".wall":
+        _refuse_settings(context)
+        viewer = _saved(terminal, file, options)
+    elif options["bit_diameter"] is None:
+        raise click.UsageError("Missing option '--bit-diameter': only a saved .wall has its own.")
+    else:
+        viewer = _rebuilt(terminal, file, options)
+    terminal.summary([("time", terminal.times())])
+    click.echo(f"{viewer.url}   (Ctrl-C ends it)")
+    viewer.wait()
+    viewer.close()
+
+
+def _saved(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
+    """Show the wall of an archive, coloured by its images and attributes too."""
+    with terminal.stage("import", "Loading helibore"):
+        import helibore
+        from helibore.viewer import Attribute
+    with terminal.stage("read", f"Reading {file.name}"):
+        wall = helibore.load(file)
+        quads = max(len(wall) - wall.settings.sectors - 1, 0)
+        values: dict[str | Attribute, Floats] = {}
+        for name, image in wall.images.items():
+            values[Attribute(name, image.unit)] = image.on(wall)
+        for name in wall.attributes:
+            unit = wall.attributes.units.get(name, "")
+            values[Attribute(name, unit)] = wall.attributes.whole(name, wall.start_depth, quads)
+    serving = {name: options[name] for name in SERVING}
+    return helibore.view(wall, path=wall.path, attributes=values, well=options["well"] or file.stem, **serving)
+
+
+def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
+    """Rebuild the wall of a caliper file and show it."""
     with terminal.stage("import", "Loading helibore"):
         import helibore
         from helibore.run import read, rebuild, told
         from helibore.run_settings import PathSettings, RunSettings
         from helibore.wall import Settings
-    check_page()
-    with terminal.stage("read", f"Reading {caliper.name}"):
+    with terminal.stage("read", f"Reading {file.name}"):
         way = PathSettings(reference=options["reference"], extend=options["extend"])
         settings = RunSettings(caliper=(), wall=Settings(**_settings(options)), path=way, nulls=nulls(options))
-        run = read(settings, open_calipers([caliper], options), open_survey(options), None)
+        run = read(settings, open_calipers([file], options), open_survey(options), None)
     with terminal.stage("rebuild", "Rebuilding the wall"):
         wall = rebuild(run)
-    serving = {name: options[name] for name in ("host", "port", "token", "browser")}
-    viewer = helibore.view(wall, path=run.path, well=options["well"] or caliper.name.split(".")[0], **serving)
-    if not quiet:
-        terminal.summary([*told(run), ("time", terminal.times())])
-    click.echo(f"{viewer.url}   (Ctrl-C ends it)")
-    viewer.wait()
-    viewer.close()
+    terminal.summary(list(told(run)))
+    serving = {name: options[name] for name in SERVING}
+    return helibore.view(wall, path=run.path, well=options["well"] or file.name.split(".")[0], **serving)
+
+
+def _refuse_settings(context: click.Context) -> None:
+    """A saved wall has its settings: options that would make another one are an error, not ignored."""
+    for option in context.command.params:
+        given = context.get_parameter_source(option.name or "") is ParameterSource.COMMANDLINE
+        if given and option.name not in (*SERVING, "file", "well", "quiet"):
+            raise click.UsageError(f"{option.opts[0]}: a saved wall has its own settings, path and values.")
 
 
 def check_page() -> None:
