@@ -46,7 +46,8 @@ p.lead { color: #5d6b77; margin: .2rem 0 1rem; } .warning { color: #b3261e; font
 table { border-collapse: collapse; width: 100%; font-size: .84rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .5rem; border-bottom: 1px solid #dfe4e8; text-align: left; vertical-align: top; }
 thead th { border-bottom: 1.5px solid #22303c; } td.number, th.number { text-align: right; white-space: nowrap; }
-tbody th { font-weight: 400; color: #5d6b77; width: 26%; } td { overflow-wrap: anywhere; }
+tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
+td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
 td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
 @page { size: A4; margin: 12mm 0; }

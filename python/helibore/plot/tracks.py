@@ -79,15 +79,14 @@ class DepthTrack:
         """Draw the numbers beside their lines."""
         axes = _bare(sheet, x, self.width, stretch)
         for depth in stretch.lines.major(stretch.top, stretch.bottom):
-            axes.plot([0.0, 0.12], [depth, depth], color=INK, linewidth=0.6)
-            axes.plot([0.88, 1.0], [depth, depth], color=INK, linewidth=0.6)
             room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
             if stretch.top + room <= depth <= stretch.bottom - room:
                 axes.text(0.5, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT)
-        for depth in stretch.lines.minor(stretch.top, stretch.bottom):
-            axes.plot([0.0, 0.06], [depth, depth], color=RULE, linewidth=0.4)
-            axes.plot([0.94, 1.0], [depth, depth], color=RULE, linewidth=0.4)
         axes.set_xlim(0, 1)
+        major, minor = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.major, stretch.lines.minor))
+        for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.88, 0.94)):
+            axes.hlines(major, left, right, color=INK, linewidth=0.6)
+            axes.hlines(minor, left, short, color=RULE, linewidth=0.4)
         return axes
 
 
@@ -283,7 +282,7 @@ def _bare(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
 
 
 def _depth_lines(axes: Axes, stretch: Stretch) -> None:
-    for depth in stretch.lines.minor(stretch.top, stretch.bottom):
-        axes.axhline(depth, color=INK, linewidth=0.2, alpha=0.22, zorder=4)
-    for depth in stretch.lines.major(stretch.top, stretch.bottom):
-        axes.axhline(depth, color=INK, linewidth=0.4, alpha=0.55, zorder=4)
+    left, right = axes.get_xlim()
+    minor, major = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.minor, stretch.lines.major))
+    axes.hlines(minor, left, right, color=INK, linewidth=0.2, alpha=0.22, zorder=4)
+    axes.hlines(major, left, right, color=INK, linewidth=0.4, alpha=0.55, zorder=4)
