@@ -16,7 +16,7 @@ import re
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, BinaryIO
+from typing import Any, BinaryIO
 
 import numpy as np
 import numpy.typing as npt
@@ -27,16 +27,11 @@ from helibore.caliper import BASIS_TEXT
 from helibore.colors import Colors, ColorScale, check_map, colors_of
 from helibore.glb_file import write_glb
 from helibore.notes import with_units
+from helibore.surface import SURFACE_ENDINGS, Surface
+from helibore.volume import VOLUME_ENDINGS, Volume
 from helibore.vtk_mesh import AXES, VtkMesh, check_origin, vtk_mesh, z_up
 from helibore.vtk_xml import write_vtp, write_vtu
 from helibore.vtkhdf import save_vtkhdf
-
-if TYPE_CHECKING:
-    from helibore.surface import Surface
-    from helibore.volume import Volume
-
-SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
-VOLUME_ENDINGS = (".vtu", ".vtkhdf")
 
 Paint = Callable[[Floats], Colors]
 

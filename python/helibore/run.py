@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from helibore.archive import ENDING as ARCHIVE
 from helibore.arrays import Floats
 from helibore.files import open as open_file
 from helibore.files.channel import LogFile, LogSet
@@ -182,19 +183,25 @@ def _reconstructed(run: Run, prepared: Prepared, threads: int | None) -> Wall:
 
 
 def place(run: Run) -> Surface:
-    """Place the wall along the path, with the difference to the earlier one as an attribute."""
+    """Place the wall along the path, with the difference to the earlier one as an attribute.
+
+    The wall takes over path, attribute and the names and checksums of its files, so that its archive has them, too.
+    """
     if run.wall is None:
         raise RuntimeError("place before rebuild; this is a bug in helibore")
-    run.surface = run.wall.surface(run.path)
+    run.wall.path = run.path
+    run.wall.made_from = {"files": [{"name": each.file.name, "blake2b": each.blake2b.known()} for each in run.caliper]}
+    if run.earlier is not None:
+        from helibore.passes import difference
+
+        run.wall.attributes[DIFFERENCE] = of_quads(difference(run.earlier, run.wall), run.wall.settings.sectors)
+        run.wall.attributes.units[DIFFERENCE] = "m"
+    run.surface = run.wall.surface()
     if not len(run.surface.quads):
         low, high = run.wall.depth.min(initial=np.inf), run.wall.depth.max(initial=-np.inf)
         pitch = abs(run.settings.wall.pitch)
         rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
         raise ValueError(f"{run.readings[0].name}: no quads: {rule}")
-    if run.earlier is not None:
-        from helibore.passes import difference
-
-        run.surface.attributes[DIFFERENCE] = of_quads(difference(run.earlier, run.wall), run.wall.settings.sectors)
     return run.surface
 
 
@@ -207,7 +214,7 @@ def of_quads(vertices: Floats, sectors: int) -> Floats:
 
 
 def save(run: Run, output: str | os.PathLike[str]) -> RunSettings:
-    """Write the mesh and, beside it, the settings that repeat it; each whole or not at all.
+    """Write the mesh, or the archive, and beside it the settings that repeat it; each whole or not at all.
 
     Returns
     -------
@@ -215,10 +222,13 @@ def save(run: Run, output: str | os.PathLike[str]) -> RunSettings:
         As written: with the checksums of what was read and of the mesh.
     """
     output = Path(output)
-    if run.surface is None:
+    if run.surface is None or run.wall is None:
         raise RuntimeError("save before place; this is a bug in helibore")
     inputs = [each.input() for each in run.caliper]
-    run.surface.save(output, color_by=run.settings.color_by)
+    if output.suffix.lower() == ARCHIVE:
+        run.wall.save(output)
+    else:
+        run.surface.save(output, color_by=run.settings.color_by)
     settings = replace(
         run.settings, caliper=tuple(inputs), output=output, output_blake2b=checksum(output),
         survey=run.survey_file.input() if run.survey_file else None,

@@ -29,6 +29,10 @@ if TYPE_CHECKING:
     import trimesh
 
 
+SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
+"""Of the files that `Surface.save` writes."""
+
+
 class Surface:
     """Quads of the wall; made by `Wall.surface`. A snapshot: a wall that grows does not change it.
 

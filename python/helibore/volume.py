@@ -31,6 +31,9 @@ from helibore.notes import notes_of
 from helibore.survey import Path
 from helibore.threads import thread_count
 
+VOLUME_ENDINGS = (".vtu", ".vtkhdf")
+"""Of the files that `Volume.save` writes."""
+
 
 class Volume:
     """Hexahedra around the wall; made by `Wall.volume`. A snapshot.

@@ -11,9 +11,9 @@ Formats" (Kitware); the tests read every file back with PyVista. Uncompressed: f
 
 from __future__ import annotations
 
+import html
 from collections.abc import Iterable
 from typing import Any, BinaryIO
-from xml.sax.saxutils import quoteattr
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +22,10 @@ from helibore.vtk_mesh import VtkMesh
 
 _TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
 _PIECE = 1 << 24  # bytes written at a time
+
+
+def _quoted(text: str) -> str:
+    return f'"{html.escape(text)}"'
 
 
 class _Appended:
@@ -38,7 +42,7 @@ class _Appended:
         kind = f"{little.dtype.kind}{little.dtype.itemsize}"
         components = ' NumberOfComponents="3"' if little.ndim == 2 else ""
         return (
-            f'<DataArray type="{_TYPES[kind]}" Name={quoteattr(name)}{components} format="appended" offset="{offset}"/>'
+            f'<DataArray type="{_TYPES[kind]}" Name={_quoted(name)}{components} format="appended" offset="{offset}"/>'
         )
 
 
@@ -74,7 +78,7 @@ def _values(appended: _Appended, mesh: VtkMesh) -> Iterable[str]:
     yield "<PointData>"
     yield from (appended.element(name, of) for name, of in mesh.point_values.items())
     yield "</PointData>"
-    yield f"<CellData Scalars={quoteattr(mesh.active)}>"
+    yield f"<CellData Scalars={_quoted(mesh.active)}>"
     yield from (appended.element(name, of) for name, of in mesh.cell_values.items())
     yield "</CellData>"
     yield f"<Points>{appended.element('Points', mesh.points)}</Points>"
@@ -83,7 +87,7 @@ def _values(appended: _Appended, mesh: VtkMesh) -> Iterable[str]:
 def _note(name: str, text: str) -> str:
     """A text of the field data: the codes of its bytes, and 0."""
     codes = " ".join(map(str, [*text.encode(), 0]))
-    return f'<DataArray type="String" Name={quoteattr(name)} NumberOfTuples="1" format="ascii">{codes}</DataArray>'
+    return f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="1" format="ascii">{codes}</DataArray>'
 
 
 def _write(file: BinaryIO, kind: str, piece: str, elements: Iterable[str], mesh: VtkMesh, appended: _Appended) -> None:

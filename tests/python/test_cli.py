@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import hashlib
 import json
 import re
 import subprocess
@@ -82,6 +83,8 @@ def test_reconstruct_is_the_library(folder: Path, tmp_path: Path) -> None:
     caliper, survey = helibore.open(folder / "caliper.csv").caliper(), helibore.open(folder / "survey.csv").survey()
     wall = helibore.reconstruct(caliper, bit_diameter=0.216, sectors=32, pitch=0.05, neighbors=6)
     expected = tmp_path / "expected.ply"
+    blake2b = hashlib.blake2b((folder / "caliper.csv").read_bytes(), digest_size=32).hexdigest()
+    wall.made_from = {"files": [{"name": "caliper.csv", "blake2b": blake2b}]}
     wall.surface(survey.path()).save(expected)
     assert mesh.read_bytes() == expected.read_bytes()
     across = diameters(wall) / 0.0254
@@ -108,7 +111,16 @@ def test_every_ending_is_saved(folder: Path, tmp_path: Path, ending: str) -> Non
     result = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "8.5in", "-q")
     assert (result.exit_code, result.output) == (0, "")
     assert sorted(path.name for path in tmp_path.iterdir()) == [mesh.name, f"{mesh.name}.toml"]
-    assert len(trimesh.load_mesh(mesh).faces) == 2 * (64 * 30 + 1 - 65)
+    quads = 64 * 30 + 1 - 65
+    if ending == ".wall":
+        wall = helibore.load(mesh)
+        assert len(wall.surface().quads) == quads
+        assert wall.made_from["files"][0]["name"] == "caliper.csv"
+    elif ending in (".vtu", ".vtp", ".vtkhdf"):
+        pyvista = pytest.importorskip("pyvista", reason="PyVista reads it back", exc_type=ImportError)
+        assert pyvista.read(mesh).n_cells == quads
+    else:
+        assert len(trimesh.load_mesh(mesh).faces) == 2 * quads
 
 
 def test_interval_and_dropped_rows(folder: Path, tmp_path: Path) -> None:
@@ -190,7 +202,7 @@ def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str
         (["--bit-diameter", "0"], r"bit_diameter = 0: .*"),
         (["--from", "2003", "--to", "2001"], r"--to 2001 m: must be deeper than --from 2003 m"),
         (["--survey", "none.csv"], r"none.csv: No such file or directory"),
-        (["-o", "wall.xyz"], r"wall.xyz: the ending must be one of .glb, .ply, .obj, .stl"),
+        (["-o", "wall.xyz"], r"wall.xyz: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf, .wall"),
         (["-o", "no/such/wall.glb"], r"no/such/wall.glb: the folder no/such must be there"),
         (["--frobnicate"], r"No such option '?--frobnicate.*"),
     ],

@@ -18,13 +18,14 @@ from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, op
 from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import wall_lines
+from helibore.surface import SURFACE_ENDINGS
 
 if TYPE_CHECKING:
     from helibore.arrays import Floats
     from helibore.run import Run
     from helibore.run_settings import RunSettings
 
-ENDINGS = (".glb", ".ply", ".obj", ".stl")
+ENDINGS = (*SURFACE_ENDINGS, ".wall")
 REPEATABLE = {"output", "quiet", "threads", "from_settings"}
 """What may stand beside --from-settings: nothing that changes the mesh."""
 
@@ -72,7 +73,9 @@ class Reconstruct(Sectioned):
 
 @click.command(cls=Reconstruct, short_help="Caliper files and a survey to a mesh.")
 @click.argument("caliper", type=FILE, nargs=-1)
-@click.option("-o", "--output", type=FILE, help="Mesh to write: .glb, .ply, .obj or .stl.")
+@click.option(
+    "-o", "--output", type=FILE, help="To write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl, or .wall, which reopens."
+)
 @click.option("--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")
 @click.option("--from-settings", type=FILE, help="Repeat the run of a wall.glb.toml, to the last bit.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
@@ -151,7 +154,8 @@ def reconstruct(
 
     What each column is gets guessed from names and units, and printed; `helibore inspect` prints the map to change it.
     @ANGLE is where an arm is mounted; a diameter counts for both sides. Several files are passes over one hole,
-    earliest first. Beside wall.glb stands wall.glb.toml, with which the run can be repeated.
+    earliest first. Beside wall.glb stands wall.glb.toml, with which the run can be repeated. A .wall keeps samples,
+    settings and path, and reopens (hb.load).
     """
     if output is None:
         raise click.UsageError("Missing option '-o' / '--output'.")
