@@ -43,7 +43,7 @@ inline constexpr float narrow_none = 1e18f;  // squared: more than any real squa
 
 struct alignas(32) Candidate {
     double depth, toolface, radius;
-    double rank;  // canonical rank less an offset the caller knows; set in window mode only
+    std::int64_t rank;  // in canonical order
 };
 
 // Columns of list_capacity + 1 values. Positions from count on, up to the next multiple of 16, and list_capacity itself
@@ -78,7 +78,7 @@ struct Group {
     double center, middle;  // toolface and depth half way between the first vertex and the last
     double depth[lanes];
     double toolface[lanes];
-    double window_first[lanes];  // ranks less first_rank, window mode only: candidates in [first, last) count
+    double window_first[lanes];  // ranks, window mode only: candidates in [first, last) count
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
     double discarded[lanes];  // least squared distance, at `trial`, among candidates the list no longer holds
@@ -118,9 +118,10 @@ struct Functions {
     // Do all values lie in [low, high]? NaN does not.
     bool (*all_within)(const double* values, std::int64_t n, double low, double high);
     Order (*order)(const double* values, std::int64_t n);
-    // Appends the samples that pass the filter and returns how many of the n were read: fewer only if the list is full.
+    // Appends the samples that pass the filter, the first of them of the given rank, and returns how many of the n were
+    // read: fewer only if the list is full.
     std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,
-                           const double* radius, std::int64_t n, const Filter& filter);
+                           const double* radius, std::int64_t n, std::int64_t rank, const Filter& filter);
     // Iterates every active lane until it converges, or until the list cannot decide.
     Verdict (*estimate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box);
     // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the

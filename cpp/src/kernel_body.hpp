@@ -16,7 +16,7 @@ namespace {
 // does one thing to many.
 template <class P, bool wraps>
 std::int64_t gather_from(CandidateList& list, const Group& g, const double* depth, const double* toolface,
-                         const double* radius, std::int64_t n, double half_width) {
+                         const double* radius, std::int64_t n, std::int64_t rank, double half_width) {
     const auto test = [&](std::int64_t i) {
         P turn = P::abs(P::load(toolface + i) - P(g.center));
         if constexpr (wraps) turn = P::min(turn, P(360.0) - turn);
@@ -39,7 +39,7 @@ std::int64_t gather_from(CandidateList& list, const Group& g, const double* dept
         }
         for (std::int64_t h = 0; h < hits; ++h) {
             const std::int64_t at = i + passed[h];
-            list.rows[count + h] = {depth[at], toolface[at], radius[at], 0.0};
+            list.rows[count + h] = {depth[at], toolface[at], radius[at], rank + at};
         }
         count += hits;
         i += some;
@@ -50,9 +50,9 @@ std::int64_t gather_from(CandidateList& list, const Group& g, const double* dept
 
 template <class P>
 std::int64_t gather(CandidateList& list, const Group& g, const double* depth, const double* toolface,
-                    const double* radius, std::int64_t n, const Filter& filter) {
-    return filter.wraps ? gather_from<P, true>(list, g, depth, toolface, radius, n, filter.half_width)
-                        : gather_from<P, false>(list, g, depth, toolface, radius, n, filter.half_width);
+                    const double* radius, std::int64_t n, std::int64_t rank, const Filter& filter) {
+    return filter.wraps ? gather_from<P, true>(list, g, depth, toolface, radius, n, rank, filter.half_width)
+                        : gather_from<P, false>(list, g, depth, toolface, radius, n, rank, filter.half_width);
 }
 
 template <class P>

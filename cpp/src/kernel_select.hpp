@@ -82,7 +82,7 @@ struct Eye {
         const P along = P(c.depth) - depth;
         const P key = P::tag(across * across + along * along, list.position[i]);
         if constexpr (!windowed) return key;
-        const P rank(c.rank);
+        const P rank(static_cast<double>(c.rank));
         return P::blend(P::both(P::less_equal(window_first, rank), P::less(rank, window_last)), key, none());
     }
 

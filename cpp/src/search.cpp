@@ -37,12 +37,12 @@ Search::Scratch::Scratch()
       along(kernel::list_capacity + 1),
       list{rows.data(), across.data(), along.data(), kernel::position_table(), kernel::narrow_position_table(), 0},
       keep(kernel::list_capacity + 1) {
-    rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0.0};
+    rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
 }
 
 // "None" up to the next multiple of sixteen.
 void Search::Scratch::pad() {
-    for (std::int64_t i = list.count; i % 16 != 0; ++i) list.rows[i] = {kernel::none_depth, 0.0, 0.0, 0.0};
+    for (std::int64_t i = list.count; i % 16 != 0; ++i) list.rows[i] = {kernel::none_depth, 0.0, 0.0, 0};
 }
 
 Search::Search(const Settings& settings)
@@ -84,17 +84,23 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
     return g;
 }
 
-void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
-                 GroupResult& result) const {
+// The group with its estimates; the list then holds the neighbours of every vertex at its last trial radius.
+kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                            Scratch& scratch) const {
     kernel::Group g = start(samples, helix, group, vertex_count);
-    const Span span(g, helix);
     if (rules_.windowed) {
         constexpr kernel::Box everything{no_limit, no_limit, 0.0, 0.0, false};
         do fetch_window(samples, g, scratch);
         while (functions_->estimate(g, scratch.list, rules_, everything) != kernel::Verdict::done);
     } else {
-        search_box(samples, span, g, scratch);
+        search_box(samples, Span(g, helix), g, scratch);
     }
+    return g;
+}
+
+void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+                 GroupResult& result) const {
+    const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
     const Index used = std::min(lanes, vertex_count - group * lanes);
     double reach = 0.0;
     for (Index i = 0; i < used; ++i) {
@@ -109,6 +115,7 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     else {
         // Rounded outwards; missing_square (too few samples, no limit) is out of any hole's reach.
         reach = std::sqrt(reach) * (1.0 + 1e-6);
+        const Span span(g, helix);
         result.shallow = span.shallow - reach;
         result.deep = span.deep + reach;
     }
@@ -184,7 +191,7 @@ void Search::fetch_box(const Samples& samples, double low, double high, const ke
         Index stop = place.offset;
         while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
         stop = std::min(stop, chunk.count);
-        gather(chunk, place.offset, stop, 0, filter, g, scratch);
+        gather(chunk, place.offset, stop, samples.rank(place), filter, g, scratch);
         if (stop < chunk.count) break;
     }
     scratch.pad();
@@ -211,12 +218,8 @@ void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scr
 void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
                     kernel::Group& g, Scratch& scratch) const {
     while (start < stop) {
-        const Index before = scratch.list.count;
         const Index read = functions_->gather(scratch.list, g, chunk.depth() + start, chunk.toolface() + start,
-                                              chunk.radius() + start, stop - start, filter);
-        if (rules_.windowed)  // no toolface filter: the list holds the rows as they were read
-            for (Index i = before; i < scratch.list.count; ++i)
-                scratch.list.rows[i].rank = static_cast<double>(rank + (i - before));
+                                              chunk.radius() + start, stop - start, rank, filter);
         start += read;
         rank += read;
         if (start < stop) shrink(g, scratch);

@@ -6,6 +6,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "helibore/settings.hpp"
@@ -51,11 +52,26 @@ class Search {
     void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
              GroupResult& result) const;
 
+    // The means, by the weights of the radius, of values at the neighbours of each vertex of the group: channels of one
+    // value a sample, in canonical order, NaN for none; into out[channel][vertex - 8 group], NaN where none has one.
+    void carry(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+               std::span<const std::span<const double>> channels, std::span<double* const> out) const;
+
     const kernel::Functions& functions() const { return *functions_; }
 
   private:
     struct Span;  // the depths and toolfaces of a group
 
+    struct Neighbour {
+        std::uint64_t key;  // the squared distance, tagged as in the kernel
+        double square, weight;
+        Index rank;
+    };
+
+    kernel::Group solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                        Scratch& scratch) const;
+    void weigh(const kernel::Group& g, Index lane, const kernel::CandidateList& list,
+               std::vector<Neighbour>& neighbours) const;
     kernel::Group start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const;
     void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
     void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter, kernel::Group& g,

@@ -383,6 +383,27 @@ std::vector<std::int32_t> Wall::iterations() const {
     return state_->copy<std::uint8_t, Vertices::block_size, std::int32_t>(&Vertices::Block::iterations);
 }
 
+std::vector<std::vector<double>> Wall::carry(std::span<const std::span<const double>> channels, int threads) const {
+    const StandardArithmetic standard;
+    const std::scoped_lock held(state_->lock);
+    const State& s = *state_;
+    for (std::size_t c = 0; c < channels.size(); ++c)
+        if (channels[c].size() != static_cast<std::size_t>(s.samples.size()))
+            throw InputError("channel " + std::to_string(c) + " has " + std::to_string(channels[c].size()) +
+                             " values, the wall " + std::to_string(s.samples.size()) + " samples: must be equal");
+    std::vector<std::vector<double>> values(channels.size(), std::vector<double>(static_cast<std::size_t>(s.count)));
+    const Index groups = groups_of(s.count), parts = (groups + groups_a_part - 1) / groups_a_part;
+    std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
+    for_each_part(parts, threads, [&](int worker, Index part_index) {
+        std::vector<double*> out(channels.size());
+        for (Index g = part_index * groups_a_part; g < std::min(groups, (part_index + 1) * groups_a_part); ++g) {
+            for (std::size_t c = 0; c < channels.size(); ++c) out[c] = values[c].data() + g * lanes;
+            s.search.carry(s.samples, s.helix, g, s.count, scratches[static_cast<std::size_t>(worker)], channels, out);
+        }
+    });
+    return values;
+}
+
 void Wall::copy_radius(Range range, std::span<double> out) const {
     const std::scoped_lock held(state_->lock);
     if (range.start < 0 || range.stop < range.start || range.stop > state_->count)

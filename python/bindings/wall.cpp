@@ -110,6 +110,21 @@ void register_wall(py::module_& m) {
                  std::copy(values.begin(), values.end(), out.mutable_data());
                  return out;
              })
+        .def(
+            "carry",
+            [](const Wall& wall, const std::vector<Column>& channels, int threads) {
+                std::vector<std::span<const double>> spans;
+                for (const Column& channel : channels) spans.push_back(span_of(channel));
+                std::vector<std::vector<double>> values;
+                {
+                    const py::gil_scoped_release released;
+                    values = wall.carry(spans, threads);
+                }
+                py::list arrays;
+                for (auto& channel : values) arrays.append(array_of(std::move(channel)));
+                return arrays;
+            },
+            py::arg("channels"), py::arg("threads"))
         .def("samples", [](const Wall& wall) {
             std::vector<std::vector<double>> columns;
             {

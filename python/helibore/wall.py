@@ -23,6 +23,7 @@ from helibore import _core
 from helibore.arrays import Floats, Integers, column
 from helibore.attributes import WallAttributes
 from helibore.caliper import Basis, Caliper, check_basis
+from helibore.carry import in_canonical_order, on_quads
 from helibore.sector_image import SectorImage
 from helibore.surface import Surface, surface_of
 from helibore.survey import Path
@@ -205,8 +206,9 @@ class Wall:
         check_basis(basis)
         self._basis = basis
         self._settings = Settings(bit_diameter=bit_diameter, **settings)
+        self._threads = thread_count(threads)
         self._core = _core.Wall(
-            **self._settings._core_arguments(), threads=thread_count(threads), instruction_set=instruction_set
+            **self._settings._core_arguments(), threads=self._threads, instruction_set=instruction_set
         )
         self._growing = threading.Lock()  # between an append and what must see all columns of one moment
         self.path: Path | None = None
@@ -319,6 +321,39 @@ class Wall:
     def samples(self) -> Caliper:
         """The samples kept, in canonical order: depth, time or arrival, toolface, radius; a copy."""
         return Caliper(*self._core.samples(), basis=self._basis)
+
+    def carry(self, values: npt.ArrayLike, caliper: Caliper | None = None, *, on: str = "quads") -> Floats:
+        """Carry values that were measured with the samples to the wall, by the neighbours and weights of its radius.
+
+        Parameters
+        ----------
+        values
+            (m,) one a sample; NaN where there is none.
+        caliper
+            The samples in the order of ``values``, as they were appended; None: values in the order of `samples`.
+        on
+            'quads': the mean of each quad's four corners, ready for `attributes`; 'vertices': one a vertex.
+
+        Returns
+        -------
+        array
+            (q,) or (n,) float64; NaN where no neighbour (or, for quads, one corner) has a value.
+
+        Raises
+        ------
+        ValueError
+            If lengths differ or ``caliper`` does not hold the samples of this wall.
+
+        Examples
+        --------
+        >>> wall = reconstruct(Caliper([0, 0.1, 0.2], [0, 90, 180], [0.1] * 3), bit_diameter=0.2, sectors=4)
+        >>> wall.attributes["GR"] = wall.carry([40.0, 40.0, 40.0])
+        """
+        if on not in ("quads", "vertices"):
+            raise ValueError(f"on = {on!r}: must be 'quads' or 'vertices'")
+        rows = in_canonical_order(self, values, caliper)
+        (carried,) = self._core.carry([rows], self._threads)
+        return on_quads(carried, self._settings.sectors) if on == "quads" else carried
 
     def surface(self, path: Path | None = None, start: float | None = None, stop: float | None = None) -> Surface:
         """Place the wall along ``path`` and join neighbouring turns into quads: `surface_of` with this wall.

@@ -68,6 +68,11 @@ class Wall {
     // Is the radius that of a sample in the vertex's cell, until the vertex is settled? With Settings::direct only.
     std::vector<bool> provisional() const;
 
+    // Scattered attributes: values measured with the samples, one channel after another, each with a value a sample in
+    // canonical order (samples()), NaN for none. One value a vertex comes back, by the neighbours and weights of its
+    // radius; NaN where none of them has one. Throws InputError where a channel has another length.
+    std::vector<std::vector<double>> carry(std::span<const std::span<const double>> channels, int threads = 1) const;
+
     // Copies the radii of a range into memory of the caller, of exactly that length.
     void copy_radius(Range range, std::span<double> out) const;
 

@@ -1,0 +1,78 @@
+"""Scattered attributes: the radius itself, carried as an attribute, must come back as the radius."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import exactly, random_hole
+from test_wall import BIT, CASES
+
+import helibore as hb
+
+
+@pytest.mark.parametrize("window", [None, 31])
+@pytest.mark.parametrize("case", CASES, ids=lambda case: f"{case['shape']}-{CASES.index(case)}")
+def test_the_radius_carried_is_the_radius(case: dict[str, Any], window: int | None) -> None:
+    chosen = dict(case)
+    columns = random_hole(11, chosen.pop("shape"), chosen.pop("n"), chosen.pop("length"))
+    wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT, window=window, **chosen)
+    carried = wall.carry(wall.samples.radius, on="vertices")
+    np.testing.assert_allclose(carried, wall.radius, rtol=0, atol=1e-13)
+
+
+def test_long_lists_ties_and_samples_on_vertices() -> None:
+    rng = np.random.default_rng(3)
+    depth = np.repeat(np.arange(0, 2, 0.05), 64)
+    toolface = np.tile(np.arange(64) * 360 / 64, 40)
+    radius = 0.1 + 0.02 * rng.random(depth.size)
+    for chosen in ({"sectors": 16, "pitch": 0.1}, {"sectors": 4, "pitch": 5.0, "neighbors": 200}):
+        wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, **chosen)
+        carried = wall.carry(wall.samples.radius, on="vertices")
+        np.testing.assert_allclose(carried, wall.radius, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("timed", [False, True])
+def test_values_come_in_the_order_of_their_caliper(timed: bool) -> None:
+    """Shuffled rows, some of them twice: each value stays with its row."""
+    rng = np.random.default_rng(4)
+    depth, toolface, radius = (np.repeat(column, 2) for column in random_hole(5, "oval", 500, 2.0))
+    order = rng.permutation(1000)
+    time = np.repeat(np.arange(500.0), 2)[order] if timed else None
+    caliper = hb.Caliper(depth[order], toolface[order] - 360, radius[order], time)
+    wall = hb.reconstruct(caliper, bit_diameter=BIT)
+    assert wall.sample_count == (500 if timed else 1000)
+    carried = wall.carry(2 * caliper.radius, caliper, on="vertices")
+    np.testing.assert_allclose(carried, 2 * wall.radius, rtol=0, atol=1e-13)
+
+
+def test_what_is_missing_has_no_say() -> None:
+    """A vertex takes the neighbours that have a value; where none has one it has none; a quad needs four corners."""
+    columns = random_hole(6, "round", 600, 3.0)
+    wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT, sectors=16, neighbors=4)
+    middle = (columns[0].min() + columns[0].max()) / 2
+    values = np.where(wall.samples.depth < middle, 7.5, np.nan)
+    carried = wall.carry(values, on="vertices")
+    assert np.isnan(carried).any()
+    np.testing.assert_allclose(carried[~np.isnan(carried)], 7.5, rtol=1e-15)
+    quads = wall.carry(values)
+    corners = [carried[first : first + quads.size] for first in (0, 1, 17, 16)]
+    np.testing.assert_array_equal(np.isnan(quads), np.isnan(corners).any(axis=0))
+    wall.attributes["GR"] = quads
+    surface = wall.surface()
+    assert np.nanmax(surface.attributes["GR"]) == pytest.approx(7.5)
+
+
+def test_errors() -> None:
+    columns = random_hole(7, "round", 50, 1.0)
+    wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT)
+    with pytest.raises(ValueError, match=exactly("values has 3 values, the wall has 50: must be equal")):
+        wall.carry([1.0, 2.0, 3.0])
+    with pytest.raises(ValueError, match=exactly("on = 'cells': must be 'quads' or 'vertices'")):
+        wall.carry(np.zeros(50), on="cells")
+    other = hb.Caliper(columns[0] + 1, *columns[1:])
+    with pytest.raises(
+        ValueError, match=exactly("caliper: must hold the samples of the wall, in the order they were appended")
+    ):
+        wall.carry(np.zeros(50), other)
