@@ -35,8 +35,9 @@ from helibore import _core
 from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
 from helibore.sector_image import SectorImage
+from helibore.settings import Settings
 from helibore.survey import Survey
-from helibore.wall import Settings, Wall
+from helibore.wall import Wall
 
 ENDING = ".wall"
 FORMAT, VERSION = "helibore wall", 1

@@ -27,7 +27,7 @@ from helibore.conditioning import Echo
 from helibore.preparation import Preparation
 from helibore.role_map import quoted
 from helibore.roles import Role, RoleMap
-from helibore.wall import Settings
+from helibore.settings import Settings
 
 __all__ = ["Input", "PathSettings", "RunSettings", "checksum", "read_settings", "settings_file", "write_settings"]
 

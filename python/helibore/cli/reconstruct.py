@@ -240,7 +240,7 @@ def _settings(options: dict[str, Any]) -> RunSettings:
     from helibore.conditioning import Echo
     from helibore.preparation import Preparation
     from helibore.run_settings import PathSettings, RunSettings
-    from helibore.wall import Settings
+    from helibore.settings import Settings
 
     names = (
         "bit_diameter", "sectors", "pitch", "start_depth", "stop_depth", "start_toolface", "neighbors", "window",

@@ -106,7 +106,7 @@ def _azimuthal(source: Path, options: dict[str, Any], terminal: Terminal) -> Sou
     """A caliper file, read as `reconstruct` reads it."""
     from helibore.run import read, rebuild
     from helibore.run_settings import RunSettings
-    from helibore.wall import Settings
+    from helibore.settings import Settings
 
     with terminal.stage("read", f"Reading {source.name}"):
         settings = RunSettings(caliper=(), wall=Settings(**_settings(options)), nulls=nulls(options))

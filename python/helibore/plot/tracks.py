@@ -24,7 +24,7 @@ from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, length_text
 from helibore.sector_image import SectorImage
-from helibore.wall import Settings
+from helibore.settings import Settings
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

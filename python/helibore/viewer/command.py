@@ -83,7 +83,7 @@ def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
         import helibore
         from helibore.run import read, rebuild, told
         from helibore.run_settings import PathSettings, RunSettings
-        from helibore.wall import Settings
+        from helibore.settings import Settings
     with terminal.stage("read", f"Reading {file.name}"):
         way = PathSettings(reference=options["reference"], extend=options["extend"])
         settings = RunSettings(caliper=(), wall=Settings(**_settings(options)), path=way, nulls=nulls(options))

@@ -1,0 +1,88 @@
+"""What a wall is built with: every vertex is a pure function of these settings and the samples."""
+
+from __future__ import annotations
+
+import math
+import operator
+from dataclasses import dataclass, fields
+from typing import Any
+
+import numpy as np
+
+_INTEGERS = ("sectors", "neighbors", "max_iterations")
+_LARGEST_INTEGER = 2**31 - 1  # the core's integers
+
+
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """What a wall is built with; the method is Energies 2021, 14, 291.
+
+    Attributes
+    ----------
+    bit_diameter
+        Metres; the first trial radius is half of it.
+    sectors
+        K, vertices a turn; 3 or more.
+    pitch
+        Metres a turn along the hole; negative for a well logged upwards.
+    start_depth, stop_depth
+        Depths of the ends of the helix, metres; None: the first and the last sample along it.
+    start_toolface
+        Toolface of vertex 0, degrees.
+    neighbors
+        V, the nearest samples a vertex is estimated from; 1 to 256.
+    window
+        U: search only this many consecutive samples around the vertex's depth, as published; None: search all, exactly.
+    power
+        Weights are distance^-power.
+    max_distance
+        Metres; a sample farther away has no say; None: no limit.
+    max_iterations, tolerance
+        The estimate is repeated with the new radius until it moves by at most ``tolerance`` metres or this often.
+    angular_scale
+        1: distances along the wall are true arc lengths; 2: twice that, as the published Eq. 4 has it.
+    direct
+        Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
+        (half a sector to either side, half a pitch up and down), the last of them in canonical order stands for it,
+        provisionally. Once settled it is interpolated like any other.
+    """
+
+    bit_diameter: float
+    sectors: int = 64
+    pitch: float = 0.1
+    start_depth: float | None = None
+    stop_depth: float | None = None
+    start_toolface: float = 0.0
+    neighbors: int = 8
+    window: int | None = None
+    power: float = 1.0
+    max_distance: float | None = 1.0
+    max_iterations: int = 4
+    tolerance: float = 1e-6
+    angular_scale: float = 1.0
+    direct: bool = False
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if value is None and field.name in ("start_depth", "stop_depth", "window", "max_distance"):
+                continue
+            if field.name == "direct":
+                if not isinstance(value, bool | np.bool_):
+                    raise ValueError(f"direct = {value!r}: must be True or False")
+                object.__setattr__(self, "direct", bool(value))
+                continue
+            integer = field.name in _INTEGERS or field.name == "window"
+            try:
+                value = operator.index(value) if integer else float(value)
+            except (TypeError, ValueError):
+                kind = "an integer" if integer else "a number"
+                raise ValueError(f"{field.name} = {value!r}: must be {kind}") from None
+            if integer and abs(value) > _LARGEST_INTEGER:
+                raise ValueError(f"{field.name} = {value}: must be below 2147483648 in size")
+            object.__setattr__(self, field.name, value)
+
+    def _core_arguments(self) -> dict[str, Any]:
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        given["max_distance"] = math.inf if self.max_distance is None else self.max_distance
+        return given
