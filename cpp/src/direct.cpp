@@ -22,34 +22,32 @@ double vertex_of(const Helix& helix, double depth, double toolface) {
 
 }  // namespace
 
-std::vector<double> direct_radii(const Samples& samples, const Helix& helix, Range vertices) {
-    std::vector<double> radii(static_cast<std::size_t>(vertices.stop - vertices.start), none);
-    if (radii.empty()) return radii;
+DirectRadii direct_radii(const Samples& samples, const Helix& helix, Range vertices) {
+    DirectRadii direct{vertices.start, {}};
+    if (vertices.stop <= vertices.start) return direct;
+    direct.radii.assign(static_cast<std::size_t>(vertices.stop - vertices.start), none);
     const auto [shallow, deep] = std::minmax({helix.depth(vertices.start), helix.depth(vertices.stop - 1)});
     const double half = 0.5 * std::abs(helix.pitch) * (1.0 + 1e-9);
     for (Samples::Place at = samples.step_to(shallow - half, {}, 1); at.chunk < samples.chunks().size();
          ++at.chunk, at.offset = 0) {
         const Chunk& chunk = *samples.chunks()[at.chunk];
         for (Index i = at.offset; i < chunk.count; ++i) {
-            if (chunk.depth()[i] > deep + half) return radii;
+            if (chunk.depth()[i] > deep + half) return direct;
             const double k = vertex_of(helix, chunk.depth()[i], chunk.toolface()[i]);
             if (k < static_cast<double>(vertices.start) || k >= static_cast<double>(vertices.stop)) continue;
-            radii[static_cast<std::size_t>(static_cast<Index>(k) - vertices.start)] = chunk.radius()[i];
+            direct.radii[static_cast<std::size_t>(static_cast<Index>(k) - vertices.start)] = chunk.radius()[i];
         }
     }
-    return radii;
+    return direct;
 }
 
-std::vector<Range> direct_changes(const std::vector<double>& before, Index before_start,
-                                  const std::vector<double>& after, Index after_start, Index count) {
-    const auto bits = [](const std::vector<double>& radii, Index start, Index k) {
-        const Index i = k - start;
-        const bool there = i >= 0 && i < static_cast<Index>(radii.size());
-        return std::bit_cast<std::uint64_t>(there ? radii[static_cast<std::size_t>(i)] : none);
+std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& after, Index count) {
+    const auto bits = [](const DirectRadii& radii, Index k) {
+        return std::bit_cast<std::uint64_t>(radii.shown(k, none));
     };
     std::vector<Range> ranges;
-    for (Index k = std::min(before_start, after_start); k < count; ++k) {
-        if (bits(before, before_start, k) == bits(after, after_start, k)) continue;
+    for (Index k = std::min(before.start, after.start); k < count; ++k) {
+        if (bits(before, k) == bits(after, k)) continue;
         if (!ranges.empty() && ranges.back().stop == k)
             ++ranges.back().stop;
         else

@@ -10,6 +10,8 @@
 //     ----+-----------+----   pitch/2 below
 #pragma once
 
+#include <algorithm>
+#include <cmath>
 #include <vector>
 
 #include "helix.hpp"
@@ -17,12 +19,29 @@
 
 namespace helibore {
 
-// The radii of the samples in the cells of a range of vertices; NaN where there is none.
-std::vector<double> direct_radii(const Samples& samples, const Helix& helix, Range vertices);
+// The radii of samples that stand for the vertices [start, start + radii.size()); NaN: none does.
+struct DirectRadii {
+    Index start = 0;
+    std::vector<double> radii;
 
-// The vertices of [0, count) where two such lists, one from vertex `before_start` on, the other from `after_start` on,
-// differ in any bit; a list that does not reach a vertex has NaN there. Sorted, never touching.
-std::vector<Range> direct_changes(const std::vector<double>& before, Index before_start,
-                                  const std::vector<double>& after, Index after_start, Index count);
+    bool stands_for(Index k) const {
+        return start <= k && k - start < static_cast<Index>(radii.size()) &&
+               !std::isnan(radii[static_cast<std::size_t>(k - start)]);
+    }
+    // What a vertex shows whose estimate is `radius`.
+    double shown(Index k, double radius) const {
+        return stands_for(k) ? radii[static_cast<std::size_t>(k - start)] : radius;
+    }
+    // The same for a range of them.
+    void show(Range range, double* radius) const {
+        for (Index k = std::max(range.start, start); k < range.stop; ++k)
+            radius[k - range.start] = shown(k, radius[k - range.start]);
+    }
+};
+
+DirectRadii direct_radii(const Samples& samples, const Helix& helix, Range vertices);
+
+// The vertices of [0, count) where the two differ: sorted, never touching.
+std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& after, Index count);
 
 }  // namespace helibore

@@ -106,10 +106,9 @@ struct Wall::State {
     void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
                        std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
-                               Index new_count) const;
+                               Index new_count, const DirectRadii& next_direct) const;
     Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
                         const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
-    void show_direct(Range range, double* radius) const;
 
     template <class T, std::size_t n, class Out>
     std::vector<Out> copy(std::array<T, n> Vertices::Block::* member) const {
@@ -127,7 +126,7 @@ struct Wall::State {
     Vertices vertices;
     Index count = 0;
     Index settled = 0;
-    std::vector<double> direct;  // radii of the samples that stand for the vertices from `settled` on; NaN: none does
+    DirectRadii direct;
     std::vector<Search::Scratch> scratches;
 };
 
@@ -186,12 +185,10 @@ Change Wall::State::update(const SortedBatch& batch) {
     change.accepted = batch.count;
     change.redundant = batch.redundant;
     change.settled = settled_after(next, into, kept, new_count, old, staged);
-    change.ranges = compare(old, staged, new_count);
-    std::vector<double> next_direct;
-    if (settings.direct) {
-        next_direct = direct_radii(samples, next, {change.settled, std::max(change.settled, new_count)});
-        change.ranges = joined(change.ranges, direct_changes(direct, settled, next_direct, change.settled, kept));
-    }
+    DirectRadii next_direct;
+    if (settings.direct) next_direct = direct_radii(samples, next, {change.settled, new_count});
+    change.ranges = compare(old, staged, new_count, next_direct);
+    if (settings.direct) change.ranges = joined(change.ranges, direct_changes(direct, next_direct, kept));
     change.ranges.reserve(change.ranges.size() + 1);
     add_range(change.ranges, {kept, std::max(kept, new_count)});
 
@@ -201,7 +198,7 @@ Change Wall::State::update(const SortedBatch& batch) {
     helix = next;
     count = new_count;
     settled = change.settled;
-    direct.swap(next_direct);
+    std::swap(direct, next_direct);
     Index measured = -1;
     const auto measure = [&](Index b) {
         if (b != std::exchange(measured, b)) vertices.measure_hull(b, groups_of(count));
@@ -259,20 +256,19 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
 
 // The vertices of searched groups that differ in any bit from what is there, or are not there yet.
 std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
-                                        Index new_count) const {
+                                        Index new_count, const DirectRadii& next_direct) const {
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
     std::vector<Range> ranges;
     for (std::size_t i = 0; i < groups.size(); ++i) {
         const Vertices::Block& block = vertices.block(groups[i] / Vertices::groups_per_block);
-        for (Index lane = 0; lane < lanes && groups[i] * lanes + lane < new_count; ++lane) {
+        const GroupResult& now = staged[i];
+        for (Index lane = 0; lane < lanes && groups[i] * lanes + lane < std::min(count, new_count); ++lane) {
             const Index k = groups[i] * lanes + lane;
             const auto at = static_cast<std::size_t>(k % Vertices::block_size);
-            const GroupResult& now = staged[i];
-            const bool same =
-                k < count &&
-                std::bit_cast<std::uint64_t>(now.radius[lane]) == std::bit_cast<std::uint64_t>(block.radius[at]) &&
-                std::bit_cast<std::uint64_t>(now.nearest[lane]) == std::bit_cast<std::uint64_t>(block.nearest[at]) &&
-                now.support[lane] == block.support[at] && now.iterations[lane] == block.iterations[at];
-            if (!same && k < count) add_range(ranges, {k, k + 1});
+            const double shown = direct.shown(k, block.radius[at]), next = next_direct.shown(k, now.radius[lane]);
+            const bool same = bits(next) == bits(shown) && bits(now.nearest[lane]) == bits(block.nearest[at]) &&
+                              now.support[lane] == block.support[at] && now.iterations[lane] == block.iterations[at];
+            if (!same) add_range(ranges, {k, k + 1});
         }
     }
     return ranges;
@@ -300,16 +296,8 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index meas
             if (anew) ++next;
         }
     }
-    return vertex_count;
-}
-
-// Puts the samples that stand for vertices of a range in place of their radii.
-void Wall::State::show_direct(Range range, double* radius) const {
-    for (Index k = std::max(range.start, settled); k < range.stop && k - settled < static_cast<Index>(direct.size());
-         ++k) {
-        const double sample = direct[static_cast<std::size_t>(k - settled)];
-        if (!std::isnan(sample)) radius[k - range.start] = sample;
-    }
+    // A last group that is not full may gain vertices, and depend on more than now, unless the wall ends there.
+    return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
 }
 
 Wall::Wall(const Settings& settings)
@@ -368,7 +356,7 @@ std::vector<double> Wall::radius() const {
     const std::scoped_lock held(state_->lock);
     std::vector<double> out(static_cast<std::size_t>(state_->count));
     state_->vertices.copy(&Vertices::Block::radius, {0, state_->count}, out.data());
-    state_->show_direct({0, state_->count}, out.data());
+    state_->direct.show({0, state_->count}, out.data());
     return out;
 }
 std::vector<double> Wall::nearest() const {
@@ -413,14 +401,14 @@ void Wall::copy_radius(Range range, std::span<double> out) const {
         throw InputError("out has " + std::to_string(out.size()) + " values, the range " +
                          std::to_string(range.stop - range.start) + ": must be equal");
     state_->vertices.copy(&Vertices::Block::radius, range, out.data());
-    state_->show_direct(range, out.data());
+    state_->direct.show(range, out.data());
 }
 
 std::vector<bool> Wall::provisional() const {
     const std::scoped_lock held(state_->lock);
     std::vector<bool> out(static_cast<std::size_t>(state_->count));
-    for (std::size_t i = 0; i < state_->direct.size(); ++i)
-        out[static_cast<std::size_t>(state_->settled) + i] = !std::isnan(state_->direct[i]);
+    for (Index k = state_->direct.start; k < state_->count; ++k)
+        out[static_cast<std::size_t>(k)] = state_->direct.stands_for(k);
     return out;
 }
 

@@ -121,9 +121,10 @@ def bits(wall: hb.Wall) -> bytes:
 
 
 def bits_by_vertex(wall: Any) -> npt.NDArray[np.void]:
-    """(n,) one opaque value a vertex that is equal where depth and the four fields are equal to the last bit."""
+    """(n,) one opaque value a vertex that is equal where depth and all fields are equal to the last bit."""
     columns = [wall.depth.view(np.int64), wall.radius.view(np.int64), wall.nearest.view(np.int64)]
-    rows = np.column_stack([*columns, wall.support.astype(np.int64), wall.iterations.astype(np.int64)])
+    counts = [wall.support.astype(np.int64), wall.iterations.astype(np.int64), wall.provisional.astype(np.int64)]
+    rows = np.column_stack([*columns, *counts])
     return np.ascontiguousarray(rows).view([("", np.int64)] * rows.shape[1]).reshape(-1)
 
 
