@@ -18,6 +18,7 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
             py::set_error(PyExc_RuntimeError, e.what());
         }
     });
+    helibore::bindings::register_image(m);
     helibore::bindings::register_journal(m);
     helibore::bindings::register_logs(m);
     helibore::bindings::register_path(m);

@@ -80,6 +80,18 @@ def surface(
 def volume(
     helix: _Helix, first: int, shells: list[_Floats], path: Path, threads: int
 ) -> tuple[_Floats, _Integers, list[_Integers], list[_Integers]]: ...
+def cell_values(
+    depth: _Floats,
+    values: _Floats,
+    low: _Floats,
+    high: _Floats,
+    quads: tuple[float, float, int],
+    sector: _Floats,
+    threads: int,
+) -> _Floats: ...
+def linear_values(
+    depth: _Floats, values: _Floats, reach: float, quads: tuple[float, float, int], sector: _Floats, threads: int
+) -> _Floats: ...
 def turn_columns(
     radius: _Floats, sectors: int, start_toolface: float, window: int, threads: int
 ) -> dict[str, _Floats]: ...

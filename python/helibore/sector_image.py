@@ -19,8 +19,10 @@ from typing import Literal, get_args
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.arrays import Floats, Integers, column
 from helibore.helix import WallLike
+from helibore.threads import thread_count
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]
@@ -125,65 +127,42 @@ class SectorImage:
             If no quad's centre lies within the image's depths, or the method is not known.
         """
         _one_of("method", method, get_args(Method))
-        depth, toolface = _centres(wall)
-        if not depth.size:
-            return depth
-        upwards = wall.settings.pitch < 0
-        rising = depth[::-1] if upwards else depth
-        top, bottom = self.depth[0] - self.reach, self.depth[-1] + self.reach
-        if np.searchsorted(rising, top) == np.searchsorted(rising, bottom, side="right"):
-            raise ValueError(
-                f"image '{self.name}' reaches from {top:g} to {bottom:g} m: no quad of the wall, "
-                f"{rising[0]:g} to {rising[-1]:g} m, has its centre there"
-            )
+        K, pitch = wall.settings.sectors, wall.settings.pitch
+        count = max(wall.radius.size - K - 1, 0)
+        if not count:
+            return np.empty(0)
+        self._check_meets(wall, count)
         # Sectors from the start of sector 1, for one turn: toolfaces repeat from turn to turn.
+        toolface = wall.settings.start_toolface + (np.arange(K, dtype=np.float64) + 0.5) * (360 / K)
         turned = (toolface - self.offset) * (1 if self.direction == "clockwise" else -1) * self.sectors / 360
         sector = turned + 0.5 if self.origin == "centre" else turned
+        quads, values, threads = (wall.start_depth, pitch, count), self.values.ravel(), thread_count(None)
         if method == "cell":
-            rows = _in_order(self._cell_rows(rising), upwards)
-            columns = np.floor(sector).astype(np.int64) % self.sectors
-            return self._padded().take(rows * self.sectors + np.resize(columns, rows.size))
-        return self._linear(depth, _in_order(self._rows_above(rising), upwards), sector - 0.5)
+            low, high = self._cover()
+            return _core.cell_values(self.depth, values, low, high, quads, sector, threads)
+        return _core.linear_values(self.depth, values, self.reach, quads, sector - 0.5, threads)
 
-    def _padded(self) -> Floats:
-        """The values, and one more row of NaN for depths in no row."""
-        return np.vstack([self.values, np.full((1, self.sectors), np.nan)])
+    def _check_meets(self, wall: WallLike, count: int) -> None:
+        """Refuse a wall without a quad whose centre lies within reach of the image."""
+        K, step = wall.settings.sectors, wall.settings.pitch / wall.settings.sectors
+        top, bottom = self.depth[0] - self.reach, self.depth[-1] + self.reach
+        near = [(end - wall.start_depth) / step - (K + 1) / 2 for end in (top, bottom)]
+        candidates = np.clip(np.rint(np.add.outer(near, [-1, 0, 1])), 0, count - 1)
+        depths = wall.start_depth + (candidates + (K + 1) / 2) * step
+        if not ((depths >= top) & (depths <= bottom)).any():
+            ends = sorted(wall.start_depth + (k + (K + 1) / 2) * step for k in (0, count - 1))
+            raise ValueError(
+                f"image '{self.name}' reaches from {top:g} to {bottom:g} m: no quad of the wall, "
+                f"{ends[0]:g} to {ends[1]:g} m, has its centre there"
+            )
 
-    def _cell_rows(self, rising: Floats) -> Integers:
-        """The row that covers each of the rising depths, or the number of rows."""
-        count = self.depth.size
+    def _cover(self) -> tuple[Floats, Floats]:
+        """The depths [low, high) that each row covers: half the way to its neighbours, at most its reach."""
         low, high = self.depth - self.reach, self.depth + self.reach
         near = np.diff(self.depth) <= 2 * self.reach
         middle = self.depth[:-1] + np.diff(self.depth) / 2
         low[1:][near] = high[:-1][near] = middle[near]
-        bounds = np.searchsorted(rising, np.column_stack([low, high]).ravel())
-        label = np.full(2 * count + 1, count)
-        label[1::2] = np.arange(count)
-        return np.repeat(label, np.diff(bounds, prepend=0, append=rising.size))
-
-    def _rows_above(self, rising: Floats) -> Integers:
-        """The last row at or above each of the rising depths, -1 above the first."""
-        bounds = np.searchsorted(rising, self.depth)
-        return np.repeat(np.arange(-1, self.depth.size), np.diff(bounds, prepend=0, append=rising.size))
-
-    def _linear(self, depth: Floats, above: Integers, sector: Floats) -> Floats:
-        count = self.depth.size
-        spacing = np.append(np.diff(self.depth), np.inf)
-        spacing[spacing > 2 * self.reach] = np.nan  # nothing is known between rows so far apart
-        down = (depth - self.depth[above]) / spacing[above]
-        down[depth == self.depth[above]] = 0.0
-        left = np.floor(sector)
-        across = np.resize(sector - left, above.size)
-        first = left.astype(np.int64) % self.sectors
-        left_column = np.resize(first, above.size)
-        right_column = np.resize((first + 1) % self.sectors, above.size)
-        flat = self._padded()
-        # Row -1 is the padding, so what lies above the first row is NaN.
-        upper = np.where(above < 0, count, above) * self.sectors
-        top = _between(flat.take(upper + left_column), flat.take(upper + right_column), across)
-        lower = np.minimum(above + 1, count) * self.sectors
-        bottom = _between(flat.take(lower + left_column), flat.take(lower + right_column), across)
-        return _between(top, bottom, down)
+        return low, high
 
     def __repr__(self) -> str:
         return (
@@ -191,25 +170,6 @@ class SectorImage:
             f"{self.depth[0]:g} to {self.depth[-1]:g} m, {self.missing} missing, {self.origin} of sector 1 at "
             f"{self.offset:g} deg from {self.reference}, {self.direction})"
         )
-
-
-def _between(start: Floats, stop: Floats, part: Floats) -> Floats:
-    """Linear; at part 0 the start alone has a say, so a gap at the stop does not reach it."""
-    between: Floats = np.where(part == 0, start, start + part * (stop - start))
-    return between
-
-
-def _centres(wall: WallLike) -> tuple[Floats, Floats]:
-    """Depth of every quad's centre, the mean of its corners, and toolface of those of the first turn."""
-    K, pitch = wall.settings.sectors, wall.settings.pitch
-    count = max(wall.radius.size - K - 1, 0)
-    depth: Floats = wall.start_depth + (np.arange(count, dtype=np.float64) + (K + 1) / 2) * (pitch / K)
-    toolface: Floats = wall.settings.start_toolface + (np.arange(K, dtype=np.float64) + 0.5) * (360 / K)
-    return depth, toolface
-
-
-def _in_order(rows: Integers, upwards: bool) -> Integers:
-    return rows[::-1] if upwards else rows
 
 
 def _one_of(name: str, word: str, known: tuple[str, ...]) -> None:
