@@ -35,9 +35,13 @@ def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, li
 
 
 def ratio(above: list[float], below: list[float]) -> dict[str, float]:
-    """Median, least and greatest of the ratios round by round."""
+    """Median, least and greatest of the ratios round by round, and the ratio of the least times.
+
+    The last is what an undisturbed machine would show: others on it can only add to a time.
+    """
     ratios = [a / b for a, b in zip(above, below, strict=True)]
-    return {"median": statistics.median(ratios), "least": min(ratios), "greatest": max(ratios)}
+    least = min(above) / min(below)
+    return {"median": statistics.median(ratios), "least": min(ratios), "greatest": max(ratios), "undisturbed": least}
 
 
 def milliseconds(seconds: list[float]) -> float:
