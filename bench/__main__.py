@@ -20,7 +20,8 @@ NAMES = ("reconstruction", "appends", "memory", "emission", "images", "logs", "f
 
 def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
     if isinstance(value, dict) and value.keys() == {"median", "least", "greatest", "undisturbed"}:
-        yield prefix, f"{value['median']:.3g} ({value['least']:.3g} to {value['greatest']:.3g}; least by least {value['undisturbed']:.3g})"
+        spread = f"{value['least']:.3g} to {value['greatest']:.3g}; least by least {value['undisturbed']:.3g}"
+        yield prefix, f"{value['median']:.3g} ({spread})"
     elif isinstance(value, dict):
         for name, part in value.items():
             yield from _figures(f"{prefix}: {name}" if prefix else name, part)
