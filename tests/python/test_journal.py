@@ -304,3 +304,30 @@ def test_sync_before_every_acknowledgement_when_asked(tmp_path, monkeypatch):
         j.append(1, 1, b"x")
         assert len(synced) == before + 1
         assert j.bytes_left > 0
+
+
+def test_what_the_disk_refused_to_sync_is_synced_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Segments that were finished before the refusal are not forgotten, and no descriptor is left open."""
+    journal = Journal(tmp_path, segment_bytes=4096)
+    for _ in range(6):
+        journal.append(0, 0, bytes(2000))
+    real, synced, refusing = os.fdatasync, [], [True]
+
+    def fdatasync(file: int) -> None:
+        if refusing[0]:
+            raise OSError(5, "Input/output error")
+        synced.append(str(Path(f"/proc/self/fd/{file}").readlink()))
+        real(file)
+
+    monkeypatch.setattr(os, "fdatasync", fdatasync)
+    before = len(list(Path("/proc/self/fd").iterdir()))
+    with pytest.raises(OSError, match="Input/output error"):
+        journal.sync()
+    assert len(list(Path("/proc/self/fd").iterdir())) == before
+    refusing[0] = False
+    journal.sync()
+    assert [Path(name).name for name in synced] == [path.name for path in sorted(tmp_path.glob("*.hbj"))]
+    synced.clear()
+    journal.sync()
+    assert len(synced) == 1
+    journal.close()

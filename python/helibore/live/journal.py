@@ -171,6 +171,8 @@ class Journal:
         self._clock = clock
         self._lock = threading.Lock()
         self._unsynced: list[int] = []
+        self._named = -1  # the last segment whose name is on the disk
+        self._syncing = threading.Lock()
         self._file = -1
         self.folder.mkdir(parents=True, exist_ok=True)
         self._guard = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
@@ -282,16 +284,32 @@ class Journal:
         self._sequence += 1
 
     def sync(self) -> None:
-        """Have everything appended so far on the disk itself; appends go on meanwhile."""
-        with self._lock:
-            finished, self._unsynced = self._unsynced, []
-            current = os.dup(self._file)
-        for file in [*finished, current]:
-            os.fdatasync(file)
-            os.close(file)
-        folder = os.open(self.folder, os.O_RDONLY)
-        os.fsync(folder)
-        os.close(folder)
+        """Have everything appended so far on the disk itself; appends go on meanwhile.
+
+        Raises
+        ------
+        OSError
+            If the disk refuses. What it refused is tried again by the next call.
+        """
+        with self._syncing:
+            with self._lock:
+                finished, current, number = list(self._unsynced), os.dup(self._file), self._number
+            try:
+                for file in [*finished, current]:
+                    os.fdatasync(file)
+                if number != self._named:  # a new segment: its name, too
+                    folder = os.open(self.folder, os.O_RDONLY)
+                    try:
+                        os.fsync(folder)
+                    finally:
+                        os.close(folder)
+            finally:
+                os.close(current)
+            with self._lock:
+                self._named = number
+                self._unsynced = self._unsynced[len(finished) :]
+            for file in finished:
+                os.close(file)
 
     @property
     def bytes_left(self) -> int:
