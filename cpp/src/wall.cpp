@@ -7,42 +7,20 @@
 
 #include <algorithm>
 #include <bit>
-#include <cmath>
 #include <iterator>
-#include <mutex>
 #include <utility>
 
-#include "direct.hpp"
 #include "helibore/error.hpp"
 #include "instruction_set.hpp"
 #include "number_text.hpp"
 #include "parallel.hpp"
-#include "samples.hpp"
-#include "search.hpp"
-#include "vertices.hpp"
+#include "wall_state.hpp"
 
 namespace helibore {
 namespace {
 
-constexpr Index lanes = kernel::lanes;
-constexpr Index groups_a_part = 64;  // of the work shared out to threads
 constexpr Index parts_a_thread = 4;  // less is not worth starting one
 constexpr double most_vertices = 2147483648.0;
-
-Index groups_of(Index vertices) {
-    return (vertices + lanes - 1) / lanes;
-}
-
-template <class T>
-void require(bool good, const char* name, T value, const char* rule) {
-    if (good) return;
-    std::string text;
-    if constexpr (std::is_floating_point_v<T>)
-        text = number_text(value);
-    else
-        text = std::to_string(value);
-    throw InputError(std::string(name) + " = " + text + ": " + rule);
-}
 
 // Merges [start, stop) into sorted ranges that never touch.
 void add_range(std::vector<Range>& ranges, Range range) {
@@ -70,65 +48,6 @@ std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>&
 }
 
 }  // namespace
-
-void Settings::validate() const {
-    const auto positive = [](const char* name, double value) {
-        require(std::isfinite(value) && value > 0.0, name, value, "must be finite and above 0");
-    };
-    positive("bit_diameter", bit_diameter);
-    require(bit_diameter <= 4.0, "bit_diameter", bit_diameter, "must be at most 4 m");
-    require(sectors >= 3 && sectors <= 1000000, "sectors", sectors, "must lie in 3 to 1000000");
-    require(std::isfinite(pitch) && pitch != 0.0, "pitch", pitch, "must be finite and not 0");
-    if (start_depth) require(std::isfinite(*start_depth), "start_depth", *start_depth, "must be finite");
-    if (stop_depth) require(std::isfinite(*stop_depth), "stop_depth", *stop_depth, "must be finite");
-    require(std::isfinite(start_toolface), "start_toolface", start_toolface, "must be finite");
-    require(neighbors >= 1 && neighbors <= kernel::max_neighbors, "neighbors", neighbors, "must lie in 1 to 256");
-    if (window) require(*window >= 1, "window", *window, "must be at least 1");
-    positive("power", power);
-    require(max_distance > 0.0, "max_distance", max_distance, "must be above 0");
-    require(max_iterations >= 1 && max_iterations <= 255, "max_iterations", max_iterations, "must lie in 1 to 255");
-    require(tolerance >= 0.0, "tolerance", tolerance, "must be 0 or above");
-    positive("angular_scale", angular_scale);
-    require(threads >= 1 && threads <= 1024, "threads", threads, "must lie in 1 to 1024");
-}
-
-struct Wall::State {
-    explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
-        if (s.start_depth) helix.start_depth = *s.start_depth;
-        scratches.resize(static_cast<std::size_t>(s.threads));
-    }
-
-    Change append(const SampleColumns& columns);
-    Change update(const SortedBatch& batch);
-    Helix helix_now() const;
-    Index count_now(const Helix& next) const;
-    std::vector<Index> touched_groups(const SortedBatch& batch) const;
-    void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
-                       std::vector<GroupResult>& staged);
-    std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
-                               Index new_count, const DirectRadii& next_direct) const;
-    Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
-                        const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
-
-    template <class T, std::size_t n, class Out>
-    std::vector<Out> copy(std::array<T, n> Vertices::Block::* member) const {
-        const std::scoped_lock held(lock);
-        std::vector<Out> out(static_cast<std::size_t>(count));
-        vertices.copy(member, {0, count}, out.data());
-        return out;
-    }
-
-    mutable std::mutex lock;
-    Settings settings;
-    Search search;
-    Samples samples;
-    Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
-    Vertices vertices;
-    Index count = 0;
-    Index settled = 0;
-    DirectRadii direct;
-    std::vector<Search::Scratch> scratches;
-};
 
 Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
@@ -314,115 +233,6 @@ const Settings& Wall::settings() const {
 }
 Change Wall::append(const SampleColumns& samples) {
     return state_->append(samples);
-}
-
-Index Wall::size() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->count;
-}
-
-Index Wall::sample_count() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->samples.size();
-}
-
-Index Wall::settled() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->settled;
-}
-
-double Wall::start_depth() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->helix.start_depth;
-}
-
-std::vector<double> Wall::depth() const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    std::vector<double> out(static_cast<std::size_t>(state_->count));
-    for (Index k = 0; k < state_->count; ++k) out[static_cast<std::size_t>(k)] = state_->helix.depth(k);
-    return out;
-}
-
-std::vector<double> Wall::toolface() const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    std::vector<double> out(static_cast<std::size_t>(state_->count));
-    for (Index k = 0; k < state_->count; ++k) out[static_cast<std::size_t>(k)] = state_->helix.toolface(k);
-    return out;
-}
-
-std::vector<double> Wall::radius() const {
-    const std::scoped_lock held(state_->lock);
-    std::vector<double> out(static_cast<std::size_t>(state_->count));
-    state_->vertices.copy(&Vertices::Block::radius, {0, state_->count}, out.data());
-    state_->direct.show({0, state_->count}, out.data());
-    return out;
-}
-std::vector<double> Wall::nearest() const {
-    return state_->copy<double, Vertices::block_size, double>(&Vertices::Block::nearest);
-}
-
-std::vector<std::int32_t> Wall::support() const {
-    return state_->copy<std::uint16_t, Vertices::block_size, std::int32_t>(&Vertices::Block::support);
-}
-
-std::vector<std::int32_t> Wall::iterations() const {
-    return state_->copy<std::uint8_t, Vertices::block_size, std::int32_t>(&Vertices::Block::iterations);
-}
-
-std::vector<std::vector<double>> Wall::carry(std::span<const std::span<const double>> channels, int threads) const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    const State& s = *state_;
-    for (std::size_t c = 0; c < channels.size(); ++c)
-        if (channels[c].size() != static_cast<std::size_t>(s.samples.size()))
-            throw InputError("channel " + std::to_string(c) + " has " + std::to_string(channels[c].size()) +
-                             " values, the wall " + std::to_string(s.samples.size()) + " samples: must be equal");
-    std::vector<std::vector<double>> values(channels.size(), std::vector<double>(static_cast<std::size_t>(s.count)));
-    const Index groups = groups_of(s.count), parts = (groups + groups_a_part - 1) / groups_a_part;
-    std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
-    for_each_part(parts, threads, [&](int worker, Index part_index) {
-        std::vector<double*> out(channels.size());
-        for (Index g = part_index * groups_a_part; g < std::min(groups, (part_index + 1) * groups_a_part); ++g) {
-            for (std::size_t c = 0; c < channels.size(); ++c) out[c] = values[c].data() + g * lanes;
-            s.search.carry(s.samples, s.helix, g, s.count, scratches[static_cast<std::size_t>(worker)], channels, out);
-        }
-    });
-    return values;
-}
-
-void Wall::copy_radius(Range range, std::span<double> out) const {
-    const std::scoped_lock held(state_->lock);
-    if (range.start < 0 || range.stop < range.start || range.stop > state_->count)
-        throw InputError("range = [" + std::to_string(range.start) + ", " + std::to_string(range.stop) +
-                         "): must lie within the wall's " + std::to_string(state_->count) + " vertices");
-    if (out.size() != static_cast<std::size_t>(range.stop - range.start))
-        throw InputError("out has " + std::to_string(out.size()) + " values, the range " +
-                         std::to_string(range.stop - range.start) + ": must be equal");
-    state_->vertices.copy(&Vertices::Block::radius, range, out.data());
-    state_->direct.show(range, out.data());
-}
-
-std::vector<bool> Wall::provisional() const {
-    const std::scoped_lock held(state_->lock);
-    std::vector<bool> out(static_cast<std::size_t>(state_->count));
-    for (Index k = state_->direct.start; k < state_->count; ++k)
-        out[static_cast<std::size_t>(k)] = state_->direct.stands_for(k);
-    return out;
-}
-
-std::vector<std::vector<double>> Wall::samples() const {
-    const std::scoped_lock held(state_->lock);
-    const bool timed = state_->samples.timed();
-    std::vector<std::vector<double>> columns(timed ? 4 : 3);
-    for (auto& column : columns) column.reserve(static_cast<std::size_t>(state_->samples.size()));
-    for (const auto& chunk : state_->samples.chunks()) {
-        const double* from[4] = {chunk->depth(), chunk->toolface(), chunk->radius(), timed ? chunk->time() : nullptr};
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            columns[i].insert(columns[i].end(), from[i], from[i] + chunk->count);
-    }
-    return columns;
 }
 
 }  // namespace helibore

@@ -51,15 +51,19 @@ SampleColumns columns_of(const Column& depth, const Column& toolface, const Colu
 }
 
 template <class T>
+std::vector<T> read_of(const Wall& wall, std::vector<T> (Wall::*read)() const) {
+    const py::gil_scoped_release released;
+    return (wall.*read)();
+}
+
+template <class T>
 auto reader(std::vector<T> (Wall::*read)() const) {
-    return [read](const Wall& wall) {
-        std::vector<T> values;
-        {
-            const py::gil_scoped_release released;
-            values = (wall.*read)();
-        }
-        return array_of(std::move(values));
-    };
+    return [read](const Wall& wall) { return array_of(read_of(wall, read)); };
+}
+
+// Bytes of 0 and 1 as an array of bool.
+py::array flags_of(std::vector<std::uint8_t> values) {
+    return array_of(std::move(values)).view("?");
 }
 
 py::array_t<Index> ranges_of(const Change& change) {
@@ -99,17 +103,21 @@ void register_wall(py::module_& m) {
         .def("nearest", reader(&Wall::nearest))
         .def("support", reader(&Wall::support))
         .def("iterations", reader(&Wall::iterations))
-        .def("provisional",
-             [](const Wall& wall) {
-                 std::vector<bool> values;
-                 {
-                     const py::gil_scoped_release released;
-                     values = wall.provisional();
-                 }
-                 py::array_t<bool> out(static_cast<py::ssize_t>(values.size()));
-                 std::copy(values.begin(), values.end(), out.mutable_data());
-                 return out;
-             })
+        .def("provisional", [](const Wall& wall) { return flags_of(read_of(wall, &Wall::provisional)); })
+        .def(
+            "vertices",
+            [](const Wall& wall, Index start, Index stop) {
+                VertexColumns of;
+                {
+                    const py::gil_scoped_release released;
+                    of = wall.vertices({start, stop});
+                }
+                return py::make_tuple(array_of(std::move(of.depth)), array_of(std::move(of.toolface)),
+                                      array_of(std::move(of.radius)), array_of(std::move(of.nearest)),
+                                      array_of(std::move(of.support)), array_of(std::move(of.iterations)),
+                                      flags_of(std::move(of.provisional)));
+            },
+            py::arg("start"), py::arg("stop"))
         .def(
             "carry",
             [](const Wall& wall, const std::vector<Column>& channels, int threads) {

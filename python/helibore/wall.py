@@ -64,6 +64,24 @@ class Change:
         )
 
 
+class VertexColumns(NamedTuple):
+    """One value for each of some vertices, all of one moment.
+
+    Attributes
+    ----------
+    depth, toolface, radius, nearest, support, iterations, provisional
+        As the properties of `Wall` of these names.
+    """
+
+    depth: Floats
+    toolface: Floats
+    radius: Floats
+    nearest: Floats
+    support: npt.NDArray[np.int32]
+    iterations: npt.NDArray[np.int32]
+    provisional: npt.NDArray[np.bool_]
+
+
 class _Moment(NamedTuple):
     """A wall as it is now, for what is made of its radii."""
 
@@ -236,6 +254,26 @@ class Wall:
     def provisional(self) -> npt.NDArray[np.bool_]:
         """(n,) bool: is the radius that of a sample, until the vertex is settled? Only with ``direct``; a copy."""
         return self._core.provisional()
+
+    def vertices(self, start: int = 0, stop: int | None = None) -> VertexColumns:
+        """Return the vertices [start, stop), as those of a `Change`: what a viewer or a host's store copies after it.
+
+        Parameters
+        ----------
+        start, stop
+            Numbers of vertices, 0 <= start <= stop <= len(wall). `stop` = None: all there are.
+
+        Returns
+        -------
+        VertexColumns
+            Arrays of stop - start values; copies, all of one moment.
+
+        Raises
+        ------
+        ValueError
+            If the range reaches beyond the wall: ``range = [0, 12): must lie within the wall's 10 vertices``.
+        """
+        return VertexColumns(*self._core.vertices(start, len(self._core) if stop is None else stop))
 
     @property
     def samples(self) -> Caliper:

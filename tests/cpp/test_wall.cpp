@@ -34,9 +34,11 @@ void reconstructs() {
     CHECK(wall.toolface()[8] == 90.0);
     CHECK(wall.settings().sectors == 32);
 
-    std::vector<double> part(10);
-    wall.copy_radius({5, 15}, part);
-    CHECK(std::equal(part.begin(), part.end(), radius.begin() + 5));
+    const VertexColumns part = wall.vertices({5, 15}), all = wall.vertices();
+    CHECK(std::equal(part.radius.begin(), part.radius.end(), radius.begin() + 5));
+    CHECK(part.depth.size() == 10 && part.depth[0] == wall.depth()[5] && part.toolface[9] == wall.toolface()[14]);
+    CHECK(all.nearest == wall.nearest() && all.support == wall.support() && all.iterations == wall.iterations());
+    CHECK(all.provisional == std::vector<std::uint8_t>(all.radius.size(), 0));
     const Surface surface =
         surface_of({.start_depth = wall.start_depth(), .pitch = 0.1, .sectors = 32, .radius = radius});
     CHECK(static_cast<Index>(surface.vertices.size()) == wall.size());
@@ -79,10 +81,8 @@ void refuses_samples() {
     CHECK_THROWS(InputError, "radius has 2 values, depth has 1: must be equal", wall.append({one, one, two, one}));
     CHECK_THROWS(InputError, "time: missing, but the samples before carry one; give it for all or none",
                  wall.append({one, one, one}));
-    std::vector<double> out(3);
-    CHECK_THROWS(InputError, "out has 3 values, the range 2: must be equal", wall.copy_radius({0, 2}, out));
     CHECK_THROWS(InputError, "range = [-1, 2): must lie within the wall's " + std::to_string(wall.size()) + " vertices",
-                 wall.copy_radius({-1, 2}, out));
+                 wall.vertices({-1, 2}));
     CHECK(bits(wall) == before);
 }
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from typing import Any
 
 import numpy as np
@@ -82,3 +83,21 @@ def test_a_saved_wall_goes_on_being_direct(tmp_path: Any) -> None:
 def test_direct_is_a_truth_value() -> None:
     with pytest.raises(ValueError, match=exactly("direct = 1: must be True or False")):
         hb.Wall(bit_diameter=BIT, direct=1)
+
+
+def test_ranges_of_vertices() -> None:
+    """A range of vertices reads as the columns do, provisional vertices included."""
+    wall = hb.Wall(bit_diameter=0.2, sectors=16, direct=True)
+    wall.append(np.linspace(1.0, 4.0, 400), np.arange(400) * 37.0 % 360, 0.1 + 1e-5 * np.arange(400))
+    assert 0 < wall.provisional.sum() < len(wall)
+    for start, stop in ((0, None), (0, 0), (5, 6), (len(wall) - 40, len(wall)), (len(wall), len(wall))):
+        part = wall.vertices(start, stop)
+        assert part._fields == ("depth", "toolface", "radius", "nearest", "support", "iterations", "provisional")
+        for name, column in part._asdict().items():
+            whole = getattr(wall, name)
+            assert column.dtype == whole.dtype
+            np.testing.assert_array_equal(column, whole[start:stop])
+    for start, stop in ((-1, 3), (4, 3), (0, len(wall) + 1)):
+        rule = rf"range = [{start}, {stop}): must lie within the wall's {len(wall)} vertices"
+        with pytest.raises(ValueError, match=re.escape(rule)):
+            wall.vertices(start, stop)

@@ -31,6 +31,18 @@ struct SampleColumns {
     void validate(int threads = 1) const;
 };
 
+// One value a vertex: metres and degrees.
+struct VertexColumns {
+    std::vector<double> depth, toolface;
+    std::vector<double> radius;            // NaN where no sample is in reach
+    std::vector<double> nearest;           // to the nearest sample used; NaN where there is none
+    std::vector<std::int32_t> support;     // samples used
+    std::vector<std::int32_t> iterations;  // estimates made
+
+    // 1: the radius is that of a sample in the vertex's cell, until the vertex is settled. With Settings::direct only.
+    std::vector<std::uint8_t> provisional;
+};
+
 struct Change {
     std::vector<Range> ranges;  // vertices that are new or have other bits than before; sorted, never touching
     Index settled = 0;          // vertices below this no longer change while the hole only gets deeper
@@ -57,24 +69,24 @@ class Wall {
     Index settled() const;
     double start_depth() const;  // depth of vertex 0; NaN while there is none
 
-    // Owned copies, one value a vertex.
+    // Owned copies: of a range of vertices, as those of a Change, or of all. All columns are of one moment. Throws
+    // InputError where the range reaches beyond the wall.
+    VertexColumns vertices(Range range) const;
+    VertexColumns vertices() const;
+
+    // One column of all vertices.
     std::vector<double> depth() const;
     std::vector<double> toolface() const;
-    std::vector<double> radius() const;            // metres; NaN where no sample is in reach
-    std::vector<double> nearest() const;           // metres to the nearest sample used; NaN where there is none
-    std::vector<std::int32_t> support() const;     // samples used
-    std::vector<std::int32_t> iterations() const;  // estimates made
-
-    // Is the radius that of a sample in the vertex's cell, until the vertex is settled? With Settings::direct only.
-    std::vector<bool> provisional() const;
+    std::vector<double> radius() const;
+    std::vector<double> nearest() const;
+    std::vector<std::int32_t> support() const;
+    std::vector<std::int32_t> iterations() const;
+    std::vector<std::uint8_t> provisional() const;
 
     // Scattered attributes: values measured with the samples, one channel after another, each with a value a sample in
     // canonical order (samples()), NaN for none. One value a vertex comes back, by the neighbours and weights of its
     // radius; NaN where none of them has one. Throws InputError where a channel has another length.
     std::vector<std::vector<double>> carry(std::span<const std::span<const double>> channels, int threads = 1) const;
-
-    // Copies the radii of a range into memory of the caller, of exactly that length.
-    void copy_radius(Range range, std::span<double> out) const;
 
     // The samples kept, in canonical order: depth, toolface, radius, and time where they carry one.
     std::vector<std::vector<double>> samples() const;

@@ -1,0 +1,64 @@
+// What a wall consists of. wall.cpp changes it, wall_read.cpp reads it; both hold its lock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <mutex>
+#include <vector>
+
+#include "direct.hpp"
+#include "helibore/wall.hpp"
+#include "samples.hpp"
+#include "search.hpp"
+#include "vertices.hpp"
+
+namespace helibore {
+
+inline constexpr Index lanes = kernel::lanes;
+inline constexpr Index groups_a_part = 64;  // of the work shared out to threads
+
+inline Index groups_of(Index vertices) {
+    return (vertices + lanes - 1) / lanes;
+}
+
+struct Wall::State {
+    explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
+        if (s.start_depth) helix.start_depth = *s.start_depth;
+        scratches.resize(static_cast<std::size_t>(s.threads));
+    }
+
+    Change append(const SampleColumns& columns);
+    Change update(const SortedBatch& batch);
+    Helix helix_now() const;
+    Index count_now(const Helix& next) const;
+    std::vector<Index> touched_groups(const SortedBatch& batch) const;
+    void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
+                       std::vector<GroupResult>& staged);
+    std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
+                               Index new_count, const DirectRadii& next_direct) const;
+    Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
+                        const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
+
+    // Of a range of vertices; wall_read.cpp.
+    VertexColumns read(Range range) const;
+    std::vector<double> depth(Range range) const;
+    std::vector<double> toolface(Range range) const;
+    std::vector<double> radius(Range range) const;
+    std::vector<std::uint8_t> provisional(Range range) const;
+    template <class Out, class T, std::size_t n>
+    std::vector<Out> column(std::array<T, n> Vertices::Block::* member, Range range) const;
+
+    mutable std::mutex lock;
+    Settings settings;
+    Search search;
+    Samples samples;
+    Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
+    Vertices vertices;
+    Index count = 0;
+    Index settled = 0;
+    DirectRadii direct;
+    std::vector<Search::Scratch> scratches;
+};
+
+}  // namespace helibore
