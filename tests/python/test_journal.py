@@ -306,6 +306,42 @@ def test_sync_before_every_acknowledgement_when_asked(tmp_path, monkeypatch):
         assert j.bytes_left > 0
 
 
+def test_what_cannot_be_synced_is_not_acknowledged_and_is_written_anew(tmp_path, monkeypatch):
+    real, refusing = os.fdatasync, [False]
+
+    def fdatasync(file: int) -> None:
+        if refusing[0]:
+            raise OSError(errno.EIO, "Input/output error")
+        real(file)
+
+    monkeypatch.setattr(os, "fdatasync", fdatasync)
+    with Journal(tmp_path, segment_bytes=600, sync_interval=0) as j:
+        j.append(1, 1, b"before")
+        for i in range(20):
+            refusing[0] = True
+            with pytest.raises(JournalFullError, match="Input/output error: not synced"):
+                j.append(1, 1, b"%d" % i * 40)
+            assert (1, 1, b"%d" % i * 40) not in stored(tmp_path)
+            refusing[0] = False
+            assert j.append(1, 1, b"%d" % i * 40)[0] > i
+    assert stored(tmp_path) == [(1, 1, b"before"), *((1, 1, b"%d" % i * 40) for i in range(20))]
+    found = [segment.records["sequence"] for segment in segments(tmp_path)]
+    assert len(found) > 3
+    assert np.array_equal(np.concatenate(found), np.arange(sum(map(len, found))))
+
+
+def test_a_journal_that_cannot_be_synced_lets_go_of_its_folder(tmp_path, monkeypatch):
+    def refused(_: int) -> None:
+        raise OSError(errno.EIO, "Input/output error")
+
+    j = Journal(tmp_path)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "fdatasync", refused)
+        with pytest.raises(JournalFullError, match="not synced"):
+            j.close()
+    Journal(tmp_path).close()
+
+
 def test_what_the_disk_refused_to_sync_is_synced_next_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """Segments that were finished before the refusal are not forgotten, and no descriptor is left open."""
     journal = Journal(tmp_path, segment_bytes=4096)

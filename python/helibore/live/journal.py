@@ -17,6 +17,7 @@ of the process (kill -9). A power cut or a crash of the system itself can take w
 
 from __future__ import annotations
 
+import contextlib
 import fcntl
 import os
 import secrets
@@ -39,11 +40,12 @@ HEADER = struct.Struct("<8sIIQII")  # magic, version, segment, first sequence nu
 MAGIC = b"HELIBJ\r\n"
 VERSION = 1
 RECORDS_START = 2 * HEADER.size
+RECORD_HEADER = 48
 LONGEST_PAYLOAD = 1 << 20
 
 
 class JournalFullError(OSError):
-    """The disk refused a record. The journal is as it was before, and the next append may succeed."""
+    """The disk refused a record or a sync. What was acknowledged before is as it was, and the next try may succeed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -250,10 +252,22 @@ class Journal:
         Raises
         ------
         JournalFullError
-            If the disk refuses it. Nothing of the record remains.
+            If the disk refuses it, or to sync it where every append is synced. Nothing of the record remains.
         ValueError
             If the payload is over 1 MiB.
         """
+        if self.sync_interval > 0:
+            return self._append(source, connection, payload, kind)
+        with self._syncing:  # no other append before this one is on the disk, so that it can be taken back
+            stamp = self._append(source, connection, payload, kind)
+            try:
+                self._sync()
+            except JournalFullError:
+                self._take_back(payload)
+                raise
+        return stamp
+
+    def _append(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[int, int, int]:
         with self._lock:
             wall, monotonic = self._clock()
             try:
@@ -265,10 +279,15 @@ class Journal:
                 raise JournalFullError(
                     error.errno, f"{error.strerror}: the record was not stored", str(self.folder)
                 ) from error
-            sequence = self._sequence - 1
-        if self.sync_interval == 0:
-            self.sync()
-        return sequence, wall, monotonic
+            return self._sequence - 1, wall, monotonic
+
+    def _take_back(self, payload: bytes) -> None:
+        """Forget the last record: its pages may be gone though the next sync succeeds, so it has to be written anew."""
+        with self._lock:
+            self._stop -= RECORD_HEADER + len(payload)
+            self._sequence -= 1
+            with contextlib.suppress(OSError):  # then the next record is written over it
+                os.ftruncate(self._file, self._stop)
 
     def _write(self, source: int, connection: int, payload: bytes, kind: int, wall: int, monotonic: int) -> None:
         header = _core.journal_seal(self._sequence, wall, monotonic, connection, source, kind, payload, self._salt)
@@ -288,28 +307,33 @@ class Journal:
 
         Raises
         ------
-        OSError
+        JournalFullError
             If the disk refuses. What it refused is tried again by the next call.
         """
         with self._syncing:
-            with self._lock:
-                finished, current, number = list(self._unsynced), os.dup(self._file), self._number
-            try:
-                for file in [*finished, current]:
-                    os.fdatasync(file)
-                if number != self._named:  # a new segment: its name, too
-                    folder = os.open(self.folder, os.O_RDONLY)
-                    try:
-                        os.fsync(folder)
-                    finally:
-                        os.close(folder)
-            finally:
-                os.close(current)
-            with self._lock:
-                self._named = number
-                self._unsynced = self._unsynced[len(finished) :]
-            for file in finished:
-                os.close(file)
+            self._sync()
+
+    def _sync(self) -> None:
+        with self._lock:
+            finished, current, number = list(self._unsynced), os.dup(self._file), self._number
+        try:
+            for file in [*finished, current]:
+                os.fdatasync(file)
+            if number != self._named:  # a new segment: its name, too
+                folder = os.open(self.folder, os.O_RDONLY)
+                try:
+                    os.fsync(folder)
+                finally:
+                    os.close(folder)
+        except OSError as error:
+            raise JournalFullError(error.errno, f"{error.strerror}: not synced", str(self.folder)) from error
+        finally:
+            os.close(current)
+        with self._lock:
+            self._named = number
+            self._unsynced = self._unsynced[len(finished) :]
+        for file in finished:
+            os.close(file)
 
     @property
     def bytes_left(self) -> int:
@@ -319,9 +343,11 @@ class Journal:
 
     def close(self) -> None:
         """Sync and let go of the folder."""
-        if self._file >= 0:
-            self.sync()
-        self._close_files()
+        try:
+            if self._file >= 0:
+                self.sync()
+        finally:
+            self._close_files()
 
     def _close_files(self) -> None:
         for file in [*self._unsynced, self._file, self._guard]:
