@@ -4,9 +4,12 @@
 #include "helibore/wits.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <charconv>
 #include <cmath>
+#include <cstring>
 #include <limits>
+#include <span>
 
 #include "helibore/error.hpp"
 
@@ -37,40 +40,87 @@ constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 constexpr double power_of_ten[] = {1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                    1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
 
+// Eight bytes, one digit each, the first in the lowest byte: pairs, then fours, then all. -1 where one is no digit.
+std::int64_t eight_digits(std::uint64_t word) {
+    if (((word & 0xF0F0F0F0F0F0F0F0) | (((word + 0x0606060606060606) & 0xF0F0F0F0F0F0F0F0) >> 4)) != 0x3333333333333333)
+        return -1;
+    word = (word & 0x0F0F0F0F0F0F0F0F) * 2561 >> 8;
+    word = (word & 0x00FF00FF00FF00FF) * 6553601 >> 16;
+    return static_cast<std::int64_t>((word & 0x0000FFFF0000FFFF) * 42949672960001 >> 32);
+}
+
+// 1 to 8 digits with at most one point, all at once, in a word; NaN for any other text. The eight bytes before `last`
+// must be readable, as they are within a frame: "&&", a line end and an item code come before every value.
+//
+//     |x|x|1|2|3|.|4|5|   ->   |0|0|0|1|2|3|4|5|   and two decimals
+double word_number(const char* first, const char* last) {
+    std::uint64_t word;
+    std::memcpy(&word, last - 8, 8);
+    const std::uint64_t absent = ~std::uint64_t{0} >> (8 * (last - first) - 1) >> 1;  // the bytes before `first`
+    word = (word & ~absent) | (0x3030303030303030 & absent);
+    const std::uint64_t unequal = word ^ 0x2E2E2E2E2E2E2E2E;
+    const std::uint64_t points = (unequal - 0x0101010101010101) & ~unequal & 0x8080808080808080;
+    if (points == 0) {
+        const std::int64_t whole = eight_digits(word);
+        return whole < 0 ? nan : static_cast<double>(whole);
+    }
+    const int below = std::countr_zero(points) - 7;  // bits before the first point
+    const std::uint64_t before = (std::uint64_t{1} << below) - 1;
+    const std::uint64_t after = ~before << 7 << 1;
+    const std::int64_t numerator = eight_digits((word & after) | ((word & before) << 8) | '0');
+    if (numerator < 0 || last - first == 1) return nan;
+    return static_cast<double>(numerator) / power_of_ten[7 - below / 8];
+}
+
 // Digits with at most one point, 15 digits at most: numerator and power of ten are both exact doubles, so their
 // quotient is the correctly rounded value, the same bits as from_chars gives. NaN for any other text.
 double short_number(const char* first, const char* last) {
-    const bool negative = *first == '-';
-    const char* p = first + negative;
-    if (last - p > 16) return nan;
     std::uint64_t numerator = 0;
-    const char* point = nullptr;
-    const char* begin = p;
-    for (; p != last; ++p) {
-        const unsigned digit = static_cast<unsigned>(static_cast<unsigned char>(*p)) - '0';
-        if (digit <= 9)
+    const auto take_digits = [&] {
+        const char* begin = first;
+        for (unsigned digit; first != last && (digit = static_cast<unsigned char>(*first) - unsigned{'0'}) <= 9;
+             ++first)
             numerator = 10 * numerator + digit;
-        else if (*p == '.' && point == nullptr)
-            point = p;
-        else
-            return nan;
+        return first - begin;
+    };
+    std::ptrdiff_t digits = take_digits();
+    std::ptrdiff_t decimals = 0;
+    if (first != last && *first == '.') {
+        ++first;
+        decimals = take_digits();
+        digits += decimals;
     }
-    const std::ptrdiff_t digits = last - begin - (point != nullptr);
-    if (digits < 1 || digits > 15) return nan;
-    double value = static_cast<double>(numerator);
-    if (point != nullptr) value /= power_of_ten[last - point - 1];
-    return negative ? -value : value;
+    if (first != last || digits < 1 || digits > 15) return nan;
+    return static_cast<double>(numerator) / power_of_ten[decimals];
 }
 
 // Strict decimal number: from_chars without its "inf" and "nan", with an optional '+'. NaN when the text is not one.
 double strict_number(const char* first, const char* last) {
-    const double quick = short_number(first, last);
-    if (!std::isnan(quick)) return quick;
+    const bool negative = *first == '-';
+    const std::ptrdiff_t length = last - first - negative;
+    if (length >= 1 && length <= 16) {
+        const bool in_a_word = length <= 8 && std::endian::native == std::endian::little;
+        const double quick = in_a_word ? word_number(first + negative, last) : short_number(first + negative, last);
+        if (!std::isnan(quick)) return negative ? -quick : quick;
+    }
     const char* digits = first + (*first == '+' || *first == '-');
     if (digits == last || ((*digits < '0' || *digits > '9') && *digits != '.')) return nan;
     double value = 0;
     const auto [end, error] = std::from_chars(*first == '+' ? digits : first, last, value);
     return error == std::errc() && end == last ? value : nan;
+}
+
+// The value and flags of an item's text.
+void read_value(std::string_view text, std::span<const double> nulls, Item& item) {
+    const char* first = text.data();
+    const char* last = first + text.size();
+    while (first != last && *first == ' ') ++first;
+    while (first != last && last[-1] == ' ') --last;
+    const double value = first == last ? nan : strict_number(first, last);
+    bool null = first == last;
+    for (const double one : nulls) null |= value == one;
+    item.flags = null ? null_value : std::isnan(value) ? not_a_number : std::uint16_t{0};
+    item.value = item.flags == 0 ? value : nan;
 }
 
 }  // namespace
@@ -95,7 +145,8 @@ Batch Parser::feed(std::string_view bytes) {
     Batch batch;
     held_.append(bytes);
     counts_.bytes += as_index(bytes.size());
-    batch.items.reserve(std::min<std::size_t>(bytes.size() / 16, 65536));
+    batch.items = std::move(open_items_);
+    batch.items.reserve(batch.items.size() + std::min<std::size_t>(bytes.size() / 12, 65536));
     for (;;) {
         const std::size_t end = held_.find('\n', searched_);
         if (end == std::string::npos) break;
@@ -114,6 +165,7 @@ Batch Parser::feed(std::string_view bytes) {
 Batch Parser::finish() {
     const std::lock_guard guard(lock_);
     Batch batch;
+    batch.items = std::move(open_items_);
     std::string_view last = std::string_view(held_).substr(line_start_);
     if (last.ends_with('\r')) last.remove_suffix(1);
     counts_.lines += !last.empty();
@@ -157,37 +209,12 @@ void Parser::take_line(std::size_t start, std::size_t stop, std::size_t next, Ba
 void Parser::take_item(std::string_view line, Index offset, Batch& batch) {
     const std::uint16_t code = code_of(line);
     if (code == 0) return tell(Rule::not_an_item, offset, counts_.lines, line.size(), batch);
-    Item item = number(line.substr(4));
+    Item& item = batch.items.emplace_back();
     item.frame = counts_.frames;
     item.offset = offset + 4;
     item.length = static_cast<std::int32_t>(line.size() - 4);
     item.code = code;
-    open_items_.push_back(item);
-}
-
-Item Parser::number(std::string_view text) const {
-    Item item;
-    const char* first = text.data();
-    const char* last = first + text.size();
-    while (first != last && *first == ' ') ++first;
-    while (first != last && last[-1] == ' ') --last;
-    item.value = nan;
-    if (first == last) {
-        item.flags = null_value;
-        return item;
-    }
-    const double value = strict_number(first, last);
-    if (std::isnan(value)) {
-        item.flags = not_a_number;
-        return item;
-    }
-    for (const double null : nulls_)
-        if (value == null) {
-            item.flags = null_value;
-            return item;
-        }
-    item.value = value;
-    return item;
+    read_value(line.substr(4), nulls_, item);
 }
 
 void Parser::begin_frame(std::size_t start, std::size_t next, Batch& batch) {
@@ -198,21 +225,21 @@ void Parser::begin_frame(std::size_t start, std::size_t next, Batch& batch) {
     body_start_ = next;
     frame_line_ = counts_.lines;
     frame_lines_ = 0;
-    open_items_.clear();
+    frame_first_ = batch.items.size();
 }
 
 void Parser::end_frame(std::size_t next, Batch& batch) {
     if (place_ == Place::outside)
         return tell(Rule::stray_end, held_base_ + as_index(line_start_), counts_.lines, 2, batch);
     if (place_ == Place::inside) {
+        const std::span items = std::span(batch.items).subspan(frame_first_);
         batch.frames.push_back({held_base_ + as_index(frame_start_), held_base_ + as_index(next),
-                                as_index(batch.items.size()), as_index(open_items_.size())});
-        batch.items.insert(batch.items.end(), open_items_.begin(), open_items_.end());
-        for (const Item& item : open_items_) {
+                                as_index(frame_first_), as_index(items.size())});
+        for (const Item& item : items) {
             counts_.nulls += (item.flags & null_value) != 0;
             counts_.not_numbers += (item.flags & not_a_number) != 0;
         }
-        counts_.items += as_index(open_items_.size());
+        counts_.items += as_index(items.size());
         ++counts_.frames;
     }
     place_ = Place::outside;
@@ -221,7 +248,7 @@ void Parser::end_frame(std::size_t next, Batch& batch) {
 void Parser::drop_frame(Rule rule, Batch& batch) {
     tell(rule, held_base_ + as_index(frame_start_), frame_line_, 2, batch);
     place_ = Place::dropped;
-    open_items_.clear();
+    batch.items.resize(frame_first_);
 }
 
 // The line whose end has not come: nothing to do unless it is already too long. Within a frame it stays until the
@@ -239,8 +266,17 @@ void Parser::take_unended_line(Batch& batch) {
     skipping_line_ = true;
 }
 
-// Everything before the open frame, or before the line being read, goes out with the batch.
+// Everything before the open frame, or before the line being read, goes out with the batch. An open frame that is all
+// there is keeps its memory, so that one-byte chunks stay linear.
 void Parser::hand_over(Batch& batch) {
+    open_items_.clear();
+    if (place_ == Place::inside && frame_first_ == 0) {
+        open_items_.swap(batch.items);
+    } else if (place_ == Place::inside) {
+        open_items_.assign(batch.items.begin() + as_index(frame_first_), batch.items.end());
+        batch.items.resize(frame_first_);
+    }
+    frame_first_ = 0;
     const std::size_t keep = place_ == Place::inside ? frame_start_ : skipping_line_ ? held_.size() : line_start_;
     batch.base = held_base_;
     if (keep == 0) return;

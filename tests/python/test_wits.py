@@ -22,6 +22,8 @@ def slow_number(text: bytes, nulls) -> tuple[float, int]:
         return math.nan, wits.NULL
     if not STRICT.fullmatch(text) or math.isinf(float(text)):
         return math.nan, wits.INVALID
+    if float(text) == 0 and re.search(rb"^[^eE]*[1-9]", text):  # smaller than any double
+        return math.nan, wits.INVALID
     return (math.nan, wits.NULL) if float(text) in nulls else (float(text), 0)
 
 
@@ -242,6 +244,19 @@ def test_one_byte_chunks_of_a_long_frame_stay_linear():
     stream = b"&&\n" + (b"2210" + b"x" * 996 + b"\n") * 60 + b"!!\n"
     frames, _, _ = read(stream, range(1, len(stream)))
     assert len(frames[0]) == 60
+
+
+def test_numbers_of_any_length_have_the_bits_of_the_slow_reader():
+    draw = np.random.default_rng(8)
+    letters = np.frombuffer(b"0123456789012345678901234567890123456789..-+eEx/:\0\xb0\xff", np.uint8)
+    texts = [b".", b"-", b"-.", b"..", b"+.", b"0.", b".0", b"-0", b"99999999", b".9999999", b"9999999."]
+    texts += [bytes(draw.choice(letters, draw.integers(1, 20))) for _ in range(20_000)]
+    texts += [b"%.*f" % (int(draw.integers(0, 9)), draw.normal(0, 10.0 ** draw.integers(0, 7))) for _ in range(20_000)]
+    found = read(b"&&\n" + b"".join(b"0108" + text + b"\n" for text in texts) + b"!!\n", frame_limit=1 << 20,
+                 item_limit=len(texts))[0][0]  # fmt: skip
+    for text, (_, value, flags, raw) in zip(texts, found, strict=True):
+        assert raw == text
+        assert same((value, flags), slow_number(text, wits.NULLS)), text
 
 
 def test_limits_and_nulls_are_checked():

@@ -43,7 +43,8 @@ inline constexpr std::size_t rule_count = 8;
 inline constexpr std::uint16_t null_value = 1;    // empty, or equal to one of the source's null numbers
 inline constexpr std::uint16_t not_a_number = 2;  // text, or a number that breaks the strict grammar
 
-// [+-] digits [. digits] [e [+-] digits], blanks around it ignored, finite. Not: nan, inf, 1_2, 1,5, 1e400, 0x1p3.
+// [+-] digits [. digits] [e [+-] digits], blanks around it ignored, finite. Not: nan, inf, 1_2, 1,5, 1e400, 1e-400,
+// 0x1p3.
 struct Item {
     Index frame = 0;   // frames given out before this one, by this parser
     Index offset = 0;  // of the value's text in the stream
@@ -112,7 +113,6 @@ class Parser {
     void hand_over(Batch& batch);
     void tell(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
     void stray(std::size_t start, std::size_t length, Index line, Batch& batch);
-    Item number(std::string_view text) const;
 
     std::vector<double> nulls_;
     Limits limits_;
@@ -130,7 +130,8 @@ class Parser {
     std::size_t body_start_ = 0;   // in held_, behind the "&&" line
     Index frame_line_ = 0;
     Index frame_lines_ = 0;
-    std::vector<Item> open_items_;
+    std::size_t frame_first_ = 0;   // its first item in the batch being made
+    std::vector<Item> open_items_;  // between two calls
 };
 
 }  // namespace helibore::wits
