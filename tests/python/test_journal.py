@@ -5,11 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import random
-import signal
 import subprocess
-import sys
 import tempfile
-import time
 from pathlib import Path
 
 import numpy as np
@@ -256,43 +253,6 @@ def test_a_full_disk_refuses_and_goes_on_when_there_is_room(tmp_path):
         assert stored(disk / "j") == [*acknowledged, (1, 1, b"again")]
     finally:
         subprocess.run(["umount", disk], check=True)
-
-
-WRITER = """
-import sys
-from helibore.live.journal import Journal
-with Journal(sys.argv[1], segment_bytes=20000) as j:
-    i = int(sys.argv[2])
-    while True:
-        j.append(1, 1, b"%d " % i * (i % 50 + 1))
-        print(i, flush=True)
-        i += 1
-"""
-
-
-def kill_loop(folder: Path, kills: int, seed: int) -> int:
-    """Kill the writer at ``kills`` random instants; returns the number of acknowledged records, all of them found."""
-    draw = random.Random(seed)
-    acknowledged = -1
-    for _ in range(kills):
-        last = [int(payload.split()[0]) for _, _, payload in stored(folder)] if journal.paths(folder) else []
-        assert last == list(range(len(last)))
-        assert len(last) > acknowledged
-        writer = subprocess.Popen([sys.executable, "-c", WRITER, folder, str(len(last))], stdout=subprocess.PIPE)
-        writer.stdout.readline()
-        time.sleep(draw.random() * 0.05)
-        writer.send_signal(signal.SIGKILL)
-        rest = writer.stdout.read().split(b"\n")
-        writer.stdout.close()
-        writer.wait()
-        acknowledged = max([acknowledged, *(int(line) for line in rest[:-1] if line)])
-    return acknowledged + 1
-
-
-def test_killed_at_random_instants_every_acknowledged_record_is_there(tmp_path):
-    acknowledged = kill_loop(tmp_path, 6, seed=3)
-    assert acknowledged > 6
-    assert len(stored(tmp_path)) >= acknowledged
 
 
 def test_sync_before_every_acknowledgement_when_asked(tmp_path, monkeypatch):

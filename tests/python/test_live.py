@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -485,53 +483,6 @@ def test_damage_in_the_journal_is_told(tmp_path):
     assert rules(again)[0] == "journal"
     assert "hold no intact record" in again.model.events.latest[0].text
     assert again.wall.sample_count == 12
-
-
-KILLED = """
-import sys
-from helibore import Live
-from helibore.live.configuration import parse
-with Live(parse(sys.argv[2]), sys.argv[1]) as live:
-    done = live.model.readers[1].total("bytes")
-    stream = sys.stdin.buffer.read()
-    while done < len(stream):
-        live.receive("mwd", stream[done:done + 37])
-        done += 37
-        print(done, flush=True)
-"""
-
-
-def kill_loop(folder, kills: int, seed: int) -> None:
-    """Kill a live wall at random instants; the last run ends by itself and has the bits of the batch."""
-    draw = np.random.default_rng(seed)
-    stream = b"".join(FRAMES)
-    acknowledged = 0
-    for kill in range(kills + 1):
-        with subprocess.Popen([sys.executable, "-c", KILLED, folder, SENT], stdin=subprocess.PIPE,
-                              stdout=subprocess.PIPE) as child:  # fmt: skip
-            child.stdin.write(stream)
-            child.stdin.close()
-            lines = []
-            for _ in range(int(draw.integers(1, 2 * len(stream) // 37 // (kills + 1))) if kill < kills else 10**9):
-                line = child.stdout.readline()
-                if not line:
-                    break
-                lines.append(line)
-            if kill < kills:
-                child.kill()
-            lines += child.stdout.read().split(b"\n")
-        acknowledged = max([acknowledged, *(int(line) for line in lines if line.strip().isdigit())])
-        again = Live.replay(folder)
-        assert again.model.readers[1].total("bytes") >= min(acknowledged, len(stream))
-    assert acknowledged >= len(stream)
-    kept = again.wall.samples
-    found = np.column_stack([kept.toolface, kept.depth, kept.radius])
-    np.testing.assert_array_equal(found[np.lexsort(found.T)], sent_rows()[np.lexsort(sent_rows().T)])
-    assert same_bits(again.wall, hb.reconstruct(kept, bit_diameter=0.216, start_depth=100.0, sectors=16))
-
-
-def test_killed_under_load_it_recovers_and_ends_with_the_bits_of_the_batch(tmp_path):
-    kill_loop(tmp_path, 4, seed=7)
 
 
 def test_the_opening_record_holds_the_configuration(tmp_path):

@@ -6,7 +6,7 @@ hostile   100 MB without an end, a number of 10 million digits, binary noise, on
           second, over loopback; memory stays bounded and the good frame after each is drawn
 flips     2,000 bit flips of a journal, replayed: one record lost each time, told, and nothing else changed
 
-The fast versions are in tests/python/test_live*.py and test_journal.py, which this imports.
+The fast versions are in tests/python/test_live*.py, which this imports.
 """
 
 from __future__ import annotations
@@ -21,8 +21,8 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "python"))
 
-import test_journal
 import test_live
+import test_live_killed
 from test_live_server import Running, frames, free_port, until
 
 from helibore import Live
@@ -32,10 +32,12 @@ from helibore.live.configuration import parse
 def kill() -> None:
     """200 kills of a live wall, 200 of a journal."""
     with tempfile.TemporaryDirectory() as folder:
-        test_live.kill_loop(Path(folder), 200, seed=11)
-        print("200 kills of a live wall: nothing acknowledged is missing, the wall has the bits of the batch")
+        acknowledged, found, samples = test_live_killed.kill_wall(Path(folder), 200, seed=11)
+        print(f"200 kills of a live wall: {acknowledged:,} bytes acknowledged, {found:,} found; each time the wall of")
+        print(f"the journal, bit for bit, and at the end that of the batch of its {samples:,} samples")
     with tempfile.TemporaryDirectory() as folder:
-        print(f"200 kills of a journal: {test_journal.kill_loop(Path(folder), 200, seed=12):,} records, none missing")
+        acknowledged, found = test_live_killed.kill_journal(Path(folder), 200, seed=12)
+        print(f"200 kills of a journal: {acknowledged:,} records acknowledged, {found:,} found, none missing between")
 
 
 def hostile() -> None:

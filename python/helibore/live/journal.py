@@ -94,8 +94,8 @@ def paths(folder: Path) -> list[Path]:
     return sorted(path for path in folder.glob("*.hbj") if path.stem.isdigit())
 
 
-def segments(folder: str | os.PathLike[str]) -> Iterator[Segment]:
-    """Read a journal, one segment at a time; a journal that is being written can be read too.
+def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment]:
+    """Read a journal from segment ``first`` on, one at a time; a journal that is being written can be read too.
 
     Raises
     ------
@@ -106,7 +106,7 @@ def segments(folder: str | os.PathLike[str]) -> Iterator[Segment]:
     if not found:
         raise ValueError(f"{folder}: holds no journal (no file 000001.hbj)")
     salt = _salt(found)
-    for path in found:
+    for path in (path for path in found if int(path.stem) >= first):
         text = path.read_bytes()
         records, damage = _core.journal_scan(text, min(RECORDS_START, len(text)), salt)
         yield Segment(path, records, damage, text)
