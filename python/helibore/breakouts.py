@@ -111,19 +111,22 @@ def lobes_of(
     toolface = spread.mean * 2 / fold % (360 / fold)
     mean = height.mean(axis=0)
     sides = [toolface, toolface + 180] if both else [toolface]
-    lobes = tuple(_lobe(mean, side, start, level) for side in sides)
+    lobes = tuple(lobe_of(mean, side, start, None, level) for side in sides)
     return toolface, spread.deviation * 2 / fold, lobes
 
 
-def _lobe(height: Floats, toolface: float, start: float, level: float) -> Lobe:
-    """The lobe of a mean section within a quarter turn of a toolface."""
+def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, level: float = 0.0) -> Lobe:
+    """Return the lobe of a mean section within a quarter turn of a toolface.
+
+    ``floor`` is the height at which its opening is measured; None: ``level`` times the greatest.
+    """
     step = 360 / height.size
     first = math.ceil((toolface - 90 - start) / step)
     last = math.floor((toolface + 90 - start) / step)
     number = np.arange(first, last + 1)
     angle, side = start + number * step, height[number % height.size]
     peak = int(np.argmax(side))
-    floor = level * float(side[peak])
+    floor = level * float(side[peak]) if floor is None else floor
     weight = np.maximum(side - floor, 0)
     middle = float((weight * angle).sum() / weight.sum()) if weight.sum() > 0 else toolface
     ends = (_crossing(side[peak::-1], floor), _crossing(side[peak:], floor))

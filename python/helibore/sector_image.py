@@ -14,7 +14,7 @@ It maps rows of evenly spaced sectors. Scattered values and colours are not its 
 from __future__ import annotations
 
 import math
-from typing import Literal, get_args
+from typing import TYPE_CHECKING, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -23,6 +23,9 @@ from helibore import _core
 from helibore.arrays import Floats, Integers, column
 from helibore.helix import WallLike
 from helibore.threads import thread_count
+
+if TYPE_CHECKING:
+    from helibore.image_breakouts import ImageBreakouts, ImageCriteria
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]
@@ -103,6 +106,38 @@ class SectorImage:
     def sectors(self) -> int:
         """S, sectors a row."""
         return int(self.values.shape[1])
+
+    @property
+    def toolface(self) -> Floats:
+        """(S,) toolface of each sector's centre, degrees in [0, 360); owned."""
+        number = np.arange(self.sectors, dtype=np.float64) + (0.0 if self.origin == "centre" else 0.5)
+        way = 1 if self.direction == "clockwise" else -1
+        toolface: Floats = (self.offset + way * number * (360 / self.sectors)) % 360
+        return toolface
+
+    def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
+        """Find where the image is dark on opposite sides of the hole: `helibore.image_breakouts`.
+
+        Parameters
+        ----------
+        criteria
+            What is dark, how wide, how opposite, how long; None: the defaults.
+
+        Raises
+        ------
+        ValueError
+            On a negative value: dark is a share of the row's median.
+
+        Examples
+        --------
+        >>> row = np.where(np.isin(np.arange(36), [8, 9, 10, 26, 27, 28]), 20.0, 100.0)  # dark at 90 and 270
+        >>> image = SectorImage([10.0, 10.1], [row, row], "AMP", origin="centre", reference="north")
+        >>> image.breakouts().zones[0].toolface
+        90.0
+        """
+        from helibore.image_breakouts import find_breakouts
+
+        return find_breakouts(self, criteria)
 
     def on(self, wall: WallLike, method: Method = "cell") -> Floats:
         """Return one value for every quad the whole wall has room for.

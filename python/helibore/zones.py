@@ -38,6 +38,8 @@ KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
 INCH = 0.0254
+CRITERIA_BIT = 8.5 * INCH
+"""The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,6 +85,31 @@ class Criteria:
             raise ValueError(f"symmetry = {self.symmetry}: must be in [0, 1]")
         if not 0 < self.opening_level < 1:
             raise ValueError(f"opening_level = {self.opening_level}: must be in (0, 1)")
+
+    @classmethod
+    def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
+        """Return criteria that are to this bit what the defaults are to `CRITERIA_BIT`, 8.5 in.
+
+        Elongation, washout, key seat and undergauge scale with the bit. The trade gives its limits in inches whatever
+        the hole: in one of 4 in, lobes of a fifth of its diameter pass under an elongation of 1 in.
+
+        Parameters
+        ----------
+        bit_diameter
+            Metres.
+        **others
+            Attributes that are to be something else.
+
+        Examples
+        --------
+        >>> round(Criteria.scaled(0.104).elongation * 1000, 1)
+        12.2
+        """
+        if not (math.isfinite(bit_diameter) and bit_diameter > 0):
+            raise ValueError(f"bit_diameter = {bit_diameter}: must be finite and above 0")
+        share = bit_diameter / CRITERIA_BIT
+        scaled = {name: getattr(cls, name) * share for name in ("elongation", "washout", "key_seat", "undergauge")}
+        return cls(**{**scaled, **others})
 
     def facts(self) -> dict[str, str]:
         """Return the criteria as texts; every output states them."""
