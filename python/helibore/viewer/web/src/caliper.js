@@ -32,11 +32,12 @@ export function profile({ store, view, imagePieces, rects }) {
   return { min, max, seen };
 }
 
-// Ends of the scale: 15 % under bit size to a round number over the widest turn.
-export function scaleFor(bit, max) {
-  const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.2);
-  const step = niceStep((widest - bit * 0.85) / 8);
-  return [Math.floor((bit * 0.85) / step) * step, Math.ceil(widest / step) * step];
+// Ends of the scale: round numbers about the tightest and the widest turn in view, and a tenth of bit size at least.
+export function scaleFor(bit, { min, max }) {
+  const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);
+  const tightest = min.reduce((least, value) => (value < least ? value : least), bit * 0.96);
+  const step = niceStep((widest - tightest) / 8);
+  return [Math.floor(tightest / step) * step, Math.ceil(widest / step) * step];
 }
 
 export function drawCaliper(ink, look) {
@@ -44,8 +45,9 @@ export function drawCaliper(ink, look) {
   const palette = PALETTES[view.theme];
   const rect = rects.caliper;
   const bit = 2 * store.bitRadius;
-  const { min, max, seen } = profile(look);
-  const [low, high] = scaleFor(bit, max);
+  const found = profile(look);
+  const { min, max, seen } = found;
+  const [low, high] = scaleFor(bit, found);
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
   ink.fillStyle = palette.panel;
   ink.fillRect(rect.left, rect.top, rect.width, rect.height);
@@ -68,6 +70,7 @@ export function drawCaliper(ink, look) {
   ink.strokeStyle = palette.line;
   ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
   head(ink, look, rect, [low, bit, high], x, palette);
+  return found;
 }
 
 const band = (ink, a, b, y, colour) => {

@@ -6,6 +6,7 @@
 // minus two standard deviations of a window around it, which brings out layers; then the same colour is NOT the same value.
 
 import definition from '../../../color_maps.json' with { type: 'json' };
+import { niceStep } from './lod.js';
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
 const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
@@ -107,6 +108,13 @@ export function fitRange(quantity, sorted) {
   const least = quantity.length ? 1e-4 : Math.max(1e-6, Math.abs(high) * 1e-4);
   if (high - low < least) [low, high] = quantity.log ? [low / 1.01, high * 1.01] : [low - least, high + least];
   return { low, high };
+}
+
+// A fitted range rounded outwards to round numbers: for what a saved wall first shows of its own size.
+export function roundRange(quantity, sorted) {
+  const { low, high } = fitRange(quantity, sorted);
+  const step = niceStep((high - low) / 5);
+  return { low: Math.floor(low / step) * step, high: Math.ceil(high / step) * step };
 }
 
 export function histogram(sorted, low, high, log, bins = 64) {

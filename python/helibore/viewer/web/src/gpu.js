@@ -209,7 +209,7 @@ export class Gpu {
 
   drawBit({ store, path, view, bitDepth }) {
     const frame = bitDepth === null ? null : path.at(bitDepth);
-    this.bit.visible = frame !== null && bitDepth > view.top - view.length && bitDepth < view.bottom + view.length;
+    this.bit.visible = frame !== null && bitDepth >= view.top && bitDepth <= view.bottom;
     if (!this.bit.visible) return;
     const size = store.bitRadius * view.tubeFactor(store);
     this.bit.position.set(...this.position(frame));
@@ -313,11 +313,13 @@ function material(vertexShader, fragmentShader) {
   return new THREE.RawShaderMaterial({ glslVersion: THREE.GLSL3, vertexShader, fragmentShader, uniforms, side: THREE.DoubleSide });
 }
 
-// A bit seen from the side: a cone that points down the hole, its nose at the bit's depth.
+// A drill bit of radius 1, turned from its outline: nose at the bit's depth, gauge, shank.
 function bitGlyph() {
-  const shape = new THREE.ConeGeometry(1, 1.6, 24);
-  shape.translate(0, -0.8, 0);
-  const glyph = new THREE.Mesh(shape, new THREE.MeshNormalMaterial({ flatShading: true }));
+  const outline = [[0, 0], [0.6, -0.2], [1, -0.7], [1, -1.3], [0.5, -1.6], [0.5, -2.4], [0, -2.4]];
+  const shape = new THREE.LatheGeometry(outline.map(([x, y]) => new THREE.Vector2(x, y)), 24);
+  const glyph = new THREE.Mesh(shape, new THREE.RawShaderMaterial({
+    glslVersion: THREE.GLSL3, vertexShader: shaders.BIT_VERTEX, fragmentShader: shaders.BIT_FRAGMENT, side: THREE.DoubleSide,
+  }));
   glyph.visible = false;
   return glyph;
 }

@@ -36,11 +36,15 @@ export const PALETTES = {
   },
 };
 
-// A text with a halo of the paper's colour, readable over anything.
-export function label(ink, text, x, y, { colour, halo, align = 'left', baseline = 'middle', font = null }) {
+// A text with a halo of the paper's colour, readable over anything. Every text's box is kept with its canvas until the next
+// frame (`sized` forgets them); a text that `yields` is left out where it would touch one that is there already.
+export function label(ink, text, x, y, { colour, halo, align = 'left', baseline = 'middle', font = null, yields = false, margin = 0 }) {
   if (font) ink.font = font;
   ink.textAlign = align;
   ink.textBaseline = baseline;
+  const box = boxOf(ink, text, x, y, margin);
+  if (yields && ink.canvas.labels.some((other) => touch(box, other))) return;
+  ink.canvas.labels.push(box);
   if (halo) {
     ink.lineJoin = 'round';
     ink.lineWidth = 3;
@@ -50,6 +54,13 @@ export function label(ink, text, x, y, { colour, halo, align = 'left', baseline 
   ink.fillStyle = colour;
   ink.fillText(text, x, y);
 }
+
+function boxOf(ink, text, x, y, margin) {
+  const { actualBoundingBoxLeft: left, actualBoundingBoxRight: right, actualBoundingBoxAscent: up, actualBoundingBoxDescent: down } = ink.measureText(text);
+  return { text, left: x - left - margin, right: x + right + margin, top: y - up - margin, bottom: y + down + margin };
+}
+
+export const touch = (a, b) => a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
 
 export const FONT = '12px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';
 export const SMALL = '11px "DejaVu Sans", "Segoe UI", system-ui, sans-serif';

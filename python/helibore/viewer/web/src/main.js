@@ -5,7 +5,7 @@
 // Nothing is drawn unless something changed; a page at rest costs nothing.
 
 import { Connection } from './connection.js';
-import { fitRange, quantities, sampleOf } from './colour.js';
+import { fitRange, Q_NEAREST, Q_OVER, Q_RADIUS, quantities, roundRange, sampleOf } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Glow } from './glow.js';
 import { Gpu } from './gpu.js';
@@ -17,12 +17,13 @@ import { Path } from './path.js';
 import { PlainImage } from './plain_image.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
-import { drawAxis, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
+import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
 import { showLength } from './units.js';
 import { View } from './view.js';
 
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
+const FEW_TURNS = 50; // a shorter wall is no measure of the hole to come
 const seconds = () => performance.now() / 1000;
 
 class App {
@@ -33,7 +34,7 @@ class App {
     this.map = new DepthMap();
     this.histogram = new Histogram(byId('histogram'));
     Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, lastWrite: null });
-    Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false });
+    Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false, ranged: false });
     fillSelects();
     this.openGpu();
     bindTracks(this);
@@ -74,7 +75,7 @@ class App {
   begin(hello) {
     if (this.store) this.forget();
     this.store = new Store(hello);
-    this.path = new Path(hello.start_depth, hello.frame_step);
+    this.path = new Path(hello.start_depth, hello.frame_step, hello.has_path);
     this.glow.rows = this.store.levels[0].rows;
     const kept = this.quantities;
     this.quantities = quantities(this.store).map((q) => {
@@ -128,6 +129,18 @@ class App {
       const [top, bottom] = tile.span;
       const sorted = sampleOf(this.store, quantity, [{ tile, top, bottom }], 'latest');
       if (sorted.length) Object.assign(quantity, fitRange(quantity, sorted));
+    }
+  }
+
+  // A wall that does not grow starts with colours for what it is: in one of gauge, the range for washouts shows nothing.
+  rangeSaved({ imagePieces }) {
+    const wall = this.store.levels[0];
+    if (this.ranged || !imagePieces.some(({ tile }) => tile.level === wall)) return;
+    this.ranged = true;
+    if (this.newest !== null || wall.size < FEW_TURNS * wall.sectors) return;
+    for (const quantity of this.quantities.filter(({ mode }) => [Q_RADIUS, Q_OVER, Q_NEAREST].includes(mode))) {
+      const sorted = sampleOf(this.store, quantity, imagePieces, 'latest');
+      if (sorted.length) Object.assign(quantity, roundRange(quantity, sorted));
     }
   }
 
@@ -201,6 +214,7 @@ class App {
     const began = performance.now();
     this.ask();
     const look = this.look();
+    this.rangeSaved(look);
     if (!this.fitted && this.gpu) this.fit();
     if (this.gpu && !this.gpu.renderer.getContext().isContextLost()) this.gpu.draw(look);
     this.drawInk(look);
@@ -226,10 +240,11 @@ class App {
     this.plain?.draw(ink, look);
     drawAxis(ink, look);
     drawImageHead(ink, look);
-    drawCaliper(ink, look);
+    const calipers = drawCaliper(ink, look);
     this.map.draw(ink, look);
     drawCursor(ink, look);
-    if (this.gpu) drawWallInk(ink, look, this.gpu);
+    drawAxisLabels(ink, look);
+    if (this.gpu) drawWallInk(ink, look, this.gpu, calipers);
     const { image } = this.rects;
     ink.strokeStyle = PALETTES[this.view.theme].line;
     ink.lineWidth = 1;

@@ -5,7 +5,7 @@ import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { RESCANNED, PROVISIONAL, CLIPPED, SUPPORT_MASK } from './protocol.js';
-import { scaleOf, showAge, showAngle, showCount, showDepth, showLength, showSigned, showValue, unitOf } from './units.js';
+import { scaleOf, showAge, showAngle, showCount, showDepth, showLength, showPercent, showSigned, showValue, unitOf } from './units.js';
 import { sectionVolume } from './turns.js';
 
 export const byId = (id) => document.getElementById(id);
@@ -18,7 +18,8 @@ export function fillSelects() {
   options('sectionLength', [['', 'custom'], ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('shape', SHAPES.map((v) => [v, `× ${v}`]));
-  options('map', Object.entries(MAPS).map(([value, { label }]) => [value, label]));
+  options('map', Object.entries(MAPS).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
+  for (const option of byId('map').options) option.title = MAPS[option.value].label;
 }
 
 export function options(id, pairs) {
@@ -52,7 +53,8 @@ export function reflect(view, quantity) {
   const scale = scaleOf(quantity, view.units);
   for (const end of ['low', 'high']) {
     const input = byId(end);
-    if (document.activeElement !== input) input.value = String(Number((quantity[end] * scale).toPrecision(4)));
+    const value = quantity[end] * scale;
+    if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(4))) : '';
     input.disabled = quantity.dynamic;
   }
   byId('rangeUnit').textContent = unitOf(quantity, view.units);
@@ -81,7 +83,7 @@ export function lamp({ status, words, store, bitDepth, newest, ended, lastWrite 
 // The read-out of a quad: name and text in pairs; what is not known is a dash.
 export function readout({ store, view, path, quad }) {
   const { cursor, units } = view;
-  const tvd = cursor ? path.at(cursor.depth)?.centre[2] : NaN;
+  const tvd = cursor ? path.tvd(cursor.depth) : NaN;
   const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
   const around = (zero) => (zero === null || !cursor || !Number.isFinite(cursor.toolface) ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
   const { state = 0 } = quad ?? {};
@@ -101,13 +103,12 @@ export function readout({ store, view, path, quad }) {
 }
 
 export function sectionText({ store, view, imagePieces }) {
-  const { volume, excess, washed, share } = sectionVolume(store, imagePieces, view.top, view.bottom, view.pass === 'first');
-  const percent = (x) => (Number.isFinite(x) ? `${(100 * x).toFixed(1)} %` : '–');
+  const { volume, length, excess, washed, unsupported } = sectionVolume(store, imagePieces, view.pass === 'first');
   return [
-    ['Whole turns measured', percent(Math.min(1, share))],
-    ['Hole volume', volume ? `${volume.toFixed(3)} m³` : '–'],
-    ['Over bit volume', percent(excess)],
-    ['Washed out (> ½ in)', percent(washed)],
+    ['Vertices without support', showPercent(unsupported)],
+    [`Volume of ${length.toFixed(1)} m measured`, volume ? `${volume.toFixed(3)} m³` : '–'],
+    ['Over bit volume', showPercent(excess)],
+    ['Washed out (> ½ in)', showPercent(washed)],
   ];
 }
 

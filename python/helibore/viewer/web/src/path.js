@@ -9,7 +9,8 @@ const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
 
 export class Path {
-  constructor(startDepth, step) {
+  constructor(startDepth, step, surveyed = true) {
+    this.surveyed = surveyed; // false: drawn straight and vertical, and nothing is known of up, north or true depth
     this.startDepth = startDepth;
     this.step = step;
     this.count = 0;
@@ -49,9 +50,14 @@ export class Path {
     return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
   }
 
+  // True vertical depth; NaN without a survey.
+  tvd(depth) {
+    return this.surveyed && this.count > 1 ? this.at(depth).centre[2] : NaN;
+  }
+
   // Toolface of up and of north at a depth, degrees; null where undefined.
   dial(depth) {
-    const frame = this.at(depth);
+    const frame = this.surveyed && this.at(depth);
     if (!frame) return { up: null, north: null };
     const angle = (along, across) => (Math.hypot(along, across) < FAINT ? null : Math.atan2(across, along) * DEG);
     return {

@@ -46,9 +46,23 @@ export function drawPolar(canvas, look) {
   for (const [first, last] of arcs(found.radii, R, ENLARGED)) arc(ink, found, first, last, (r, j) => place(exaggerated(r), j, depth, found), palette);
   outline(ink, found, (r, j, f) => place(exaggerated(r), j, depth, f), palette.ink, palette.fill);
   diameters(ink, found, (r, j) => place(exaggerated(r), j, depth, found), palette);
+  if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
   letters(ink, look, depth, width, height, palette);
   if (view.shape !== 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
   return found;
+}
+
+// Where around the hole the cursor is.
+function hand(ink, look, { level, k, radii }, scale, exaggerated, width, height, palette) {
+  const { depth, toolface } = look.view.cursor;
+  const angle = ((toolface - zero(look, depth)) * Math.PI) / 180;
+  const j = Math.floor((wrap360(toolface - level.toolface(k)) / 360) * radii.length) % radii.length;
+  const reach = scale * exaggerated(Number.isNaN(radii[j]) ? look.store.bitRadius : radii[j]);
+  ink.beginPath();
+  for (const end of [reach - 9, reach + 7]) ink.lineTo(width / 2 + end * Math.sin(angle), height / 2 - end * Math.cos(angle));
+  ink.strokeStyle = palette.cursor;
+  ink.lineWidth = 2;
+  ink.stroke();
 }
 
 function rings(ink, { store, view }, width, height, scale, palette) {
@@ -154,6 +168,7 @@ export function sized(canvas) {
   const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];
   const ink = pen(canvas);
+  canvas.labels = [];
   ink.setTransform(ratio, 0, 0, ratio, 0, 0);
   ink.font = FONT;
   return { ink, width, height };

@@ -147,6 +147,27 @@ void main() {
 }
 `;
 
+// The bit: steel, lit as the wall is.
+export const BIT_VERTEX = /* glsl */ `
+uniform mat4 modelViewMatrix, projectionMatrix;
+in vec3 position;
+out vec3 seen;
+void main() {
+  vec4 at = modelViewMatrix * vec4(position, 1.0);
+  seen = at.xyz;
+  gl_Position = projectionMatrix * at;
+}
+`;
+export const BIT_FRAGMENT = /* glsl */ `
+precision highp float;
+in vec3 seen;
+out vec4 colour;
+void main() {
+  float facing = abs(normalize(cross(dFdx(seen), dFdy(seen))).z);
+  colour = vec4(vec3(0.42, 0.46, 0.50) * (0.45 + 0.75 * facing), 1.0);
+}
+`;
+
 // Which quad is under a pixel: tile's number (drawn + 1) in alpha, quad in red, green, blue.
 export const PICK_FRAGMENT = /* glsl */ `${COMMON}${QUAD}
 uniform int number;
@@ -188,8 +209,9 @@ void main() {
   int col = min(int(across), K - 1);
   float turn = at.y / pitch - across / float(K);
   int row = int(floor(turn));
-  if (row < 0 && turn > -1e-3) row = 0; // float32: a pixel on the seam belongs to one of the two tiles at least
-  if (row >= rows && turn < float(rows) + 1e-3) row = rows - 1;
+  float slack = 1e-3 + perPixel / 32.0; // corners snap to parts of a pixel: one on the seam belongs to one tile at least
+  if (row < 0 && turn > -slack) row = 0;
+  if (row >= rows && turn < float(rows) + slack) row = rows - 1;
   if (row < 0 || row >= rows || row * K + col + K + 1 >= size) discard; // a neighbouring tile's, or not yet drilled
   int many = clamp(int(perPixel + 0.5), 1, 16);
   float sum = 0.0;

@@ -7,12 +7,13 @@ import { CUTS, leftEdge } from './path.js';
 import { scaleOf, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
 
-export function drawAxis(ink, look) {
-  const { view, path, rects } = look;
+const APART = 58; // pixels between two depths that are labelled
+
+export function drawAxis(ink, { view, rects }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   const right = rects.caliper.left + rects.caliper.width;
-  const { values, digits, step } = ticks(view.top, view.bottom, rect.height, 58);
+  const { values, step } = ticks(view.top, view.bottom, rect.height, APART);
   ink.lineWidth = 1;
   for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
@@ -22,15 +23,25 @@ export function drawAxis(ink, look) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     line(ink, rect.left + rect.width - 8, y, right, y, palette.grid);
     line(ink, rect.left + rect.width - 9, y, rect.left + rect.width, y, palette.ink);
-    if (y < rect.top + 12 || y > rect.top + rect.height - 14) continue;
-    const end = rect.left + rect.width - 12;
-    label(ink, depth.toFixed(digits), end, y - 1, { colour: palette.ink, align: 'right', baseline: 'bottom', font: FONT });
-    const frame = path.at(depth);
-    if (frame) label(ink, frame.centre[2].toFixed(Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL });
   }
+}
+
+// Measured depth over true depth at every tick; both give way to the cursor's tag, which is there first.
+export function drawAxisLabels(ink, { view, path, rects }) {
+  const palette = PALETTES[view.theme];
+  const rect = rects.axis;
   const end = rect.left + rect.width - 12;
   label(ink, 'MD m', end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
-  label(ink, 'TVD m', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
+  label(ink, path.surveyed ? 'TVD m' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
+  const { values, digits } = ticks(view.top, view.bottom, rect.height, APART);
+  for (const depth of values) {
+    const y = Math.round(yOf(view, rect, depth)) + 0.5;
+    if (y < rect.top + 12 || y > rect.top + rect.height - 14) continue;
+    label(ink, depth.toFixed(digits), end, y - 1, { colour: palette.ink, align: 'right', baseline: 'bottom', font: FONT, yields: true });
+    const tvd = path.tvd(depth);
+    if (Number.isNaN(tvd)) continue;
+    label(ink, tvd.toFixed(Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
+  }
 }
 
 export function drawImageHead(ink, look) {
@@ -41,7 +52,7 @@ export function drawImageHead(ink, look) {
   const known = leftEdge(path, view.cut, view.middle).known;
   const units = unitOf(quantity, view.units);
   label(ink, quantity.name + (units ? ` [${units}]` : ''), left + 2, 11, { colour: palette.ink, font: BOLD });
-  const mode = quantity.dynamic ? 'dynamic' : 'static';
+  const mode = quantity.dynamic ? 'dynamic, 1 m' : 'static';
   label(ink, mode, left + width - 2, 11, { colour: quantity.dynamic ? palette.cursor : palette.soft, align: 'right', font: SMALL });
   const bar = ink.createLinearGradient(left, 0, left + width, 0);
   const { anchors } = MAPS[quantity.map];
@@ -49,7 +60,7 @@ export function drawImageHead(ink, look) {
   ink.fillStyle = bar;
   ink.fillRect(left, 20, width, 8);
   ends(ink, look, left, width, palette);
-  letters(ink, cut.letters, known, left, width, palette, cut.reference);
+  letters(ink, cut.letters, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
 function ends(ink, { view, quantity }, left, width, palette) {
@@ -64,7 +75,7 @@ function ends(ink, { view, quantity }, left, width, palette) {
 
 function letters(ink, names, known, left, width, palette, reference) {
   if (!known) {
-    const why = reference === 'up' ? 'vertical here: angles from the tool’s zero' : 'runs north: angles from the tool’s zero';
+    const why = { up: 'vertical here: angles from the tool’s zero', north: 'runs north: angles from the tool’s zero', none: 'no survey: angles from the tool’s zero' }[reference];
     label(ink, why, left + width / 2, HEAD - 8, { colour: palette.soft, align: 'center', font: SMALL });
     return;
   }
@@ -99,15 +110,15 @@ export function drawCursor(ink, look) {
   const wide = ink.measureText(text).width + 10;
   ink.fillStyle = palette.cursor;
   ink.fillRect(rect.left + rect.width - wide, y - 9, wide, 18);
-  label(ink, text, rect.left + rect.width - 5, y, { colour: '#ffffff', align: 'right' });
+  label(ink, text, rect.left + rect.width - 5, y, { colour: '#ffffff', align: 'right', margin: 5 });
   if (view.cursor.toolface === null || view.cursor.toolface === undefined) return;
   const edge = leftEdge(look.path, view.cut, view.cursor.depth).toolface;
   const x = rects.image.left + ((((view.cursor.toolface - edge) % 360) + 360) % 360) / 360 * rects.image.width;
   line(ink, x, y - 7, x, y + 7, palette.cursor);
 }
 
-// Labels in the 3-D view: depths beside the hole, compass, the exaggerations in words.
-export function drawWallInk(ink, look, gpu) {
+// In the 3-D view: where nothing is measured the hole's axis, dashed; depths beside the hole, compass, the exaggerations in words.
+export function drawWallInk(ink, look, gpu, calipers) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.wall;
@@ -116,6 +127,7 @@ export function drawWallInk(ink, look, gpu) {
   ink.beginPath();
   ink.rect(rect.left, HEAD - 22, rect.width, rect.height - HEAD + 22);
   ink.clip();
+  unmeasured(ink, look, gpu, calipers, palette);
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
   const beside = store.bitRadius * tube * 1.3;
   const used = [];
@@ -133,11 +145,27 @@ export function drawWallInk(ink, look, gpu) {
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
   cursorLabel(ink, look, gpu, beside, palette);
-  compass(ink, gpu, rect, palette);
+  if (path.surveyed) compass(ink, gpu, rect, palette);
   const words = [`tube × ${tube}`, `shape × ${view.shape} about the bit radius`];
   if (view.median > 1) words.push(`median of ${view.median} turns`);
+  if (!path.surveyed) words.unshift('no survey: drawn vertical');
   label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
   ink.restore();
+}
+
+// The axis through every gap of the wall in view, and from its end to the bit.
+function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, seen }, palette) {
+  const depthOf = (y) => view.top + (y / min.length) * view.length;
+  const ahead = bitDepth === null ? [] : [store.end, bitDepth].sort((a, b) => a - b);
+  let before = null;
+  for (let y = 0; y < min.length; y += 4) {
+    const depth = depthOf(y);
+    const open = (seen[y] && Number.isNaN(min[y])) || (depth > ahead[0] && depth < ahead[1]);
+    const frame = open ? path.at(depth) : null;
+    const at = frame && gpu.project(frame, rects.wall);
+    if (at && before && (y / 4) % 2) line(ink, ...before, ...at, palette.soft);
+    before = at;
+  }
 }
 
 function cursorLabel(ink, { view, path, rects }, gpu, beside, palette) {
@@ -155,7 +183,8 @@ function compass(ink, gpu, rect, palette) {
     line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
     const clear = used.every(([a, b]) => Math.hypot(dx - a, dy - b) > 0.45);
     used.push([dx, dy]);
-    if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + 36 * dx, y - 36 * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+    const far = 26 + 10 / Math.hypot(dx, dy); // ten pixels past the tip, however short the arm is seen
+    if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
   }
 }
 

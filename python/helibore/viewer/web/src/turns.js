@@ -52,12 +52,12 @@ export function turn(store, level, k, column = RADIUS) {
   return radii;
 }
 
-// Cmin, Cmax and area of every turn of a tile, kept with the tile until it changes.
+// Cmin, Cmax, area and share measured of every turn of a tile, kept with the tile until it changes.
 export function tileTurns(store, tile, first = false) {
   const key = first ? 'turnsFirst' : 'turns';
   if (tile[key]?.version === tile.version) return tile[key];
   const { sectors, rows } = tile.level;
-  const [min, max, area] = [0, 1, 2].map(() => new Float64Array(rows).fill(NaN));
+  const [min, max, area, share] = [0, 1, 2, 3].map(() => new Float64Array(rows).fill(NaN));
   const radii = new Float64Array(sectors);
   const column = first ? FIRST : RADIUS;
   for (let row = 0; row < rows; row++) {
@@ -68,29 +68,35 @@ export function tileTurns(store, tile, first = false) {
     min[row] = turnOf.min;
     max[row] = turnOf.max;
     area[row] = turnOf.area;
+    share[row] = turnOf.share;
   }
-  return (tile[key] = { version: tile.version, min, max, area });
+  return (tile[key] = { version: tile.version, min, max, area, share });
 }
 
 export const WASHOUT = 0.0127; // metres over bit size, half an inch: the industry's usual threshold
 
-// Volume and washout of a section from the tiles that are here; `share` says how much of it is measured.
-export function sectionVolume(store, pieces, top, bottom, first = false) {
+// Volume and washout of the whole turns of a section that are here, `length` metres of them; and the share of the
+// vertices drilled there, whole turn or not, that no sample supports.
+export function sectionVolume(store, pieces, first = false) {
   const bit = 2 * store.bitRadius;
-  let [volume, gauge, washed, length] = [0, 0, 0, 0];
+  let [volume, gauge, washed, length, drilled, known] = [0, 0, 0, 0, 0, 0];
   for (const { tile, top: a, bottom: b } of pieces) {
-    const { area } = tileTurns(store, tile, first);
+    const { area, share } = tileTurns(store, tile, first);
     const pitch = Math.abs(tile.level.pitch);
+    const last = (tile.level.size - tile.index * tile.level.tileSize) / tile.level.sectors;
     for (let row = 0; row < area.length; row++) {
       const depth = tile.startDepth + (row + 0.5) * tile.level.pitch;
-      if (depth < a || depth >= b || Number.isNaN(area[row])) continue;
+      if (depth < a || depth >= b || row + 1 > last) continue;
+      drilled += pitch;
+      known += share[row] * pitch;
+      if (Number.isNaN(area[row])) continue;
       length += pitch;
       volume += area[row] * pitch;
       gauge += (Math.PI / 4) * bit * bit * pitch;
       if (2 * Math.sqrt(area[row] / Math.PI) > bit + WASHOUT) washed += pitch;
     }
   }
-  return { volume, excess: gauge ? volume / gauge - 1 : NaN, washed: length ? washed / length : NaN, share: length / (bottom - top) };
+  return { volume, length, excess: gauge ? volume / gauge - 1 : NaN, washed: length ? washed / length : NaN, unsupported: drilled ? 1 - known / drilled : NaN };
 }
 
 // Arcs of a turn that stand at least `least` beyond the bit: [first, last] indices, last may exceed K over the start.

@@ -30,6 +30,13 @@ export const showQuantity = (quantity, value, units) =>
 export const scaleOf = (quantity, units) => (quantity.length ? LENGTHS[units].scale : 1);
 export const unitOf = (quantity, units) => (quantity.length ? LENGTHS[units].unit : (quantity.unit ?? ''));
 
+// A share as per cent, one decimal, never a negative nought.
+export const showPercent = (share) => {
+  if (!Number.isFinite(share)) return '–';
+  const text = (100 * Math.abs(share)).toFixed(1);
+  return `${share < 0 && Number(text) ? '−' : ''}${text} %`;
+};
+
 export const showAge = (seconds) => {
   if (!Number.isFinite(seconds)) return '–';
   if (seconds < 90) return `${Math.max(0, Math.round(seconds))} s`;

@@ -114,9 +114,18 @@ test('hole volume of a gauge hole is the bit’s', () => {
   const made = store();
   for (const t of [0, 1, 2]) fill(made, t, () => 10000);
   const pieces = coverage(made, 100, 106, true);
-  const { volume, excess, washed, share } = sectionVolume(made, pieces, 100, 106);
+  const { volume, length, excess, washed, unsupported } = sectionVolume(made, pieces);
   assert.ok(Math.abs(volume - Math.PI * 0.01 * 6) < 1e-9);
-  assert.ok(Math.abs(excess) < 1e-9 && washed === 0 && Math.abs(share - 1) < 1e-9);
+  assert.ok(Math.abs(excess) < 1e-9 && washed === 0 && Math.abs(length - 6) < 1e-9 && Math.abs(unsupported) < 1e-9);
+});
+
+test('vertices without support are a share of those drilled', () => {
+  const made = store();
+  const { sectors, rows } = made.levels[0];
+  fill(made, 0, (k) => (k < (sectors * rows) / 4 || k % sectors === 0 ? 0 : 10000));
+  const { length, unsupported } = sectionVolume(made, coverage(made, 100, 106, true));
+  assert.ok(Math.abs(unsupported - (0.25 + 0.75 / sectors)) < 1e-9, String(unsupported));
+  assert.equal(length, 0, 'no whole turn');
 });
 
 test('turns of a tile follow its version', () => {

@@ -1,0 +1,209 @@
+"""What a geologist would look at first: nothing overlaps, nothing is cut off, the same depth is at the same place in
+every panel, and what is not known is not shown as if it were. At both sizes of screen that people have at the rig."""
+
+from __future__ import annotations
+
+import itertools
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+from made_wall import MadeWall, curved_path, gamma_and_resistivity
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+
+pytestmark = NEEDS_BROWSER
+
+SIZES = [(1366, 768), (1920, 1080)]
+VIEWS = [
+    "#md=1012&sec=24",
+    "#md=1012.3&sec=3&quantity=RES&units=in&theme=dark",
+    "#md=1200&sec=420&quantity=GR&cut=north&shape=5",
+    "",  # following the bit
+]
+# Row by row of pixels of the ink canvas, in CSS pixels, the share of a column range that has a colour.
+ROWS_OF = """([name, rgb]) => {
+  const canvas = document.getElementById('ink');
+  const { left, top, width, height } = window.__wall.app.rects[name];
+  const got = canvas.getContext('2d').getImageData(left, top, width, height).data;
+  const rows = [];
+  for (let y = 0; y < height; y++) {
+    let count = 0;
+    for (let x = 0; x < width; x++) {
+      const i = 4 * (y * width + x);
+      if (rgb.every((value, c) => Math.abs(got[i + c] - value) < 40) && got[i + 3] > 100) count++;
+    }
+    rows.push(count / width);
+  }
+  return rows;
+}"""
+CURSOR = [0xE8, 0x41, 0x0D]
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Any]:
+    wall = MadeWall(300_000)
+    with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="Made-1 T2") as viewer:
+        viewer.scene.state(bit_depth=1477.5)
+        yield viewer
+
+
+def point_at(screen: Screen, across: float, down: float) -> None:
+    """Move the pointer over the image track, shares of its width and height."""
+    place = screen.evaluate(
+        "(() => { const { left, top } = document.getElementById('stage').getBoundingClientRect();"
+        " const image = window.__wall.app.rects.image;"
+        " return { left: left + image.left, top: top + image.top, width: image.width, height: image.height }; })()"
+    )
+    screen.mouse.move(place["left"] + across * place["width"], place["top"] + down * place["height"])
+    screen.until("window.__wall.app.view.cursor")
+    screen.settle()
+
+
+@pytest.mark.parametrize("size", SIZES)
+@pytest.mark.parametrize("address", VIEWS)
+def test_no_text_touches_another_or_leaves_its_canvas(
+    browser: Any, viewer: Any, size: tuple[int, int], address: str
+) -> None:
+    screen = Screen(browser, viewer.url, address, size)
+    screen.settle()
+    for down in (0.0, 0.33, 0.62):
+        if down:
+            point_at(screen, 0.31, down)
+        for canvas in ("ink", "polar"):
+            labels = screen.evaluate(f"document.getElementById('{canvas}').labels")
+            assert len(labels) > 4
+            touching = [
+                (a["text"], b["text"])
+                for a, b in itertools.combinations(labels, 2)
+                if a["left"] < b["right"]
+                and b["left"] < a["right"]
+                and a["top"] < b["bottom"]
+                and b["top"] < a["bottom"]
+            ]
+            assert touching == [], canvas
+            wide, tall = screen.evaluate(
+                f"(({{clientWidth, clientHeight}}) => [clientWidth, clientHeight])(document.getElementById('{canvas}'))"
+            )
+            outside = [
+                one["text"]
+                for one in labels
+                if one["left"] < 0 or one["top"] < 0 or one["right"] > wide or one["bottom"] > tall
+            ]
+            assert outside == [], canvas
+    screen.close()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_no_control_is_cut_off(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
+    """Every control lies in the window, touches no other, and the longest of its words fit."""
+    screen = Screen(browser, viewer.url, "", size)
+    screen.settle()
+    controls = screen.evaluate(
+        """[...document.querySelectorAll('button, select, input, #lampText, h1')]
+           .filter((e) => e.offsetParent)
+           .map((e) => {
+             const { left, top, right, bottom } = e.getBoundingClientRect();
+             const ink = document.createElement('canvas').getContext('2d');
+             ink.font = getComputedStyle(e).font;
+             const words = e.tagName === 'SELECT' ? [...e.options].map((o) => o.text) : [];
+             const longest = Math.max(0, ...words.map((text) => ink.measureText(text).width));
+             const cut = e.tagName === 'SELECT' ? longest + 22 - e.clientWidth : e.scrollWidth - e.clientWidth;
+             return { name: e.id || e.textContent, left, top, right, bottom, cut };
+           })"""
+    )
+    assert len(controls) > 15
+    for a, b in itertools.combinations(controls, 2):
+        apart = a["right"] <= b["left"] or b["right"] <= a["left"] or a["bottom"] <= b["top"] or b["bottom"] <= a["top"]
+        assert apart, (a["name"], b["name"])
+    assert [c["name"] for c in controls if c["left"] < 0 or c["right"] > size[0] or c["bottom"] > size[1]] == []
+    assert [(c["name"], c["cut"]) for c in controls if c["cut"] > 1] == []
+    screen.close()
+
+
+@pytest.mark.parametrize("size", SIZES)
+def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=24", size)
+    screen.settle()
+    rect = screen.evaluate("window.__wall.app.rects.image")
+    place = {depth: (depth - 1000) / 24 * rect["height"] for depth in (1012.0, 1012.6)}
+    image = screen.pixels("image")[..., :3].astype(int)
+    scale = len(image) / rect["height"]
+    grey = (abs(image - image[..., :1]).max(axis=-1) <= 2).mean(axis=1) > 0.95
+    hatched = np.flatnonzero(grey) / scale
+    pitch = 0.1 / 24 * rect["height"]  # a helix: the gap's edges slope by one pitch over the image
+    assert hatched[0] == pytest.approx(place[1012.0], abs=1.5 + 2 * pitch)
+    assert hatched[-1] == pytest.approx(place[1012.6], abs=1.5 + 2 * pitch)
+    point_at(screen, 0.4, 0.75)
+    lines = {name: np.array(screen.evaluate(ROWS_OF, [name, CURSOR])) for name in ("axis", "image", "caliper")}
+    at = [int(np.argmax(lines[name])) for name in ("image", "caliper")]
+    assert at[0] == at[1]
+    assert lines["image"][at[0]] > 0.95
+    assert lines["caliper"][at[0]] > 0.9
+    tag = np.flatnonzero(lines["axis"] > 0.3)
+    assert abs((tag[0] + tag[-1]) / 2 - at[0]) <= 1, "the tag with the depth is centred on its line"
+    depth = screen.evaluate("window.__wall.app.view.cursor.depth")
+    assert depth == pytest.approx(1000 + 24 * (at[0] + 0.5) / rect["height"], abs=1.5 * 24 / rect["height"])
+    screen.close()
+
+
+def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1030&sec=24")
+    screen.settle()
+    point_at(screen, 0.4, 0.4)
+    wall = screen.pixels("wall")[..., :3].astype(int)
+    ring = abs(wall - np.array([255, 64, 13])).max(axis=-1) < 12
+    assert ring.sum() > 20
+    expected = screen.evaluate(
+        "(() => { const { app } = window.__wall;"
+        " const [x, y] = app.gpu.project(app.path.at(app.view.cursor.depth), app.rects.wall);"
+        " return [x - app.rects.wall.left, y]; })()"
+    )
+    rows, columns = np.nonzero(ring)
+    size = screen.evaluate(
+        "window.__wall.app.store.bitRadius * window.__wall.app.view.tubeFactor(window.__wall.app.store)"
+    )
+    metre = screen.evaluate(
+        "(() => { const { app } = window.__wall; const of = (d) => app.gpu.project(app.path.at(d), app.rects.wall);"
+        " const [a, b] = [of(1025), of(1035)]; return Math.hypot(a[0] - b[0], a[1] - b[1]) / 10; })()"
+    )
+    # Only the near half of the ring is seen: its middle is off the axis by less than the hole's radius.
+    assert np.hypot(columns.mean() - expected[0], rows.mean() - expected[1]) < 1.1 * size * metre
+    screen.close()
+
+
+def test_what_a_wall_without_a_survey_cannot_know_is_not_shown(browser: Any) -> None:
+    with hb.view(MadeWall(30_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10")
+        point_at(screen, 0.4, 0.4)
+        texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+        assert "no survey: angles from the tool’s zero" in texts
+        assert not {"TVD m", "N", "U", "up"} & set(texts)
+        assert any(text.startswith("no survey: drawn vertical") for text in texts)
+        said = screen.readout()
+        assert (said["TVD"], said["From high side / north"]) == ("–", "– / –")
+        assert said["Toolface"].endswith("°")
+        screen.close()
+
+
+def test_tiles_join_without_a_speck_at_any_scale(browser: Any, viewer: Any) -> None:
+    for length in (31, 77, 170, 260):
+        screen = Screen(browser, viewer.url, f"#md={1050 + length / 2}&sec={length}&quantity=radius")
+        screen.settle()
+        image = screen.pixels("image")[2:-2, 2:-2, :3]
+        assert not (image == [0xF4, 0xF5, 0xF6]).all(axis=-1).any(), length
+        screen.close()
+
+
+def test_a_saved_wall_of_gauge_starts_with_colours_for_its_own_size(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    wall.radius = np.clip(wall.radius, 0.1072, 0.1088)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=15")
+        screen.settle()
+        low, high = screen.evaluate("(({ low, high }) => [low, high])(window.__wall.app.quantity)")
+        assert -0.0015 < low <= -0.0008
+        assert 0.0008 <= high < 0.0015
+        screen.close()
