@@ -25,11 +25,13 @@ class MadeWall:
 
     def grow_to(self, vertices: int) -> None:
         K, k = self.settings.sectors, np.arange(vertices)
-        self.depth = self.start + k * self.settings.pitch / K
+        depth = self.start + k * self.settings.pitch / K
         self.toolface = k % K * 360 / K
-        self.radius = radius(self.depth, self.toolface)
-        self.nearest = np.where(np.isnan(self.radius), np.nan, 0.004 + 0.002 * np.cos(self.depth))
+        self.radius = radius(depth, self.toolface)
+        self.nearest = np.where(np.isnan(self.radius), np.nan, 0.004 + 0.002 * np.cos(depth))
         self.support = np.where(np.isnan(self.radius), 0, 8).astype(np.int32)
+        self.provisional = np.zeros(vertices, bool)
+        self.depth = depth  # last: it is what len() counts, and a viewer's thread may be reading
 
     def grow(self, vertices: int) -> SimpleNamespace:
         """Add vertices; return the change as an append would."""
@@ -41,6 +43,11 @@ class MadeWall:
         """Scan [start, stop) again and find it wider by `by` metres."""
         self.radius[start:stop] += by
         return SimpleNamespace(ranges=[(start, stop)], settled=len(self))
+
+    def vertices(self, start: int, stop: int) -> SimpleNamespace:
+        """Return copies of [start, stop), as `Wall.vertices` does."""
+        names = ("depth", "toolface", "radius", "nearest", "support", "provisional")
+        return SimpleNamespace(**{name: getattr(self, name)[start:stop].copy() for name in names})
 
     @property
     def settled(self) -> int:

@@ -1,8 +1,8 @@
 """From a wall to the scene: which vertices changed, read once, by a thread of its own.
 
-The producer's `update` only notes ranges. The feed's thread reads the wall's columns when it gets to it, so ten appends
-between two reads cost one read, and a producer in a hurry is never held up. After a read it rests at least as long
-as the read took, so that a wall of millions of vertices does not spend its time being copied.
+The producer's `update` only notes ranges. The feed's thread reads those ranges of the wall when it gets to it, so ten
+appends between two reads cost one read, and a producer in a hurry is never held up. A read copies what changed and no
+more, a `PIECE` at a time; after it the thread rests as long as the read took, which leaves the producer half of a core.
 """
 
 from __future__ import annotations
@@ -23,11 +23,9 @@ from helibore.viewer.scene import Attribute, Helix, Scene
 PIECE = 1 << 17  # vertices written at a time: pages may send in between
 
 
-class WallLike(Protocol):
-    """What the viewer reads of a wall."""
+class Columns(Protocol):
+    """Values of some vertices, all of one moment."""
 
-    @property
-    def settings(self) -> Any: ...
     @property
     def depth(self) -> npt.NDArray[np.float64]: ...
     @property
@@ -39,7 +37,17 @@ class WallLike(Protocol):
     @property
     def support(self) -> npt.NDArray[np.int32]: ...
     @property
+    def provisional(self) -> npt.NDArray[np.bool_]: ...
+
+
+class WallLike(Protocol):
+    """What the viewer reads of a wall: its shape once, and copies of the ranges that changed."""
+
+    @property
+    def settings(self) -> Any: ...
+    @property
     def settled(self) -> int: ...
+    def vertices(self, start: int, stop: int) -> Columns: ...
     def __len__(self) -> int: ...
 
 
@@ -129,12 +137,12 @@ class Feed:
             time.sleep(time.monotonic() - began)
 
     def _read(self, ranges: list[dirty.Interval], settled: int) -> None:
-        radius, nearest, support = self._wall.radius, self._wall.nearest, self._wall.support
         for start, stop in ranges:
-            for first in range(start, min(stop, len(radius)), PIECE):
-                part = slice(first, min(first + PIECE, stop, len(radius), len(nearest), len(support)))
-                values = {name: column[part] for name, column in self._values.items()}
-                self.scene.write(first, Vertices(radius[part], nearest[part], support[part]), values)
+            for first in range(start, min(stop, len(self._wall)), PIECE):
+                last = min(first + PIECE, stop, len(self._wall))
+                read = self._wall.vertices(first, last)
+                values = {name: column[first:last] for name, column in self._values.items()}
+                self.scene.write(first, Vertices(read.radius, read.nearest, read.support, read.provisional), values)
         self.scene.settle(settled)
 
     def _extend_path(self, *, again: bool = False) -> None:
@@ -169,12 +177,12 @@ def _attribute(key: str | Attribute) -> Attribute:
 
 
 def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str, has_path: bool) -> Helix:
-    settings = wall.settings
+    settings, top = wall.settings, wall.vertices(0, 1)
     return Helix(
         sectors=int(settings.sectors),
         pitch=float(settings.pitch),
-        start_depth=float(wall.depth[0]),
-        start_toolface=float(wall.toolface[0]),
+        start_depth=float(top.depth[0]),
+        start_toolface=float(top.toolface[0]),
         bit_diameter=float(settings.bit_diameter),
         well=well,
         attributes=attributes,
