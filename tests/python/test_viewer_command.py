@@ -6,6 +6,7 @@ import json
 import signal
 import subprocess
 import sys
+import urllib.error
 import urllib.request
 from pathlib import Path
 
@@ -100,6 +101,51 @@ def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
     done = run(str(torn))
     assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
     assert "torn.wall" in done.stderr
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "hole.glb"
+    made = ["reconstruct", str(caliper), "--bit-diameter", "216mm", "--sectors", "32", "--compare-with", "1", "-q"]
+    later = tmp_path / "later.csv"
+    rows = np.loadtxt(caliper, delimiter=",", skiprows=1)
+    rows[:, 2] += 0.004
+    np.savetxt(later, rows, delimiter=",", header="depth_m,toolface_deg,radius_m", comments="", fmt="%.6f")
+    made.insert(2, str(later))
+    subprocess.run([*HELIBORE, *made, "-o", str(mesh)], check=True, timeout=60)
+    settings = tmp_path / "hole.glb.toml"
+    command = [*HELIBORE, "view", str(settings), "--no-browser", "-q", "--token", "a&b #1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as shown:
+        try:
+            assert shown.stdout is not None
+            url, query = shown.stdout.readline().split()[0].split("?")
+            assert query == "token=a%26b%20%231"
+            with urllib.request.urlopen(f"{url}api/vertex/500?{query}") as answer:
+                said = json.load(answer)
+            assert said["attributes"]["difference"] == pytest.approx(0.004, abs=0.002)
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                urllib.request.urlopen(f"{url}api/vertex/500?token=a")
+            taken = run(str(settings), "--no-browser", "--port", url.strip("/").rsplit(":", 1)[1])
+            assert (taken.returncode, taken.stderr.count("\n")) == (2, 1), taken.stderr
+            assert "Address already in use; give another port, or 0" in taken.stderr
+        finally:
+            shown.send_signal(signal.SIGINT)
+        assert shown.wait(20) == 0
+    for arguments, text in (
+        ((str(settings), "--sectors", "64"), "--sectors: the settings of a run have their own settings"),
+        ((str(mesh),), "hole.glb: a mesh has no samples to go with it; view the settings beside it: helibore view"),
+    ):
+        done = run(*arguments)
+        assert done.returncode == 2
+        assert text in done.stderr
+    later.write_text(later.read_text() + "501.0,10.0,0.11\n")
+    done = run(str(settings))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "later.csv: has changed since the run" in done.stderr
+    settings.write_text('title = "my notes"\n')
+    done = run(str(settings))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "hole.glb.toml: title: must be one of helibore" in done.stderr
 
 
 def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,8 +1,10 @@
-"""``helibore view hole.wall`` and ``helibore view CALIPER --bit-diameter 8.5in``: look at a wall in the browser.
+"""``helibore view FILE``: look at a wall in the browser.
 
-A wall that was saved is shown as it is, with its path, images and attributes. A caliper file is rebuilt first, by the
-columns and settings of ``helibore reconstruct`` that shape what is seen. The page is served on this machine until
-Ctrl-C. Nothing is written.
+    hole.wall                        a saved wall, as it is: with its path, images and attributes
+    hole.glb.toml                    the settings beside a mesh: the run is repeated, from the same files only
+    caliper.csv --bit-diameter ...   rebuilt, by those options of `helibore reconstruct` that shape what is seen
+
+The page is served on this machine until Ctrl-C. Nothing is written.
 """
 
 from __future__ import annotations
@@ -20,14 +22,16 @@ from helibore.cli.terminal import Terminal
 if TYPE_CHECKING:
     from helibore.arrays import Floats
     from helibore.viewer import Viewer
+    from helibore.wall import Wall
 
+ARCHIVE, SETTINGS = ".wall", ".toml"
 SERVING = ("host", "port", "token", "browser")  # options that say where, not what; they go to `helibore.view`
 
 
 @click.command()
 @click.argument("file", type=FILE)
 @click.option(
-    "--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m; a saved wall has its own."
+    "--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m; walls and settings have their own."
 )
 @taking(*COLUMNS)
 @click.option("--from", "start_depth", type=LENGTH, help="Depth to start at.  [shallowest sample]")
@@ -43,14 +47,17 @@ SERVING = ("host", "port", "token", "browser")  # options that say where, not wh
 @click.option("-q", "--quiet", is_flag=True, help="Print the address and errors only.")
 @click.pass_context
 def view(context: click.Context, /, file: Path, quiet: bool, **options: Any) -> None:
-    """Show a wall in the browser: FILE is a saved .wall, or calipers in any format `helibore inspect` reads."""
+    """Show a wall in the browser: FILE is a saved .wall, a mesh's .toml, or calipers `helibore inspect` reads."""
     terminal = Terminal(quiet)
     check_page()
-    if file.suffix.lower() == ".wall":
-        _refuse_settings(context)
-        viewer = _saved(terminal, file, options)
+    ending = file.suffix.lower()
+    if ending in (ARCHIVE, SETTINGS):
+        _refuse_settings(context, "a saved wall has its" if ending == ARCHIVE else "the settings of a run have their")
+        viewer = (_saved if ending == ARCHIVE else _repeated)(terminal, file, options)
+    elif ending in _mesh_endings():
+        raise ValueError(f"{file.name}: a mesh has no samples to go with it; {_instead(file)}")
     elif options["bit_diameter"] is None:
-        raise click.UsageError("Missing option '--bit-diameter': only a saved .wall has its own.")
+        raise click.UsageError("Missing option '--bit-diameter': only a saved .wall and settings (.toml) have it.")
     else:
         viewer = _rebuilt(terminal, file, options)
     terminal.summary([("time", terminal.times())])
@@ -59,13 +66,50 @@ def view(context: click.Context, /, file: Path, quiet: bool, **options: Any) -> 
     viewer.close()
 
 
+def _mesh_endings() -> tuple[str, ...]:
+    from helibore.surface import SURFACE_ENDINGS
+    from helibore.volume import VOLUME_ENDINGS
+
+    return (*SURFACE_ENDINGS, *VOLUME_ENDINGS)
+
+
+def _instead(mesh: Path) -> str:
+    """What to view in place of a mesh."""
+    from helibore.run_settings import settings_file
+
+    settings = settings_file(mesh)
+    if settings.is_file():
+        return f"view the settings beside it: helibore view {settings.name}"
+    return f"view its settings ({settings.name}), a saved .wall, or the caliper file"
+
+
 def _saved(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
-    """Show the wall of an archive, coloured by its images and attributes too."""
+    """Show the wall of an archive."""
     with terminal.stage("import", "Loading helibore"):
         import helibore
-        from helibore.viewer import Attribute
     with terminal.stage("read", f"Reading {file.name}"):
         wall = helibore.load(file)
+    return _shown(terminal, wall, options["well"] or file.stem, options)
+
+
+def _repeated(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
+    """Repeat the run whose settings these are and show its wall."""
+    with terminal.stage("import", "Loading helibore"):
+        from helibore.run import repeat, told
+    with terminal.stage("rebuild", f"Repeating {file.name}"):
+        run = repeat(file)
+    if run.wall is None or run.prepared is None:
+        raise RuntimeError("a run without a wall; this is a bug in helibore")
+    terminal.summary([*told(run), *run.prepared.told])
+    return _shown(terminal, run.wall, options["well"] or file.name.split(".")[0], options)
+
+
+def _shown(terminal: Terminal, wall: Wall, well: str, options: dict[str, Any]) -> Viewer:
+    """Show a wall on its path, coloured by its images and attributes too."""
+    import helibore
+    from helibore.viewer import Attribute
+
+    with terminal.stage("images", "Mapping images"):
         quads = max(len(wall) - wall.settings.sectors - 1, 0)
         values: dict[str | Attribute, Floats] = {}
         for name, image in wall.images.items():
@@ -74,7 +118,7 @@ def _saved(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
             unit = wall.attributes.units.get(name, "")
             values[Attribute(name, unit)] = wall.attributes.whole(name, wall.start_depth, quads)
     serving = {name: options[name] for name in SERVING}
-    return helibore.view(wall, path=wall.path, attributes=values, well=options["well"] or file.stem, **serving)
+    return helibore.view(wall, path=wall.path, attributes=values, well=well, **serving)
 
 
 def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
@@ -95,12 +139,12 @@ def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
     return helibore.view(wall, path=run.path, well=options["well"] or file.name.split(".")[0], **serving)
 
 
-def _refuse_settings(context: click.Context) -> None:
-    """A saved wall has its settings: options that would make another one are an error, not ignored."""
+def _refuse_settings(context: click.Context, who: str) -> None:
+    """A wall that has its settings: options that would make another one are an error, not ignored."""
     for option in context.command.params:
         given = context.get_parameter_source(option.name or "") is ParameterSource.COMMANDLINE
         if given and option.name not in (*SERVING, "file", "well", "quiet"):
-            raise click.UsageError(f"{option.opts[0]}: a saved wall has its own settings, path and values.")
+            raise click.UsageError(f"{option.opts[0]}: {who} own settings, path and values.")
 
 
 def check_page() -> None:

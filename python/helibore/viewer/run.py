@@ -9,6 +9,7 @@ import socket
 import threading
 import time
 from typing import Any
+from urllib.parse import quote
 
 from helibore.viewer.scene import Scene
 
@@ -27,7 +28,7 @@ class Server:
         self._socket = _bind(host, port)
         name = f"[{host}]" if ":" in host else host
         bound = self._socket.getsockname()[1]
-        self.url = f"http://{name}:{bound}/" + (f"?token={token}" if token else "")
+        self.url = f"http://{name}:{bound}/" + (f"?token={quote(token, safe='')}" if token else "")
         config = uvicorn.Config(
             application(scene, token, (*LOOPBACK, name)),
             ws="websockets-sansio",

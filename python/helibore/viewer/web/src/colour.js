@@ -50,10 +50,13 @@ export function quantities(store) {
     low: attribute.low ?? NaN,
     high: attribute.high ?? NaN,
     log: attribute.log,
-    map: MAPS[attribute.colours] ? attribute.colours : /^(gr|gamma)/i.test(attribute.name) ? 'gamma' : 'image',
+    length: attribute.unit === 'm', // the difference of two passes, say: shown as the user shows lengths
+    map: MAPS[attribute.colours] ? attribute.colours : mapFor(attribute.name),
   }));
   return [...fixed, ...own].map((quantity) => ({ dynamic: false, log: false, ...quantity }));
 }
+
+const mapFor = (name) => (/^(gr|gamma)/i.test(name) ? 'gamma' : /^difference/i.test(name) ? 'difference' : 'image');
 
 // A quantity of the vertex at place `at` of a tile; NaN where there is none. `pass` 'first' reads the first pass.
 export function valueAt(store, quantity, tile, at, pass = 'latest') {

@@ -5,7 +5,7 @@ import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { RESCANNED, PROVISIONAL, CLIPPED, SUPPORT_MASK } from './protocol.js';
-import { scaleOf, showAge, showAngle, showCount, showDepth, showLength, showPercent, showSigned, showValue, unitOf } from './units.js';
+import { scaleOf, showAge, showAngle, showCount, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
 import { sectionVolume } from './turns.js';
 
 export const byId = (id) => document.getElementById(id);
@@ -98,7 +98,7 @@ export function readout({ store, view, path, quad }) {
     ['Since first pass', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
     ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
     ['Samples used', quad ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
-    ...store.attributes.map(({ name, unit }, i) => [name, showValue(quad?.attributes[i] ?? NaN, unit)]),
+    ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, quad?.attributes[i] ?? NaN, units)]),
   ];
 }
 
