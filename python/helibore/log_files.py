@@ -29,6 +29,7 @@ from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
 from helibore.log_table import LogColumn, LogTable
 
+ENDINGS = (".las", ".csv", ".parquet", ".dlis")
 NULL = -999.25
 LAS_LINE = 256
 """The longest line of an unwrapped LAS 2.0 file; longer rows are wrapped at 80."""
@@ -59,16 +60,30 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
         If the folder cannot be written to; the old file stays.
     """
     path = Path(filename)
+    check_ending(path)
     writers: dict[str, Callable[[LogTable, str], Callable[[BinaryIO], object]]] = {
         ".las": _las,
         ".csv": _csv,
         ".parquet": _parquet,
         ".dlis": _dlis,
     }
-    writer = writers.get(path.suffix.lower())
-    if writer is None:
-        raise ValueError(f"{path}: the ending must be one of {', '.join(writers)}")
-    write_whole(path, writer(table, well))
+    write_whole(path, writers[path.suffix.lower()](table, well))
+
+
+def check_ending(filename: str | os.PathLike[str]) -> None:
+    """Refuse a name that `save_table` cannot write, or cannot without a library that is not installed."""
+    path = Path(filename)
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise ValueError(f"{path}: the ending must be one of {', '.join(ENDINGS)}")
+    try:
+        if ending == ".parquet":
+            import pyarrow as _
+        elif ending == ".dlis":
+            import dliswriter as _  # noqa: F401
+    except ImportError as error:
+        needs = {".parquet": "pyarrow", ".dlis": "dliswriter"}[ending]
+        raise ImportError(f'{ending} needs {needs}: pip install "helibore[{ending[1:]}]"') from error
 
 
 def _texts(column: LogColumn, missing: str) -> list[str]:
@@ -160,11 +175,9 @@ def _csv(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
 
 
 def _parquet(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
-    try:
-        import pyarrow
-        from pyarrow import parquet
-    except ImportError as error:
-        raise ImportError('.parquet needs pyarrow: pip install "helibore[parquet]"') from error
+    import pyarrow
+    from pyarrow import parquet
+
     arrays = [pyarrow.array(column.values, from_pandas=True) for column in table]  # NaN becomes null
     schema = pyarrow.schema(
         [
@@ -178,10 +191,7 @@ def _parquet(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
 
 
 def _dlis(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
-    try:
-        import dliswriter
-    except ImportError as error:
-        raise ImportError('.dlis needs dliswriter: pip install "helibore[dlis]"') from error
+    import dliswriter
 
     def write(file: BinaryIO) -> None:
         """Written to a place of its own first: dliswriter takes names of files, not files."""

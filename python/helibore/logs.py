@@ -17,7 +17,7 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -149,6 +149,18 @@ class Logs:
         from helibore.log_steps import by_step
 
         return by_step(self, step)
+
+    def between(self, top: float | None, bottom: float | None) -> Logs:
+        """Return the rows whose depth lies in [top, bottom]; None: no end."""
+        inside = self.rows_between(top, bottom)
+        columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
+        return replace(self, **columns)
+
+    def rows_between(self, top: float | None, bottom: float | None) -> npt.NDArray[np.bool_]:
+        """(rows,) which rows `between` keeps."""
+        least, most = (-math.inf if top is None else top), (math.inf if bottom is None else bottom)
+        inside: npt.NDArray[np.bool_] = (self.depth >= least) & (self.depth <= most)
+        return inside
 
     def facts(self) -> dict[str, str]:
         """Return what the logs were made with, as texts; every file states them."""

@@ -21,6 +21,7 @@ VERBS = {
     "demo": "helibore.cli.demo:demo",
     "inspect": "helibore.cli.inspect:inspect",
     "live": "helibore.live.command:live",
+    "logs": "helibore.cli.logs:logs",
     "plot": "helibore.cli.plot:plot",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
     "report": "helibore.cli.report:report",
