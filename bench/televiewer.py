@@ -73,10 +73,9 @@ def read_wall(folder: Path) -> hb.Wall:
     size = np.genfromtxt(folder / "caliper_max_ave.csv", delimiter=",", names=True)
     round_hole = hb.Caliper.from_average(size["depth_m"], size["cal_ave_diameter_mm"] / 1000)
     wall = hb.reconstruct(round_hole, bit_diameter=GAUGE, sectors=144, pitch=0.02)
-    with np.load(folder / "atv_amplitude.npz") as rows:
-        wall.images["Amplitude"] = hb.SectorImage(
-            rows["depth_m"], rows["amplitude"], "Amplitude", origin="centre", reference="north"
-        )
+    with hb.open(folder / "atv_amplitude.npz") as file:
+        image = file.image("amplitude").sector_image(origin="centre", reference="north", name="Amplitude")
+    wall.images[image.name] = image
     return wall
 
 

@@ -40,9 +40,7 @@ def images_of(file: Any, names: list[str]) -> dict[str, Any]:
 
 def hung(wall: hb.Wall, images: dict[str, Any]) -> hb.Wall:
     for name, columns in images.items():
-        wall.images[name] = hb.SectorImage(
-            columns.depth, columns.values, name, columns.unit, origin="edge", reference="north", offset=EDGE
-        )
+        wall.images[name] = columns.sector_image(origin="edge", reference="north", offset=EDGE)
     return wall
 
 

@@ -12,6 +12,7 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 README = (ROOT / "README.md").read_text()
+IMAGES = ROOT.parent / "shared/data/lwd-images"
 F12 = ROOT.parent / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
 
@@ -29,6 +30,19 @@ def test_python_from_files(tmp_path: Path) -> None:
     subprocess.run([sys.executable, "-m", "helibore", "simulate", ".", "--to", "2002m", "-q"], cwd=tmp_path, check=True)
     program = "import helibore as hb\n" + block("python", "prepare")
     subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=tmp_path, check=True)
+
+
+def test_python_images_from_files(tmp_path: Path) -> None:
+    if not IMAGES.is_dir():
+        pytest.skip("shared/data/lwd-images is not beside the project")
+    program = "import numpy as np\nimport helibore as hb\n" + block("python", "ABDC")
+    for short in ("P11-A-02.las", "15_9-F-15_D.json"):
+        stem, ending = short.split(".")
+        (whole,) = IMAGES.glob(f"{stem}_*.{ending}")
+        program = program.replace(short, str(whole))
+    program += "assert len(wall.surface().attributes) == 4\n"
+    subprocess.run([sys.executable, "-W", "error", "-c", program], cwd=tmp_path, check=True)
+    assert (tmp_path / "f15d.glb").stat().st_size > 1_000_000
 
 
 def test_cpp(tmp_path: Path) -> None:

@@ -251,6 +251,26 @@ def test_image_depth_must_run_one_way() -> None:
         log_set(channel("MD", "m"), channel("I", "", grid)).image("MD")
 
 
+def test_an_image_of_a_file_becomes_one_for_walls_in_one_line() -> None:
+    grid = np.arange(12.0).reshape(3, 4)
+    one = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), channel("I", "gAPI", grid))
+    plain = one.image("I").sector_image(origin="edge", reference="north")
+    assert (plain.name, plain.unit, plain.direction, plain.offset) == ("I", "gAPI", "clockwise", 0.0)
+    assert plain.values.tolist() == grid.tolist()
+    mapped = one.image("I", overlay(guess(one), one, {"I": {"first": 30.0, "step": -90.0}}, "map"))
+    turned = mapped.sector_image(origin="centre", reference="high-side", name="GR", reach=2.0)
+    assert (turned.name, turned.direction, turned.offset, turned.reach) == ("GR", "counterclockwise", 30.0, 2.0)
+    assert turned.toolface.tolist() == [30.0, 300.0, 210.0, 120.0]
+    told = mapped.sector_image(origin="centre", reference="north", direction="clockwise", offset=5.0)
+    assert (told.direction, told.offset) == ("clockwise", 5.0)
+    wrong = one.image("I", overlay(guess(one), one, {"I": {"first": 0.0, "step": 45.0}}, "map"))
+    with pytest.raises(ValueError, match=r"^I: 4 sectors, 45 deg apart: must be 90 around the hole$"):
+        wrong.sector_image(origin="edge", reference="north")
+    empty = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), channel("I", "", np.full((3, 4), np.nan))).image("I")
+    with pytest.raises(ValueError, match=r"^I: values: all 12 are missing$"):
+        empty.sector_image(origin="edge", reference="north")
+
+
 def xy_file(folder: Path) -> Path:
     path = folder / "xy.csv"
     path.write_text(

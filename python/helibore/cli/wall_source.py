@@ -195,11 +195,7 @@ def _image(spelling: str, options: dict[str, Any]) -> SectorImage:
     file, name, origin = parts
     with helibore.open(file, nulls(options)) as opened:
         found = opened.image(name)
-    order = "counterclockwise" if found.step is not None and found.step < 0 else "clockwise"
     try:
-        return helibore.SectorImage(
-            found.depth, found.values, found.name, found.unit, origin=origin,  # type: ignore[arg-type]
-            reference=options["reference"], direction=order, offset=found.first or 0.0,  # type: ignore[arg-type]
-        )  # fmt: skip
+        return found.sector_image(origin, options["reference"])  # type: ignore[arg-type]
     except ValueError as error:
-        raise ValueError(f"{file}: {name}: {error}") from error
+        raise ValueError(f"{file}: {error}") from error

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 from helibore import units
 from helibore.roles import ROLES, Role, RoleMap, guess
+from helibore.sector_image import Direction, Origin, Reference, SectorImage
 from helibore.survey import Survey
 
 from . import suspect
@@ -24,7 +25,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class SectorColumns:
-    """A sector image as it stands in the file.
+    """A sector image as it stands in the file; `sector_image` makes of it what walls carry.
 
     Attributes
     ----------
@@ -51,6 +52,48 @@ class SectorColumns:
     step: float | None
     members: tuple[str, ...]
     dropped: int
+
+    def sector_image(
+        self,
+        origin: Origin,
+        reference: Reference,
+        direction: Direction | None = None,
+        offset: float | None = None,
+        reach: float | None = None,
+        name: str | None = None,
+    ) -> SectorImage:
+        """Return the image that a wall carries: ``wall.images["GR"] = file.image("GRAS").sector_image(...)``.
+
+        Parameters
+        ----------
+        origin, reference
+            As in `SectorImage`: files do not say what of sector 1 lies at its angle, nor what the angles count from.
+        direction
+            None: as ``step`` says, clockwise where it does not.
+        offset
+            Degrees; None: ``first``, 0 where the file does not say.
+        reach, name
+            As in `SectorImage`; ``name`` None: the channel's.
+
+        Raises
+        ------
+        ValueError
+            ``GRAS: 8 sectors, 22.5 deg apart: must be 45``; as `SectorImage`, with the channel's name.
+        """
+        even, step = 360.0 / self.values.shape[1], self.step
+        if step is not None and not abs(abs(step) - even) <= 0.005 * even:  # NaN: not evenly spaced
+            apart = f"{step:g} deg apart" if np.isfinite(step) else "unevenly spaced"
+            raise ValueError(f"{self.name}: {self.values.shape[1]} sectors, {apart}: must be {even:g} around the hole")
+        if direction is None:
+            direction = "counterclockwise" if step is not None and step < 0 else "clockwise"
+        offset = (self.first or 0.0) if offset is None else offset
+        try:
+            return SectorImage(
+                self.depth, self.values, name or self.name, self.unit,
+                origin=origin, reference=reference, direction=direction, offset=offset, reach=reach,
+            )  # fmt: skip
+        except ValueError as error:
+            raise ValueError(f"{self.name}: {error}") from error
 
 
 def column(one: LogSet, role: Role) -> Floats:
