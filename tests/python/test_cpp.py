@@ -9,6 +9,7 @@ import sys
 import sysconfig
 from pathlib import Path
 
+import live_pushes
 import pytest
 
 import helibore
@@ -53,10 +54,26 @@ def prefix(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFact
     return installed
 
 
-def test_a_project_finds_the_package(prefix: Path, tmp_path: Path) -> None:
-    run("cmake", "-S", ROOT / "tests/consumer", "-B", tmp_path, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
-    run("cmake", "--build", tmp_path)
-    assert run(tmp_path / "consumer") == "1567 quads, radius 0.11 to 0.11 m\n"
+@pytest.fixture(scope="module")
+def consumer(prefix: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The programs of a project that finds the package there."""
+    built = tmp_path_factory.mktemp("consumer")
+    run("cmake", "-S", ROOT / "tests/consumer", "-B", built, "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
+    run("cmake", "--build", built)
+    return built
+
+
+def test_a_project_finds_the_package(consumer: Path) -> None:
+    assert run(consumer / "consumer") == "1567 quads, radius 0.11 to 0.11 m\n"
+
+
+def test_a_host_in_cpp_has_the_bits_of_python(consumer: Path) -> None:
+    """The same samples, stations and image rows pushed through helibore::Live and hb.Live: every number they tell."""
+    pushes = live_pushes.pushes()
+    told = subprocess.run(
+        [consumer / "live"], input="".join(push.text for push in pushes), capture_output=True, text=True, check=True
+    ).stdout
+    assert told.splitlines() == live_pushes.told_by_python(pushes)
 
 
 def test_installed_headers(prefix: Path) -> None:

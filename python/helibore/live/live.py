@@ -36,6 +36,7 @@ RECORD = np.dtype(
 )  # fmt: skip
 WINDOW_BYTES = 1 << 20
 WINDOW_RECORDS = 8192
+LONGEST_NEWS = 100
 
 
 class Stored(NamedTuple):
@@ -81,6 +82,7 @@ class Live:
         self._lock = threading.Lock()
         self._clock = clock
         self._sequence = 0
+        self._news = Update()
         self.journal: Journal | None = None
         session = {"session": secrets.token_hex(8), "meaning": self.configuration.meaning(),
                    "configuration": self.configuration.text}  # fmt: skip
@@ -185,8 +187,7 @@ class Live:
         if time is not None:
             columns["time"] = column("time", time, depths.size, "depth")
         for name, values in columns.items():
-            for index in np.flatnonzero(~np.isfinite(values))[:1].tolist():
-                raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
+            _require_finite(name, values)
         for index in np.flatnonzero(columns["radius"] <= 0)[:1].tolist():
             raise ValueError(f"radius[{index}] = {columns['radius'][index]:g}: must be larger than 0")
         update = Update()
@@ -214,6 +215,7 @@ class Live:
         sectors = values.shape[1]
         if name in self.images and self.images[name].sectors != sectors:
             raise ValueError(f"values has {sectors} sectors: image '{name}' has {self.images[name].sectors}")
+        _require_finite("depth", depths)
         head = json.dumps([name, sectors, unit]).encode() + b"\n"
         table = np.column_stack([depths, values]).astype(np.float64)
         return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
@@ -226,7 +228,21 @@ class Live:
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
         """Journal first, then the model."""
         with self._lock:
-            return self.model.take(*self._stamp(source, connection, payload, kind))
+            return self._told(self.model.take(*self._stamp(source, connection, payload, kind)))
+
+    def _told(self, update: Update) -> Update:
+        _merge(self._news, update)
+        del self._news.events[LONGEST_NEWS:]
+        return update
+
+    def poll(self) -> Update:
+        """Return everything that changed since the last poll, in one; of events the first hundred.
+
+        For a host whose screen has a pace of its own: one thread pushes, another polls.
+        """
+        with self._lock:
+            news, self._news = self._news, Update()
+            return news
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
         """Journal only; :meth:`draw` must be given what this returns, in the order of the calls.
@@ -242,7 +258,7 @@ class Live:
         """Read what was stored, all at once."""
         with self._lock:
             records = np.concatenate([one.record for one in stored])
-            return self.model.take(records, [payload for one in stored for payload in one.payloads])
+            return self._told(self.model.take(records, [payload for one in stored for payload in one.payloads]))
 
     def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:
         if self.journal is not None:
@@ -268,6 +284,11 @@ class Live:
 
     def __exit__(self, *_: object) -> None:
         self.close()
+
+
+def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
+    for index in np.flatnonzero(~np.isfinite(values))[:1].tolist():
+        raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
 
 
 def _merge(update: Update, more: Update) -> None:

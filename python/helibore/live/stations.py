@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -38,6 +39,8 @@ class Stations:
 
         A station that was there already changes nothing.
         """
+        if not math.isfinite(depth):
+            return None, f"station at {depth:g} m: depth must be finite"
         row = (inclination, azimuth)
         if self._rows.get(depth) == row:
             return None, ""

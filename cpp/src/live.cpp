@@ -1,0 +1,213 @@
+// Samples to the wall, stations to the path, rows to the images, and one Update for all that changed between two polls.
+#include "helibore/live.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+#include "helibore/error.hpp"
+
+namespace helibore {
+
+namespace {
+
+constexpr std::size_t most_events = 100;
+
+// Sorted, those that touch made one.
+std::vector<Range> joined(std::vector<Range> ranges) {
+    std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.start < b.start; });
+    std::vector<Range> found;
+    for (const Range& range : ranges)
+        if (!found.empty() && range.start <= found.back().stop)
+            found.back().stop = std::max(found.back().stop, range.stop);
+        else
+            found.push_back(range);
+    return found;
+}
+
+void join(Update& all, const Update& more) {
+    if (more.change && all.change) {
+        std::vector<Range> ranges = all.change->ranges;
+        ranges.insert(ranges.end(), more.change->ranges.begin(), more.change->ranges.end());
+        all.change =
+            Change{joined(std::move(ranges)), more.change->settled, all.change->accepted + more.change->accepted,
+                   all.change->redundant + more.change->redundant};
+    } else if (more.change) {
+        all.change = more.change;
+    }
+    for (const auto& [name, rows] : more.images) {
+        const auto [place, is_new] = all.images.try_emplace(name, rows);
+        if (!is_new) place->second.stop = rows.stop;
+    }
+    if (more.path_from) all.path_from = std::min(*more.path_from, all.path_from.value_or(*more.path_from));
+    for (const std::string& text : more.events)
+        if (all.events.size() < most_events) all.events.push_back(text);
+}
+
+void require_finite(const char* name, std::span<const double> values) {
+    for (std::size_t i = 0; i < values.size(); ++i)
+        if (!std::isfinite(values[i])) {
+            std::ostringstream text;
+            text << name << "[" << i << "] = " << values[i] << ": must be finite";
+            throw InputError(text.str());
+        }
+}
+
+void require_length(const char* name, std::span<const double> values, std::span<const double> depth) {
+    if (values.size() != depth.size())
+        throw InputError(std::string(name) + " has " + std::to_string(values.size()) + " values, depth has " +
+                         std::to_string(depth.size()) + ": must be equal");
+}
+
+Settings with_a_start(const Settings& settings) {
+    if (!settings.start_depth)
+        throw InputError("start_depth: must be set: the vertices of a live wall keep their numbers");
+    return settings;
+}
+
+}  // namespace
+
+std::vector<Range> Update::quads(int sectors) const {
+    if (!change) return {};
+    std::vector<Range> ranges = change->ranges;
+    for (Range& range : ranges) range.start = std::max<Index>(range.start - sectors - 1, 0);
+    return joined(std::move(ranges));
+}
+
+Live::Live(const LiveSettings& settings) : path_settings_(settings.path), wall_(with_a_start(settings.wall)) {
+    const double two[] = {0.0, 1.0};
+    const double straight[] = {0.0, 0.0};
+    static_cast<void>(Path(Survey(two, straight, straight), path_settings_));  // bad settings are refused now
+}
+
+Update Live::append_samples(const SampleColumns& samples) {
+    const std::lock_guard guard(lock_);
+    Update update;
+    update.change = wall_.append(samples);
+    return told(std::move(update));
+}
+
+Update Live::append_stations(std::span<const double> depth, std::span<const double> inclination,
+                             std::span<const double> azimuth) {
+    require_length("inclination", inclination, depth);
+    require_length("azimuth", azimuth, depth);
+    const std::lock_guard guard(lock_);
+    Update update;
+    for (std::size_t i = 0; i < depth.size(); ++i) take_station(depth[i], inclination[i], azimuth[i], update);
+    return told(std::move(update));
+}
+
+// A station takes part only if the survey and the path with it can be made.
+void Live::take_station(double depth, double inclination, double azimuth, Update& update) {
+    const std::array<double, 2> row = {inclination, azimuth};
+    if (const auto there = stations_.find(depth); there != stations_.end() && there->second == row) return;
+    try {
+        if (!std::isfinite(depth)) throw InputError("depth must be finite");
+        auto stations = stations_;
+        stations[depth] = row;
+        if (stations.size() > 1) {
+            std::vector<double> columns[3];
+            for (const auto& [at, angles] : stations) {
+                columns[0].push_back(at);
+                columns[1].push_back(angles[0]);
+                columns[2].push_back(angles[1]);
+            }
+            Survey survey(columns[0], columns[1], columns[2]);
+            Path path(survey, path_settings_);
+            path_ = std::move(path);
+            survey_ = std::move(survey);
+        } else if (!(inclination >= 0 && inclination <= 180 && azimuth >= -360 && azimuth <= 360)) {
+            std::ostringstream text;
+            text << "inclination " << inclination << ", azimuth " << azimuth << ": must be in [0, 180], [-360, 360]";
+            throw InputError(text.str());
+        }
+        stations_ = std::move(stations);
+    } catch (const InputError& error) {
+        std::ostringstream text;
+        text << "station at " << depth << " m: " << error.what();
+        update.events.push_back(text.str());
+        return;
+    }
+    const auto at = stations_.find(depth);
+    const double above = at == stations_.begin() ? depth : std::prev(at)->first;
+    update.path_from = std::min(above, update.path_from.value_or(above));
+}
+
+Update Live::append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
+                          const std::string& unit) {
+    require_finite("depth", depth);
+    if (depth.empty() ? !values.empty() : values.empty() || values.size() % depth.size() != 0)
+        throw InputError("values has " + std::to_string(values.size()) + " values, depth has " +
+                         std::to_string(depth.size()) + ": must be as many for each depth");
+    if (depth.empty()) return {};
+    const int sectors = static_cast<int>(values.size() / depth.size());
+    const std::lock_guard guard(lock_);
+    const auto [place, is_new] = images_.try_emplace(name, ArrivedRows{{}, {}, sectors, unit});
+    ArrivedRows& rows = place->second;
+    if (rows.sectors != sectors)
+        throw InputError("values has " + std::to_string(sectors) + " sectors: image '" + name + "' has " +
+                         std::to_string(rows.sectors));
+    const auto start = static_cast<Index>(rows.depth.size());
+    rows.values.insert(rows.values.end(), values.begin(), values.end());
+    try {
+        rows.depth.insert(rows.depth.end(), depth.begin(), depth.end());
+    } catch (...) {
+        rows.values.resize(rows.values.size() - values.size());
+        throw;
+    }
+    Update update;
+    update.images[name] = {start, static_cast<Index>(rows.depth.size())};
+    return told(std::move(update));
+}
+
+Update Live::told(Update update) {
+    join(news_, update);
+    return update;
+}
+
+Update Live::poll() {
+    const std::lock_guard guard(lock_);
+    return std::exchange(news_, {});
+}
+
+std::optional<Survey> Live::survey() const {
+    const std::lock_guard guard(lock_);
+    return survey_;
+}
+
+std::optional<Path> Live::path() const {
+    const std::lock_guard guard(lock_);
+    return path_;
+}
+
+std::vector<std::string> Live::images() const {
+    const std::lock_guard guard(lock_);
+    std::vector<std::string> names;
+    for (const auto& [name, rows] : images_) names.push_back(name);
+    return names;
+}
+
+ImageArrays Live::image(const std::string& name) const {
+    const std::lock_guard guard(lock_);
+    const auto place = images_.find(name);
+    if (place == images_.end()) throw InputError("image '" + name + "': is not there");
+    const ArrivedRows& rows = place->second;
+    std::vector<std::size_t> order(rows.depth.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t a, std::size_t b) { return rows.depth[a] < rows.depth[b]; });
+    ImageArrays image{{}, {}, rows.sectors, rows.unit};
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i + 1 < order.size() && !(rows.depth[order[i]] < rows.depth[order[i + 1]]))
+            continue;  // a later one follows
+        image.depth.push_back(rows.depth[order[i]]);
+        const auto first = rows.values.begin() + static_cast<Index>(order[i]) * rows.sectors;
+        image.values.insert(image.values.end(), first, first + rows.sectors);
+    }
+    return image;
+}
+
+}  // namespace helibore
