@@ -148,9 +148,17 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
     assert "hole.glb.toml: title: must be one of helibore" in done.stderr
 
 
-def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     from helibore.viewer import command, server
 
     monkeypatch.setattr(server, "page", lambda _: None)
-    with pytest.raises(ValueError, match=r"^This helibore was built without its page, because Node\.js 18 or newer"):
+    with pytest.raises(
+        ValueError, match=r"^This helibore was built without its page: its files are missing\. .* npm, "
+    ):
+        command.check_page()
+    (tmp_path / "no-page.txt").write_text("Node.js 18 or newer and npm were not there\n")
+    monkeypatch.setattr(server.resources, "files", lambda _: tmp_path)
+    with pytest.raises(
+        ValueError, match=r"^This helibore was built without its page: Node\.js 18 or newer and npm were "
+    ):
         command.check_page()

@@ -152,10 +152,10 @@ def check_page() -> None:
     from helibore.viewer.run import import_server
 
     import_server()
-    from helibore.viewer.server import NO_PAGE, page
+    from helibore.viewer.server import no_page, page
 
     if page("app.js") is None:
-        raise ValueError(NO_PAGE)
+        raise ValueError(no_page())
 
 
 def _settings(options: dict[str, Any]) -> dict[str, Any]:

@@ -37,10 +37,6 @@ TICK = 0.05  # seconds between two looks at what is dirty: at most 20 sends a se
 MOST_CLIENTS = 64
 MOST_TEXT = 8192  # bytes of a message from a page
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
-NO_PAGE = (
-    "This helibore was built without its page, because Node.js 18 or newer was not there. "
-    "Install Node.js and npm, then build the package again: pip install --force-reinstall --no-deps helibore"
-)
 POLICY = (
     "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "
     "base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
@@ -57,6 +53,16 @@ def page(name: str) -> bytes | None:
     """Return a file of the built page, or None where the package was built without it."""
     file = resources.files("helibore.viewer").joinpath("page", name)
     return file.read_bytes() if file.is_file() else None
+
+
+def no_page() -> str:
+    """Return why there is no page, as the build left it, and how to get one."""
+    file = resources.files("helibore.viewer").joinpath("no-page.txt")
+    reason = file.read_text("utf-8").strip().rstrip(".") if file.is_file() else "its files are missing"
+    return (
+        f"This helibore was built without its page: {reason}. Everything else works. For the page: install Node.js 18 "
+        "or newer with npm, then helibore again from its sources, pip install --force-reinstall --no-deps ."
+    )
 
 
 def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] = LOOPBACK) -> ASGIApp:
@@ -319,7 +325,7 @@ def _page_file(name: str) -> Endpoint:
     async def answer(_: Request) -> Response:
         body = page(name)
         if body is None:
-            return PlainTextResponse(NO_PAGE + "\n", 503)
+            return PlainTextResponse(no_page() + "\n", 503)
         return Response(body, media_type=TYPES[name])
 
     return answer
