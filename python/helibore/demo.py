@@ -2,7 +2,7 @@
 
     simulate  ->  reconstruct  ->  helibore-demo.glb, helibore-demo.png  ->  error against the hole's own formula
 
-It is the shortest complete use of the library. Not here: printing (``cli.demo``) and drawing (``pictures``).
+It is the shortest complete use of the library. Not here: printing (``cli.demo``) and drawing (``plot``).
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.caliper import Caliper
+from helibore.sector_image import SectorImage
 from helibore.simulate import Hole, Simulation, Tool, simulate
 from helibore.survey import Path, Survey
 from helibore.wall import Wall, reconstruct
@@ -42,9 +43,12 @@ def drill(seed: int = 0) -> Simulation:
 
 
 def rebuild(simulation: Simulation) -> Demonstration:
-    """Rebuild the wall of a simulated hole with 64 sectors a turn and a pitch of 0.1 m."""
+    """Rebuild the wall of a simulated hole with 64 sectors a turn and a pitch of 0.1 m; it carries the gamma image."""
     caliper = Caliper(simulation.depth, simulation.toolface, simulation.radius, simulation.time)
     wall = reconstruct(caliper, bit_diameter=simulation.hole.bit_diameter)
+    wall.images["Gamma ray"] = SectorImage(
+        simulation.gamma_depth, simulation.gamma, "Gamma ray", "gAPI", origin="edge", reference="high-side"
+    )
     survey = Survey(simulation.station_depth, simulation.inclination, simulation.azimuth)
     return Demonstration(simulation, wall, survey.path())
 

@@ -5,7 +5,7 @@
     x = -R' sin(toolface - facing)    y = R' cos(toolface - facing)    screen = (x, z cos(tilt) + y sin(tilt))
 
 The wall is resampled so finely that no pixel stays empty, and shaded point by point; the nearest point of a pixel wins.
-Parallel projection, so that depth reads off a straight scale. Not here: axes and captions (``pictures``).
+Parallel projection, so that depth reads off a straight scale. Not here: axes and captions (``plot.solid``).
 """
 
 from __future__ import annotations

@@ -67,12 +67,11 @@ def test_files_say_what_the_wall_is_made_from(tmp_path: Path, basis: str) -> Non
 
 def test_the_picture_says_that_the_shape_is_not_measured() -> None:
     pytest.importorskip("matplotlib")
-    from helibore.pictures import Track, overview
-
     wall = hb.reconstruct(hb.Caliper.gauge(0, 2, 0.2), bit_diameter=0.2)
-    track = Track(np.arange(0, 2, 0.1), np.arange(320.0).reshape(20, 16), "GR", "gAPI")
-    texts = [text.get_text() for text in overview(wall, track, "A hole", dpi=40).texts]
-    assert any("gauge hole at bit size: not measured" in text for text in texts)
+    values = np.arange(320.0).reshape(20, 16)
+    wall.images["GR"] = hb.SectorImage(np.arange(20) * 0.1, values, "GR", origin="edge", reference="high-side")
+    texts = [text.get_text() for text in hb.plot.overview(wall, dpi=40).texts]
+    assert "gauge hole at bit size: not measured" in texts
 
 
 @pytest.mark.parametrize(

@@ -85,7 +85,7 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
     for needed in (
         "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
-        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest across", "washout", "cake, undergauge",
+        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "washout", "cake, undergauge",
         "Radius − bit/2 [mm]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or no sample in reach", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
@@ -112,6 +112,55 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
     assert ("hole not measured" in words) == (basis == "gauge")
     assert_readable(figure)
+
+
+@pytest.mark.parametrize(
+    ("curves", "names"),
+    [((), []), (("C1", "C2"), ["c1", "c2"]), (("D0", "D90"), ["d0", "d90"]), (("C1", "C2", "D0", "D90"), None)],
+)
+def test_the_caliper_track_draws_the_pairs_that_are_asked_for(
+    wall: hb.Wall, curves: tuple[str, ...], names: list[str] | None
+) -> None:
+    names = ["c1", "c2", "d0", "d90"] if names is None else names
+    figure = plot.log(wall, curves=curves, unit="mm", dpi=150, polar=(), body=())
+    axes = tracks_of(figure)[1]
+    turns = diameters(wall, BIT)
+    lines = [line for line in axes.lines if len(line.get_xdata()) == turns.depth.size]
+    assert len(lines) == len(names) + 1
+    for name, line in zip([*names, "area"], lines, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), getattr(turns, name) / 0.001)
+        np.testing.assert_array_equal(line.get_ydata(), turns.depth)
+    words = [text.get_text() for text in texts(figure)]
+    named = {"C1": "C1", "C2": "C2", "D0": "T–B", "D90": "R–L"}
+    assert [name for name in named if named[name] in words] == list(curves)
+    assert_readable(figure)
+
+
+def test_an_overview_has_the_tracks_of_a_log_and_a_body_beside_them(wall: hb.Wall) -> None:
+    figure = plot.overview(wall, title="A well", scale=200, dpi=60)
+    assert_readable(figure)
+    words = " | ".join(text.get_text() for text in texts(figure))
+    for needed in (
+        "A well",
+        "Diameter [in]",
+        "GR [gAPI]",
+        "RES [ohm.m]",
+        "tube × ",
+        "shape × ",
+        "coloured by ",
+        "MD [m]",
+    ):
+        assert needed in words, needed
+    assert "Cross sections" not in words
+    height = figure.get_size_inches()[1] * MM
+    tracks = [axes for axes in figure.axes if axes.get_ylim() == (wall.depth[-1], 2000.0)]
+    assert len(tracks) == 5
+    for axes in tracks:
+        assert axes.get_position().height * height == pytest.approx((wall.depth[-1] - 2000) * 5)
+    body = figure.axes[-1].get_position()
+    assert all(axes.get_position().x1 < body.x0 for axes in tracks)
+    plain = plot.overview(wall, body=(), dpi=60)
+    assert plain.get_size_inches()[0] < figure.get_size_inches()[0]
 
 
 @pytest.mark.parametrize("scale", [200, 500])
@@ -251,6 +300,13 @@ def test_diameters_against_a_loop(wall: hb.Wall) -> None:
         there = [size for size in across if not math.isnan(size)]
         assert turns.least[turn] == pytest.approx(min(there, default=np.nan), nan_ok=True)
         assert turns.greatest[turn] == pytest.approx(max(there, default=np.nan), nan_ok=True)
+        if there and len(there) == K:
+            assert turns.c1[turn] == max(across)
+            widest = across.index(max(across))
+            assert turns.c2[turn] in (across[(widest + K // 4) % K], across[(widest - K // 4) % K])
+            assert (turns.d0[turn], turns.d90[turn]) == (across[0], across[K // 4])
+        else:
+            assert np.isnan([turns.c1[turn], turns.c2[turn], turns.d0[turn], turns.d90[turn]]).all()
     few = thinned(turns, 2001.0, 2021.0, 17)
     assert few.depth.size == 17
     inside = (turns.depth >= 2001) & (turns.depth <= 2021)
@@ -321,6 +377,7 @@ def hb_washout(start: float, stop: float) -> Any:
         ({"scale": 0}, "scale = 0: must be a whole number, 200 for 1:200"),
         ({"reference": "up"}, "reference = 'up': must be one of high-side, north"),
         ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
+        ({"curves": ("C3",)}, "curve 'C3': must be one of C1, C2, D0, D90"),
         ({"unit": "m"}, "unit = 'm': must be one of in, mm"),
         ({"start": 2010, "stop": 2001}, "interval 2010 to 2001 m: the end must be deeper than the start"),
         ({"start": 3000, "stop": 3001}, "interval 3000 to 3001 m: the wall reaches from 2000 to"),
@@ -407,6 +464,15 @@ def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments:
     assert result.stderr.count("\n") == 1
     assert (archive.parent / "log.png").read_bytes() == b"old"
     assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
+
+
+@pytest.mark.parametrize("option", ["--image=log.csv:GR:edge", "--average=log.csv:GR"])
+def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> None:
+    table = tmp_path / "log.csv"
+    table.write_text("depth_m,CAL_in\n" + "".join(f"{1000 + row},8.5\n" for row in range(9)))
+    gauge = [] if option.startswith("--average") else ["--gauge"]
+    result = run_cli(*gauge, option.replace("log.csv", str(table)), "--bit-diameter", "8.5in", "-o", tmp_path / "l.png")
+    assert (result.exit_code, result.stderr) == (2, "helibore: log.csv: no channel 'GR'; it holds depth_m, CAL_in\n")
 
 
 def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -9,6 +9,9 @@ import click
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import wall_lines
 
+DEPTH_SCALE, DPI = 250, 120
+"""Of the picture: 50 m of hole on 200 mm."""
+
 
 @click.command(short_help="A simulated hole, from samples to mesh and picture.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder.  [here]")
@@ -20,8 +23,9 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
     \b
     helibore demo
     """
+    from helibore import plot
     from helibore.demo import drill, error, rebuild
-    from helibore.pictures import Track, overview, require_matplotlib, save_png
+    from helibore.plot.paper import require_matplotlib
 
     require_matplotlib()
     if not output.is_dir():
@@ -36,14 +40,14 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
         surface = wall.surface(demonstration.path)
         surface.save(output / "helibore-demo.glb")
     with terminal.stage("picture", "Drawing helibore-demo.png"):
-        track = Track(simulation.gamma_depth, simulation.gamma, "Gamma ray", "gAPI")
         length = simulation.hole.stop - simulation.hole.start
         title = f"{length:g} m of borehole wall from {simulation.depth.size:,} samples"
         subtitle = (
-            f"Simulated drilling with stick-slip and {simulation.tool.noise * 1e3:g} mm noise; rebuilt on a helix of "
-            f"{wall.settings.sectors} sectors and {wall.settings.pitch:g} m pitch; rms error {off.rms * 1e3:.2f} mm"
+            f"Simulated drilling with stick-slip and {simulation.tool.noise * 1e3:g} mm noise; rms error of the wall "
+            f"{off.rms * 1e3:.2f} mm"
         )
-        save_png(overview(wall, track, title, subtitle), output / "helibore-demo.png")
+        figure = plot.overview(wall, title=title, subtitle=subtitle, scale=DEPTH_SCALE, dpi=DPI)
+        plot.save(figure, output / "helibore-demo.png")
     lines = wall_lines(wall, len(surface.quads), 2.0 * float(simulation.radius.mean()))
     lines += [
         ("truth", f"rebuilt minus true radius: rms {off.rms * 1e3:.2f} mm, mean {off.mean * 1e3:+.2f} mm"),

@@ -25,6 +25,10 @@ DRAWING = (
     click.option("--scale", metavar="N", help="Depth scale, 200 or 1:200.  [the finest usual one that fits]"),
     click.option("--unit", type=click.Choice(["in", "mm"]), default="in", show_default=True, help="Of diameters."),
     click.option(
+        "--curve", "curves", type=click.Choice(["C1", "C2", "D0", "D90", "none"]), multiple=True,
+        help="Of the caliper track: largest, across it, across 0 and 90; repeatable.  [C1, C2]",
+    ),
+    click.option(
         "--left", type=click.Choice(["0", "90", "180", "270"]), default="0", show_default=True,
         help="Toolface at the left edge of images; 180 puts the top in the middle.",
     ),
@@ -121,6 +125,7 @@ def drawing_options(options: dict[str, Any], found: Sourced) -> dict[str, Any]:
         "reference": options["reference"],
         "left": float(options["left"]),
         "unit": options["unit"],
+        "curves": tuple(name for name in options["curves"] or ("C1", "C2") if name != "none"),
         "polar": () if options["no_polar"] else polar,
         "body": () if options["no_body"] else body,
         "dpi": options["dpi"],

@@ -8,7 +8,8 @@ caliper.csv --bit-diameter 8.5in            rebuilt from its samples
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -150,7 +151,7 @@ def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tupl
     file, _, name = spelling.rpartition(":")
     if not file:
         raise click.UsageError(f"--average {spelling}: must be FILE:CHANNEL")
-    with helibore.open(file, nulls(options)) as opened:
+    with helibore.open(file, nulls(options)) as opened, _named():
         one = opened.set(options["set_name"])
         role = guess(one).one("depth")
         if role is None:
@@ -169,6 +170,15 @@ def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tupl
         if count:
             told.append(("dropped", f"{count:,} rows: {what}"))
     return helibore.Caliper.from_average(depth[usable], size[usable]), told
+
+
+@contextmanager
+def _named() -> Iterator[None]:
+    """A channel that a file does not hold is the user's to put right."""
+    try:
+        yield
+    except KeyError as error:
+        raise ValueError(error.args[0]) from error
 
 
 def _gauge(options: dict[str, Any]) -> Caliper:
@@ -193,7 +203,7 @@ def _image(spelling: str, options: dict[str, Any]) -> SectorImage:
     if len(parts) != 3 or parts[2] not in ("centre", "edge"):
         raise click.UsageError(f"--image {spelling}: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge")
     file, name, origin = parts
-    with helibore.open(file, nulls(options)) as opened:
+    with helibore.open(file, nulls(options)) as opened, _named():
         found = opened.image(name)
     try:
         return found.sector_image(origin, options["reference"])  # type: ignore[arg-type]

@@ -6,7 +6,8 @@
 
     content.py    what is shown            tracks.py    depth, caliper, images       paper.py   millimetres
     log.py        where it stands          sections.py  cross sections               raster.py  cells to pixels
-    header.py     what must be said        solid.py     shaded bodies                save.py    files
+    overview.py   the same for a screen    solid.py     shaded bodies                save.py    files
+    header.py     what must be said        scales.py    numbers on axes              calipers.py  diameters
 
 matplotlib comes with the extra ``plot`` and is imported when something is drawn.
 """
@@ -15,6 +16,7 @@ from __future__ import annotations
 
 from helibore.plot.content import Drawing, Look
 from helibore.plot.log import PAPERS, log, pages
+from helibore.plot.overview import overview
 from helibore.plot.save import rendered, save
 
-__all__ = ["PAPERS", "Drawing", "Look", "log", "pages", "rendered", "save"]
+__all__ = ["PAPERS", "Drawing", "Look", "log", "overview", "pages", "rendered", "save"]

@@ -1,4 +1,4 @@
-"""Diameters along the hole, as the caliper track draws them: by area, least and greatest, one row a turn.
+"""Diameters along the hole, as the caliper track draws them: by area, least and greatest, pairs, one row a turn.
 
     across(toolface) = r(toolface) + r(toolface + 180)      by area = 2 sqrt(mean(r^2))
 
@@ -8,7 +8,7 @@ washout of one turn is lost. Derived logs for files are in ``helibore.logs``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 
@@ -27,6 +27,10 @@ class Diameters:
         Of the middle of the turn.
     area
         Diameter of the circle of the same area; NaN unless the turn is whole.
+    c1, c2
+        Largest diameter of the turn and the one at right angles to it; NaN unless the turn is whole.
+    d0, d90
+        Diameters across toolfaces 0 and 180, and 90 and 270; NaN unless the turn is whole.
     least, greatest
         Across the hole, through the axis; of what is there.
     coverage
@@ -35,9 +39,16 @@ class Diameters:
 
     depth: Floats
     area: Floats
+    c1: Floats
+    c2: Floats
+    d0: Floats
+    d90: Floats
     least: Floats
     greatest: Floats
     coverage: Floats
+
+
+NAMES = tuple(field.name for field in fields(Diameters))
 
 
 def diameters(wall: WallLike, bit_diameter: float) -> Diameters:
@@ -48,36 +59,39 @@ def diameters(wall: WallLike, bit_diameter: float) -> Diameters:
     half = K // 2  # with an odd number the far side is the mean of the two vertices next to it
     far = 0.5 * (np.roll(by_turn, -half, axis=1) + np.roll(by_turn, -((K + 1) // 2), axis=1))
     across = by_turn + far
-    found = Diameters(
-        logs.depth,
-        logs.equivalent_diameter,
-        np.fmin.reduce(across, axis=1),
-        np.fmax.reduce(across, axis=1),
-        logs.coverage,
-    )
-    return found if wall.settings.pitch > 0 else _reversed(found)
-
-
-def _reversed(one: Diameters) -> Diameters:
-    return Diameters(one.depth[::-1], one.area[::-1], one.least[::-1], one.greatest[::-1], one.coverage[::-1])
+    columns = {
+        "depth": logs.depth,
+        "area": logs.equivalent_diameter,
+        "c1": logs.c1,
+        "c2": logs.c2,
+        "d0": logs.diameter_0,
+        "d90": logs.diameter_90,
+        "least": np.fmin.reduce(across, axis=1),
+        "greatest": np.fmax.reduce(across, axis=1),
+        "coverage": logs.coverage,
+    }
+    order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)
+    return Diameters(**{name: column[order] for name, column in columns.items()})
 
 
 def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters:
     """Return the turns between two depths, at most about ``rows`` rows of them."""
     inside = slice(np.searchsorted(turns.depth, top), np.searchsorted(turns.depth, bottom, side="right"))
-    depth = turns.depth[inside]
-    count = depth.size
+    columns = {name: getattr(turns, name)[inside] for name in NAMES}
+    count = columns["depth"].size
     if count <= rows:
-        return Diameters(depth, turns.area[inside], turns.least[inside], turns.greatest[inside], turns.coverage[inside])
+        return Diameters(**columns)
     first = np.unique(np.arange(rows) * count // rows)
     sizes = np.diff(np.append(first, count))
-    there = np.isfinite(turns.area[inside])
-    total = np.add.reduceat(np.where(there, turns.area[inside], 0.0), first)
-    known = np.add.reduceat(there.astype(np.float64), first)
-    return Diameters(
-        np.add.reduceat(depth, first) / sizes,
-        np.where(2 * known >= sizes, total / np.maximum(known, 1), np.nan),
-        np.fmin.reduceat(turns.least[inside], first),
-        np.fmax.reduceat(turns.greatest[inside], first),
-        np.add.reduceat(turns.coverage[inside], first) / sizes,
-    )
+    found = {
+        "least": np.fmin.reduceat(columns["least"], first),
+        "greatest": np.fmax.reduceat(columns["greatest"], first),
+    }
+    for name in ("depth", "coverage"):
+        found[name] = np.add.reduceat(columns[name], first) / sizes
+    for name in ("area", "c1", "c2", "d0", "d90"):  # of a row at least half of whose turns are whole
+        there = np.isfinite(columns[name])
+        total = np.add.reduceat(np.where(there, columns[name], 0.0), first)
+        known = np.add.reduceat(there.astype(np.float64), first)
+        found[name] = np.where(2 * known >= sizes, total / np.maximum(known, 1), np.nan)
+    return Diameters(**found)

@@ -24,7 +24,7 @@ from helibore.plot.raster import at_points
 from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.sections import Section, sections_at, telling_depths
 from helibore.plot.solid import Stretched, most_relief, stretch_of
-from helibore.plot.tracks import LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
+from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
 from helibore.sector_image import SectorImage
 
 if TYPE_CHECKING:
@@ -85,6 +85,9 @@ class Drawing:
         Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts the top in the middle.
     unit
         Of diameters and cross sections: ``"in"`` or ``"mm"``.
+    curves
+        Of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one across
+        it), ``"D0"``, ``"D90"`` (across toolfaces 0 and 180, 90 and 270).
     polar
         Depths of the cross sections; None: up to four that tell most; empty: none.
     body
@@ -103,6 +106,7 @@ class Drawing:
     reference: Literal["high-side", "north"] = "high-side"
     left: float = 0.0
     unit: Literal["in", "mm"] = "in"
+    curves: Sequence[str] = ("C1", "C2")
     polar: Sequence[float] | None = None
     body: Sequence[float] | None = None
     dpi: int = 150
@@ -116,6 +120,9 @@ class Drawing:
             raise ValueError(f"left = {self.left:g}: must be 0, 90, 180 or 270")
         if self.unit not in LENGTHS:
             raise ValueError(f"unit = {self.unit!r}: must be one of {', '.join(LENGTHS)}")
+        for name in self.curves:
+            if name not in CURVES:
+                raise ValueError(f"curve {name!r}: must be one of {', '.join(CURVES)}")
         if not 30 <= self.dpi <= 1200:
             raise ValueError(f"dpi = {self.dpi}: must be 30 to 1200")
         if self.polar is not None and len(self.polar) > MOST_SECTIONS:
@@ -265,7 +272,7 @@ def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: D
     if wall.basis == "azimuthal":
         drawn += [turns.least[inside], turns.greatest[inside]]
     limits = nice_limits(np.concatenate(drawn) / LENGTHS[unit], bit / LENGTHS[unit], 0.01 / LENGTHS[unit])
-    return CaliperTrack(turns, wall.basis, bit, unit, limits)
+    return CaliperTrack(turns, wall.basis, bit, unit, limits, tuple(dict.fromkeys(drawing.curves)), drawing.reference)
 
 
 def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float) -> Stretched | None:

@@ -59,7 +59,7 @@ def log(wall: Wall, **options: Any) -> Figure:
     height = MARGIN + HEADER + HEAD + length + _tail_height(content) + FOOTER + MARGIN
     sheet = Sheet(_width(content), height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, sheet.width - 2 * MARGIN)
-    bottom = _draw_tracks(sheet, content, content.top, content.bottom, MARGIN + HEADER)
+    bottom = draw_tracks(sheet, content, content.top, content.bottom, MARGIN + HEADER)
     _draw_tail(sheet, content, bottom + GAP)
     draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
     return sheet.figure
@@ -86,7 +86,7 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
         if number == 0:
             draw_header(sheets[0], content, MARGIN, y, width - 2 * MARGIN)
             y += HEADER
-        y = _draw_tracks(sheets[-1], content, top, bottom, y)
+        y = draw_tracks(sheets[-1], content, top, bottom, y)
     tail = _tail_height(content)
     if tail and y + GAP + tail > height - MARGIN - FOOTER:  # else it stands under the last metres
         sheets.append(Sheet(width, max(height, tail + 2 * MARGIN + FOOTER), content.drawing.dpi))
@@ -116,8 +116,8 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
     return [*parts, (top, content.bottom)]
 
 
-def _draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: float) -> float:
-    """Draw heads and tracks; return where they end."""
+def draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: float) -> float:
+    """Draw heads and tracks from ``y`` millimetres down; return where they end."""
     height = (bottom - top) * 1000.0 / content.scale
     stretch = Stretch(top, bottom, y + HEAD, height, content.lines)
     x, first = MARGIN, None
@@ -150,11 +150,12 @@ def _mark(sheet: Sheet, content: Content, stretch: Stretch) -> None:
     if content.stretched is not None:
         top, bottom = (min(max(depth, stretch.top), stretch.bottom) for depth in content.stretched.depth)
         if bottom > top:
-            right = sheet.width - MARGIN if len(content.tracks) > 3 else MARGIN + _tracks_width(content)
+            right = MARGIN + tracks_width(content)
             sheet.line((right + 1.2, right + 1.2), (down(top), down(bottom)), color=INK, linewidth=2.0)
 
 
-def _tracks_width(content: Content) -> float:
+def tracks_width(content: Content) -> float:
+    """Return the millimetres that the tracks take with their gaps."""
     return sum(track.width for track in content.tracks) + GAP * (len(content.tracks) - 1)
 
 

@@ -11,8 +11,9 @@ A track knows its width and draws itself between two depths; where tracks stand 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -33,7 +34,14 @@ HEAD = 24.0
 """Millimetres of head over every track."""
 SIDES = {"high-side": ("T", "R", "B", "L"), "north": ("N", "E", "S", "W")}
 GREY = tuple(part / 255.0 for part in MISSING)
-WASHOUT, UNDERGAUGE, BAND = "#f2b366", "#6fae7c", "#cfd8e0"
+WASHOUT, UNDERGAUGE, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
+CURVES: dict[str, dict[str, Any]] = {
+    "C1": {"color": "#0b4f8a"},
+    "C2": {"color": "#0b4f8a", "dashes": (2.0, 1.0)},
+    "D0": {"color": "#7a2a80"},
+    "D90": {"color": "#7a2a80", "dashes": (2.0, 1.0)},
+}
+"""Pairs of diameters and their lines: a colour a pair, dots for the second of it."""
 
 
 @dataclass(frozen=True)
@@ -105,41 +113,61 @@ class CaliperTrack:
         ``"in"`` or ``"mm"``.
     limits
         Diameters at the left and the right edge, in that unit.
+    curves
+        Names in `CURVES` of the pairs to draw: C1 and C2, D0 and D90.
+    reference
+        ``"high-side"`` or ``"north"``, for the names of D0 and D90.
     """
 
     width = 40.0
 
     def __init__(
-        self, turns: Diameters, basis: Basis, bit_diameter: float, unit: str, limits: tuple[float, float]
+        self,
+        turns: Diameters,
+        basis: Basis,
+        bit_diameter: float,
+        unit: str,
+        limits: tuple[float, float],
+        curves: Sequence[str] = (),
+        reference: str = "high-side",
     ) -> None:
         self.turns, self.basis, self.unit, self.limits = turns, basis, unit, limits
         self.bit = bit_diameter / LENGTHS[unit]
+        self.curves = curves if basis == "azimuthal" else ()
+        sides = SIDES[reference]
+        self.names = {"D0": f"{sides[0]}–{sides[2]}", "D90": f"{sides[1]}–{sides[3]}"}
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write the title, the scale and a key of what is drawn."""
         sheet.text(x + 0.5 * self.width, y + 2.5, f"Diameter [{self.unit}]", ha="center", weight="bold")
-        low, high = (f"{limit:g}" for limit in self.limits)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
-        keys = [(f"bit size {length_text(self.bit, self.unit)}", {"color": INK, "dashes": (4, 2)})]
-        if self.basis != "gauge":
-            keys.append(("by area", {"color": "#b3261e"}))
         row = y + 6.3
-        for text, look in keys:
-            sheet.line((x + 1, x + 7), (row, row), linewidth=0.9, **look)
-            sheet.text(x + 8.2, row, text, SMALL, within=self.width - 9)
-            row += 3.5
-        if self.basis == "azimuthal":
-            sheet.box(x + 1, row - 1.1, 6, 2.2, facecolor=BAND, edgecolor=RULE, linewidth=0.4)
-            sheet.text(x + 8.2, row, "least to greatest across", SMALL, within=self.width - 9)
-            row += 3.5
+        self._key(sheet, x + 1, row, f"bit size {length_text(self.bit, self.unit)}", color=INK, dashes=(4, 2))
+        row += 3.5
         if self.basis == "gauge":
             sheet.text(x + 1, row, "hole not measured", SMALL, within=self.width - 2)
         else:
+            self._key(sheet, x + 1, row, "by area", color=AREA)
+        if self.basis == "azimuthal":
+            sheet.box(x + 17.5, row - 1.1, 4, 2.2, facecolor=BAND, edgecolor=RULE, linewidth=0.4)
+            sheet.text(x + 22.2, row, "least to greatest", 5.2, within=self.width - 22.6)
+            row += 3.5
+            for number, name in enumerate(self.curves):
+                at = x + 1 + number * 9.6
+                sheet.line((at, at + 3.6), (row, row), linewidth=0.9, **CURVES[name])
+                sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
+        if self.basis != "gauge":
+            row += 3.5
             for at, color, text in ((1.0, WASHOUT, "washout"), (15.5, UNDERGAUGE, "cake, undergauge")):
                 sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
                 sheet.text(x + at + 3.8, row, text, 5.2, within=self.width - at - 4 if at > 10 else 10)
+        low, high = (f"{limit:g}" for limit in self.limits)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
+
+    def _key(self, sheet: Sheet, x: float, row: float, text: str, **look: Any) -> None:
+        sheet.line((x, x + 6), (row, row), linewidth=0.9, **look)
+        sheet.text(x + 7.2, row, text, SMALL, within=self.width - 9)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the curves; grey where a turn has no radius at all."""
@@ -159,7 +187,9 @@ class CaliperTrack:
             smaller = {"where": area <= bit, "facecolor": UNDERGAUGE, "interpolate": True}
             for look in (larger, smaller):
                 axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)  # type: ignore[arg-type]
-            axes.plot(area, turns.depth, color="#b3261e", linewidth=0.8)
+            for name in self.curves:
+                axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
+            axes.plot(area, turns.depth, color=AREA, linewidth=0.8)
         axes.axvline(self.bit, color=INK, linewidth=0.9, dashes=(4, 2))
         self._missing(axes, sheet, stretch)
         axes.set_xlim(*self.limits)
