@@ -11,7 +11,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -112,7 +112,7 @@ class Wall:
     Attributes
     ----------
     path
-        Where the hole goes, a `Path`, or None. Surfaces and volumes follow it unless they are given another.
+        Where the hole goes, a `Path`, or None. Surfaces and volumes follow it unless they are given another, or None.
     images
         `SectorImage` by name. Every surface has them as attributes.
     attributes
@@ -313,14 +313,30 @@ class Wall:
         (carried,) = self._core.carry([rows], self._threads)
         return on_quads(carried, self._settings.sectors) if on == "quads" else carried
 
-    def surface(self, path: Path | None = None, start: float | None = None, stop: float | None = None) -> Surface:
-        """Place the wall along ``path`` and join neighbouring turns into quads: `surface_of` with this wall.
+    def surface(
+        self, path: Path | Literal["own"] | None = "own", start: float | None = None, stop: float | None = None
+    ) -> Surface:
+        """Place the wall along a path and join neighbouring turns into quads: `surface_of` with this wall.
 
-        ``path=None`` is the wall's own `path`, and straight down where it has none. The surface has the wall's images
-        and attributes.
+        Parameters
+        ----------
+        path
+            Where the hole goes; ``"own"``: along the wall's own `path`; None, and a wall without one: straight down.
+        start, stop
+            As in `surface_of`.
+
+        Returns
+        -------
+        Surface
+            With the wall's images and attributes.
+
+        Raises
+        ------
+        ValueError
+            As `surface_of`, `SectorImage.on` and `WallAttributes`.
         """
         moment = self._moment()
-        surface = surface_of(moment, self.path if path is None else path, start, stop)
+        surface = surface_of(moment, self._way(path), start, stop)
         for name, image in self.images.items():
             surface.attributes[name] = image.on(moment)
             surface.attributes.units[name] = image.unit
@@ -331,16 +347,23 @@ class Wall:
 
     def volume(
         self,
-        path: Path | None = None,
+        path: Path | Literal["own"] | None = "own",
         shells: Sequence[float | npt.ArrayLike | Wall] = (0.05, 0.20),
         start: float | None = None,
         stop: float | None = None,
     ) -> Volume:
         """Thicken the wall outwards, shell by shell, into hexahedra: `volume_of` with this wall.
 
-        ``path=None`` as for `surface`.
+        ``path`` as for `surface`.
         """
-        return volume_of(self._moment(), self.path if path is None else path, shells, start, stop)
+        return volume_of(self._moment(), self._way(path), shells, start, stop)
+
+    def _way(self, path: Path | Literal["own"] | None) -> Path | None:
+        if isinstance(path, str):
+            if path != "own":
+                raise ValueError(f"path = {path!r}: must be a Path, None or 'own'")
+            return self.path
+        return path
 
     def save(self, filename: str | os.PathLike[str]) -> None:
         """Write all that this wall is to an archive, whole or not at all; `helibore.load` reopens it.

@@ -195,6 +195,15 @@ def test_surfaces_and_volumes_of_a_real_wall():
     assert len(wall.volume(curved(), shells=[0.1], start=1005, stop=1006).hexes) == 160
     assert wall.surface(start=1005, stop=1006).quad_index[0] == math.ceil((1005 - wall.start_depth) * 160)
     assert len(hb.Wall(bit_diameter=0.216).surface().vertices) == 0
+    straight, along = wall.surface(), wall.surface(curved())
+    wall.path = curved()
+    assert wall.surface().vertices.tobytes() == along.vertices.tobytes()  # its own
+    assert wall.surface(None).vertices.tobytes() == straight.vertices.tobytes()  # straight down, as ever
+    assert wall.volume(shells=[0.1]).vertices.tobytes() == wall.volume(curved(), shells=[0.1]).vertices.tobytes()
+    below = wall.volume(None, shells=[0.1])
+    assert below.vertices[: len(straight.vertices)].tobytes() == straight.vertices.tobytes()
+    with pytest.raises(ValueError, match=r"^path = 'down': must be a Path, None or 'own'$"):
+        wall.surface("down")
     assert len(hb.Wall(bit_diameter=0.216).volume().hexes) == 0
 
 
