@@ -25,7 +25,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python"))
 
 from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
-from test_viewer_page import FLAGS
+from screen import FLAGS
 
 import helibore as hb
 from helibore.viewer import Viewer, messages

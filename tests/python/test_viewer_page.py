@@ -135,45 +135,6 @@ def test_the_picture_comes_back_after_context_loss(shown: Any) -> None:
     np.testing.assert_array_equal(shown.pixels("wall"), before[1])
 
 
-def test_a_rescan_over_a_seam_and_a_new_survey_are_shown(shown: Any) -> None:
-    shown.evaluate("window.__wall.app.view.show(1024, 4, window.__wall.app.store)")
-    shown.settle()
-    before = shown.pixels("image"), shown.pixels("wall")
-    shown.viewer.update(shown.wall.patch(16384 - 200, 16384 + 200, 0.01))
-    shown.until("window.__wall.app.store.vertex(16384)?.radius > 0.117")
-    shown.settle()
-    held = shown.evaluate(
-        "[16184, 16383, 16384, 16500, 16583, 16584].map((k) => window.__wall.app.store.vertex(k).radius)"
-    )
-    np.testing.assert_allclose(held, shown.wall.radius[[16184, 16383, 16384, 16500, 16583, 16584]], atol=5.1e-6)
-    halo = shown.evaluate(
-        "[...window.__wall.app.store.levels[0].tiles.get(0).texels.slice(4 * 16384, 4 * 16384 + 260)]"
-    )
-    own = shown.evaluate("[...window.__wall.app.store.levels[0].tiles.get(1).texels.slice(0, 260)]")
-    assert halo == own, "the halo is the next tile's start"
-    assert not np.array_equal(shown.pixels("image"), before[0])
-    tubes = shown.pixels("wall")
-    shown.viewer.set_path(hb.Survey([900.0, 2000.0], [60.0, 60.0], [200.0, 200.0]).path())
-    shown.until("Math.abs(window.__wall.app.path.at(1010).tangent[2] - 0.5) < 1e-3")
-    shown.settle()
-    assert not np.array_equal(shown.pixels("wall"), tubes)
-
-
-def test_a_restarted_server_is_found_again(browser: Any) -> None:
-    wall = MadeWall(20_000)
-    viewer = hb.view(wall)
-    port = int(viewer.url.rsplit(":", 1)[1].strip("/"))
-    screen = Screen(browser, viewer.url, "#md=1010&sec=10")
-    viewer.close()
-    screen.until("document.getElementById('lamp').className === 'lamp lost'")
-    wall.patch(0, len(wall), 0.02)
-    with hb.view(wall, port=port):
-        screen.until("window.__wall.app.store.vertex(100)?.radius > 0.125")
-        screen.settle()
-        assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(1010)
-        screen.close()
-
-
 def test_without_webgl_the_image_is_still_there(browser: Any) -> None:
     wall = MadeWall(20_000)
     with hb.view(wall) as viewer:

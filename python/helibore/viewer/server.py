@@ -33,7 +33,7 @@ from helibore.viewer import exports, messages
 from helibore.viewer.client import BadMessageError, Client, read_subscription
 from helibore.viewer.scene import Attribute, Scene
 
-TICK = 0.05  # seconds between two looks at what is dirty: at most 20 sends a second for a growing wall
+TICK = 0.05  # seconds between two sends of news: at most 20 a second for a growing wall, the first one at once
 MOST_CLIENTS = 64
 MOST_TEXT = 8192  # bytes of a message from a page
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
@@ -205,22 +205,25 @@ class _Page:
         self.wake = asyncio.Event()
         self.client: Client | None = None
         self.told = ""
+        self.sent = -math.inf  # when the last news went out, on the loop's clock
 
     def mark(self, level: int, start: int, stop: int) -> None:
         if self.client is not None and self.client.session == self.scene.session:
             self.client.mark(level, start, stop)
 
     async def send_all(self) -> None:
-        """Send what is dirty, nearest first, whenever there is room; look again at most every `TICK`."""
+        """Send what is dirty, nearest first, whenever there is room: news every `TICK` at most, answers at once."""
+        clock = asyncio.get_running_loop().time
         with contextlib.suppress(WebSocketDisconnect, RuntimeError):
             while True:
                 await self._greet()
                 while (message := self._take()) is not None:
                     await self.socket.send_bytes(message)
+                    self.sent = clock()
                 await self.wake.wait()
+                if self.client is not None and not self.client.asked:
+                    await asyncio.sleep(self.sent + TICK - clock())
                 self.wake.clear()
-                if self.client is not None and self.client.room:
-                    await asyncio.sleep(TICK if not self.client.asked else 0)
 
     async def _greet(self) -> None:
         """Say hello to a new page or a new wall, and tell the state where it changed."""

@@ -1,5 +1,6 @@
 // The websocket: greets, acknowledges, subscribes, and comes back by itself after a break (0.5 s, doubling to 8 s).
 // Messages are applied as they arrive, not when a frame is drawn: a hidden tab stays up to date and sends its acks.
+// One that breaks the protocol ends the connection with a sentence; the next one starts from the greeting.
 
 import { decode, encodeAck, encodeSubscribe, FRAMES, toRanges } from './protocol.js';
 
@@ -7,6 +8,7 @@ const SLOWEST = 8000;
 
 // What the server's closing codes mean to the user.
 const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages are open', 4400: 'The page broke the protocol' };
+const FAULT = 4401; // our own closing code
 
 export class Connection {
   constructor(address, on) {
@@ -23,17 +25,29 @@ export class Connection {
     this.stats.reconnects++;
     this.socket = new WebSocket(this.address);
     this.socket.binaryType = 'arraybuffer';
-    this.socket.onmessage = ({ data: said }) => this.hear(said);
+    this.fault = '';
+    this.socket.onmessage = ({ data: said }) => this.tryHear(said);
     this.socket.onclose = (event) => this.closed(event);
   }
 
   closed(event) {
     const refusal = REFUSALS[event.code];
-    this.on.status('lost', refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : 'Connection lost, trying again');
+    const words = refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : 'Connection lost, trying again';
+    this.on.status('lost', this.fault || words);
     this.session = null;
     this.asked = '';
     setTimeout(() => this.open(), this.wait);
     this.wait = Math.min(SLOWEST, this.wait * 2);
+  }
+
+  tryHear(said) {
+    if (this.fault) return;
+    try {
+      this.hear(said);
+    } catch (error) {
+      this.fault = `The server sent what this page cannot read, trying again: ${error.message}`;
+      this.socket.close(FAULT);
+    }
   }
 
   hear(said) {
@@ -44,7 +58,6 @@ export class Connection {
       if (message.type === 'hello') {
         this.session = message.session;
         this.asked = '';
-        this.wait = 500;
         this.on.status('live', '');
         this.on.hello(message);
       } else if (message.type === 'state') this.on.state(message);
@@ -52,6 +65,7 @@ export class Connection {
     }
     this.stats.bytes += said.byteLength;
     const message = decode(said);
+    this.wait = 500;
     if (message.type === FRAMES) this.on.frames(message);
     else this.on.write(message);
     this.send(encodeAck(this.session, message.sequence));

@@ -23,6 +23,7 @@ import { View } from './view.js';
 
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
+const UNSEEN = 250; // milliseconds that news outside the section may wait for a frame
 const FEW_TURNS = 50; // a shorter wall is no measure of the hole to come
 const seconds = () => performance.now() / 1000;
 
@@ -108,10 +109,11 @@ class App {
     const { store } = this;
     const level = store.levels[message.level];
     const before = level.size;
+    const filled = level.tiles.get(message.tile)?.filled ?? 0;
     const tile = store.apply(message);
     if (message.level === 0 && message.live) {
       const start = tile.index * level.tileSize + message.first;
-      this.glow.add(start, start + message.count, start + message.count <= before, seconds());
+      this.glow.add(start, start + message.count, message.first + message.count <= filled, seconds());
       this.lastWrite = performance.now();
     }
     if (level.size !== before && message.level === 0) {
@@ -119,7 +121,8 @@ class App {
       this.ask();
     }
     this.rangeOnce(tile);
-    this.redraw();
+    if (this.rects && this.look().imagePieces.some((piece) => piece.tile === tile)) this.redraw();
+    else this.unseen ??= setTimeout(this.redraw, UNSEEN); // the map, mostly: the overview changes with every write
   }
 
   // An attribute that came without a range gets one from the first values seen.
@@ -212,6 +215,8 @@ class App {
   draw() {
     if (!this.store || !this.path.count || !this.rects) return;
     const began = performance.now();
+    clearTimeout(this.unseen);
+    this.unseen = null;
     this.ask();
     const look = this.look();
     this.rangeSaved(look);

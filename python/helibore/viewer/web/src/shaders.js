@@ -58,6 +58,11 @@ vec3 colourOf(float v, int row) {
   float t = clamp((v - ends.x) / (ends.y - ends.x), 0.0, 1.0);
   return texelFetch(colours, ivec2(int(t * 255.0 + 0.5), 0), 0).rgb;
 }
+// A provisional radius is dotted until later samples settle it.
+vec3 dotted(vec3 colour, int k) {
+  bool dot = (texel(k).w & 0x200u) != 0u && (int(gl_FragCoord.x) & 3) < 2 && (int(gl_FragCoord.y) & 3) < 2;
+  return dot ? mix(colour, vec3(dark ? 0.0 : 1.0), 0.7) : colour;
+}
 vec3 glowing(vec3 colour, int k) {
   for (int i = 0; i < 8; i++) {
     if (i >= glowCount) break;
@@ -140,7 +145,7 @@ void main() {
   float v = value(k);
   vec3 base = known(v) ? colourOf(v, k / K) : nothing();
   vec3 lit = base * min(light, 1.08);
-  lit = glowing(lit, k);
+  lit = glowing(dotted(lit, k), k);
   float line = abs(depthHere - cursor) / max(fwidth(depthHere), 1e-6);
   if (line < 1.3) lit = vec3(1.0, 0.25, 0.05);
   colour = vec4(lit, 1.0);
@@ -229,6 +234,6 @@ void main() {
   }
   float mean = sum / float(count);
   vec3 base = colourOf(logarithmic ? exp(mean) : mean, row);
-  colour = vec4(glowing(base, row * K + col), 1.0);
+  colour = vec4(glowing(dotted(base, row * K + col), row * K + col), 1.0);
 }
 `;

@@ -17,6 +17,7 @@ export class Tile {
     this.columns = Array.from({ length: attributes }, () => null);
     this.version = 0; // counts writes: what was derived from the tile says which version it saw
     this.used = 0;
+    this.filled = 0; // vertices from the tile's first on that have arrived: what comes again below is a re-scan
   }
 
   // Values of one attribute, NaN where none has arrived.
@@ -112,6 +113,7 @@ export class Store {
     tile.texels.set(write.texels, TEXEL * write.first);
     for (const { attribute, values } of write.columns) tile.column(attribute).set(values, write.first);
     tile.version++;
+    tile.filled = Math.max(tile.filled, write.first + write.count);
     return tile;
   }
 

@@ -1,0 +1,88 @@
+"""A Chromium whose tabs can hide behind each other, over its own protocol.
+
+Playwright keeps every page of its own as if it were in front (it emulates focus), so nothing is ever hidden there. Here
+the browser is spoken to directly: one websocket, a command and its answer at a time.
+"""
+
+from __future__ import annotations
+
+import itertools
+import json
+import subprocess
+import tempfile
+import time
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+from screen import CHROMIUM, FLAGS, PATIENCE
+
+
+class Tabs:
+    """A browser of two tabs: the page, and a blank one to hide it behind."""
+
+    def __init__(self, url: str) -> None:
+        self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        own = ["--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "--window-size=1366,868", url]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self._browser = subprocess.Popen([str(CHROMIUM), *FLAGS, *own], **quiet)  # type: ignore[call-overload]
+        self._numbers = itertools.count(1)
+        self._connect()
+
+    def _connect(self) -> None:
+        from websockets.sync.client import connect
+
+        said = Path(self._folder.name) / "DevToolsActivePort"
+        until(lambda: said.exists() and len(said.read_text().split()) == 2)
+        port, path = said.read_text().split()
+        self._socket = connect(f"ws://127.0.0.1:{port}{path}", max_size=None).__enter__()
+        self._page = next(t["targetId"] for t in self._call("Target.getTargets")["targetInfos"] if t["type"] == "page")
+        attached = self._call("Target.attachToTarget", targetId=self._page, flatten=True)
+        self._session: str = attached["sessionId"]
+
+    def _call(self, method: str, session: str | None = None, **params: Any) -> dict[str, Any]:
+        number = next(self._numbers)
+        self._socket.send(
+            json.dumps(
+                {"id": number, "method": method, "params": params, **({"sessionId": session} if session else {})}
+            )
+        )
+        while (answer := json.loads(self._socket.recv(PATIENCE))).get("id") != number:
+            pass
+        assert "error" not in answer, answer
+        result: dict[str, Any] = answer["result"]
+        return result
+
+    def evaluate(self, expression: str) -> Any:
+        """Return what a script gives, once its promise is kept."""
+        asked = {"expression": expression, "awaitPromise": True, "returnByValue": True}
+        answer = self._call("Runtime.evaluate", self._session, **asked)
+        assert "exceptionDetails" not in answer, answer
+        return answer["result"].get("value")
+
+    def hide(self) -> None:
+        """Put another tab in front of the page."""
+        self._call("Target.createTarget", url="about:blank")
+        until(lambda: self.evaluate("document.visibilityState") == "hidden")
+
+    def show(self) -> None:
+        """Bring the page back."""
+        self._call("Target.activateTarget", targetId=self._page)
+        until(lambda: self.evaluate("document.visibilityState") == "visible")
+
+    def __enter__(self) -> Tabs:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, at: TracebackType | None) -> None:
+        self._socket.close()
+        self._browser.terminate()
+        self._browser.wait(20)
+        self._folder.cleanup()
+
+
+def until(condition: Any) -> None:
+    """Wait for something that must come; give up after `PATIENCE`."""
+    end = time.monotonic() + PATIENCE
+    while not condition():
+        assert time.monotonic() < end, "never"
+        time.sleep(0.02)
