@@ -1,0 +1,124 @@
+// Everything that starts threads or may be shared by them, on enough work to be shared out: the bits are those of one
+// thread. ThreadSanitizer has most to look at here:
+//
+//   cmake -S . -B build/tsan -DHELIBORE_TESTS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=thread
+//   cmake --build build/tsan && ctest --test-dir build/tsan
+#include <atomic>
+#include <cstring>
+#include <thread>
+
+#include "check.hpp"
+#include "helibore/image.hpp"
+#include "helibore/logs.hpp"
+#include "helibore/surface.hpp"
+#include "helibore/wits.hpp"
+#include "hole.hpp"
+
+using helibore::Index;
+
+namespace {
+
+constexpr int crew_size = 4;
+constexpr int sectors = 32;
+
+helibore::Wall wall_of(const Hole& hole, int threads) {
+    helibore::Wall wall({.bit_diameter = 0.216, .sectors = sectors, .start_depth = 1000.0, .threads = threads});
+    wall.append(hole.all());
+    return wall;
+}
+
+template <class T>
+bool same(const std::vector<T>& a, const std::vector<T>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(T)) == 0;
+}
+
+void a_whole_wall() {
+    const Hole hole = oval_hole(60'000, 1000.0, 60.0);
+    const helibore::Wall one = wall_of(hole, 1), many = wall_of(hole, crew_size);
+    CHECK(bits(one) == bits(many));
+    const std::vector<double> channel = one.samples()[2];
+    const std::span<const double> channels[] = {channel};
+    CHECK(same(one.carry(channels, 1)[0], one.carry(channels, crew_size)[0]));
+}
+
+void what_follows_from_it() {
+    const std::vector<double> radius = wall_of(oval_hole(60'000, 1000.0, 60.0), crew_size).radius();
+    const helibore::HelixRadii helix{.start_depth = 1000.0, .sectors = sectors, .radius = radius};
+    const helibore::Surface one = surface_of(helix, {}, 1), many = surface_of(helix, {}, crew_size);
+    CHECK(same(one.vertices, many.vertices) && same(one.quads, many.quads));
+    CHECK(same(helibore::turn_logs({.sectors = sectors, .radius = radius}, 1).rugosity,
+               helibore::turn_logs({.sectors = sectors, .radius = radius}, crew_size).rugosity));
+
+    std::vector<double> depth, values, low, high, sector;
+    for (int row = 0; row < 600; ++row) {
+        depth.push_back(1000.05 + 0.1 * row);
+        low.push_back(1000.0 + 0.1 * row);
+        high.push_back(1000.1 + 0.1 * row);
+        for (int s = 0; s < 8; ++s) values.push_back(row * 8 + s);
+    }
+    for (int k = 0; k < sectors; ++k) sector.push_back(0.25 * k);
+    const helibore::QuadCentres quads{.start_depth = 1000.0, .count = one.quad_index.back(), .sector = sector};
+    CHECK(same(cell_values({depth, values, 8}, low, high, quads, 1),
+               cell_values({depth, values, 8}, low, high, quads, crew_size)));
+    CHECK(same(linear_values({depth, values, 8}, 1.0, quads, 1),
+               linear_values({depth, values, 8}, 1.0, quads, crew_size)));
+
+    std::vector<double> outer = radius;
+    for (double& r : outer) r += 0.05;
+    const std::span<const double> shells[] = {radius, outer};
+    const helibore::VolumeLayout layout = volume_layout(helix, shells);
+    std::vector<helibore::Hexahedron> first(static_cast<std::size_t>(layout.hexahedron_count)), second(first);
+    join(helix, layout, first, 1);
+    join(helix, layout, second, crew_size);
+    CHECK(same(first, second));
+}
+
+// Two threads append, two read, one of them the range another thread was told of.
+void appends_beside_reads() {
+    const Hole hole = oval_hole(20'000, 1000.0, 20.0);
+    helibore::Wall wall({.bit_diameter = 0.216, .sectors = sectors, .start_depth = 1000.0, .threads = 2});
+    std::atomic<int> over = 0;
+    std::atomic<Index> reached = 0;
+    {
+        std::vector<std::jthread> crew;
+        for (std::size_t half = 0; half < 2; ++half)
+            crew.emplace_back([&, half] {
+                for (std::size_t at = half * 2000; at < 20'000; at += 4000) {
+                    const helibore::Change change = wall.append(hole.rows(at, 2000));
+                    if (!change.ranges.empty()) reached = change.ranges.back().stop;
+                }
+                ++over;
+            });
+        crew.emplace_back([&] {
+            while (over < 2) CHECK(static_cast<Index>(wall.vertices({0, reached}).radius.size()) <= wall.size());
+        });
+        crew.emplace_back([&] {
+            while (over < 2) CHECK(wall.settled() <= wall.size() && wall.samples().size() >= 3);
+        });
+    }
+    CHECK(bits(wall) == bits(wall_of(hole, 1)));
+}
+
+void one_parser() {
+    helibore::wits::Parser parser;
+    std::atomic<Index> found = 0;
+    {
+        std::vector<std::jthread> crew;
+        for (int i = 0; i < crew_size; ++i)
+            crew.emplace_back([&] {
+                for (int n = 0; n < 500; ++n)
+                    found += static_cast<Index>(parser.feed("&&\r\n01081.5\r\n0110x\r\n!!\r\n").frames.size());
+            });
+    }
+    CHECK(found == 500 * crew_size && parser.counts().not_numbers == 500 * crew_size);
+}
+
+}  // namespace
+
+int main() {
+    a_whole_wall();
+    what_follows_from_it();
+    appends_beside_reads();
+    one_parser();
+    return failures();
+}
