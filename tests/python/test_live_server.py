@@ -197,6 +197,7 @@ def test_a_full_disk_makes_the_sender_wait_and_loses_nothing(tmp_path, monkeypat
             assert running.live.wall.sample_count == 1
             full.clear()
             until(lambda: running.live.wall.sample_count == 51)
+            assert running.server.states["mwd"].startswith("connected to 127.0.0.1")
     assert received(tmp_path) == b"".join(frames(51))
 
 

@@ -1,21 +1,28 @@
-"""Proofs of the live part that take minutes: ``python tests/slow/live.py kill|hostile|flips``.
+"""Proofs of the live part that take minutes: ``python tests/slow/live.py kill|hostile|flips|truncations|disk``.
 
 kill      a live wall under load is killed at 200 random instants; every acknowledged byte is there, the recovered wall
           has the bits of the wall rebuilt from its samples
 hostile   100 MB without an end, a number of 10 million digits, binary noise, one-byte packets and 1,000 connections a
           second, over loopback; memory stays bounded and the good frame after each is drawn
 flips     2,000 bit flips of a journal, replayed: one record lost each time, told, and nothing else changed
+truncations  a live wall's journal cut at each of its last 4,096 bytes, recovered and continued with the rest of the
+          stream: the wall in the end has the bits of one that was never cut
+disk      a journal on a disk of 1 MB (tmpfs, needs root) that fills up again and again under a sender: nothing is lost
 
 The fast versions are in tests/python/test_live*.py, which this imports.
 """
 
 from __future__ import annotations
 
+import os
 import random
 import resource
+import shutil
 import socket
+import subprocess
 import sys
 import tempfile
+import threading
 import time
 from pathlib import Path
 
@@ -23,7 +30,7 @@ sys.path.insert(0, str(Path(__file__).parent.parent / "python"))
 
 import test_live
 import test_live_killed
-from test_live_server import Running, frames, free_port, until
+from test_live_server import Running, frames, free_port, received, until
 
 from helibore import Live
 from helibore.live.configuration import parse
@@ -106,5 +113,62 @@ def flips() -> None:
     print(f"2,000 bit flips: each cost its record of 3 samples and was told: {lost}")
 
 
+def truncations() -> None:
+    """Cut, recover, go on where the journal ends, compare."""
+    os.fdatasync = os.fsync = lambda _: None  # 12,000 syncs say nothing about truncation
+    configuration = parse(test_live.SENT)
+    stream = b"".join(test_live.FRAMES[:60])
+    cut = []
+    with tempfile.TemporaryDirectory() as name:
+        with Live(configuration, Path(name) / "whole") as live:
+            for start in range(0, len(stream), 101):
+                live.receive("mwd", stream[start : start + 101])
+        whole = (Path(name) / "whole" / "000001.hbj").read_bytes()
+        for size in range(len(whole) - 4096, len(whole)):
+            folder = Path(name) / str(size)
+            folder.mkdir()
+            (folder / "000001.hbj").write_bytes(whole[:size])
+            with Live(configuration, folder) as again:
+                there = again.model.readers[1].total("bytes")
+                cut.append(len(stream) - there)
+                again.receive("mwd", stream[there:])
+            for wall in (again.wall, Live.replay(folder).wall):
+                assert test_live.same_bits(wall, live.wall), f"cut at byte {size}"
+            shutil.rmtree(folder)
+    print(
+        f"{len(cut):,} truncations: {min(cut)} to {max(cut)} bytes of {len(stream):,} had to be sent again; each time"
+    )
+    print("the bits of the wall that was never cut")
+
+
+def disk() -> None:
+    """Fill, see the sender wait, make room, count."""
+    with tempfile.TemporaryDirectory() as name:
+        subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", name], check=True)
+        try:
+            port, fills, size = free_port(), 0, 1
+            with Running(Path(name) / "j", f"listen://127.0.0.1:{port}") as running:
+                stream = b"".join(frames(60_000))
+                sender = threading.Thread(target=_send, args=(port, stream))
+                sender.start()
+                while running.live.wall.sample_count < 60_000:
+                    if running.server.states["mwd"] == "waiting for the disk":
+                        fills, size = fills + 1, size + 1
+                        subprocess.run(["mount", "-o", f"remount,size={size}m", name], check=True)
+                        until(lambda: running.server.states["mwd"] != "waiting for the disk", 20)
+                    assert running.server.failure is None
+                    time.sleep(0.01)
+                sender.join()
+            assert received(Path(name) / "j") == stream
+        finally:
+            subprocess.run(["umount", name], check=True)
+    print(f"the disk was full {fills} times under {len(stream):,} bytes: every byte is there, 60,000 samples drawn")
+
+
+def _send(port: int, stream: bytes) -> None:
+    with socket.create_connection(("127.0.0.1", port)) as link:
+        link.sendall(stream)
+
+
 if __name__ == "__main__":
-    {"kill": kill, "hostile": hostile, "flips": flips}[sys.argv[1]]()
+    {"kill": kill, "hostile": hostile, "flips": flips, "truncations": truncations, "disk": disk}[sys.argv[1]]()

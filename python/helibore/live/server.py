@@ -227,7 +227,7 @@ class Server:
 
     def _put(self, source: Source, connection: int, payload: bytes, kind: int) -> None:
         """Store, trying again every second while the disk is full; the sender waits meanwhile."""
-        told = False
+        state, told = self.states[source.name], False
         while True:
             try:
                 self._queue.put(source.name, connection, payload, kind, self._stop)
@@ -239,6 +239,7 @@ class Server:
                 if self._stop.wait(1.0):
                     return  # not stored: never acknowledged, never read
             else:
+                self.states[source.name] = state
                 return
 
     def _draw(self) -> None:
