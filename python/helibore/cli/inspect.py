@@ -75,16 +75,19 @@ def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap 
 
 def table(one: LogSet, roles: RoleMap, reasons: bool) -> Table:
     """Return the channels of a set as a table, with a column of reasons or without."""
-    drawn = Table(title=f"{one.name}: {one.rows:,} rows", title_justify="left", box=SIMPLE_HEAD)
-    for heading in ("channel", "unit", "sectors", "range", "missing", "role", *(["why"] if reasons else [])):
+    drawn = Table(title=f"{one.name}: {one.rows:,} rows", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    images = any(len(channel.shape) == 2 for channel in one)
+    sectors = ["sectors"] if images else []
+    for heading in ("channel", "unit", *sectors, "range", "missing", "role", *(["why"] if reasons else [])):
         justify: Literal["left", "right"] = "right" if heading in ("sectors", "missing") else "left"
-        drawn.add_column(heading, justify=justify, overflow="fold")
+        whole = heading in ("range", "missing", "role")
+        drawn.add_column(heading, justify=justify, overflow="fold", no_wrap=whole)
     for channel in one:
         role = roles.roles.get(channel.name) or Role(channel.name, "none", "")
         drawn.add_row(
             escape(channel.name),
             _unit(role),
-            str(channel.shape[1]) if len(channel.shape) == 2 else "",
+            *([str(channel.shape[1]) if len(channel.shape) == 2 else ""] if images else []),
             escape(span(channel)),
             share(channel),
             "" if role.role == "none" else f"[green]{role.role}[/]",
@@ -101,12 +104,17 @@ def _unit(role: Role) -> str:
 def span(channel: Channel) -> str:
     """Smallest and largest value, or the first text."""
     if channel.is_text:
-        return f"text: {str(channel.values.flat[0])[:24]!r} ..." if channel.values.size else "text"
+        return f"{str(channel.values.flat[0])[:16]!r} ..." if channel.values.size else "text"
     found = channel.values[np.isfinite(channel.values)]
-    return f"{found.min():.7g} .. {found.max():.7g}" if found.size else "no values"
+    return f"{short(found.min())} .. {short(found.max())}" if found.size else "no values"
+
+
+def short(value: float) -> str:
+    """Five digits, and all before the point: 0.0386, 2.5554, 1590.1, 1023720."""
+    return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 
 def share(channel: Channel) -> str:
     """Missing values: count and percent."""
     total = channel.values.size
-    return f"{channel.missing:,} ({100 * channel.missing / total:.3g} %)" if channel.missing and total else "0"
+    return f"{channel.missing:,} ({100 * channel.missing / total:.2g} %)" if channel.missing and total else "0"
