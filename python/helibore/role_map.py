@@ -163,8 +163,8 @@ def spelled(
         if angle is not None and role not in WALL:
             raise ValueError(f"{one.path.name}: {spelling}: an angle belongs to a {' or '.join(arms)}")
         if role in WALL and len(one[name].shape) == 1:
-            turning = wanted_toolface(roles, columns)
-            entry |= {"angle": angle} if angle is not None else {"angle": 0.0} if turning and role != "diameter" else {}
+            angle = _own_angle(roles, name, role, wanted_toolface(roles, columns)) if angle is None else angle
+            entry |= {} if angle is None else {"angle": angle}
         if name in entries:
             raise ValueError(f"{one.path.name}: column {name}: is given two roles, {entries[name]['role']} and {role}")
         entries[name] = entry
@@ -179,6 +179,14 @@ def spelled(
         if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians stay suspect
             laid.roles[name] = replace(laid.roles[name], confirmed=False)
     return laid
+
+
+def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | None:
+    """Angle of an arm that is named without one: what is known of it already, or, of a radius, the toolface."""
+    known = roles.roles.get(name)
+    if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):
+        return known.angle
+    return 0.0 if turning and role != "diameter" else None
 
 
 def wanted_toolface(roles: RoleMap, columns: Mapping[str, str | None]) -> bool:

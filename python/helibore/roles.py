@@ -82,7 +82,9 @@ ARM = re.compile(
 )
 SIDE = re.compile(r"\bcaliper\b.*\b(horizontal|vertical)\b|\b(horizontal|vertical)\b.*\bcaliper\b", re.IGNORECASE)
 ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
-MEAN = re.compile(r"hcal|cali?|calcm|caliper|.*cal.*(ave|avg|mean|max|min).*|(ave|avg|mean)[_ ]?cal.*|[du]cav")
+MEAN = re.compile(r"hcal|cali?|calcm|caliper|.*cal.*(ave|avg|mean).*|(ave|avg|mean)[_ ]?cal.*|[du]cav")
+# The largest or smallest diameter of a row, which is neither a mean nor in any direction: cal_max_diameter, CMAX, HMIN.
+EXTREME = re.compile(r".*(cal|diam).*(max|min).*|(max|min).*(cal|diam).*|[ch](max|min)")
 CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosity|salinity)\b)", re.IGNORECASE)
 
 
@@ -124,6 +126,11 @@ class Role:
     latency: float = 0.0
     reference: str = ""
     confirmed: bool = False
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is one of an arm pair, whose angle counts from the tool and says nothing without a toolface."""
+        return "arm pair" in self.reason
 
 
 @dataclass(frozen=True)
@@ -317,6 +324,8 @@ def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
         angle = {"x": 0.0, "y": 90.0}[letter]
         reason = f"named like the {letter} arm pair of a caliper: across the hole at {angle:g} deg from the toolface"
         return Role(channel.name, "diameter", reason, unit, angle)
+    if EXTREME.fullmatch(name):
+        return _none(channel, f"named {channel.name}: the largest or smallest of a row has no direction and is no mean")
     if RADIUS.fullmatch(name):
         return Role(channel.name, "radius", f"named {channel.name}", unit, 0.0 if has_toolface else None)
     if DIAMETER.fullmatch(name) and has_toolface:
@@ -329,7 +338,7 @@ def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
 
 def _pair_arms(roles: dict[str, Role]) -> None:
     """An arm named x or y without its partner is no X-Y caliper: it loses its angle."""
-    arms = [each for each in roles.values() if each.role == "diameter" and "arm pair" in each.reason]
+    arms = [each for each in roles.values() if each.role == "diameter" and each.turns]
     if len({arm.angle for arm in arms}) == 1:
         for arm in arms:
             reason = "named like one arm pair of an X-Y caliper, but its partner at right angles is missing"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gzip
+import re
 from pathlib import Path
 from typing import Any
 
@@ -352,3 +353,22 @@ def test_bad_survey(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
         one.survey()
     assert str(caught.value) == f"s.csv, {message}"
+
+
+def test_an_arm_named_without_an_angle_keeps_the_angle_that_is_known(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m,rb_deg,cal_x_in,cal_y_in\n10,20,8.5,8.6\n")
+    found = read(path, diameter=["cal_y_in"])
+    assert found.toolface.tolist() == [110.0, 290.0]
+    bare = written(tmp_path, "md_m,cal_x_in,cal_y_in\n10,8.5,8.6\n", "bare.csv")
+    rule = "bare.csv, column cal_y_in: no toolface: name the toolface channel, or the angle of this one"
+    with pytest.raises(ValueError, match=re.escape(rule)):  # an arm pair turns with the tool
+        read(bare, diameter=["cal_y_in"])
+
+
+def test_calipers_that_read_in_one_direction_are_told(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m,a_in,b_in,c_in\n10,8.5,8.6,8.7\n")
+    notes = read(path, diameter=["a_in@90", "b_in@90", "c_in@0"]).notes
+    assert notes[-1] == (
+        "a_in and b_in are diameter in one direction: merged; name those to use by an option or in a map"
+    )
+    assert len(read(path, diameter=["a_in@90", "c_in@0"]).notes) == 3

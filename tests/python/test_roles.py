@@ -11,6 +11,7 @@ from click.testing import CliRunner
 
 import helibore as hb
 from helibore.files.channel import Channel, LogSet, SectorAxis
+from helibore.files.depth_remarks import depth_remarks
 from helibore.role_map import overlay, quoted, read_map, write_map
 from helibore.roles import ROLES, guess
 
@@ -51,6 +52,10 @@ def log_set(*channels: Channel, index: str | None = None) -> LogSet:
         ("R", "ohm.m", "", "none"),
         ("CALI", "in", "", "mean-diameter"),
         ("CALCM", "in", "Acoustic Caliper - Corrected", "mean-diameter"),
+        ("cal_ave_diameter_mm", "mm", "", "mean-diameter"),
+        ("cal_max_diameter_mm", "mm", "", "none"),
+        ("DIAMETER_MIN", "in", "Caliper, smallest", "none"),
+        ("CMAX", "in", "", "none"),
         ("GR", "gAPI", "", "none"),
         ("NPCLFM", "", "Neutron Porosity Caliper Filtered", "none"),
         ("pass", "", "", "pass"),
@@ -128,6 +133,12 @@ def radius(metres: float) -> Channel:
         ((DEPTH, radius(0.1)), "column radius: no toolface: name the toolface channel"),
         ((TURN, radius(0.1)), "no channel has the role depth"),
         ((DEPTH, TURN), "no channel has the role radius, diameter or radius-image"),
+        ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(--average of helibore plot and logs, or hb.Caliper.from_"),
+        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole with --gauge --image of"),
+        (
+            (DEPTH, channel("INC", "deg", np.zeros(40)), channel("AZI", "deg", np.zeros(40))),
+            "(it holds a survey, which --survey takes)",
+        ),
         (
             (DEPTH, channel("cal_x", "in", np.full(40, 8.5)), channel("cal_y", "in", np.full(40, 8.5))),
             "an arm pair that turns with the tool needs a toolface",
@@ -400,3 +411,19 @@ def test_depth_remarks() -> None:
 
 def test_every_role_is_documented() -> None:
     assert {"depth", "toolface", "radius", "diameter", "image", "none"} <= set(ROLES)
+
+
+def test_depths_in_other_units_are_told_in_metres_too() -> None:
+    one = log_set(channel("DEPT", "0.1 in", (1023720.0, 1023780.0, 1023840.0)), index="DEPT")
+    assert depth_remarks(one, guess(one)) == ["DEPT: 2600.25 to 2600.55 m", "DEPT: median step 60 x 0.1 in"]
+    metric = log_set(channel("DEPT", "m", (1.0, 2.0, 3.0)), index="DEPT")
+    assert depth_remarks(metric, guess(metric)) == ["DEPT: median step 1 m"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(1023720.0, "1023720"), (60467.76, "60468"), (2.55541, "2.5554"), (0.0, "0"), (1e30, "1e+30")]
+)
+def test_ranges_are_short(value: float, text: str) -> None:
+    from helibore.cli.inspect import short
+
+    assert short(value) == text

@@ -209,10 +209,20 @@ def _depth(one: LogSet, role: Role) -> Floats:
 
 
 def _no_arms(roles: RoleMap) -> str:
+    """What is missing, and what the set can be used for instead."""
     means = [each.channel for each in roles.all("mean-diameter")]
     if means:
-        return f"{', '.join(means)}: a mean diameter has no direction; no channel has the role radius or diameter"
-    return "no channel has the role radius, diameter or radius-image: name one by an option or in a map"
+        return (
+            f"{', '.join(means)}: a mean diameter has no direction; no channel has the role radius or diameter "
+            "(--average of helibore plot and logs, or hb.Caliper.from_average, takes it for a round hole)"
+        )
+    rule = "no channel has the role radius, diameter or radius-image: name one by an option or in a map"
+    images = [each.channel for each in roles.all("image")]
+    if images:
+        return f"{rule} (its images {', '.join(images)} lie on a gauge hole with --gauge --image of helibore plot)"
+    if roles.one("inclination") is not None and roles.one("azimuth") is not None:
+        return f"{rule} (it holds a survey, which --survey takes)"
+    return rule
 
 
 def _radius(one: LogSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
@@ -240,7 +250,7 @@ def _angles(one: LogSet, arm: Role, width: int, turning: bool) -> list[float]:
     if arm.angle is None and not turning:
         rule = "no toolface: name the toolface channel, or the angle of this one, by an option or in a map"
         raise complaint(one.path, rule, column=arm.channel)
-    if arm.angle is not None and not turning and not arm.confirmed and "arm pair" in arm.reason:
+    if arm.angle is not None and not turning and not arm.confirmed and arm.turns:
         rule = "an arm pair that turns with the tool needs a toolface: name the channel, or confirm the angle, in a map"
         raise complaint(one.path, rule, column=arm.channel)
     angle = arm.angle or 0.0
@@ -324,7 +334,20 @@ def _count_missing(one: LogSet, roles: RoleMap, depth: Floats, toolface: Floats,
 
 def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
     used = [*roles.all("depth", "toolface", "toolface-reference", "time", "pass", "bit-diameter"), *arms]
-    return tuple(note(role) for role in used)
+    return (*(note(role) for role in used), *_together(arms))
+
+
+def _together(arms: list[Role]) -> list[str]:
+    """Channels that look in one direction, as two calipers of one well do: said, for their biases differ."""
+    by_direction: dict[tuple[str, float, float], list[str]] = {}
+    for role in arms:
+        if role.angle is not None:
+            by_direction.setdefault((role.role, role.angle, role.offset), []).append(role.channel)
+    return [
+        f"{' and '.join(names)} are {kind} in one direction: merged; name those to use by an option or in a map"
+        for (kind, _, _), names in by_direction.items()
+        if len(names) > 1
+    ]
 
 
 def note(role: Role) -> str:
