@@ -12,6 +12,7 @@
 #include "helibore/types.hpp"
 #include "helibore/wall.hpp"
 #include "kernel.hpp"
+#include "parallel.hpp"
 
 namespace helibore {
 
@@ -62,7 +63,7 @@ struct SortedBatch {
 };
 
 // Validates and sorts. Throws InputError with the first offending row of the first offending column.
-SortedBatch sort_batch(const SampleColumns& columns, int threads, const kernel::Functions& functions);
+SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::Functions& functions);
 
 class Samples {
   public:

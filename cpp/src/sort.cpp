@@ -129,9 +129,9 @@ void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::F
 
 // Copies rows that are in order already, checking them while they are in cache; false as soon as some are not. Each
 // worker takes one stretch: two that fill the same large page would wait for each other while the system clears it.
-bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
+bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
-    on_workers(threads, [&](int w) {
+    crew.run(threads, [&](int w) {
         const Range chunks = part(static_cast<Index>(batch.chunks.size()), threads, w);
         for (Index i = chunks.start; i < chunks.stop && in_order && valid; ++i) {
             const Range rows{i * Chunk::full, std::min(batch.count, (i + 1) * Chunk::full)};
@@ -148,11 +148,11 @@ bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, c
 }
 
 // The least and greatest depth, once all rows are found valid.
-std::pair<double, double> survey(const SampleColumns& c, int threads, const kernel::Functions& f) {
+std::pair<double, double> survey(const SampleColumns& c, Crew& crew, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
     std::vector<std::pair<double, double>> extremes(static_cast<std::size_t>(threads));
     std::atomic<bool> valid{true};
-    on_workers(threads, [&](int w) {
+    crew.run(threads, [&](int w) {
         const Range rows = part(n, threads, w);
         if (!rows_valid(c, rows, f)) valid = false;
         const auto depths =
@@ -285,9 +285,9 @@ class BucketSorter {
 };
 
 template <bool timed>
-void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, int threads) {
-    std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(threads));
-    for_each_part(buckets.count, threads, [&](int w, Index b) {
+void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, Crew& crew) {
+    std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(crew.threads()));
+    crew.for_each_part(buckets.count, [&](int w, Index b) {
         const auto i = static_cast<std::size_t>(b);
         sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
     });
@@ -317,11 +317,11 @@ struct Collected {
 
 // Puts each row into its bucket.
 void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
-                int threads) {
+                Crew& crew, int threads) {
     const auto n = static_cast<Index>(c.depth.size());
     const auto size = static_cast<std::size_t>(buckets.count);
     std::vector<std::vector<Collected>> collected(static_cast<std::size_t>(threads), std::vector<Collected>(size));
-    on_workers(threads, [&](int w) {
+    crew.run(threads, [&](int w) {
         std::vector<Index> counts(size, 0);
         const Range rows = part(n, threads, w);
         for (Index i = rows.start; i < rows.stop; ++i)
@@ -337,7 +337,7 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         }
         ends[b] = total;
     }
-    on_workers(threads, [&](int w) {
+    crew.run(threads, [&](int w) {
         auto& mine = collected[static_cast<std::size_t>(w)];
         const Range rows = part(n, threads, w);
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
@@ -406,23 +406,22 @@ void SampleColumns::validate(int threads) const {
     if (!valid) check_rows(*this);
 }
 
-SortedBatch sort_batch(const SampleColumns& columns, int threads, const kernel::Functions& f) {
+SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::Functions& f) {
     check_lengths(columns);
     SortedBatch batch;
     batch.count = static_cast<Index>(columns.depth.size());
     batch.timed = !columns.time.empty();
     if (batch.count == 0) return batch;
-    if (batch.count < small_batch) threads = 1;
+    const int threads = batch.count < small_batch ? 1 : crew.threads();
 
     batch.chunks = empty_chunks(batch.count, batch.timed);
     set_counts(batch.chunks, batch.count);
-    if (copy_if_in_order(columns, batch, threads, f)) return batch;
-    const auto [least, greatest] = survey(columns, threads, f);
+    if (copy_if_in_order(columns, batch, crew, threads, f)) return batch;
+    const auto [least, greatest] = survey(columns, crew, threads, f);
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
-    distribute(columns, batch, buckets, ends, threads);
-    batch.timed ? sort_buckets<true>(batch, buckets, ends, threads)
-                : sort_buckets<false>(batch, buckets, ends, threads);
+    distribute(columns, batch, buckets, ends, crew, threads);
+    batch.timed ? sort_buckets<true>(batch, buckets, ends, crew) : sort_buckets<false>(batch, buckets, ends, crew);
     if (batch.timed && has_redundant(batch)) drop_redundant(batch);
     return batch;
 }

@@ -53,9 +53,16 @@ class Vertices {
     const Hull& hull(Index b) const { return hulls_[static_cast<std::size_t>(b)]; }
     void measure_hull(Index b, Index group_count) {
         const Block& of = block(b);
-        const auto n = static_cast<std::ptrdiff_t>(std::min(groups_per_block, group_count - b * groups_per_block));
-        hulls_[static_cast<std::size_t>(b)] = {*std::min_element(of.shallow.begin(), of.shallow.begin() + n),
-                                               *std::max_element(of.deep.begin(), of.deep.begin() + n)};
+        const auto n = static_cast<std::size_t>(std::min(groups_per_block, group_count - b * groups_per_block));
+        Hull several[8];  // eight at a time, which the compiler makes vectors of: every append measures a block
+        for (std::size_t g = 0; g < n; ++g) {
+            Hull& hull = several[g % 8];
+            hull.shallow = of.shallow[g] < hull.shallow ? of.shallow[g] : hull.shallow;
+            hull.deep = of.deep[g] > hull.deep ? of.deep[g] : hull.deep;
+        }
+        Hull all;
+        for (const Hull& hull : several) all = {std::min(all.shallow, hull.shallow), std::max(all.deep, hull.deep)};
+        hulls_[static_cast<std::size_t>(b)] = all;
     }
 
     // Copies a member of the blocks for a range of vertices.

@@ -31,6 +31,19 @@ void add_range(std::vector<Range>& ranges, Range range) {
         ranges.push_back(range);
 }
 
+// The first of values[from, to) that is `good`, or `to`. Sixteen at a time, which the compiler compares as vectors:
+// every append looks through the last block.
+template <class Good>
+Index first_that(const double* values, Index from, Index to, const Good& good) {
+    for (; from + 16 <= to; from += 16) {
+        bool any = false;
+        for (Index i = 0; i < 16; ++i) any |= good(values[from + i]);
+        if (any) break;
+    }
+    while (from < to && !good(values[from])) ++from;
+    return from;
+}
+
 // Two sorted lists of ranges as one.
 std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>& b) {
     std::vector<Range> both;
@@ -52,13 +65,14 @@ std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>&
 Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
     const StandardArithmetic standard;
-    SortedBatch batch = sort_batch(columns, settings.threads, search.functions());
+    Crew crew(settings.threads);
+    SortedBatch batch = sort_batch(columns, crew, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
         throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
                                      : "time: missing, but the samples before carry one; give it for all or none");
     Samples::Undo undo = samples.insert(batch);
     try {
-        return update(batch);
+        return update(batch, crew);
     } catch (...) {
         samples.undo(std::move(undo));
         throw;
@@ -83,7 +97,7 @@ Index Wall::State::count_now(const Helix& next) const {
 }
 
 // A wall has vertices from its first sample on.
-Change Wall::State::update(const SortedBatch& batch) {
+Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
     if (samples.size() == 0) return {};
     const Helix next = helix_now();
     const Index new_count = count_now(next);
@@ -98,7 +112,7 @@ Change Wall::State::update(const SortedBatch& batch) {
         old.push_back(kept / lanes);  // the last group gains vertices
     const Range fresh{groups_of(kept), groups_of(new_count)};
     std::vector<GroupResult> staged(old.size());
-    search_groups(next, old, fresh, new_count, into, staged);
+    search_groups(next, old, fresh, new_count, into, staged, crew);
 
     Change change;
     change.accepted = batch.count;
@@ -139,10 +153,10 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch) const {
         if (hull.deep < batch.first_depth() || hull.shallow > batch.last_depth()) continue;
         const Vertices::Block& block = vertices.block(b);
         const Index n = std::min(Vertices::groups_per_block, groups - b * Vertices::groups_per_block);
-        for (Index g = 0; g < n; ++g) {
+        const auto reaches = [top = batch.first_depth()](double deep) { return deep >= top; };
+        for (Index g = 0; (g = first_that(block.deep.data(), g, n, reaches)) < n; ++g) {
             const auto i = static_cast<std::size_t>(g);
-            if (block.deep[i] < batch.first_depth() || block.shallow[i] > batch.last_depth()) continue;
-            if (batch.any_within(block.shallow[i], block.deep[i]))
+            if (block.shallow[i] <= batch.last_depth() && batch.any_within(block.shallow[i], block.deep[i]))
                 touched.push_back(b * Vertices::groups_per_block + g);
         }
     }
@@ -151,12 +165,11 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch) const {
 
 // Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
 void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
-                                Vertices& into, std::vector<GroupResult>& staged) {
+                                Vertices& into, std::vector<GroupResult>& staged, Crew& crew) {
     const auto old_count = static_cast<Index>(old.size());
     const Index total = old_count + fresh.stop - fresh.start;
     const Index parts = (total + groups_a_part - 1) / groups_a_part;
-    const int threads = static_cast<int>(std::clamp<Index>(parts / parts_a_thread, 1, settings.threads));
-    for_each_part(parts, threads, [&](int worker, Index part_index) {
+    const auto search_part = [&](int worker, Index part_index) {
         Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
         GroupResult result;
         const Index stop = std::min(total, (part_index + 1) * groups_a_part);
@@ -170,7 +183,8 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
                 into.put(group, vertex_count, result);
             }
         }
-    });
+    };
+    crew.for_each_part(parts, search_part, parts_a_thread);
 }
 
 // The vertices of searched groups that differ in any bit from what is there, or are not there yet.
@@ -199,20 +213,20 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index meas
                                  const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
     const bool down = on.pitch > 0.0;
     const double end = down ? samples.last_depth() : samples.first_depth();
-    const auto open = [&](double shallow, double deep) { return down ? deep >= end : shallow <= end; };
+    const auto open = [&](double bound) { return down ? bound >= end : bound <= end; };
+    const auto bound = [&](const auto& depths) { return down ? depths.deep : depths.shallow; };
     const Index groups = groups_of(vertex_count);
     std::size_t next = 0;  // of the staged
     for (Index b = 0; b * Vertices::groups_per_block < groups; ++b) {
         const Index first = b * Vertices::groups_per_block, last = std::min(groups, first + Vertices::groups_per_block);
         const bool as_measured = last * lanes <= measured && (next == old.size() || old[next] >= last);
-        if (as_measured && !open(of.hull(b).shallow, of.hull(b).deep)) continue;
-        const Vertices::Block& block = of.block(b);
+        if (as_measured && !open(bound(of.hull(b)))) continue;
+        const double* bounds = down ? of.block(b).deep.data() : of.block(b).shallow.data();
         for (Index g = first; g < last; ++g) {
-            const auto i = static_cast<std::size_t>(g - first);
-            const bool anew = next < old.size() && old[next] == g;
-            if (anew ? open(staged[next].shallow, staged[next].deep) : open(block.shallow[i], block.deep[i]))
-                return g * lanes;
-            if (anew) ++next;
+            const Index stop = next < old.size() ? std::min(old[next], last) : last;
+            g = first + first_that(bounds, g - first, stop - first, open);
+            if (g < stop) return g * lanes;
+            if (g < last && open(bound(staged[next++]))) return g * lanes;
         }
     }
     // A last group that is not full may gain vertices, and depend on more than now, unless the wall ends there.

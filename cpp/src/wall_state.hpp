@@ -29,12 +29,12 @@ struct Wall::State {
     }
 
     Change append(const SampleColumns& columns);
-    Change update(const SortedBatch& batch);
+    Change update(const SortedBatch& batch, Crew& crew);
     Helix helix_now() const;
     Index count_now(const Helix& next) const;
     std::vector<Index> touched_groups(const SortedBatch& batch) const;
     void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
-                       std::vector<GroupResult>& staged);
+                       std::vector<GroupResult>& staged, Crew& crew);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count, const DirectRadii& next_direct) const;
     Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,

@@ -1,4 +1,4 @@
-// helibore._core.Wall and Change. Arrays come and go through arrays.hpp; the GIL is released before the wall's lock is
+// helibore._core.Wall. Arrays come and go through arrays.hpp; the GIL is released before the wall's lock is
 // taken.
 #include "helibore/wall.hpp"
 
@@ -77,11 +77,6 @@ py::array_t<Index> ranges_of(const Change& change) {
 }  // namespace
 
 void register_wall(py::module_& m) {
-    py::class_<Change>(m, "Change")
-        .def_property_readonly("ranges", &ranges_of)
-        .def_readonly("settled", &Change::settled)
-        .def_readonly("accepted", &Change::accepted)
-        .def_readonly("redundant", &Change::redundant);
     py::class_<Wall>(m, "Wall")
         .def(py::init([](const py::kwargs& settings) { return std::make_unique<Wall>(settings_of(settings)); }))
         .def(
@@ -89,8 +84,12 @@ void register_wall(py::module_& m) {
             [](Wall& wall, const Column& depth, const Column& toolface, const Column& radius,
                const std::optional<Column>& time) {
                 const SampleColumns columns = columns_of(depth, toolface, radius, time);
-                const py::gil_scoped_release released;
-                return wall.append(columns);
+                Change change;
+                {
+                    const py::gil_scoped_release released;
+                    change = wall.append(columns);
+                }
+                return py::make_tuple(ranges_of(change), change.settled, change.accepted, change.redundant);
             },
             py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time") = py::none())
         .def("__len__", &Wall::size)

@@ -13,6 +13,7 @@ import numpy.typing as npt
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
+FLOAT64 = np.dtype(np.float64)
 
 
 def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
@@ -37,6 +38,16 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
     ValueError
         If the values are not numbers, not one-dimensional, or of another length.
     """
+    if type(values) is np.ndarray and values.dtype is FLOAT64 and values.ndim == 1 and values.flags.c_contiguous:
+        array = values  # the common case at once: a live host appends thousands of small columns
+    else:
+        array = _converted(name, values)
+    if length is not None and array.size != length:
+        raise ValueError(f"{name} has {array.size} values, {like} has {length}: must be equal")
+    return array
+
+
+def _converted(name: str, values: npt.ArrayLike) -> Floats:
     if isinstance(values, np.ma.MaskedArray):
         raise ValueError(f"{name}: masked arrays are not taken; drop the masked rows or use compressed()")
     try:
@@ -48,6 +59,4 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
         raise ValueError(f"{name}: must be numbers") from error
     if np.ndim(values) != 1:
         raise ValueError(f"{name}: must be one-dimensional, not {np.ndim(values)}-dimensional")
-    if length is not None and array.size != length:
-        raise ValueError(f"{name} has {array.size} values, {like} has {length}: must be equal")
     return array

@@ -198,8 +198,7 @@ class Wall:
             None if time is None else column("time", time, depths.size, "depth"),
         )
         with self._growing:
-            change = self._core.append(*columns)
-        return Change(change.ranges, change.settled, change.accepted, change.redundant)
+            return Change(*self._core.append(*columns))
 
     def __len__(self) -> int:
         """Return the number of vertices."""
