@@ -25,7 +25,7 @@ from helibore.plot.paper import MM
 from helibore.plot.raster import Grid, at_points, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.sections import sections_at
-from helibore.plot.solid import most_relief, stretch_of
+from helibore.plot.solid import exaggeration, most_relief, stretch_of
 from helibore.plot.tracks import HEAD
 from helibore.simulate import Hole, Tool, simulate
 
@@ -365,6 +365,17 @@ def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall) -> None:
         stretch_of(wall, 2013.3, 2014.6)
 
 
+def test_what_is_exaggerated_is_written_on_the_body(wall: hb.Wall) -> None:
+    one = stretch_of(wall, 2001, 2010)
+    tube, shape = exaggeration(one, BIT)
+    words = [text.get_text() for text in texts(plot.log(wall, body=(2001, 2010), dpi=40))]
+    assert [
+        word for word in words if word.startswith(f"tube × {tube:g} against depth, shape × {shape:g} more; seen from")
+    ]
+    round_hole = hb.reconstruct(hb.Caliper.gauge(0, 20, BIT), bit_diameter=BIT)
+    assert exaggeration(stretch_of(round_hole, 0, 12), BIT)[1] == 1.0  # nothing to exaggerate
+
+
 def hb_washout(start: float, stop: float) -> Any:
     from helibore.simulate import Washout
 
@@ -415,6 +426,36 @@ def test_images_that_cannot_be_shown() -> None:
             plot.log(wall)
     constant = wall_with(depth, np.full_like(values, 7.0))
     assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
+
+
+def test_what_a_colour_scale_cuts_off_is_counted() -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    values = np.add.outer(np.linspace(1, 99, depth.size), np.zeros(4))
+    values[0, 0] = np.nan
+    there = values[np.isfinite(values)]
+    words = [text.get_text() for text in texts(plot.log(wall_with(depth, values), dpi=40, body=()))]
+    low, high = np.percentile(there, [2, 98])
+    beyond = int(((there < low) | (there > high)).sum())
+    assert beyond == 7
+    assert f"{beyond} beyond the ends ({100 * beyond / 199:.2g} %)" in words
+    look = plot.Look(limits=(10.0, 1000.0), log=True)
+    figure = plot.log(wall_with(depth, values), looks={"X": look}, dpi=40, body=())
+    below = int((there < 10).sum())
+    assert f"logarithmic, {below} beyond the ends ({100 * below / 199:.2g} %)" in [
+        text.get_text() for text in texts(figure)
+    ]
+    assert_readable(figure)
+    whole = plot.log(wall_with(depth, values), looks={"X": plot.Look(limits=(0.0, 100.0))}, dpi=40, body=())
+    assert not [text for text in texts(whole) if "beyond" in text.get_text()]
+    values[5] = values[5] + np.array([0.0, 0.0, 60.0, 0.0])
+    sliding = plot.log(wall_with(depth, values), looks={"X": plot.Look(window=2.0)}, dpi=40, body=())
+    assert [text for text in texts(sliding) if text.get_text().startswith("1 beyond the ends (0.5 %)")]
+
+
+def test_an_image_without_a_unit_says_so() -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    figure = plot.log(wall_with(depth, np.add.outer(depth, np.arange(4.0)), ""), dpi=40, body=())
+    assert "X [no unit]" in [text.get_text() for text in texts(figure)]
 
 
 def run_cli(*arguments: object) -> Result:

@@ -236,7 +236,9 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
         if look.window is not None:
             scale = ColorScale(0.0, 1.0, color_map)
             values = sliding_window(image.depth, image.values, look.window, log)
-            return Shown(image.name, image.unit, scale, f"{kind}, dynamic {look.window:g} m", shares=True), values
+            remark = f"{kind}, dynamic {look.window:g} m"
+            cut = _beyond(values[rows], math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0))
+            return Shown(image.name, image.unit, scale, remark, True, *cut), values
         values = image.values[rows]
         if look.limits is None:
             scale = ColorScale(*percentile_limits(values, log=log), color_map, log)
@@ -245,7 +247,13 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
             scale.share(values)
     except ValueError as error:
         raise ValueError(f"image {image.name!r}, {top:g} to {bottom:g} m: {error}") from error
-    return Shown(image.name, image.unit, scale, f"{kind}, static"), image.values
+    cut = _beyond(values, scale.low, scale.high)
+    return Shown(image.name, image.unit, scale, f"{kind}, static", False, *cut), image.values
+
+
+def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
+    """How many values a scale cuts off, and how many there are."""
+    return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
 
 def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
@@ -262,7 +270,8 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, F
     if look.log or look.window is not None:
         raise ValueError("Radius: is drawn beyond bit size, on a plain scale: log and window are not for it")
     scale = ColorScale(*limits, look.color_map or "caliper")
-    return Shown("Radius − bit/2", "mm", scale, f"wall, {wall.settings.sectors} sectors"), over
+    remark = f"wall, {wall.settings.sectors} sectors"
+    return Shown("Radius − bit/2", "mm", scale, remark, False, *_beyond(there, scale.low, scale.high)), over
 
 
 def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing) -> CaliperTrack:

@@ -31,6 +31,8 @@ STEPS = (1.0, 2.0, 3.0, 5.0, 10.0, 20.0, 50.0)
 SLENDER = 5.5
 """A body is about so many times longer than its drawn bit size is wide."""
 MOST_SHAPE = 10.0
+LEAST_RELIEF = 1e-4
+"""Metres; a hole that is rounder, as gauge hole is, has no shape to exaggerate."""
 
 
 @dataclass(frozen=True)
@@ -92,7 +94,9 @@ def exaggeration(one: Stretched, bit_diameter: float) -> tuple[float, float]:
     length = one.depth[1] - one.depth[0]
     relief = float(np.nanmax(np.abs(one.radius - 0.5 * bit_diameter)))
     tube = _nearest_step(length / SLENDER / bit_diameter)
-    return tube, min(_nearest_step(0.45 * bit_diameter / max(relief, 1e-6)), MOST_SHAPE)
+    if relief < LEAST_RELIEF:
+        return tube, 1.0
+    return tube, min(_nearest_step(0.45 * bit_diameter / relief), MOST_SHAPE)
 
 
 def _nearest_step(value: float) -> float:

@@ -59,7 +59,8 @@ class Stretch:
 class Shown:
     """What an image shows: values on a colour scale, and the words over it.
 
-    ``scale.low`` and ``scale.high`` are the ends of the colour bar; ``remark`` goes under its name.
+    ``scale.low`` and ``scale.high`` are the ends of the colour bar; ``remark`` goes under its name. ``beyond`` of
+    ``count`` values lie outside them and have the colour of the nearer end.
     """
 
     name: str
@@ -67,6 +68,15 @@ class Shown:
     scale: ColorScale
     remark: str = ""
     shares: bool = False
+    beyond: int = 0
+    count: int = 0
+
+    @property
+    def note(self) -> str:
+        """What a reader of the colour bar must know: its law, and how much is cut off at its ends."""
+        share = 100 * self.beyond / max(self.count, 1)
+        cut = f"{self.beyond:,} beyond the ends ({share:.2g} %)" if self.beyond else ""
+        return ", ".join(part for part in ("logarithmic" if self.scale.log else "", cut) if part)
 
 
 class DepthTrack:
@@ -243,10 +253,12 @@ class ImageTrack:
         """Write name and unit, draw the colour bar with its numbers, and the letters of the sides."""
         shown, scale = self.shown, self.shown.scale
         middle, room = x + 0.5 * self.width, self.width - 1
-        unit = f" [{shown.unit}]" if shown.unit else ""
-        sheet.text(middle, y + 2.5, f"{shown.name}{unit}", ha="center", weight="bold", within=room)
+        sheet.text(
+            middle, y + 2.5, f"{shown.name} [{shown.unit or 'no unit'}]", ha="center", weight="bold", within=room
+        )
         sheet.text(middle, y + 6.2, shown.remark, 5.6, within=room, ha="center", color=FAINT)
         color_bar(sheet, scale, x + 1.0, y + 9.0, self.width - 2.0, shares=shown.shares)
+        sheet.text(middle, y + 17.0, shown.note, 5.6, within=room, ha="center", color=FAINT)
         first = round(self.left / 90.0)
         for place in range(5):
             at, side = x + place * self.width / 4, SIDES[self.reference][(first + place) % 4]
@@ -292,9 +304,6 @@ def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float,
     words = ("low", "", "high") if shares else tuple(f"{one:.3g}" for one in (scale.low, middle, scale.high))
     for at, ha, text in zip((0.0, 0.5, 1.0), ("left", "center", "right"), words, strict=True):
         sheet.text(x + at * width, y + 4.9, text, SMALL, ha=ha)
-    kind = "logarithmic" if scale.log else ""
-    if kind:
-        sheet.text(x + 0.5 * width, y + 8.0, kind, 5.6, ha="center", color=FAINT)
 
 
 def _bare(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
