@@ -31,17 +31,12 @@ def powers(z: Complexes, order: int) -> Complexes:
 def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: Integers) -> tuple[Floats, Floats]:
     """sum(w x x'), (t, P, P), and sum(w x v), (t, P), of every turn, from ``powers(z, 2 H)``."""
     order = (len(table) - 1) // 2
-    weighted = weight * table
-    moments = np.add.reduceat(weighted, starts, axis=1)
-    sides = np.add.reduceat(weighted[: order + 1] * value, starts, axis=1)
+    moments = np.add.reduceat(weight * table, starts, axis=1)
     terms = 2 * order + 1
     matrix = np.empty((starts.size, terms, terms))
-    side = np.empty((starts.size, terms))
-    side[:, 0] = sides[0].real
     matrix[:, 0, 0] = moments[0].real
     for j in range(1, order + 1):
         cos_j, sin_j = 2 * j - 1, 2 * j
-        side[:, cos_j], side[:, sin_j] = sides[j].real, sides[j].imag
         matrix[:, 0, cos_j] = matrix[:, cos_j, 0] = moments[j].real
         matrix[:, 0, sin_j] = matrix[:, sin_j, 0] = moments[j].imag
         for k in range(1, j + 1):
@@ -51,7 +46,16 @@ def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: In
             matrix[:, sin_j, sin_k] = matrix[:, sin_k, sin_j] = difference.real - total.real
             matrix[:, sin_j, cos_k] = matrix[:, cos_k, sin_j] = total.imag + difference.imag
             matrix[:, cos_j, sin_k] = matrix[:, sin_k, cos_j] = total.imag - difference.imag
-    return matrix, side
+    return matrix, projections(weight * value, table[: order + 1], starts)
+
+
+def projections(value: Floats, table: Complexes, starts: Integers) -> Floats:
+    """sum(x v), (t, 2 H + 1), of every turn, from ``powers(z, H)``."""
+    sums = np.add.reduceat(value * table, starts, axis=1)
+    side = np.empty((starts.size, 2 * len(table) - 1))
+    side[:, 0] = sums[0].real
+    side[:, 1::2], side[:, 2::2] = sums[1:].real.T, sums[1:].imag.T
+    return side
 
 
 def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:

@@ -14,13 +14,15 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.arrays import Floats, Integers
-from helibore.harmonics import Complexes, evaluate, leverage, normal_equations, powers
+from helibore.harmonics import Complexes, evaluate, leverage, normal_equations, powers, projections
 
 _REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
 _NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
 _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
+_SMOOTH = 8  # harmonics of a wall beside its lobes
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 2e-6  # m: a hundredth of the best standard deviation
+LOBE_DEPTHS = np.array([0.03, 0.003])  # m: expected of a lobe, and of how two opposite ones differ
 _STATE = ("centre", "terms", "free", "noise")  # all that one round takes over from the last
 
 
@@ -44,6 +46,9 @@ class Shape:
     one_sided
         Of the third harmonic of a wall that is enlarged on one side; harmonic n has one_sided * 3 / n, its first too. A
         box of depth D and width 120 to 150 deg holds a third harmonic of 0 to 0.15 D.
+    lobed
+        Whether the harmonics are to follow breakouts. If not, only the second is ``even`` and harmonic n > 2 has
+        odd * (3 / n)^2.
     """
 
     even: float = 0.008
@@ -52,6 +57,7 @@ class Shape:
     noise: float = 0.0005
     harmonics: int = 12
     one_sided: float = 0.005
+    lobed: bool = True
 
     def __post_init__(self) -> None:
         for name in ("even", "odd", "reach", "noise", "one_sided"):
@@ -61,10 +67,16 @@ class Shape:
         if self.harmonics < 2:
             raise ValueError(f"harmonics = {self.harmonics}: must be at least 2")
 
-    def deviations(self) -> Floats:
-        """Prior standard deviation of each harmonic from 2 on, (harmonics - 1,)."""
-        n = np.arange(2, self.harmonics + 1)
-        return np.where(n % 2 == 0, self.even * 2.0 / n, self.odd * 3.0 / n)
+    def deviations(self, highest: int | None = None) -> Floats:
+        """Prior standard deviation of each harmonic from 2 to ``harmonics`` or ``highest``."""
+        n = np.arange(2, (highest or self.harmonics) + 1)
+        if self.lobed:
+            return np.where(n % 2 == 0, self.even * 2.0 / n, self.odd * 3.0 / n)
+        return np.where(n == 2, self.even, self.odd * np.square(3.0 / n))
+
+    def plain(self) -> Shape:
+        """Return what may be expected of a wall beside its lobes: oval, and else smooth."""
+        return replace(self, lobed=False, harmonics=min(self.harmonics, _SMOOTH))
 
     def widened(self) -> Shape:
         """Return what may be expected of a wall that is enlarged on one side."""
@@ -77,12 +89,16 @@ class TurnFits:
     rho(c + dc) = rho(c) + u(phi) dc, so the first harmonic of the fit is -dc; at the solution it is zero.
     """
 
-    def __init__(self, reach: Complexes, count: Integers, shape: Shape) -> None:
+    def __init__(self, reach: Complexes, count: Integers, shape: Shape, lobes: Floats | None = None) -> None:
         self.reach, self.count, self.shape = reach, count, shape
+        self.lobes: Floats = np.empty((0, reach.size)) if lobes is None else lobes
         self.starts = np.cumsum(count) - count
         self.turn = np.repeat(np.arange(count.size), count)
         deviations = shape.deviations()
-        self.precision = np.concatenate([[0.0], np.full(2, shape.reach**-2), np.repeat(deviations**-2, 2)])
+        self.waves = 1 + 2 * shape.harmonics
+        self.precision = np.concatenate(
+            [[0.0], np.full(2, shape.reach**-2), np.repeat(deviations**-2, 2), LOBE_DEPTHS[: len(self.lobes)] ** -2]
+        )
         self.centre = np.zeros(count.size, dtype=np.complex128)
         self.terms = np.zeros((count.size, self.precision.size))
         self.terms[:, 0] = np.add.reduceat(np.abs(reach), self.starts) / count
@@ -101,24 +117,28 @@ class TurnFits:
             if not moving.any():
                 return
         if rounds > _ROUNDS_TOGETHER:
-            rest = self._only(moving)
+            rest = self.only(moving)
             rest.solve(rounds - _ROUNDS_TOGETHER)
             for name in _STATE:
                 getattr(self, name)[moving] = getattr(rest, name)
             self._step()
 
-    def _only(self, chosen: npt.NDArray[np.bool_]) -> TurnFits:
-        part = TurnFits(self.reach[chosen[self.turn]], self.count[chosen], self.shape)
-        for name in _STATE:
+    def only(self, chosen: npt.NDArray[np.bool_]) -> TurnFits:
+        """Some of the turns, to be solved again or as they are."""
+        kept = chosen[self.turn]
+        part = TurnFits(self.reach[kept], self.count[chosen], self.shape, self.lobes[:, kept])
+        for name in (*_STATE, "inverse"):
             setattr(part, name, getattr(self, name)[chosen])
+        part.distance, part.residual, part.weight = self.distance[kept], self.residual[kept], self.weight[kept]
+        part.table = self.table[:, kept]
         return part
 
     def _step(self) -> Floats:
         """One round: weights from the residuals, the linear fit, the centre moved; returns by how much, (t,) m."""
         self.distance = self._look()
-        self.residual = self.distance - evaluate(self.terms, self.table, self.turn)
+        self.residual = self.distance - self._wall(self.terms)
         self._weigh()
-        matrix, side = normal_equations(self.weight, self.distance, self.table, self.starts)
+        matrix, side = self._normal_equations()
         ridge = (self.noise**2)[:, None] * self.precision
         ridge[:, 0] = 1e-9  # the mean radius is free; this keeps a turn whose every sample is rejected solvable
         matrix[:, np.arange(self.precision.size), np.arange(self.precision.size)] += ridge
@@ -131,6 +151,41 @@ class TurnFits:
         self.centre = self.centre - step
         self.terms[:, 1:3] = 0.0
         return np.abs(step)
+
+    def _normal_equations(self) -> tuple[Floats, Floats]:
+        """The matrix and the side of the waves, and beside them those of the lobes."""
+        waves, side = normal_equations(self.weight, self.distance, self.table, self.starts)
+        if not len(self.lobes):
+            return waves, side
+        size, first = self.precision.size, self.waves
+        matrix = np.empty((self.count.size, size, size))
+        matrix[:, :first, :first] = waves
+        sides = [side]
+        for k, lobe in enumerate(self.lobes):
+            value = self.weight * lobe
+            across = projections(value, self.table[: self.shape.harmonics + 1], self.starts)
+            matrix[:, first + k, :first] = matrix[:, :first, first + k] = across
+            for j, other in enumerate(self.lobes):
+                matrix[:, first + k, first + j] = np.add.reduceat(value * other, self.starts)
+            sides.append(np.add.reduceat(value * self.distance, self.starts)[:, None])
+        return matrix, np.concatenate(sides, axis=1)
+
+    def _wall(self, terms: Floats) -> Floats:
+        """Value of waves and lobes at every sample."""
+        values = evaluate(terms[:, : self.waves], self.table, self.turn)
+        for k, lobe in enumerate(self.lobes):
+            values += terms[self.turn, self.waves + k] * lobe
+        return values
+
+    def _leverage(self) -> Floats:
+        """x' B x of every sample's waves and lobes."""
+        first = self.waves
+        hat = leverage(self.inverse[:, :first, :first], self.table, self.turn)
+        for k, lobe in enumerate(self.lobes):
+            row = self.inverse[:, first + k].copy()
+            row[:, :first] *= 2.0
+            hat += lobe * self._wall(row)
+        return hat
 
     def _look(self) -> Floats:
         wall = self.centre[self.turn] + self.reach
@@ -155,22 +210,34 @@ class TurnFits:
     def covariance(self) -> Floats:
         """Covariance of (x, y): the posterior, the jackknife and the odd excess."""
         covariance: Floats = self.inverse[:, 1:3, 1:3] * (self.noise**2)[:, None, None]
-        hat = self.weight * leverage(self.inverse, self.table, self.turn)
+        hat = self.weight * self._leverage()
         left_out = self.weight * self.residual / np.maximum(1.0 - hat, 0.05)
-        pull = [left_out * evaluate(self.inverse[:, p], self.table, self.turn) for p in (1, 2)]
+        pull = [left_out * self._wall(self.inverse[:, p]) for p in (1, 2)]
         for p in range(2):
             for q in range(2):
                 covariance[:, p, q] += np.add.reduceat(pull[p] * pull[q], self.starts)
         odd = np.arange(2, self.shape.harmonics + 1) % 2 == 1
-        amplitude = np.square(self.terms[:, 3::2]) + np.square(self.terms[:, 4::2])
+        waves = self.terms[:, : self.waves]
+        amplitude = np.square(waves[:, 3::2]) + np.square(waves[:, 4::2])
         excess = amplitude[:, odd].sum(axis=1) - 2.0 * np.square(self.shape.deviations()[odd]).sum()
         one_sided = _ONE_SIDED**2 * np.maximum(excess, 0.0)
         covariance[:, [0, 1], [0, 1]] += one_sided[:, None]
         return covariance
 
+    def plain(self, lobes: Floats | None = None) -> TurnFits:
+        """The same turns where the wall is an oval, and perhaps with lobes, from where the centre is now.
+
+        No sample is left out at first: one in a lobe must have the time to find that it is.
+        """
+        oval = TurnFits(self.reach, self.count, self.shape.plain(), lobes)
+        oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
+        oval.noise[:] = LOBE_DEPTHS[0]
+        oval.solve()
+        return oval
+
     def widened(self) -> TurnFits:
         """The same turns, started from here, where the wall may be enlarged on one side."""
-        wide = TurnFits(self.reach, self.count, self.shape.widened())
+        wide = TurnFits(self.reach, self.count, self.shape.widened(), self.lobes)
         for name in _STATE:
             setattr(wide, name, getattr(self, name).copy())
         wide.solve()
@@ -197,6 +264,28 @@ class TurnFits:
         covariance = self.inverse[:, 1:3, 1:3] * (self.noise**2)[:, None, None] * part**2
         covariance[:, [0, 1], [0, 1]] += own**2 * part
         return self.centre * part, covariance
+
+    def evidence(self) -> Floats:
+        """Logarithm of the probability of the samples under this model, (t,), but for a constant common to all models.
+
+        Laplace's: the biweight's bounded loss, the prior of the terms, and the volume of what is left open.
+        """
+        noise, expected = self.noise, self.shape.noise
+        outside = np.clip(1.0 - np.square(self.residual / (_REJECT * noise[self.turn])), 0.0, None)
+        loss = np.add.reduceat(_REJECT**2 / 3.0 * (1.0 - outside**3), self.starts)
+        prior = np.concatenate([[1.0], self.precision[1:]])
+        terms = self.terms.copy()
+        terms[:, 0] = 0.0
+        terms[:, 1], terms[:, 2] = self.centre.real, self.centre.imag
+        loss += (np.square(terms) * prior).sum(axis=1) + _NOISE_SAMPLES * np.square(expected / noise)
+        volume = np.linalg.slogdet(self.inverse * np.square(noise)[:, None, None])[1] + np.log(prior).sum()
+        value: Floats = 0.5 * (volume - loss) - (self.count + _NOISE_SAMPLES) * np.log(noise)
+        return value
+
+    def spread(self) -> Floats:
+        """Root mean square of all residuals, of samples left out too, (t,) m."""
+        spread: Floats = np.sqrt(np.add.reduceat(np.square(self.residual), self.starts) / self.count)
+        return spread
 
     def inliers(self) -> Floats:
         """Share of the samples within three times the noise."""
