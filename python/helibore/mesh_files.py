@@ -24,7 +24,7 @@ import numpy.typing as npt
 from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
 from helibore.caliper import BASIS_TEXT
-from helibore.colors import Colors, ColorScale, check_map, colors_of
+from helibore.colors import Colors, ColorScale, check_map, check_positive, colors_of
 from helibore.glb_file import write_glb
 from helibore.notes import with_units
 from helibore.surface import SURFACE_ENDINGS, Surface
@@ -71,6 +71,12 @@ def save_surface(
         _check_known(surface, color_by)
         _write_vtk(path, vtk_mesh(surface, origin, color_by))
         return
+    if log and ending in (".glb", ".ply"):  # of the quads, before vertices take means of them
+        name = color_by or "radius"
+        try:
+            check_positive(_quad_values(surface, color_by))
+        except ValueError as error:
+            raise ValueError(f"attribute {name!r}: {error}") from error
     paint = partial(colors_of, limits=limits, color_map=color_map, log=log)
     positions = surface.vertices - np.array(origin, dtype=np.float64)
     write_whole(path, painted[ending](surface, positions, color_by, paint))
