@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from typing import Any
 
 from helibore.viewer import messages
@@ -35,6 +35,16 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
             for attribute, column in zip(helix.attributes, level.columns, strict=True)
         },
     }
+
+
+def ends(query: Mapping[str, str]) -> tuple[float, float]:
+    """Return the depths of a section that a request asks for."""
+    found = []
+    for name in ("start", "stop"):
+        if name not in query:
+            raise ValueError(f"{name}: missing; ask for ?start=DEPTH&stop=DEPTH in metres")
+        found.append(float(query[name]))
+    return found[0], found[1]
 
 
 def section(scene: Scene, start: float, stop: float) -> Iterator[str]:

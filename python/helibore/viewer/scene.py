@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 import secrets
 import threading
+import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Protocol
@@ -23,6 +24,7 @@ import numpy.typing as npt
 
 from helibore.arrays import numbers
 from helibore.viewer import messages, overview
+from helibore.viewer.history import History
 from helibore.viewer.messages import Texels, Vertices
 
 Floats = npt.NDArray[np.float64]
@@ -162,6 +164,7 @@ class Scene:
             )
             self.frames = Frames(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
             self.settled = 0
+            self.history = History()
             self.begun = True
         self.on_change()
 
@@ -185,6 +188,7 @@ class Scene:
                 if attribute.name in attributes:
                     values = numbers(attributes[attribute.name], np.float32)
                     column[first : first + len(values)] = values[: stop - first]
+            self.history.note(time.time(), level.size, self.bit_depth)
             self._mark(0, min(first, before), stop)
             start, end = overview.refresh(self.levels[1], level, first, stop)
             self._mark(1, start, end)

@@ -3,6 +3,8 @@
     /  /app.js  /app.css  /licences.txt     the page, from the package
     /ws                                     greeting and state as text, values as binary (messages.py)
     /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
+    /api/history                            when the wall was how long
+    /api/snapshot.html                      a section with its page, as one file
     /healthz                                alive
 
 Every request passes `Guard`: the Host must be one we answer to (a page elsewhere cannot reach us through its own name
@@ -32,6 +34,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from helibore.viewer import exports, messages
 from helibore.viewer.client import BadMessageError, Client, read_subscription
 from helibore.viewer.scene import Attribute, Scene
+from helibore.viewer.snapshot import snapshot
 
 TICK = 0.05  # seconds between two sends of news: at most 20 a second for a growing wall, the first one at once
 MOST_CLIENTS = 64
@@ -74,6 +77,8 @@ def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] =
         Route("/healthz", _health(scene, hub)),
         Route("/api/vertex/{k:int}", _vertex(scene)),
         Route("/api/section.csv", _section(scene)),
+        Route("/api/history", _history(scene)),
+        Route("/api/snapshot.html", _snapshot(scene)),
         WebSocketRoute("/ws", hub.serve),
     ]
     return Guard(Starlette(routes=routes, lifespan=hub.lifespan), token, hosts)
@@ -353,13 +358,41 @@ def _vertex(scene: Scene) -> Endpoint:
     return answer
 
 
+def _history(scene: Scene) -> Endpoint:
+    async def answer(_: Request) -> Response:
+        with scene.lock:
+            return JSONResponse(scene.history.as_columns())
+
+    return answer
+
+
+def _snapshot(scene: Scene) -> Endpoint:
+    def made(start: float, stop: float, address: str) -> str:
+        files = {name: (page(name) or b"").decode() for name in TYPES}
+        with scene.lock:
+            return snapshot(scene, {"hello": greeting(scene), "state": state(scene)}, files, start, stop, address)
+
+    async def answer(request: Request) -> Response:
+        if page("app.js") is None:
+            return PlainTextResponse(no_page() + "\n", 503)
+        try:
+            start, stop = exports.ends(request.query_params)
+            text = await asyncio.to_thread(made, start, stop, request.query_params.get("address", ""))
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        name = f"wall-{start:.1f}-{stop:.1f}.html"
+        return Response(
+            text, media_type=TYPES["index.html"], headers={"content-disposition": f"attachment; filename={name}"}
+        )
+
+    return answer
+
+
 def _section(scene: Scene) -> Endpoint:
     async def answer(request: Request) -> Response:
         try:
-            start, stop = (float(request.query_params[name]) for name in ("start", "stop"))
+            start, stop = exports.ends(request.query_params)
             rows = exports.section(scene, start, stop)
-        except KeyError as missing:
-            return PlainTextResponse(f"{missing.args[0]}: missing; ask for ?start=DEPTH&stop=DEPTH in metres\n", 400)
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
         name = f"section-{start:.1f}-{stop:.1f}.csv"

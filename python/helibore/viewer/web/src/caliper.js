@@ -17,7 +17,7 @@ export function profile({ store, view, imagePieces, rects }) {
   for (const { tile, top, bottom } of imagePieces) {
     const turns = tileTurns(store, tile, view.pass === 'first');
     const { pitch } = tile.level;
-    const last = (tile.level.size - 1 - tile.index * tile.level.tileSize) / tile.level.sectors;
+    const last = (tile.level.shown - 1 - tile.index * tile.level.tileSize) / tile.level.sectors;
     const from = Math.max(0, Math.floor((top - view.top) / perRow));
     for (let y = from; y < Math.min(rows, (bottom - view.top) / perRow); y++) {
       const ends = [y, y + 1].map((p) => (view.top + p * perRow - tile.startDepth) / pitch);

@@ -7,12 +7,14 @@ import * as THREE from 'three';
 import { Q_ATTRIBUTE } from './colour.js';
 import { SOFTWARE } from './device.js';
 import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
+import { placeInside, WIDE } from './inside.js';
 import { CUTS } from './path.js';
 import * as shaders from './shaders.js';
 import { colourTexture, eastNorthUp, NO_COLUMN, NO_RANGE, TileTextures } from './textures.js';
 
 THREE.ColorManagement.enabled = false; // colours are what the maps say, byte for byte
 const FIELD_OF_VIEW = 34;
+const NO_WALL = 0x9aa3aa;
 const MOST_PICKED = 254; // tiles told apart by the picking picture's alpha
 
 export class Gpu {
@@ -20,8 +22,11 @@ export class Gpu {
     this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !SOFTWARE, powerPreference: 'high-performance' });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
     this.renderer.autoClear = false;
-    this.camera = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1e5);
-    this.camera.up.set(0, 0, 1);
+    this.outside = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1e5);
+    this.outside.up.set(0, 0, 1);
+    this.inside = new THREE.PerspectiveCamera(WIDE, 1, 0.1, 1e5);
+    this.head = { left: 0, raised: 0 }; // where the eye inside looks, radians from along the hole
+    this.camera = this.outside;
     this.wallScene = new THREE.Scene();
     this.imageScene = new THREE.Scene();
     this.grids = new Map();
@@ -78,7 +83,6 @@ export class Gpu {
         uniforms.reference.value = reference === 'up' ? 0 : 1;
         uniforms.offset.value = (offset * Math.PI) / 180;
         uniforms.perPixel.value = (bottom - top) / height / Math.abs(level.pitch);
-        uniforms.size.value = level.size - piece.tile.index * level.tileSize;
       });
     });
     this.renderer.render(this.imageScene, this.camera);
@@ -87,6 +91,10 @@ export class Gpu {
   wall(look) {
     this.place(look);
     this.begin(look.wallRect);
+    if (look.view.camera !== 'outside') {
+      this.renderer.setClearColor(NO_WALL, 1); // a gap around the eye has the grey of no data
+      this.renderer.clear();
+    }
     this.fillWall(look, this.materials.wall);
     this.drawBit(look);
     this.renderer.render(this.wallScene, this.camera);
@@ -94,9 +102,15 @@ export class Gpu {
   }
 
   // Put the middle of the section at the origin of the scene.
-  place({ path, view, wallRect }) {
+  place(look) {
+    const { path, view, wallRect } = look;
     const frame = path.at(view.middle);
     if (frame) this.origin = eastNorthUp(frame.centre);
+    this.camera = view.camera === 'outside' ? this.outside : this.inside;
+    if (this.camera === this.inside) {
+      placeInside(this.inside, this, look, this.head);
+      return;
+    }
     this.camera.aspect = wallRect.width / Math.max(1, wallRect.height);
     const far = this.camera.position.length();
     this.camera.near = Math.max(0.01, far / 500);
@@ -108,7 +122,7 @@ export class Gpu {
   fillWall(look, used) {
     const { store, path, view } = look;
     const tube = view.tubeFactor(store);
-    const pixel = look.wallRect.height / (2 * Math.tan((FIELD_OF_VIEW * Math.PI) / 360));
+    const pixel = look.wallRect.height / (2 * Math.tan((this.camera.fov * Math.PI) / 360));
     const picked = used === this.materials.pick;
     this.drawn = look.wallPieces.filter(({ tile }) => path.count > (tile.startDepth - path.startDepth) / path.step);
     if (picked) this.drawn = this.drawn.slice(0, MOST_PICKED);
@@ -130,6 +144,7 @@ export class Gpu {
         uniforms.top.value = Math.max(a, view.top) - tile.startDepth;
         uniforms.bottom.value = Math.min(b, view.bottom) - tile.startDepth;
         uniforms.cursor.value = view.cursor ? view.cursor.depth - tile.startDepth : 1e9;
+        uniforms.lamp.value = view.camera === 'outside' ? 0 : view.length;
         uniforms.number.value = index + 1;
       });
       mesh.position.set(...frames.origin.map((x, c) => x - this.origin[c]));
@@ -171,6 +186,7 @@ export class Gpu {
       dynamicRange: quantity.dynamic ? textures.dynamic(store, quantity, view.pass) : NO_RANGE,
       K: level.sectors,
       rows: level.rows,
+      size: level.shown - tile.index * level.tileSize,
       pitch: level.pitch,
       startToolface: (level.startToolface * Math.PI) / 180,
       radiusUnit: store.radiusUnit,
@@ -228,8 +244,8 @@ export class Gpu {
     const tall = Math.abs(along.z) * length + 2.6 * radius;
     const wide = Math.hypot(along.x, along.y) * length + 2.6 * radius;
     const away = Math.max(tall / 2 / half, wide / 2 / half / Math.max(0.2, width / height));
-    this.camera.position.copy(from.multiplyScalar(1.16 * away + radius));
-    this.camera.lookAt(0, 0, 0);
+    this.outside.position.copy(from.multiplyScalar(1.16 * away + radius));
+    this.outside.lookAt(0, 0, 0);
   }
 
   // The quad under a point of the 3-D view: {tile, at} or null.
@@ -302,7 +318,7 @@ function fill(scene, pieces, make) {
 const UNIFORMS = [
   'texels', 'column', 'frames', 'colours', 'dynamicRange', 'K', 'rows', 'pitch', 'startToolface', 'radiusUnit', 'nearestUnit',
   'bitRadius', 'firstFrame', 'frameStep', 'firstPass', 'mode', 'low', 'high', 'logarithmic', 'isDynamic', 'dark', 'glowCount',
-  'tube', 'shape', 'median', 'top', 'bottom', 'cursor', 'number', 'reference', 'offset', 'perPixel', 'size',
+  'tube', 'shape', 'median', 'top', 'bottom', 'cursor', 'number', 'reference', 'offset', 'perPixel', 'size', 'lamp',
 ];
 
 function material(vertexShader, fragmentShader) {

@@ -3,9 +3,11 @@
 
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { fitRange } from './colour.js';
-import { depthAt, inside } from './layout.js';
+import { depthAt, inside, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
+import { turnHead } from './inside.js';
 import { byId } from './panel.js';
+import { CAMERAS } from './view.js';
 
 const CLICK = 4; // pixels a pointer may move and still click
 
@@ -51,7 +53,7 @@ function hover(app, x, y) {
 }
 
 export function cursorAt({ view, rects, path }, x, y) {
-  const tracks = { ...rects.axis, width: rects.caliper.left + rects.caliper.width - rects.axis.left };
+  const tracks = { ...rects.axis, width: tracksEnd(rects) - rects.axis.left };
   if (!inside(tracks, x, y)) return null;
   const depth = depthAt(view, rects.axis, y);
   if (!inside(rects.image, x, y)) return { depth, toolface: view.cursor?.toolface ?? null };
@@ -62,7 +64,8 @@ export function cursorAt({ view, rects, path }, x, y) {
 function hold(app, x, y) {
   const cursor = cursorAt(app, x, y);
   if (!cursor) return;
-  app.view.set({ cursor, pinned: !app.view.pinned });
+  if (app.picking.on && inside(app.rects.image, x, y)) app.picking.add(cursor);
+  else app.view.set({ cursor, pinned: !app.view.pinned });
 }
 
 function wheel(app, event) {
@@ -87,11 +90,16 @@ function pinch(app, pointers, id, now) {
 
 export function bindOrbit(app) {
   const pane = byId('orbit');
-  const controls = new OrbitControls(app.gpu.camera, pane);
+  const controls = new OrbitControls(app.gpu.outside, pane);
   Object.assign(controls, { enableDamping: false, minDistance: 0.5, maxDistance: 50000, rotateSpeed: 0.7 });
   controls.addEventListener('change', app.redraw);
   let waiting = null;
+  pane.addEventListener('wheel', (event) => app.view.camera !== 'outside' && wheel(app, event), { passive: false });
   pane.addEventListener('pointermove', (event) => {
+    if (event.buttons && app.view.camera !== 'outside') {
+      turnHead(app.gpu.head, event.movementX, event.movementY);
+      app.redraw();
+    }
     if (event.buttons || app.view.pinned || !app.store) return;
     const place = [event.offsetX, event.offsetY];
     if (!waiting) {
@@ -117,7 +125,7 @@ export function bindOrbit(app) {
 export function bindControls(app) {
   const { view } = app;
   const on = (id, event, act) => byId(id).addEventListener(event, act);
-  for (const id of ['cut', 'pass', 'units']) on(id, 'change', ({ target }) => view.set({ [id]: target.value }));
+  for (const id of ['cut', 'pass', 'units', 'camera']) on(id, 'change', ({ target }) => view.set({ [id]: target.value }));
   for (const id of ['tube', 'shape', 'median']) on(id, 'change', ({ target }) => view.set({ [id]: Number(target.value) }));
   on('pass', 'change', ({ target }) => target.value === 'change' && app.setQuantity('change'));
   on('sectionLength', 'change', ({ target }) => app.setLength(target.value));
@@ -160,12 +168,13 @@ export function bindKeys(app) {
     const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || byId('help').open;
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
     const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[event.key - 1]?.id) : null);
-    if (!act) return;
+    if (!act || (event.key === 'Enter' && event.target.tagName === 'BUTTON')) return;
     event.preventDefault();
     act(app);
   });
 }
 
+const next = (names, name) => names[(names.indexOf(name) + 1) % names.length];
 const along = (share) => ({ view, store }) => view.show(view.top + share * view.length, view.length, store);
 const KEYS = {
   f: (app) => app.follow(true),
@@ -177,9 +186,14 @@ const KEYS = {
   PageUp: along(-0.9),
   PageDown: along(0.9),
   h: (app) => app.fit(),
+  i: ({ view }) => view.set({ camera: next(Object.keys(CAMERAS), view.camera) }),
   t: ({ view }) => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }),
   c: (app) => app.copy(),
   p: (app) => app.keepSection(),
-  Escape: ({ view }) => view.set({ cursor: null, pinned: false }),
+  r: (app) => app.replay.toggle(),
+  d: (app) => app.picking.toggle(),
+  Enter: (app) => app.picking.keep(),
+  Backspace: (app) => app.picking.undo(),
+  Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.set({ cursor: null, pinned: false })),
   '?': () => byId('help').showModal(),
 };

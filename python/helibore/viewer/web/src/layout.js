@@ -1,16 +1,19 @@
 // Where the panels of the stage are, in CSS pixels. All tracks share one depth axis: the same y is the same depth.
 //
-//   | map | depth | image | caliper |  3-D  |
+//   | map | depth | image | caliper | dips, where some are picked |  3-D  |
 //   heads above, bodies below                   narrow stages give the 3-D view what the tracks leave
 
 export const HEAD = 66;
 const FOOT = 8;
 
-export function layout(width, height) {
+const DIPS = 70;
+
+export function layout(width, height, dips = false) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const image = Math.round(Math.min(360, Math.max(190, width * 0.25)));
   const caliper = Math.round(Math.min(230, Math.max(120, width * 0.15)));
-  const widths = { map: 52, axis: 72, image, caliper };
+  const tracks = dips ? { caliper: caliper - 10, dips: DIPS } : { caliper };
+  const widths = { map: 52, axis: 72, image, ...tracks };
   const rects = {};
   let left = 4;
   for (const [name, w] of Object.entries(widths)) {
@@ -21,6 +24,8 @@ export function layout(width, height) {
   return rects;
 }
 
+// Where the last track ends.
+export const tracksEnd = ({ caliper, dips = caliper }) => dips.left + dips.width;
 export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
 export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;

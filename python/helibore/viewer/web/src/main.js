@@ -4,17 +4,22 @@
 //
 // Nothing is drawn unless something changed; a page at rest costs nothing.
 
+import { fromAddress, toAddress } from './address.js';
 import { Connection } from './connection.js';
-import { fitRange, Q_NEAREST, Q_OVER, Q_RADIUS, quantities, roundRange, sampleOf } from './colour.js';
+import { fitRange, MAPS, Q_NEAREST, Q_OVER, Q_RADIUS, quantities, roundRange, sampleOf } from './colour.js';
 import { drawCaliper } from './caliper.js';
+import { Enclosed, enclosed } from './enclosed.js';
 import { Glow } from './glow.js';
 import { Gpu } from './gpu.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, layout, PALETTES } from './layout.js';
+import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
-import { byId, fillSelects, Histogram, lamp, options, readout, reflect, sectionText, write } from './panel.js';
+import { byId, fillSelects, Histogram, lamp, links, options, readout, reflect, sectionText, write } from './panel.js';
 import { Path } from './path.js';
+import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
+import { Replay } from './replay.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
@@ -41,19 +46,23 @@ class App {
     bindTracks(this);
     bindControls(this);
     bindKeys(this);
+    this.replay = new Replay(this);
+    this.picking = new Picking(this);
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
     this.resize();
-    this.named = this.view.fromAddress(location.hash);
+    this.contents = enclosed();
+    this.named = fromAddress(this, location.hash || (this.contents?.address ?? ''), MAPS);
     window.addEventListener('hashchange', () => this.readdress());
     setInterval(() => lamp(this), 1000);
     const { protocol, host, search } = location;
-    this.connection = new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, {
+    const on = {
       hello: (hello) => this.begin(hello),
       state: (state) => this.state(state),
       write: (message) => this.write(message),
       frames: (message) => this.takeFrames(message),
       status: (status, words) => this.say(status, words),
-    });
+    };
+    this.connection = this.contents ? new Enclosed(this.contents, on) : new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, on);
   }
 
   openGpu() {
@@ -68,12 +77,14 @@ class App {
     }
   }
 
-  notice(text) {
+  notice(text, seconds = 0) {
     byId('notice').textContent = text;
     byId('notice').hidden = !text;
+    if (seconds) setTimeout(() => (byId('notice').hidden = true), 1000 * seconds);
   }
 
   begin(hello) {
+    this.replay.close();
     if (this.store) this.forget();
     this.store = new Store(hello);
     this.path = new Path(hello.start_depth, hello.frame_step, hello.has_path);
@@ -84,7 +95,11 @@ class App {
       return old ? { ...q, ...old } : q;
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
+    if (this.colours) Object.assign(this.quantity, this.colours);
+    this.ranged ||= this.colours !== null;
+    this.colours = null;
     byId('well').textContent = hello.well || 'helibore';
+    byId('well').title = hello.well;
     document.title = hello.well ? `${hello.well} – helibore` : 'helibore';
     if (this.view.follow) this.view.followEnd(this.store);
     this.ask();
@@ -100,7 +115,7 @@ class App {
     this.bitDepth = bit;
     this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
     this.ended = ended;
-    if (this.view.follow && this.store) this.view.followEnd(this.store, bit);
+    if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);
     lamp(this);
     this.redraw();
   }
@@ -117,7 +132,7 @@ class App {
       this.lastWrite = performance.now();
     }
     if (level.size !== before && message.level === 0) {
-      if (this.view.follow) this.view.followEnd(store, this.bitDepth);
+      if (this.view.follow) this.view.followEnd(store, this.bit);
       this.ask();
     }
     this.rangeOnce(tile);
@@ -179,13 +194,18 @@ class App {
     this.connection.subscribe([...held].sort((a, b) => a - b), focus, mask);
   }
 
+  // Where the bit is, or was at the moment that is replayed.
+  get bit() {
+    return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
+  }
+
   get quantity() {
     return this.quantities.find(({ id }) => id === this.view.quantity) ?? this.quantities[0];
   }
 
   // One frame's picture: everything that drawing needs, nothing it may change.
   look() {
-    const { store, view, path, rects, bitDepth, quantity } = this;
+    const { store, view, path, rects, bit: bitDepth, quantity } = this;
     const { top, bottom } = view;
     const turns = (bottom - top) / Math.abs(store.levels[0].pitch);
     const tiles = turns / store.levels[0].rows;
@@ -199,7 +219,7 @@ class App {
       wallRect: rects.wall,
       background: PALETTES[view.theme].background,
       dark: view.theme === 'dark',
-      glow: (tile) => this.glow.on(tile, now),
+      glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
   }
 
@@ -218,6 +238,7 @@ class App {
     clearTimeout(this.unseen);
     this.unseen = null;
     this.ask();
+    if (this.controls) this.controls.enabled = this.view.camera === 'outside';
     const look = this.look();
     this.rangeSaved(look);
     if (!this.fitted && this.gpu) this.fit();
@@ -229,7 +250,7 @@ class App {
     this.spent = performance.now() - began;
     if (this.glow.fade(seconds())) this.glowOn();
     clearTimeout(this.addressing);
-    this.addressing = setTimeout(() => history.replaceState(null, '', this.view.toAddress()), 400);
+    this.addressing = setTimeout(() => history.replaceState(null, '', toAddress(this)), 400);
   }
 
   // Fading takes a frame now and then, and never more than a quarter of the time: news must not wait for decoration.
@@ -247,6 +268,10 @@ class App {
     drawImageHead(ink, look);
     const calipers = drawCaliper(ink, look);
     this.map.draw(ink, look);
+    const planes = this.picking.planes();
+    drawDips(ink, look, planes, this.gpu);
+    if (this.picking.on) drawPoints(ink, look, this.picking.points);
+    this.picking.write(planes);
     drawCursor(ink, look);
     drawAxisLabels(ink, look);
     if (this.gpu) drawWallInk(ink, look, this.gpu, calipers);
@@ -271,18 +296,19 @@ class App {
     write('section', sectionText(look));
     this.histogram.draw(look);
     reflect(view, quantity);
-    const token = new URLSearchParams(location.search).get('token');
-    byId('csv').href = `api/section.csv?start=${view.top.toFixed(3)}&stop=${view.bottom.toFixed(3)}${token ? `&token=${encodeURIComponent(token)}` : ''}`;
+    links(this, toAddress(this));
     lamp(this);
   }
 
   resize() {
     const { clientWidth: width, clientHeight: height } = byId('stage');
-    this.rects = layout(width, height);
+    this.rects = layout(width, height, this.picking.shown);
     this.gpu?.resize(width, height);
     const { wall } = this.rects;
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
-    Object.assign(byId('wallHead').style, { left: `${wall.left}px`, top: '0px' });
+    Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
+    Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
+    Object.assign(byId('dips').style, { left: `${wall.left + 10}px` });
     Object.assign(byId('notice').style, { left: `${wall.left + 20}px`, top: `${HEAD + 20}px` });
     this.redraw();
   }
@@ -292,6 +318,7 @@ class App {
     const frame = this.path.at(this.view.middle);
     if (!frame || !this.gpu) return;
     this.gpu.lookAtSection(this.view.length, frame, this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
+    Object.assign(this.gpu.head, { left: 0, raised: 0 });
     this.controls.target.set(0, 0, 0);
     this.controls.update();
     this.fitted = true;
@@ -308,7 +335,7 @@ class App {
 
   follow(on) {
     this.view.set({ follow: on });
-    if (on) this.view.followEnd(this.store, this.bitDepth);
+    if (on) this.view.followEnd(this.store, this.bit);
   }
 
   setLength(text) {
@@ -347,7 +374,10 @@ class App {
   }
 
   readdress() {
-    if (location.hash !== this.view.toAddress() && this.view.fromAddress(location.hash)) this.redraw();
+    if (location.hash === toAddress(this) || !this.store) return;
+    fromAddress(this, location.hash, MAPS);
+    if (this.colours) Object.assign(this.quantity, this.colours);
+    this.resize();
   }
 }
 

@@ -81,7 +81,7 @@ export class DepthMap {
     for (let c = 0; c < C; c++) {
       const k = row * C + c;
       const { tile, at } = over.locate(k);
-      if (!tile || k < 0 || k >= over.size) continue;
+      if (!tile || k < 0 || k >= over.shown) continue;
       const value = valueAt(store, quantity, tile, at, view.pass);
       ink.fillStyle = Number.isFinite(value) ? colourFor(quantity, value, anchors) : palette.hatch;
       ink.fillRect((c * WIDE) / C, y, WIDE / C + 0.5, 1);

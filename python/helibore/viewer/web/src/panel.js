@@ -5,8 +5,9 @@ import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { RESCANNED, PROVISIONAL, CLIPPED, SUPPORT_MASK } from './protocol.js';
-import { scaleOf, showAge, showAngle, showCount, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
+import { scaleOf, showAge, showAngle, showClock, showCount, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
 import { sectionVolume } from './turns.js';
+import { CAMERAS } from './view.js';
 
 export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
@@ -15,6 +16,7 @@ const SHAPES = [1, 2, 3, 5, 10, 20];
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
+  options('camera', Object.entries(CAMERAS));
   options('sectionLength', [['', 'custom'], ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('shape', SHAPES.map((v) => [v, `× ${v}`]));
@@ -39,7 +41,7 @@ export function write(id, pairs) {
 
 // Show the view's own settings in the controls, whoever changed them.
 export function reflect(view, quantity) {
-  for (const id of ['cut', 'pass', 'units', 'median']) byId(id).value = String(view[id]);
+  for (const id of ['cut', 'pass', 'units', 'median', 'camera']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
   byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
   byId('follow').classList.toggle('on', view.follow);
@@ -61,11 +63,21 @@ export function reflect(view, quantity) {
 }
 
 // How old the picture is and how far behind the bit: the lamp's colour and its words.
-export function lamp({ status, words, store, bitDepth, newest, ended, lastWrite }) {
+export function lamp({ status, words, store, bitDepth, newest, ended, lastWrite, replay, contents }) {
   const at = byId('lamp');
   if (status !== 'live' || !store) {
     at.className = 'lamp lost';
     byId('lampText').textContent = words || 'connecting';
+    return;
+  }
+  if (replay.past) {
+    at.className = 'lamp late';
+    byId('lampText').textContent = `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`;
+    return;
+  }
+  if (contents) {
+    at.className = 'lamp';
+    byId('lampText').textContent = `snapshot of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`;
     return;
   }
   const seconds = newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000;
@@ -110,6 +122,17 @@ export function sectionText({ store, view, imagePieces }) {
     ['Over bit volume', showPercent(excess)],
     ['Washed out (> ½ in)', showPercent(washed)],
   ];
+}
+
+// What can be saved of the section; a snapshot has nothing to ask.
+export function links({ view, contents }, address) {
+  byId('csv').hidden = byId('snapshot').hidden = contents !== null;
+  const said = new URLSearchParams(location.search); // the token
+  said.set('start', view.top.toFixed(3));
+  said.set('stop', view.bottom.toFixed(3));
+  byId('csv').href = `api/section.csv?${said}`;
+  said.set('address', address);
+  byId('snapshot').href = `api/snapshot.html?${said}`;
 }
 
 // The histogram of the section with the ends of the range; `ends` maps between values and pixels for the drag.

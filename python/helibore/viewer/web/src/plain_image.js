@@ -36,7 +36,7 @@ export class PlainImage {
       for (let x = 0; x < picture.width; x++) {
         const k = level.quadAt(depth, wrap360(edge + (360 * (x + 0.5)) / picture.width));
         const at = k - tile.index * level.tileSize;
-        if (at < 0 || at >= level.tileSize || k + level.sectors + 1 >= level.size) continue;
+        if (at < 0 || at >= level.tileSize || k + level.sectors + 1 >= level.shown) continue;
         const row = Math.floor(at / level.sectors);
         const ends = ranges ? [ranges[2 * row], ranges[2 * row + 1]] : [quantity.low, quantity.high];
         const value = store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;

@@ -10,6 +10,7 @@ precision highp usampler2D;
 uniform usampler2D texels;
 uniform sampler2D column, frames, colours, dynamicRange;
 uniform int K, rows;
+uniform int size;             // vertices of the wall that are shown, from the tile's start on
 uniform float pitch;          // signed
 uniform float startToolface;  // radians
 uniform float radiusUnit, nearestUnit, bitRadius;
@@ -134,14 +135,16 @@ int quad() {
 
 export const WALL_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}${QUAD}
 uniform float cursor;         // metres from the tile's start
+uniform float lamp;           // metres that the lamp beside the eye reaches; 0: daylight, seen from outside
 out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
   int k = quad();
-  if (missing(k)) discard;
+  if (k + K + 1 >= size || missing(k)) discard;
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
-  float facing = abs(normal.z);
+  float facing = abs(dot(normal, normalize(seen)));
   float light = 0.38 + 0.50 * facing + 0.18 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
+  if (lamp > 0.0) light = (0.62 + 0.55 * facing) * exp(-0.9 * length(seen) / lamp);
   float v = value(k);
   vec3 base = known(v) ? colourOf(v, k / K) : nothing();
   vec3 lit = base * min(light, 1.08);
@@ -183,7 +186,7 @@ bool missing(int k) {
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
   int k = quad();
-  if (missing(k)) discard;
+  if (k + K + 1 >= size || missing(k)) discard;
   colour = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), float(number)) / 255.0;
 }
 `;
@@ -204,7 +207,6 @@ export const IMAGE_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
 uniform int reference;        // 0 up, 1 north
 uniform float offset;         // radians from it to the left edge
 uniform float perPixel;       // turns of the wall a pixel is high: so many quads are averaged
-uniform int size;             // vertices the wall has from the tile's start on
 in vec2 at;
 out vec4 colour;
 void main() {

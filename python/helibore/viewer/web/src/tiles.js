@@ -42,7 +42,12 @@ export class Level extends Helix {
     super(shape);
     this.rows = shape.rows;
     this.size = 0;
+    this.limit = Infinity; // vertices to show, fewer than there are while an earlier state is replayed
     this.tiles = new Map();
+  }
+
+  get shown() {
+    return Math.min(this.size, this.limit);
   }
 
   get tileSize() {
@@ -55,9 +60,9 @@ export class Level extends Helix {
 
   // Numbers of the tiles that lie between two depths, within the wall.
   tilesBetween(top, bottom) {
-    if (this.size === 0) return [];
+    if (this.shown === 0) return [];
     const [a, b] = [this.tileAtDepth(top), this.tileAtDepth(bottom)];
-    const last = Math.floor((this.size - 1) / this.tileSize);
+    const last = Math.floor((this.shown - 1) / this.tileSize);
     const numbers = [];
     for (let t = Math.min(a, b); t <= Math.min(Math.max(a, b), last); t++) numbers.push(t);
     return numbers;
@@ -94,12 +99,19 @@ export class Store {
 
   // Depths between which the wall lies, shallow end first.
   get span() {
-    return this.levels[0].span(this.levels[0].size);
+    return this.levels[0].span(this.levels[0].shown);
   }
 
   get end() {
     const wall = this.levels[0];
-    return wall.depth(Math.max(0, wall.size - 1));
+    return wall.depth(Math.max(0, wall.shown - 1));
+  }
+
+  // Show the wall as it was with so many vertices; Infinity for as it is.
+  limit(vertices) {
+    const [wall, over] = this.levels;
+    wall.limit = vertices;
+    over.limit = Math.floor((vertices * wall.pitch * over.sectors) / (wall.sectors * over.pitch));
   }
 
   apply(write) {
@@ -146,7 +158,7 @@ export class Store {
 
   vertex(k, level = this.levels[0]) {
     const { tile, at } = level.locate(k);
-    if (!tile || k < 0 || k >= level.size) return null;
+    if (!tile || k < 0 || k >= level.shown) return null;
     const [radius, first, nearest, state] = [RADIUS, FIRST, NEAREST, STATE].map((i) => tile.texels[TEXEL * at + i]);
     if (radius === 0) return null;
     return {
@@ -184,7 +196,7 @@ export function coverage(store, top, bottom, fine) {
     const tile = fine ? wall.tiles.get(index) : undefined;
     const start = wall.startDepth + index * wall.rows * wall.pitch;
     const ends = [start, start + wall.rows * wall.pitch].sort((a, b) => a - b);
-    const [a, b] = [Math.max(top, ends[0]), Math.min(bottom, ends[1])];
+    const [a, b] = [Math.max(top, ends[0], store.span[0]), Math.min(bottom, ends[1], store.span[1])];
     if (b <= a) continue;
     if (tile) {
       flush();

@@ -2,17 +2,18 @@
 // in the 3-D view. (caliper.js and map.js draw their own tracks.) Everything here is drawn anew for each frame.
 
 import { MAPS } from './colour.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL, yOf } from './layout.js';
+import { drawInsideInk } from './inside.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { scaleOf, showDepth, unitOf } from './units.js';
-import { ticks } from './view.js';
+import { CAMERAS, ticks } from './view.js';
 
 const APART = 58; // pixels between two depths that are labelled
 
 export function drawAxis(ink, { view, rects }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
-  const right = rects.caliper.left + rects.caliper.width;
+  const right = tracksEnd(rects);
   const { values, step } = ticks(view.top, view.bottom, rect.height, APART);
   ink.lineWidth = 1;
   for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
@@ -91,7 +92,7 @@ export function drawCursor(ink, look) {
   const { view, rects, bitDepth } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
-  const right = rects.caliper.left + rects.caliper.width;
+  const right = tracksEnd(rects);
   if (bitDepth !== null && bitDepth >= view.top && bitDepth <= view.bottom) {
     const y = yOf(view, rect, bitDepth);
     line(ink, rect.left + rect.width, y, right, y, palette.ink, [6, 4]);
@@ -125,8 +126,23 @@ export function drawWallInk(ink, look, gpu, calipers) {
   const tube = view.tubeFactor(store);
   ink.save();
   ink.beginPath();
-  ink.rect(rect.left, HEAD - 22, rect.width, rect.height - HEAD + 22);
+  ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
   ink.clip();
+  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
+  else drawInsideInk(ink, look, gpu);
+  if (path.surveyed && view.camera === 'outside') compass(ink, gpu, rect, palette);
+  const words = [`tube × ${tube}`, `shape × ${view.shape} about the bit radius`];
+  if (view.median > 1) words.push(`median of ${view.median} turns`);
+  if (!path.surveyed) words.unshift('no survey: drawn vertical');
+  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera]);
+  label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
+  ink.restore();
+}
+
+function outsideInk(ink, look, gpu, calipers, palette) {
+  const { view, path, store, rects } = look;
+  const rect = rects.wall;
+  const tube = view.tubeFactor(store);
   unmeasured(ink, look, gpu, calipers, palette);
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
   const beside = store.bitRadius * tube * 1.3;
@@ -145,12 +161,6 @@ export function drawWallInk(ink, look, gpu, calipers) {
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
   }
   cursorLabel(ink, look, gpu, beside, palette);
-  if (path.surveyed) compass(ink, gpu, rect, palette);
-  const words = [`tube × ${tube}`, `shape × ${view.shape} about the bit radius`];
-  if (view.median > 1) words.push(`median of ${view.median} turns`);
-  if (!path.surveyed) words.unshift('no survey: drawn vertical');
-  label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
-  ink.restore();
 }
 
 // The axis through every gap of the wall in view, and from its end to the bit.

@@ -46,7 +46,7 @@ export function turn(store, level, k, column = RADIUS) {
   const radii = new Float64Array(level.sectors).fill(NaN);
   for (let j = 0; j < level.sectors; j++) {
     const { tile, at } = level.locate(k + j);
-    const steps = tile && k + j < level.size ? tile.texels[TEXEL * at + column] : 0;
+    const steps = tile && k + j < level.shown ? tile.texels[TEXEL * at + column] : 0;
     if (steps) radii[j] = steps * store.radiusUnit;
   }
   return radii;
@@ -83,7 +83,7 @@ export function sectionVolume(store, pieces, first = false) {
   for (const { tile, top: a, bottom: b } of pieces) {
     const { area, share } = tileTurns(store, tile, first);
     const pitch = Math.abs(tile.level.pitch);
-    const last = (tile.level.size - tile.index * tile.level.tileSize) / tile.level.sectors;
+    const last = (tile.level.shown - tile.index * tile.level.tileSize) / tile.level.sectors;
     for (let row = 0; row < area.length; row++) {
       const depth = tile.startDepth + (row + 0.5) * tile.level.pitch;
       if (depth < a || depth >= b || row + 1 > last) continue;

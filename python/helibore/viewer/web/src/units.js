@@ -45,4 +45,13 @@ export const showAge = (seconds) => {
   return `${Math.round(seconds / 86400)} d`;
 };
 
+// Seconds since 1970 as the clock on the wall here; the day too where it is not today.
+export const showClock = (seconds, now = new Date()) => {
+  const at = new Date(1000 * seconds);
+  const two = (n) => String(n).padStart(2, '0');
+  const clock = [at.getHours(), at.getMinutes(), at.getSeconds()].map(two).join(':');
+  const today = at.toDateString() === now.toDateString();
+  return today ? clock : `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${clock}`;
+};
+
 export const showCount = (count) => count.toLocaleString('en').replaceAll(',', '\u2009');

@@ -8,6 +8,9 @@ import { niceStep, tubeFor } from './lod.js';
 const SHORTEST = 0.5; // metres of section
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
+// From where the 3-D view is seen.
+export const CAMERAS = { outside: 'outside', down: 'inside, down hole', up: 'inside, up hole' };
+
 const DEFAULTS = {
   quantity: 'over',
   cut: 'top',
@@ -18,6 +21,7 @@ const DEFAULTS = {
   shape: 1,
   median: 1,
   follow: true,
+  camera: 'outside',
 };
 
 export class View {
@@ -85,7 +89,7 @@ export class View {
 
   toAddress() {
     const parts = { md: this.middle.toFixed(2), sec: this.length.toFixed(2) };
-    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median']) {
+    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera']) {
       if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
     }
     if (this.follow) parts.follow = 1;
@@ -109,6 +113,7 @@ export class View {
       units: among('units', ['mm', 'in']),
       pass: among('pass', ['latest', 'first', 'change']),
       theme: among('theme', ['light', 'dark']),
+      camera: among('camera', Object.keys(CAMERAS)),
       quantity: said.get('quantity')?.slice(0, 80) ?? null,
     };
     for (const [key, value] of Object.entries(taken)) if (value !== null) this[key] = value;

@@ -1,0 +1,105 @@
+"""One section of the wall with the page that shows it, as one HTML file: for the office, opened from disk.
+
+    index.html with app.css and app.js in it  +  greeting, state, history and the binary messages a page would have got
+
+The page plays the enclosed messages instead of opening a websocket, so that it draws what it drew at the rig, overview
+of the whole well included. The file asks nothing of any network: its content-security policy forbids it.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import math
+import time
+from typing import Any
+
+from helibore.viewer.client import Client, Subscription
+from helibore.viewer.scene import Scene
+
+MOST_VERTICES = 1_000_000
+MOST_ADDRESS = 4096  # characters
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
+
+
+def snapshot(
+    scene: Scene, said: dict[str, Any], files: dict[str, str], start: float, stop: float, address: str = ""
+) -> str:
+    """Return the file.
+
+    Parameters
+    ----------
+    scene
+        What is shown.
+    said
+        What the server tells a page in text: ``hello`` and ``state``.
+    files
+        The built page: name to text.
+    start, stop
+        Depths of the section, metres, in either order.
+    address
+        What the page looks at, as after the # of its address.
+
+    Raises
+    ------
+    ValueError
+        If the depths are not finite or not of this wall, or hold more than `MOST_VERTICES` vertices.
+    """
+    tiles = tiles_between(scene, start, stop)
+    enclosed = {
+        **said,
+        "made": round(time.time(), 1),
+        "address": address[:MOST_ADDRESS],
+        "history": scene.history.as_columns(),
+        "messages": [base64.b64encode(message).decode() for message in messages_of(scene, tiles)],
+    }
+    licences = f"<pre hidden>{html.escape(files['licences.txt'])}</pre>"
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+    page = files["index.html"]
+    for old, new in (
+        ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
+        ('<link rel="stylesheet" href="app.css">', f"<style>\n{files['app.css']}</style>"),
+        ('<a href="licences.txt" target="_blank" rel="noopener">', "<a>"),
+        ('<form method="dialog">', f'{licences}\n  <form method="dialog">'),
+        ('<script type="module" src="app.js"></script>', _scripts(enclosed, files["app.js"])),
+    ):
+        if page.count(old) != 1:
+            raise RuntimeError(f"the page has no {old}: this is a bug in helibore")
+        page = page.replace(old, new)
+    return page
+
+
+def tiles_between(scene: Scene, start: float, stop: float) -> tuple[int, int]:
+    """Return the range of the wall's tiles that show two depths and what lies between."""
+    if not (math.isfinite(start) and math.isfinite(stop)):
+        raise ValueError(f"start = {start}, stop = {stop}: must be finite")
+    helix, level = scene.helix, scene.levels[0]
+    at = sorted((depth - helix.start_depth) / helix.pitch * helix.sectors for depth in (start, stop))
+    first, last = max(0, math.floor(at[0])), min(level.size - 1, math.ceil(at[1]))
+    if first > last:
+        raise ValueError(f"start = {start:g}, stop = {stop:g}: the wall does not reach there")
+    tiles = first // level.tile_size, last // level.tile_size + 1
+    vertices = (tiles[1] - tiles[0]) * level.tile_size
+    if vertices > MOST_VERTICES:
+        raise ValueError(f"{vertices} vertices: a snapshot holds at most {MOST_VERTICES}; take a shorter section")
+    return tiles
+
+
+def messages_of(scene: Scene, tiles: tuple[int, int]) -> list[bytes]:
+    """Return what a page that asks for these tiles would be sent."""
+    found: list[bytes] = []
+    with scene.lock:
+        client = Client(scene)
+        client.subscribe(Subscription((tiles,), tiles[0], (1 << len(scene.helix.attributes)) - 1))
+        while (message := client.take()) is not None:
+            client.acknowledge(client.sequence)
+            found.append(bytes(message))
+    return found
+
+
+def _scripts(enclosed: dict[str, Any], app: str) -> str:
+    """Two scripts; nothing in them may end them early."""
+    told = json.dumps(enclosed, separators=(",", ":")).replace("<", "\\u003c")
+    code = app.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+    return f'<script type="application/json" id="enclosed">{told}</script>\n<script type="module">\n{code}</script>'

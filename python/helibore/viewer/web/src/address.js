@@ -1,0 +1,32 @@
+// The address after #: all that a colleague needs to see the same picture. The view writes its own part (view.js); here are
+// the colours of the current quantity, the held cursor, the kept sections and the picked dips.
+
+const short = (value) => String(Number(value.toPrecision(5)));
+
+export function toAddress({ view, quantity, picking }) {
+  const parts = new URLSearchParams(view.toAddress().slice(1));
+  if (quantity && Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) {
+    parts.set('range', `${short(quantity.low)}_${short(quantity.high)}`);
+    parts.set('map', quantity.map);
+    for (const name of ['log', 'dynamic']) if (quantity[name]) parts.set(name, 1);
+  }
+  if (view.pinned && view.cursor) parts.set('at', [view.cursor.depth.toFixed(3), ...(Number.isFinite(view.cursor.toolface) ? [view.cursor.toolface.toFixed(1)] : [])].join('_'));
+  if (view.pins.length) parts.set('sections', view.pins.map((depth) => depth.toFixed(3)).join('_'));
+  if (picking.kept.length) parts.set('dips', picking.toAddress());
+  return `#${parts}`;
+}
+
+const numbers = (text) => (text ? text.split('_').map(Number).filter(Number.isFinite) : []);
+
+// Take what is valid; the colours wait in `app.colours` for the wall's quantities. True when a depth is named.
+export function fromAddress(app, hash, maps) {
+  const { view, picking } = app;
+  const said = new URLSearchParams(hash.replace(/^#/, ''));
+  const [depth, toolface = null] = numbers(said.get('at'));
+  if (depth !== undefined) view.set({ cursor: { depth, toolface }, pinned: true });
+  view.set({ pins: numbers(said.get('sections')).slice(0, 3) });
+  picking.fromAddress(said.get('dips'));
+  const [low, high] = numbers(said.get('range'));
+  app.colours = low < high ? { low, high, log: said.get('log') === '1', dynamic: said.get('dynamic') === '1', ...(maps[said.get('map')] ? { map: said.get('map') } : {}) } : null;
+  return view.fromAddress(hash);
+}

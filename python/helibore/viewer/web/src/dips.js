@@ -1,0 +1,73 @@
+// The dip of a bed from points picked on the image. In the frame of the hole at the picks' depth (high side, right, along)
+// a plane is  along = c + a high + b right,  fitted to the points where they are on the wall, by its own radius and path:
+//
+//   apparent dip = atan sqrt(a^2 + b^2)      on a round hole of diameter D a sinusoid of height H:  tan = H / D
+//   normal       = along - a high - b right, turned upwards;  true dip = its angle from up,  azimuth = where it leans
+//
+// Three points or more, not all on one side of the hole; what is left over says how well they lie in a plane.
+
+import { wrap360 } from './helix.js';
+
+const DEG = 180 / Math.PI;
+const dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
+const minus = (u, v) => u.map((x, i) => x - v[i]);
+
+// North, east, down of a wall point.
+export function wallPoint(path, { depth, toolface, radius }) {
+  const { centre, high, right } = path.at(depth);
+  const [c, s] = [Math.cos(toolface / DEG), Math.sin(toolface / DEG)];
+  return centre.map((x, i) => x + radius * (c * high[i] + s * right[i]));
+}
+
+// Plane through points {depth, toolface, radius}: null where they do not say one. Angles in degrees, lengths in metres;
+// dip and azimuth NaN without a survey.
+export function fitPlane(path, points) {
+  if (points.length < 3) return null;
+  const depth = points.reduce((sum, point) => sum + point.depth, 0) / points.length;
+  const frame = path.at(depth);
+  const local = points.map((point) => {
+    const from = minus(wallPoint(path, point), frame.centre);
+    return [dot(from, frame.high), dot(from, frame.right), dot(from, frame.tangent)];
+  });
+  const radius = points.reduce((sum, point) => sum + point.radius, 0) / points.length;
+  const solved = leastSquares(local, 1e-3 * radius * radius);
+  if (!solved) return null;
+  const [a, b, c] = solved;
+  const misfit = Math.sqrt(local.reduce((sum, [x, y, z]) => sum + (z - c - a * x - b * y) ** 2, 0) / local.length);
+  const normal = frame.tangent.map((t, i) => t - a * frame.high[i] - b * frame.right[i]);
+  const plane = { a, b, c, frame: { ...frame, depth }, depth: depth + c, radius, misfit, points };
+  return { ...plane, ...attitude(normal, path.surveyed), apparent: Math.atan(Math.hypot(a, b)) * DEG, deepest: wrap360(Math.atan2(b, a) * DEG) };
+}
+
+function attitude(normal, surveyed) {
+  if (!surveyed) return { dip: NaN, azimuth: NaN };
+  const up = normal[2] > 0 ? normal.map((x) => -x) : normal;
+  const dip = Math.atan2(Math.hypot(up[0], up[1]), -up[2]) * DEG;
+  return { dip, azimuth: dip < 1e-3 ? NaN : wrap360(Math.atan2(up[1], up[0]) * DEG) };
+}
+
+// (a, b, c) of z = c + a x + b y; null where the points are on a line as seen along the hole.
+function leastSquares(rows, least) {
+  const n = rows.length;
+  const mean = [0, 1, 2].map((i) => rows.reduce((sum, row) => sum + row[i], 0) / n);
+  const [xx, xy, yy, xz, yz] = [[0, 0], [0, 1], [1, 1], [0, 2], [1, 2]].map(
+    ([i, j]) => rows.reduce((sum, row) => sum + (row[i] - mean[i]) * (row[j] - mean[j]), 0) / n,
+  );
+  const smallest = (xx + yy) / 2 - Math.hypot((xx - yy) / 2, xy); // spread of the points across the hole, the narrow way
+  if (smallest < least) return null;
+  const d = xx * yy - xy * xy;
+  const [a, b] = [(xz * yy - yz * xy) / d, (yz * xx - xz * xy) / d];
+  return [a, b, mean[2] - a * mean[0] - b * mean[1]];
+}
+
+// Depth at which the plane meets a round hole of its mean radius at a toolface.
+export function planeDepth(path, { a, b, c, frame, radius }, toolface) {
+  let depth = NaN;
+  let next = frame.depth;
+  for (let i = 0; i < 12 && !(Math.abs(next - depth) < 1e-5); i++) {
+    depth = next;
+    const from = minus(wallPoint(path, { depth, toolface, radius }), frame.centre);
+    next = depth - (dot(from, frame.tangent) - c - a * dot(from, frame.high) - b * dot(from, frame.right));
+  }
+  return next;
+}

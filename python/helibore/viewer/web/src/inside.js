@@ -1,0 +1,78 @@
+// The borehole camera: the eye on the hole's axis at one end of the section, looking along it, up on the picture where
+// up is (in a vertical hole: toolface 0). The wheel moves the section and so the eye; a drag turns the head.
+
+import * as THREE from 'three';
+import { HEAD, label, PALETTES, SMALL, BOLD } from './layout.js';
+import { CUTS, leftEdge } from './path.js';
+import { wallPoint } from './dips.js';
+import { eastNorthUp } from './textures.js';
+import { ticks } from './view.js';
+
+export const WIDE = 75; // degrees of view
+const FARTHEST = 1.2; // radians the head turns
+
+export function placeInside(camera, gpu, { path, view, store, wallRect }, head) {
+  const down = view.camera === 'down';
+  const frame = path.at(down ? view.top : view.bottom);
+  const along = new THREE.Vector3(...eastNorthUp(frame.tangent)).multiplyScalar(down ? 1 : -1);
+  camera.position.set(...gpu.position(frame));
+  camera.up.set(...(Math.abs(along.z) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]));
+  camera.lookAt(camera.position.clone().add(along));
+  camera.rotateY(head.left);
+  camera.rotateX(head.raised);
+  camera.aspect = wallRect.width / Math.max(1, wallRect.height);
+  const radius = store.bitRadius * view.tubeFactor(store);
+  Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
+  camera.updateProjectionMatrix();
+  camera.updateMatrixWorld();
+}
+
+export function turnHead(head, dx, dy) {
+  const within = (angle) => Math.min(FARTHEST, Math.max(-FARTHEST, angle));
+  head.left = within(head.left + 0.004 * dx);
+  head.raised = within(head.raised + 0.004 * dy);
+}
+
+// Rings at round depths, each with its depth above it, and the letters of the dial on the nearest.
+export function drawInsideInk(ink, look, gpu) {
+  const { view, path, store, rects } = look;
+  const palette = PALETTES[view.theme];
+  const radius = store.bitRadius * view.tubeFactor(store);
+  const eye = view.camera === 'down' ? view.top : view.bottom;
+  const near = Math.max(0.9 * radius, 0.02 * view.length);
+  const { values, digits } = ticks(view.top, view.bottom, rects.wall.height, 76);
+  const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
+  const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rects.wall);
+  ahead.forEach((depth, nearest) => {
+    ring(ink, (toolface) => at(depth, toolface), palette);
+    const zero = path.dial(depth).up ?? 0;
+    const top = at(depth, zero, 0.94);
+    if (top) label(ink, `${depth.toFixed(digits)} m`, top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 3 });
+    if (nearest === 0) letters(ink, look, depth, at, palette);
+  });
+}
+
+function ring(ink, at, palette) {
+  ink.beginPath();
+  let drawing = false;
+  for (let toolface = 0; toolface <= 360; toolface += 6) {
+    const point = at(toolface);
+    if (point && point[1] > HEAD) ink[drawing ? 'lineTo' : 'moveTo'](...point);
+    drawing = Boolean(point && point[1] > HEAD);
+  }
+  ink.strokeStyle = palette.paper;
+  ink.globalAlpha = 0.55;
+  ink.lineWidth = 1;
+  ink.stroke();
+  ink.globalAlpha = 1;
+}
+
+function letters(ink, { view, path }, depth, at, palette) {
+  const { letters: names } = CUTS[view.cut];
+  const { toolface, known } = leftEdge(path, view.cut, depth);
+  if (!known) return;
+  names.slice(0, 4).forEach((name, i) => {
+    const place = at(depth, toolface + 90 * i, 0.8);
+    if (place) label(ink, name, ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
+  });
+}

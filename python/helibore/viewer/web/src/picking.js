@@ -1,0 +1,111 @@
+// Picking dips on the image: click points of a bed, three or more; the plane through them is shown at once, with the
+// cursor as one more point; Enter keeps it. Kept planes are curves on the image, discs in 3-D and tadpoles beside the caliper.
+
+import { fitPlane } from './dips.js';
+import { byId } from './panel.js';
+import { showAngle, showDepth, showLength } from './units.js';
+
+const MOST = 200;
+
+export class Picking {
+  constructor(app) {
+    Object.assign(this, { app, on: false, points: [], kept: [] });
+    byId('dipOpen').addEventListener('click', () => this.toggle());
+    byId('dipKeep').addEventListener('click', () => this.keep());
+    byId('dipUndo').addEventListener('click', () => this.undo());
+    byId('dipSave').addEventListener('click', () => this.save());
+    byId('dipClose').addEventListener('click', () => this.toggle(false));
+  }
+
+  get shown() {
+    return this.on || this.kept.length > 0;
+  }
+
+  toggle(on = !this.on) {
+    this.on = on;
+    if (!on) this.points = [];
+    byId('dipOpen').classList.toggle('on', on);
+    byId('dips').hidden = !on;
+    if (on) this.app.view.set({ pinned: false });
+    this.app.resize();
+  }
+
+  // The wall's own radius where it is measured; bit size elsewhere, which the read-out says.
+  point({ depth, toolface }) {
+    const { store } = this.app;
+    const quad = store.quad(store.levels[0].quadAt(depth, toolface));
+    return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null };
+  }
+
+  add(cursor) {
+    if (cursor?.toolface === null || cursor?.toolface === undefined) return;
+    this.points.push(this.point(cursor));
+    this.app.redraw();
+  }
+
+  undo() {
+    if (this.points.length) this.points.pop();
+    else this.kept.pop();
+    this.app.resize();
+  }
+
+  keep() {
+    const plane = fitPlane(this.app.path, this.points);
+    if (!plane || this.kept.length >= MOST) return;
+    this.kept.push(this.points);
+    this.points = [];
+    this.app.resize();
+  }
+
+  // Planes to draw: the kept ones, and the one being picked, `open` while the cursor is one of its points.
+  planes() {
+    const { app } = this;
+    const kept = this.kept.map((points) => fitPlane(app.path, points)).filter(Boolean);
+    if (!this.on) return { kept, current: null };
+    const { cursor } = app.view;
+    const more = this.points.length && Number.isFinite(cursor?.toolface) ? [this.point(cursor)] : [];
+    const done = fitPlane(app.path, this.points);
+    return { kept, current: done ?? fitPlane(app.path, [...this.points, ...more]), open: !done };
+  }
+
+  // The card beside the picture: the plane being picked in words, then the kept ones.
+  write({ kept, current, open }) {
+    if (!this.on) return;
+    const { units } = this.app.view;
+    byId('dipKeep').disabled = open || !current;
+    byId('dipSave').disabled = kept.length === 0;
+    const lines = kept.map((plane) => `${showDepth(plane.depth)}   ${inWords(plane)}`);
+    if (current) lines.push(`${showDepth(current.depth)}   ${inWords(current)}`, `misfit ${showLength(current.misfit, units, units === 'mm' ? 0 : 1)} along the hole${assumed(current)}`);
+    else lines.push(['Click three points or more of a bed, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+    const text = lines.slice(-9).join('\n');
+    if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
+  }
+
+  save() {
+    const { kept } = this.planes();
+    const link = document.createElement('a');
+    link.href = URL.createObjectURL(new Blob([asTable(kept)], { type: 'text/csv' }));
+    link.download = 'dips.csv';
+    link.click();
+    URL.revokeObjectURL(link.href);
+  }
+
+  toAddress() {
+    return this.kept.map((points) => points.map((p) => [p.depth.toFixed(3), p.toolface.toFixed(1), (1000 * p.radius).toFixed(1)].join('_')).join('~')).join('!');
+  }
+
+  fromAddress(text) {
+    const planes = (text ?? '').split('!').slice(0, MOST).map((plane) => plane.split('~').map((point) => point.split('_').map(Number)));
+    const sound = planes.filter((plane) => plane.length >= 3 && plane.every((point) => point.length === 3 && point.every(Number.isFinite)));
+    this.kept = sound.map((plane) => plane.map(([depth, toolface, radius]) => ({ depth, toolface, radius: radius / 1000, measured: true })));
+  }
+}
+
+const assumed = ({ points }) => (points.some(({ measured }) => !measured) ? '; bit size where nothing is measured' : '');
+const inWords = ({ dip, azimuth, apparent, deepest }) =>
+  Number.isNaN(dip) ? `${showAngle(apparent)} to the hole, deepest at ${showAngle(deepest, 0)}` : `dip ${showAngle(dip)} to ${showAngle(azimuth, 0)}   (${showAngle(apparent)} to the hole)`;
+
+const cell = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '');
+export const asTable = (planes) =>
+  ['depth_m,dip_deg,dip_azimuth_deg,apparent_dip_deg,toolface_of_deepest_deg,misfit_m,points', ...planes.map((plane) =>
+    [[plane.depth, 3], [plane.dip, 2], [plane.azimuth, 2], [plane.apparent, 2], [plane.deepest, 2], [plane.misfit, 4], [plane.points.length, 0]].map((pair) => cell(...pair)).join(','))].join('\r\n') + '\r\n';

@@ -1,0 +1,91 @@
+// Going back: the wall as it was at a moment of the run. The server notes when the wall had how many vertices
+// (history.py); a page that replays shows so many, as the first pass measured them, and the bit where it was then. What was
+// scanned again since is left out: radii of a time between two passes are not kept.
+
+import { byId } from './panel.js';
+import { showClock } from './units.js';
+
+const RUN = 20; // seconds to play all of it
+const STEP = 0.25;
+
+// Of {time, vertices, bit_depth}, what was certain at a moment: the last point that is not later.
+export function momentAt({ time, vertices, bit_depth: bit }, moment) {
+  let [a, b] = [0, time.length];
+  while (b - a > 1) {
+    const middle = (a + b) >> 1;
+    if (time[middle] <= moment) a = middle;
+    else b = middle;
+  }
+  return { vertices: vertices[a], bitDepth: bit[a] };
+}
+
+async function asked() {
+  const answer = await fetch(`api/history${location.search}`).catch(() => null);
+  return answer?.ok ? answer.json() : { time: [] };
+}
+
+export class Replay {
+  constructor(app) {
+    this.app = app;
+    this.past = null; // {moment, vertices, bitDepth} while replaying
+    this.points = null;
+    this.playing = null;
+    byId('replayOpen').addEventListener('click', () => this.toggle());
+    byId('live').addEventListener('click', () => this.close());
+    byId('play').addEventListener('click', () => this.play(!this.playing));
+    byId('moment').addEventListener('input', ({ target }) => this.show(Number(target.value)));
+  }
+
+  toggle() {
+    return this.past ? this.close() : this.open();
+  }
+
+  async open() {
+    const points = this.app.contents?.history ?? (await asked());
+    if (points.time.length < 2) return this.app.notice('Nothing to replay: this wall has not grown since the viewer started.', 6);
+    this.points = points;
+    this.pass = this.app.view.pass;
+    this.app.view.set({ pass: 'first' });
+    const [from, to] = [points.time[0], points.time.at(-1)];
+    Object.assign(byId('moment'), { min: from, max: to, step: 'any', value: to });
+    byId('replay').hidden = false;
+    byId('replayOpen').classList.add('on');
+    return this.show(to);
+  }
+
+  show(moment) {
+    const { app, points } = this;
+    this.past = { moment, ...momentAt(points, moment) };
+    app.store.limit(this.past.vertices);
+    byId('moment').value = moment;
+    byId('momentText').textContent = `as at ${showClock(moment)}`;
+    if (app.view.follow) app.view.followEnd(app.store, this.past.bitDepth);
+    app.redraw();
+  }
+
+  play(on) {
+    clearInterval(this.playing);
+    this.playing = null;
+    byId('play').textContent = on ? 'Pause' : 'Play';
+    if (!on) return;
+    const { time } = this.points;
+    const last = time.at(-1);
+    if (this.past.moment >= last) this.show(time[0]);
+    this.playing = setInterval(() => {
+      this.show(Math.min(last, this.past.moment + ((last - time[0]) * STEP) / RUN));
+      if (this.past.moment >= last) this.play(false);
+    }, 1000 * STEP);
+  }
+
+  // Back to now.
+  close() {
+    this.play(false);
+    byId('replay').hidden = true;
+    byId('replayOpen').classList.remove('on');
+    if (!this.past) return;
+    this.past = null;
+    this.app.store.limit(Infinity);
+    if (this.app.view.follow) this.app.view.followEnd(this.app.store, this.app.bit);
+    this.app.view.set(this.app.view.pass === 'first' ? { pass: this.pass } : {});
+  }
+}

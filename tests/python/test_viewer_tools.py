@@ -1,0 +1,233 @@
+"""The page's tools in a real browser: replay, picked dips, the camera inside the hole, the address, snapshot files."""
+
+from __future__ import annotations
+
+import json
+import math
+import urllib.error
+import urllib.request
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from made_wall import MadeWall, curved_path, gamma_and_resistivity
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+
+pytestmark = NEEDS_BROWSER
+
+GREY = [0x9A, 0xA3, 0xAA]
+
+
+@pytest.fixture(scope="module")
+def viewer() -> Iterator[Any]:
+    wall = MadeWall(40_000)
+    with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="Made-1") as viewer:
+        yield viewer
+
+
+def place(screen: Screen, toolface: float, depth: float) -> tuple[float, float]:
+    """Where a wall point is on the image track, in the window."""
+    x, y = screen.evaluate(
+        "([toolface, depth]) => { const { app } = window.__wall; const { image } = app.rects;"
+        " const { left, top } = document.getElementById('stage').getBoundingClientRect();"
+        " const dial = app.path.dial(depth); const zero = dial.up ?? 0;"
+        " const turn = (((toolface - zero) % 360) + 360) % 360 / 360;"
+        " return [left + image.left + turn * image.width,"
+        "   top + image.top + (depth - app.view.top) / app.view.length * image.height]; }",
+        [toolface, depth],
+    )
+    return float(x), float(y)
+
+
+def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> None:
+    """The made beds lie at depth + 0.6 cos(toolface - 40) = constant, deepest at toolface 220."""
+    screen = Screen(browser, viewer.url, "#md=1009&sec=6&quantity=GR")
+    screen.keyboard.press("d")
+    screen.settle()
+    assert screen.is_visible("#dips")
+    radii = []
+    for toolface in (10, 80, 150, 220, 300):
+        depth = 1009 - 0.6 * math.cos(math.radians(toolface - 40))
+        screen.mouse.click(*place(screen, toolface, depth))
+        radii.append(screen.evaluate("window.__wall.app.picking.points.at(-1).radius"))
+    plane = screen.evaluate(
+        "(({ apparent, deepest, misfit, depth }) => ({ apparent, deepest, misfit, depth }))"
+        "(window.__wall.app.picking.planes().current)"
+    )
+    assert plane["apparent"] == pytest.approx(math.degrees(math.atan(0.6 / np.mean(radii))), abs=1.0)
+    assert (plane["deepest"] - 220 + 180) % 360 - 180 == pytest.approx(0, abs=3)
+    assert plane["depth"] == pytest.approx(1009, abs=0.03)
+    assert plane["misfit"] < 0.03
+    screen.keyboard.press("Enter")
+    screen.until("document.getElementById('dipText').textContent.includes('1009.')")
+    text = screen.inner_text("#dipText")
+    assert "to the hole" in text
+    with screen.expect_download() as saved:
+        screen.click("#dipSave")
+    rows = Path(saved.value.path()).read_text().splitlines()
+    assert rows[0].startswith("depth_m,dip_deg,dip_azimuth_deg,apparent_dip_deg")
+    assert float(rows[1].split(",")[3]) == pytest.approx(plane["apparent"], abs=0.01)
+    labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+    assert "Dip [°]" in labels
+    screen.keyboard.press("Escape")
+    assert not screen.is_visible("#dips")
+    screen.wait_for_timeout(600)
+    again = Screen(browser, viewer.url, screen.evaluate("location.hash"))
+    again.settle()
+    kept = again.evaluate("window.__wall.app.picking.planes().kept.map((p) => [p.dip, p.azimuth])")
+    own = screen.evaluate("window.__wall.app.picking.planes().kept.map((p) => [p.dip, p.azimuth])")
+    np.testing.assert_allclose(kept, own, atol=0.2)
+    again.close()
+    screen.close()
+
+
+def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
+    wall = MadeWall(12_000)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url)
+        screen.keyboard.press("r")
+        screen.until("!document.getElementById('notice').hidden")
+        assert screen.inner_text("#notice").startswith("Nothing to replay")
+        viewer.scene.history.note(viewer.scene.history.as_columns()["time"][0] + 0.001, 12_001, 1019.0)
+        viewer.update(wall.grow(8_000))
+        screen.until("window.__wall.stats.size === 20000")
+        screen.settle()
+        now = screen.pixels("image")
+        screen.keyboard.press("r")
+        screen.until("window.__wall.app.replay.past")
+        screen.evaluate("(() => { const { replay } = window.__wall.app; replay.show(replay.points.time[0]); })()")
+        assert screen.evaluate("window.__wall.app.store.end") == pytest.approx(1000 + 11_999 * 0.1 / 64)
+        screen.settle()
+        assert not np.array_equal(screen.pixels("image"), now)
+        assert "as at" in screen.inner_text("#lampText")
+        assert "first pass" in screen.inner_text("#lampText")
+        assert screen.evaluate("window.__wall.app.store.vertex(12100)") is None
+        viewer.update(wall.grow(64))
+        screen.until("window.__wall.stats.size === 20064")
+        assert screen.evaluate("window.__wall.app.store.end") == pytest.approx(1000 + 11_999 * 0.1 / 64)
+        screen.click("#live")
+        assert screen.evaluate("window.__wall.app.store.end") == pytest.approx(1000 + 20_063 * 0.1 / 64)
+        screen.until("document.getElementById('pass').value === 'latest'")
+        screen.close()
+
+
+def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=6")
+    screen.keyboard.press("i")
+    screen.until("document.getElementById('camera').value === 'down'")
+    screen.settle()
+    inside = screen.pixels("wall")[80:-40, :, :3].astype(int)
+    nothing = (abs(inside - GREY).max(axis=-1) <= 2).mean()
+    assert 0.005 < nothing < 0.2, "the wall is all around; the gap and the far end are the grey of no data"
+    labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+    assert any(text.endswith("inside, down hole") or text.startswith("inside, down hole") for text in labels)
+    assert "1012.0 m" in labels or "1012 m" in labels
+    up = screen.evaluate(
+        "(() => { const { app } = window.__wall; const d = app.view.top + 2;"
+        " const at = (t) => app.gpu.project({ centre: app.path.at(d).centre.map((x, i) => x"
+        "   + 0.1 * (Math.cos(t) * app.path.at(d).high[i] + Math.sin(t) * app.path.at(d).right[i])) }, app.rects.wall);"
+        " const dial = app.path.dial(d).up * Math.PI / 180;"
+        " return [at(dial), at(dial + Math.PI / 2), at(dial + Math.PI)]; })()"
+    )
+    assert up[0][1] < up[1][1] < up[2][1], "high side up"
+    assert up[1][0] > up[0][0], "looking down the hole, toolface grows clockwise"
+    box = screen.evaluate(
+        "(({ left, top, width, height }) => [left + width / 2, top + height / 2])"
+        "(document.getElementById('orbit').getBoundingClientRect())"
+    )
+    top = screen.evaluate("window.__wall.app.view.top")
+    screen.mouse.move(*box)
+    screen.mouse.wheel(0, 100)
+    screen.until(f"window.__wall.app.view.top > {top + 0.1}")
+    screen.keyboard.press("i")
+    screen.keyboard.press("i")
+    screen.until("document.getElementById('camera').value === 'outside'")
+    screen.close()
+
+
+def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any) -> None:
+    first = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=RES&cut=north&theme=dark&shape=3")
+    first.settle()
+    first.mouse.click(*place(first, 120, 1009.0))
+    first.keyboard.press("p")
+    first.evaluate("window.__wall.app.setColours({ low: 2, high: 150, map: 'cividis', log: true })")
+    first.settle()
+    first.wait_for_timeout(600)
+    address = first.evaluate("location.hash")
+    second = Screen(browser, viewer.url, address)
+    second.settle()
+    for name in ("image", "wall"):
+        np.testing.assert_array_equal(second.pixels(name), first.pixels(name))
+    assert second.readout() == first.readout()
+    assert second.evaluate("window.__wall.app.view.pins.length") == 1
+    first.close()
+    second.close()
+
+
+def test_a_snapshot_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, tmp_path: Path) -> None:
+    live = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=GR")
+    live.settle()
+    with live.expect_download() as saved:
+        live.click("#snapshot")
+    file = tmp_path / "wall.html"
+    saved.value.save_as(file)
+    assert file.stat().st_size < 4_000_000
+    shown = Screen(browser, file.as_uri())
+    shown.settle()
+    for name in ("image", "wall"):
+        np.testing.assert_array_equal(shown.pixels(name), live.pixels(name))
+    assert shown.requests == [file.as_uri()]
+    assert shown.inner_text("#lampText").startswith("snapshot of")
+    assert not shown.is_visible("#csv")
+    shown.mouse.move(*place(shown, 100, 1010))
+    shown.until("window.__wall.app.view.cursor")
+    shown.settle()
+    assert shown.readout()["Radius"].endswith("mm")
+    shown.close()
+    live.close()
+
+
+def test_a_snapshot_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
+    for query, text in (
+        ("start=1000", "stop: missing"),
+        ("start=nan&stop=3", "must be finite"),
+        ("start=5000&stop=6000", "the wall does not reach there"),
+    ):
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(f"{viewer.url}api/snapshot.html?{query}")
+        assert refused.value.code == 400
+        assert text in refused.value.read().decode()
+
+
+def test_text_of_a_snapshot_cannot_end_its_script() -> None:
+    from helibore.viewer.snapshot import _scripts
+
+    text = _scripts({"well": "</script><script>alert(1)</script><!--"}, 'x = "</script>";')
+    assert text.count("</script>") == 2
+    enclosed = text.split(">", 1)[1].split("</script>")[0]
+    assert json.loads(enclosed) == {"well": "</script><script>alert(1)</script><!--"}
+
+
+def test_fingers_move_and_zoom_the_tracks(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=10")
+    screen.settle()
+    before = screen.evaluate("(({ top, length }) => ({ top, length }))(window.__wall.app.view)")
+    touch = (
+        "([moves]) => { const ink = document.getElementById('ink'); const { left, top } = ink.getBoundingClientRect();"
+        " ink.setPointerCapture = () => {};"
+        " for (const [type, id, x, y] of moves) ink.dispatchEvent(new PointerEvent(type,"
+        "   { pointerId: id, pointerType: 'touch', clientX: left + x, clientY: top + y, bubbles: true,"
+        "     buttons: type === 'pointerup' ? 0 : 1 })); }"
+    )
+    screen.evaluate(touch, [[["pointerdown", 1, 200, 400], ["pointermove", 1, 200, 300], ["pointerup", 1, 200, 300]]])
+    moved = screen.evaluate("window.__wall.app.view.top")
+    height = screen.evaluate("window.__wall.app.rects.image.height")
+    assert moved == pytest.approx(before["top"] + 100 * 10 / height, abs=0.02)
+    fingers = [["pointerdown", 1, 200, 300], ["pointerdown", 2, 200, 400], ["pointermove", 2, 200, 600]]
+    screen.evaluate(touch, [[*fingers, ["pointerup", 2, 200, 600], ["pointerup", 1, 200, 300]]])
+    assert screen.evaluate("window.__wall.app.view.length") < 0.6 * before["length"]
+    screen.close()
