@@ -201,6 +201,53 @@ def test_a_full_disk_makes_the_sender_wait_and_loses_nothing(tmp_path, monkeypat
     assert received(tmp_path) == b"".join(frames(51))
 
 
+def test_a_disk_that_does_not_sync_is_told_and_the_reading_goes_on(tmp_path, monkeypatch):
+    port = free_port()
+    real, refusals = os.fdatasync, []
+
+    def fdatasync(file):
+        if len(refusals) < 3:
+            refusals.append(file)
+            raise OSError(5, "Input/output error")
+        real(file)
+
+    with Running(tmp_path, f"listen://127.0.0.1:{port}") as running:
+        monkeypatch.setattr(os, "fdatasync", fdatasync)
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(frames(1)[0])
+            until(lambda: len(refusals) == 3)
+            sender.sendall(frames(1, 1)[0])
+            until(lambda: running.live.wall.sample_count == 2)
+        assert running.live.model.events.counts["", "disk"] == 1
+        assert [e.text for e in running.live.model.events.latest if e.rule == "disk"] == [
+            f"[Errno 5] Input/output error: not synced: '{tmp_path}'"
+        ]
+
+
+def test_with_sync_ms_0_a_sender_waits_for_a_disk_that_does_not_sync(tmp_path, monkeypatch):
+    port = free_port()
+    real, refusing = os.fdatasync, threading.Event()
+
+    def fdatasync(file):
+        if refusing.is_set():
+            raise OSError(5, "Input/output error")
+        real(file)
+
+    monkeypatch.setattr(os, "fdatasync", fdatasync)
+    with Running(tmp_path, f"listen://127.0.0.1:{port}", "[journal]\nsync_ms = 0\n") as running:
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(frames(1)[0])
+            until(lambda: running.live.wall.sample_count == 1)
+            refusing.set()
+            sender.sendall(b"".join(frames(20, 1)))
+            until(lambda: running.server.states["mwd"] == "waiting for the disk")
+            assert running.live.wall.sample_count == 1
+            refusing.clear()
+            until(lambda: running.live.wall.sample_count == 21)
+        assert running.live.model.counts["connections mwd"] == 1
+    assert received(tmp_path) == b"".join(frames(21))
+
+
 def test_two_servers_cannot_share_an_address(tmp_path):
     port = free_port()
     with Running(tmp_path / "a", f"listen://127.0.0.1:{port}"):

@@ -8,7 +8,6 @@ shortened by up to half at random so that sources do not knock together.
 
 from __future__ import annotations
 
-import contextlib
 import functools
 import random
 import threading
@@ -263,6 +262,12 @@ class Server:
         interval = self.live.configuration.sync_interval
         if self.live.journal is None or interval == 0:
             return
+        told = False
         while not self._stop.wait(interval):
-            with contextlib.suppress(OSError):  # the append that follows says what is wrong with the disk
+            try:
                 self.live.sync()
+                told = False
+            except JournalFullError as error:
+                if not told:
+                    self.live.model.tell("disk", str(error))
+                told = True
