@@ -21,6 +21,7 @@ VIEWS = [
     "#md=1012&sec=24",
     "#md=1012.3&sec=3&quantity=RES&units=in&theme=dark",
     "#md=1200&sec=420&quantity=GR&cut=north&shape=5",
+    "#md=1012&sec=12&camera=down&dips=1009.3_10_108~1009.6_130_108~1008.7_250_108",
     "",  # following the bit
 ]
 # Row by row of pixels of the ink canvas, in CSS pixels, the share of a column range that has a colour.
@@ -98,9 +99,17 @@ def test_no_text_touches_another_or_leaves_its_canvas(
 
 @pytest.mark.parametrize("size", SIZES)
 def test_no_control_is_cut_off(browser: Any, viewer: Any, size: tuple[int, int]) -> None:
-    """Every control lies in the window, touches no other, and the longest of its words fit."""
+    """Every control lies in the window, touches no other, and the longest of its words fit; while picking dips, too."""
     screen = Screen(browser, viewer.url, "", size)
     screen.settle()
+    check_controls(screen, size)
+    screen.keyboard.press("d")
+    screen.settle()
+    check_controls(screen, size)
+    screen.close()
+
+
+def check_controls(screen: Screen, size: tuple[int, int]) -> None:
     controls = screen.evaluate(
         """[...document.querySelectorAll('button, select, input, #lampText, h1')]
            .filter((e) => e.offsetParent)
@@ -120,7 +129,6 @@ def test_no_control_is_cut_off(browser: Any, viewer: Any, size: tuple[int, int])
         assert apart, (a["name"], b["name"])
     assert [c["name"] for c in controls if c["left"] < 0 or c["right"] > size[0] or c["bottom"] > size[1]] == []
     assert [(c["name"], c["cut"]) for c in controls if c["cut"] > 1] == []
-    screen.close()
 
 
 @pytest.mark.parametrize("size", SIZES)

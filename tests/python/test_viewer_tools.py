@@ -124,7 +124,7 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     nothing = (abs(inside - GREY).max(axis=-1) <= 2).mean()
     assert 0.005 < nothing < 0.2, "the wall is all around; the gap and the far end are the grey of no data"
     labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert any(text.endswith("inside, down hole") or text.startswith("inside, down hole") for text in labels)
+    assert any(text.startswith("inside, down   tube") for text in labels)
     assert "1012.0 m" in labels or "1012 m" in labels
     up = screen.evaluate(
         "(() => { const { app } = window.__wall; const d = app.view.top + 2;"

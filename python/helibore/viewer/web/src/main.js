@@ -292,7 +292,7 @@ class App {
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
     const found = drawPolar(byId('polar'), look);
     write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
-    byId('sectionTitle').textContent = `Section ${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
+    byId('sectionTitle').textContent = `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
     write('section', sectionText(look));
     this.histogram.draw(look);
     reflect(view, quantity);

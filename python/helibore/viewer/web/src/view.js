@@ -9,7 +9,7 @@ const SHORTEST = 0.5; // metres of section
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
 // From where the 3-D view is seen.
-export const CAMERAS = { outside: 'outside', down: 'inside, down hole', up: 'inside, up hole' };
+export const CAMERAS = { outside: 'outside', down: 'inside, down', up: 'inside, up' };
 
 const DEFAULTS = {
   quantity: 'over',
