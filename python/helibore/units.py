@@ -1,4 +1,4 @@
-"""Units: the one file that knows them. Everything beyond it is metres, degrees and seconds.
+"""Units: the one file that knows them. Everything beyond it is metres, degrees, seconds and rpm.
 
     core value = written value x factor(unit)          8.5 in -> 8.5 x 0.0254 m = 0.2159 m
 
@@ -12,7 +12,7 @@ import math
 import re
 from fractions import Fraction
 
-LENGTH, ANGLE, TIME = "length", "angle", "time"
+LENGTH, ANGLE, TIME, ROTATION = "length", "angle", "time", "rotation"
 
 _TABLE: dict[str, tuple[str, float, str]] = {
     "m": (LENGTH, 1.0, "metre metres meter meters"),
@@ -29,6 +29,9 @@ _TABLE: dict[str, tuple[str, float, str]] = {
     "us": (TIME, 1e-6, "usec µs μs microsecond microseconds"),
     "min": (TIME, 60.0, "mins minute minutes"),
     "h": (TIME, 3600.0, "hr hrs hour hours"),
+    "rpm": (ROTATION, 1.0, "rev/min c/min"),
+    "c/s": (ROTATION, 60.0, "rev/s hz"),
+    "rad/s": (ROTATION, 30.0 / math.pi, ""),
 }
 _NAMES = {name.lower(): unit for unit, (_, _, others) in _TABLE.items() for name in (unit, *others.split())}
 
@@ -60,14 +63,14 @@ def canonical(unit: str) -> str:
 
 
 def factor(unit: str, kind: str) -> float:
-    """Return what a value in ``unit`` is multiplied by to become metres, degrees or seconds.
+    """Return what a value in ``unit`` is multiplied by to become metres, degrees, seconds or turns a minute.
 
     Parameters
     ----------
     unit
         A unit as files write it.
     kind
-        ``"length"``, ``"angle"`` or ``"time"``: what the unit must measure.
+        ``"length"``, ``"angle"``, ``"time"`` or ``"rotation"``: what the unit must measure.
 
     Raises
     ------

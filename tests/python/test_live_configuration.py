@@ -78,7 +78,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (
             WALL + SOURCE.replace("tcp", "udp"),
             "source.rig.address = 'udp://127.0.0.1:9872': must be tcp://HOST:PORT, "
-            "listen://HOST:PORT, serial:///DEVICE?baud=N, file:///PATH?speed=BYTES_A_SECOND or host",
+            "listen://HOST:PORT, serial:///DEVICE?baud=N, file:///PATH?speed=BYTES_A_SECOND, https://STORE or host",
         ),
         (WALL + SOURCE + "speed = 3\n", "source.rig.speed: is not a setting"),
         (
@@ -89,7 +89,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (
             WALL + SOURCE + 'items = { bit_depth = { item = "0108", unit = "fathom" } }\n',
             "source.rig.items.bit_depth = '0108': not known; known are "
-            "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h",
+            "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h, rpm, c/s, rad/s",
         ),
         (WALL + SOURCE + CALIPER, "source.rig.caliper.toolface: must be set: a list of items, one for each triple"),
         (
@@ -163,7 +163,9 @@ def test_a_file_is_named_in_its_errors(tmp_path):
 
 def test_every_setting_of_the_readme_is_read():
     page = (Path(live.__file__).parent / "README.md").read_text()
-    (text,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    text, store = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
+    polled = parse(WALL + store).sources["store"]
+    assert (len(polled.caliper.radius), len(polled.images[0].sectors), polled.address.port) == (2, 4, 443)
     c = parse(text)
     assert set(c.sources) == {"rig", "mwd"}
     assert len(c.sources["mwd"].caliper.radius) == 30

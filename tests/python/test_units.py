@@ -82,7 +82,7 @@ def test_quantity_reads_what_is_written(value: float, unit: str) -> None:
     assert units.quantity(f"{value!r}{unit}", "length") == value * units.factor(unit, "length")
 
 
-KNOWN = "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h"
+KNOWN = "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h, rpm, c/s, rad/s"
 
 
 @pytest.mark.parametrize(

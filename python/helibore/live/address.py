@@ -1,4 +1,4 @@
-"""Where a source is: tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE, file:///PATH or host."""
+"""Where a source is: tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE, file:///PATH, https://STORE or host."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from helibore.live.tables import Table
 
 @dataclass(frozen=True)
 class Address:
-    """Where bytes come from: ``tcp``, ``listen``, ``serial`` or ``file``."""
+    """Where bytes come from: ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host``."""
 
     kind: str
     host: str = ""
@@ -19,6 +19,7 @@ class Address:
     file: str = ""
     baud: int = 9600
     speed: float = 0.0
+    url: str = ""
 
 
 def check_allowed(table: Table, address: Address, allow: tuple[str, ...], given: bool) -> None:
@@ -36,8 +37,10 @@ def check_allowed(table: Table, address: Address, allow: tuple[str, ...], given:
 
 def read_address(table: Table) -> Address:
     """Take ``address`` out of the table of a source."""
-    text = table.text("address", why='"tcp://HOST:PORT", "listen://HOST:PORT", "serial:///dev/ttyS0?baud=9600", '
-                                     '"file:///PATH?speed=1" or "host" (the program pushes the bytes)')  # fmt: skip
+    kinds = '"file:///PATH?speed=1", "https://STORE" or "host" (the program pushes the bytes)'
+    text = table.text(
+        "address", why=f'"tcp://HOST:PORT", "listen://HOST:PORT", "serial:///dev/ttyS0?baud=9600", {kinds}'
+    )
     if text == "host":
         return Address("host")
     parts = urlsplit(text)
@@ -49,7 +52,14 @@ def read_address(table: Table) -> Address:
             return Address("serial", file=parts.path, baud=int(query.get("baud", "9600")))
         if parts.scheme == "file" and parts.path and set(query) <= {"speed"}:
             return Address("file", file=parts.path, speed=float(query.get("speed", "0")))
+        if parts.scheme == "https" and parts.hostname and parts.username is None and not parts.fragment:
+            return Address("https", host=parts.hostname, port=parts.port or 443, url=text)
     except ValueError:
         pass
+    if parts.username is not None:
+        shown = text.replace(parts.netloc.rpartition("@")[0], "...")
+        raise table.fail("address", shown, "must not hold a user or password: give user and password_env")
+    if parts.scheme == "http":
+        raise table.fail("address", text, "must be https: what is sent in the clear can be read and changed")
     raise table.fail("address", text, "must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
-                                      "file:///PATH?speed=BYTES_A_SECOND or host")  # fmt: skip
+                                      "file:///PATH?speed=BYTES_A_SECOND, https://STORE or host")  # fmt: skip

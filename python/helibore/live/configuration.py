@@ -27,6 +27,7 @@ from typing import Any
 from helibore import units
 from helibore.live import wits
 from helibore.live.address import Address, check_allowed, read_address
+from helibore.live.store_settings import Store, read_store
 from helibore.live.tables import Table
 from helibore.wall import Wall
 
@@ -86,9 +87,12 @@ class Source:
     caliper: CaliperItems | None
     images: tuple[ImageItems, ...]
     survey: tuple[Item, Item, Item] | None
+    store: Store | None = None
 
     def records(self) -> list[int]:
         """Return the record numbers of all mapped items, whose sequence numbers (item 04) are watched."""
+        if self.store:
+            return []
         mapped = list(self.items.values()) + list(self.survey or ())
         if self.caliper:
             mapped += [*self.caliper.toolface, *self.caliper.radius, *self.caliper.depth]
@@ -125,9 +129,11 @@ class Configuration:
     def meaning(self) -> str:
         """Return, as JSON, what decides the wall: two configurations that differ only in transport mean the same."""
         sources = {name: asdict(source) for name, source in self.sources.items()}
-        for source in sources.values():
-            for transport in ("address", "allow", "mode", "every", "silence"):
+        for name, source in sources.items():
+            for transport in ("address", "allow", "mode", "every", "silence", "store"):
                 del source[transport]
+            if store := self.sources[name].store:
+                source["store"] = store.meaning()
         return json.dumps(
             {"wall": self.wall, "layers": self.layers, "passes": asdict(self.passes), "path": self.path,
              "sources": sources}, sort_keys=True,
@@ -155,7 +161,10 @@ def parse(text: str) -> Configuration:
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"is not TOML: {error}") from None
     wall = _wall(top.table("wall"))
-    sources = {name: _source(name, table, wall["bit_diameter"]) for name, table in top.tables("source").items()}
+    sources = {}
+    for name, table in top.tables("source").items():
+        polled = table.starts("address", "https:")
+        sources[name] = (read_store if polled else _source)(name, table, wall["bit_diameter"])
     _one_source_each(sources)
     journal = top.table("journal")
     snapshot = top.table("snapshot")

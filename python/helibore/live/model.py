@@ -23,6 +23,7 @@ from helibore.live.depth import Rig
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.stations import Stations
+from helibore.live.store_reader import reader_of
 from helibore.wall import Change, Wall
 
 Rows = npt.NDArray[np.void]
@@ -115,7 +116,7 @@ class Model:
         self.stations = Stations(configuration.path)
         self.images: dict[str, ImageRows] = {}
         self.readers = {
-            number: SourceReader(configuration.sources[name], self.events)
+            number: reader_of(configuration.sources[name], self.events)
             for number, name in enumerate(sorted(configuration.sources), 1)
         }
         self.numbers = {name: number for number, name in enumerate(sorted(configuration.sources), 1)}

@@ -21,6 +21,7 @@ from helibore.live.configuration import Source
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
 from helibore.live.model import Update
+from helibore.live.store import Position
 from helibore.live.transport import Link, Opener, close_quietly, opener
 
 QUEUE_BYTES = 4 << 20
@@ -134,7 +135,7 @@ class Server:
         try:
             for name, source in self.live.configuration.sources.items():
                 if source.address.kind != "host":
-                    self.openers[name] = opener(source, functools.partial(self._tell, name))
+                    self.openers[name] = opener(source, functools.partial(self._tell, name), self._position(name))
         except BaseException:
             for one in self.openers.values():
                 one.close()
@@ -174,12 +175,18 @@ class Server:
     def _tell(self, source: str, rule: str, text: str) -> None:
         self.live.model.tell(rule, f"{source}: {text}")
 
+    def _position(self, source: str) -> Position:
+        """Where the log of a store stands, as far as it is drawn: what is asked for twice is read once."""
+        reader = self.live.model.readers[self.live.model.numbers[source]]
+        return lambda: getattr(reader, "last", None)
+
     def _follow(self, source: Source, one: Opener) -> None:
         """Open, read, open again, until told to stop."""
         failures = 0
         connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
         try:
             while not self._stop.is_set():
+                began = time.monotonic()
                 self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
                 try:
                     link = one.open(TICK)
@@ -188,7 +195,7 @@ class Server:
                     connection += 1
                     failures = 0 if self._read(source, link, connection) else failures + 1
                 except OSError as error:
-                    failures += 1
+                    failures = 1 if time.monotonic() - began > LONGEST_WAIT else failures + 1
                     self._tell(source.name, "link", str(error))
                 if one.ends and failures == 0:
                     self.states[source.name] = "ended"

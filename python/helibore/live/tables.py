@@ -36,6 +36,10 @@ class Table:
         """Return whether ``name`` was given and not yet taken."""
         return name in self._left
 
+    def starts(self, name: str, beginning: str) -> bool:
+        """Return whether ``name`` is a text that begins so; it is not taken."""
+        return str(self._left.get(name, "")).startswith(beginning)
+
     def take(self, name: str, default: Any, why: str) -> Any:
         """Return the value of ``name`` as it stands."""
         if name in self._left:

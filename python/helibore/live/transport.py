@@ -1,4 +1,4 @@
-"""Where bytes come from: a TCP client, a TCP listener, a serial port, a file. One link at a time each.
+"""Where bytes come from: TCP client and listener, serial port, file (a store: store.py). One link at a time each.
 
     open() -> Link      Link.read(seconds) -> bytes, b"" when nothing came, None when the link ended
 
@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from helibore.live.configuration import Source
+from helibore.live.store import Position, StoreClient
 
 CHUNK = 65536
 REPLACE_AFTER = 10.0
@@ -272,16 +273,20 @@ class FileLink:
         self._stream.close()
 
 
-def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
-    """Return what opens links to ``source``; ``refuse`` is told who was turned away.
+def opener(source: Source, refuse: Callable[[str, str], None], position: Position = lambda: None) -> Opener:
+    """Return what opens links to ``source``; ``refuse`` is told who was turned away, ``position`` where a log stands.
 
     Raises
     ------
     OSError
         If a listener cannot have its address.
     ImportError
-        If a serial source lacks pyserial.
+        If a serial source lacks pyserial, or a store httpx2.
+    ValueError
+        If a store's password or certificates are missing.
     """
+    if source.address.kind == "https":
+        return StoreClient(source, position)
     if source.address.kind == "listen":
         return TcpListener(source, refuse)
     kinds: dict[str, Callable[[Source], Opener]] = {"tcp": TcpClient, "serial": SerialPort, "file": FileReplay}

@@ -1,0 +1,170 @@
+"""Polling a WITSML store over HTTPS: ask, take the bytes as they come, ask again from the last index.
+
+    thread of the link:  POST question -> bytes (bounded, in time) -> queue -> read() -> journal -> model
+                              ^------------- every so many seconds, from the reader's last index on
+
+Certificates are always verified, against the system's authorities and those of ``ca``. No redirect is followed, no
+proxy or netrc asked, no compressed answer taken. Credentials are read from the environment and are in no text. An
+answer that fails ends the link with an OSError; when to try again is the server's business.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import queue
+import ssl
+import threading
+import time
+from collections.abc import Callable
+from typing import Any
+
+from helibore.live import witsml
+from helibore.live.configuration import Source
+
+PIECE = 1 << 19
+SOON = 0.25
+"""Seconds until the rest of a partial answer is asked for."""
+
+Position = Callable[[], tuple[str, str] | None]
+
+
+class StoreClient:
+    """Opens polling links to a store.
+
+    Raises
+    ------
+    ImportError
+        Without httpx2; the text names the extra.
+    ValueError
+        If the password is not in the environment, or ``ca`` is no file of certificates.
+    """
+
+    ends = False
+
+    def __init__(self, source: Source, position: Position) -> None:
+        try:
+            import httpx2
+        except ImportError as error:
+            raise ImportError('WITSML stores need httpx2: pip install "helibore[witsml]"') from error
+        assert source.store is not None
+        self._source, self._position, self._http = source, position, httpx2
+        access, place = source.store.access, f"source.{source.name}"
+        self._trust = ssl.create_default_context()
+        if access.ca:
+            try:
+                self._trust.load_verify_locations(access.ca)
+            except OSError as error:
+                raise ValueError(f"{place}.ca = {access.ca!r}: is no file of certificates: {error}") from None
+        self._auth: tuple[str, str] | None = None
+        if access.user:
+            if access.password_env not in os.environ:
+                raise ValueError(f"{place}.password_env = {access.password_env!r}: is not set in the environment")
+            self._auth = access.user, os.environ[access.password_env]
+
+    def open(self, seconds: float) -> StoreLink | None:  # noqa: ARG002 (the first question is asked by the link)
+        """Begin polling."""
+        client = self._http.Client(verify=self._trust, auth=self._auth, trust_env=False, follow_redirects=False)
+        return StoreLink(client, self._http, self._source, self._position)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+class StoreLink:
+    """Polls until closed or an answer fails."""
+
+    def __init__(self, client: Any, http: Any, source: Source, position: Position) -> None:
+        assert source.store is not None
+        self.peer = source.address.url
+        self._client, self._http, self._source, self._store = client, http, source, source.store
+        self._position = position
+        self._pieces: queue.SimpleQueue[bytes | OSError] = queue.SimpleQueue()
+        self._closed = threading.Event()
+        self._before: dict[str, bytes] = {}
+        threading.Thread(target=self._poll, name=f"poll {source.name}", daemon=True).start()
+
+    def read(self, seconds: float) -> bytes | None:
+        """Return what came."""
+        try:
+            piece = self._pieces.get(timeout=seconds)
+        except queue.Empty:
+            return b""
+        if isinstance(piece, OSError):
+            raise piece
+        return piece
+
+    def write(self, payload: bytes) -> None:
+        """A store is asked, nothing else is written to it."""
+
+    def close(self) -> None:
+        """Ask no more."""
+        self._closed.set()
+
+    def _poll(self) -> None:
+        try:
+            while not self._closed.is_set():
+                partial = self._ask_log() if self._store.log else False
+                if self._store.trajectory and not partial:
+                    self._ask("trajectory", witsml.trajectory_query(self._store.trajectory), "returnElements=all")
+                self._closed.wait(SOON if partial else self._source.every)
+        except OSError as error:
+            self._pieces.put(error)
+        except self._http.TransportError as error:
+            self._pieces.put(OSError(f"{self._source.address.host}: {error or type(error).__name__}"))
+        except self._http.HTTPError as error:
+            self._pieces.put(OSError(f"{self._source.address.host}: {type(error).__name__}"))
+        finally:
+            with contextlib.suppress(Exception):
+                self._client.close()
+
+    def _ask_log(self) -> bool:
+        """Ask for the log from its last index on; returns whether there is more at once."""
+        assert self._store.log is not None
+        options = "returnElements=data-only" if "log" in self._before else "returnElements=all"
+        return self._ask("log", witsml.log_query(self._store.log, self._position()), options)
+
+    def _ask(self, kind: str, query: str, options: str) -> bool:
+        """Ask, hand on the bytes, and look whether the store is content; returns whether the answer is partial."""
+        body, failure = self._answer(witsml.envelope(kind, query, options))
+        same = failure is None and body == self._before.get(kind)
+        state = "same" if same else "whole" if failure is None else "cut"
+        framed = witsml.framed(kind, state, b"" if same else body)
+        if body or failure is None:
+            for start in range(0, len(framed), PIECE):
+                self._pieces.put(framed[start : start + PIECE])
+        if failure is not None:
+            raise failure
+        self._before[kind] = body
+        try:
+            answer = witsml.read_answer(body)
+        except ValueError as error:
+            raise OSError(f"{self._source.address.host}: {kind}: {error}") from None
+        if answer.result < 0:
+            raise OSError(f"{self._source.address.host}: {kind}: error {answer.result}: {answer.message}")
+        return answer.result == witsml.PARTIAL and not same
+
+    def _answer(self, question: bytes) -> tuple[bytes, OSError | None]:
+        """Return the body as far as it came, and why it did not come whole."""
+        access, host = self._store.access, self._source.address.host
+        end = time.monotonic() + access.timeout
+        headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
+                   "Accept-Encoding": "identity"}  # fmt: skip
+        body = bytearray()
+        try:
+            with self._client.stream(
+                "POST", self._source.address.url, content=question, headers=headers, timeout=access.timeout
+            ) as response:
+                if response.status_code != 200:
+                    return b"", OSError(f"{host}: answered {response.status_code} {response.reason_phrase}")
+                if response.headers.get("content-encoding", "identity") != "identity":
+                    return b"", OSError(f"{host}: sent a compressed answer, which was not asked for")
+                for piece in response.iter_raw():
+                    body += piece
+                    if len(body) > access.answer_bytes:
+                        return b"", OSError(f"{host}: an answer of more than {access.answer_bytes >> 20} MB: refused")
+                    if time.monotonic() > end or self._closed.is_set():
+                        return bytes(body), OSError(f"{host}: the answer took longer than {access.timeout:g} s")
+        except self._http.TransportError as error:
+            return bytes(body), OSError(f"{host}: {error or type(error).__name__}")
+        return bytes(body), None

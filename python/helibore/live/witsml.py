@@ -1,0 +1,217 @@
+"""WITSML 1.4.1.1 over SOAP: what is asked of a store, what it answers, and how answers lie in the journal.
+
+    question:  WMLS_GetFromStore(WMLtypeIn, QueryIn, OptionsIn)   ->   answer: Result, XMLout, SuppMsgOut
+
+    journal:   "WITSML log whole 1234\\n" + 1234 bytes as they came   |   "WITSML trajectory same 0\\n"   |   ...
+
+An answer that is byte for byte the one before is noted ("same"), one that was cut off is kept ("cut") and not read.
+Document types and entities are refused before any parser sees them; nesting is bounded here, size where bytes arrive.
+What the curves mean is not known here.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import xml.etree.ElementTree as ET
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from xml.sax.saxutils import escape, quoteattr
+
+ACTION = "http://www.witsml.org/action/120/Store.WMLS_GetFromStore"
+SERIES = 'xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"'
+PARTIAL = 2
+"""The Result of an answer that the store cut short: ask again for the rest."""
+NESTING = 32
+
+FORBIDDEN = re.compile(r"<!\s*(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)", re.IGNORECASE)
+HEAD = re.compile(rb"WITSML (log|trajectory) (whole|cut|same) (\d{1,9})\n")
+LONGEST_HEAD = 40
+HEAD_START = b"WITSML "
+
+
+@dataclass(frozen=True)
+class Answer:
+    """What a store returned: ``result`` (negative: an error), its message, and the document as text."""
+
+    result: int
+    message: str
+    document: str
+
+
+@dataclass
+class LogRows:
+    """The rows of a log's answer; curves without rows where nothing has grown."""
+
+    mnemonics: list[str] = field(default_factory=list)
+    units: list[str] = field(default_factory=list)
+    rows: list[list[str]] = field(default_factory=list)
+    null: str = ""
+    direction: str = ""
+
+
+def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
+    """Return the query for a log from index ``start`` (value, unit; "" for a time) on; None: from its top."""
+    within = ""
+    if start is not None and start[1]:
+        within = f"<startIndex uom={quoteattr(start[1])}>{escape(start[0])}</startIndex>"
+    elif start is not None:
+        within = f"<startDateTimeIndex>{escape(start[0])}</startDateTimeIndex>"
+    return f"<logs {SERIES}><log {_uids(uids)}>{within}</log></logs>"
+
+
+def trajectory_query(uids: tuple[str, str, str]) -> str:
+    """Return the query for a whole trajectory: a store corrects stations, and there are few."""
+    return f"<trajectorys {SERIES}><trajectory {_uids(uids)}/></trajectorys>"
+
+
+def _uids(uids: tuple[str, str, str]) -> str:
+    return " ".join(
+        f"{name}={quoteattr(uid)}" for name, uid in zip(("uidWell", "uidWellbore", "uid"), uids, strict=True)
+    )
+
+
+def envelope(kind: str, query: str, options: str) -> bytes:
+    """Return the SOAP request that asks ``query`` of a store."""
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>'
+        '<soap:Envelope xmlns:soap="http://schemas.xmlsoap.org/soap/envelope/"><soap:Body>'
+        '<q:WMLS_GetFromStore xmlns:q="http://www.witsml.org/message/120">'
+        f"<WMLtypeIn>{kind}</WMLtypeIn><QueryIn>{escape(query)}</QueryIn>"
+        f"<OptionsIn>{escape(options)}</OptionsIn><CapabilitiesIn/>"
+        "</q:WMLS_GetFromStore></soap:Body></soap:Envelope>"
+    ).encode()
+
+
+def read_answer(body: bytes) -> Answer:
+    """Take an answer out of its envelope.
+
+    Raises
+    ------
+    ValueError
+        If it is no UTF-8, no XML, declares a document type or entity, or is no answer of a store.
+    """
+    try:
+        text = body.decode("utf-8-sig")
+    except UnicodeDecodeError as error:
+        raise ValueError(f"byte {error.start} of the answer is not UTF-8") from None
+    found: dict[str, str] = {}
+    for path, element in _elements(text):
+        if path[-1] in ("Result", "XMLout", "SuppMsgOut", "faultstring"):
+            found[path[-1]] = element.text or ""
+    if "faultstring" in found:
+        raise ValueError(f"SOAP fault: {_short(found['faultstring'])}")
+    if not re.fullmatch(r"\s*-?\d{1,6}\s*", found.get("Result", "")):
+        raise ValueError(f"Result = {_short(found.get('Result', ''))!r}: must be a whole number")
+    return Answer(int(found["Result"]), _short(found.get("SuppMsgOut", "")), found.get("XMLout", ""))
+
+
+def _short(text: str) -> str:
+    return " ".join(text.split())[:200]
+
+
+def _elements(text: str) -> Iterator[tuple[list[str], ET.Element]]:
+    """Yield (path of local names, element) at every end tag."""
+    if match := FORBIDDEN.search(text):
+        raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")
+    path: list[str] = []
+    declared = re.sub(r"^\s*<\?xml[^>]*\?>", "", text, count=1)  # it is text by now, whatever it says it was
+    try:
+        for event, element in ET.iterparse(io.BytesIO(declared.encode()), events=("start", "end")):
+            if event == "start":
+                path.append(element.tag.rpartition("}")[2])
+                if len(path) > NESTING:
+                    raise ValueError(f"elements nested deeper than {NESTING}")
+            else:
+                yield path, element
+                path.pop()
+    except ET.ParseError as error:
+        raise ValueError(f"is not XML: {error}") from None
+
+
+def read_log(document: str) -> LogRows:
+    """Return the rows of the log in ``document``; cells as they were written, stripped.
+
+    Raises
+    ------
+    ValueError
+        If it is not XML of a log, or a row has other than one cell for each mnemonic.
+    """
+    log = LogRows()
+    described: list[tuple[str, str]] = []
+    if not document.strip():
+        return log
+    for path, element in _elements(document):
+        name, text = path[-1], (element.text or "").strip()
+        if len(path) == 1 and name != "logs":
+            raise ValueError(f"<{name}>: must be <logs>")
+        if name == "data":
+            log.rows.append([cell.strip() for cell in text.split(",")])
+        elif name == "mnemonicList":
+            log.mnemonics = [cell.strip() for cell in text.split(",")]
+        elif name == "unitList":
+            log.units = [cell.strip() for cell in text.split(",")]
+        elif name == "logCurveInfo":
+            children = {child.tag.rpartition("}")[2]: (child.text or "").strip() for child in element}
+            described.append((children.get("mnemonic", ""), children.get("unit", "")))
+        elif name == "nullValue" and path[-2] == "log":
+            log.null = text
+        elif name == "direction":
+            log.direction = text
+    if not log.mnemonics:
+        log.mnemonics, log.units = [name for name, _ in described], [unit for _, unit in described]
+    log.units = log.units or [dict(described).get(name, "") for name in log.mnemonics]
+    if len(log.units) != len(log.mnemonics):
+        raise ValueError(f"{len(log.units)} units for {len(log.mnemonics)} mnemonics")
+    for number, row in enumerate(log.rows):
+        if len(row) != len(log.mnemonics):
+            raise ValueError(f"row {number}: {len(row)} values for {len(log.mnemonics)} mnemonics")
+    return log
+
+
+def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
+    """Return ((text, unit) of md, incl and azi) for each station of a trajectory, ("", "") where one is not there."""
+    stations: list[tuple[tuple[str, str], ...]] = []
+    if not document.strip():
+        return stations
+    for path, element in _elements(document):
+        if len(path) == 1 and path[-1] != "trajectorys":
+            raise ValueError(f"<{path[-1]}>: must be <trajectorys>")
+        if path[-1] == "trajectoryStation":
+            cells = {child.tag.rpartition("}")[2]: ((child.text or "").strip(), child.get("uom", ""))
+                     for child in element}  # fmt: skip
+            stations.append(tuple(cells.get(name, ("", "")) for name in ("md", "incl", "azi")))
+    return stations
+
+
+def framed(kind: str, state: str, body: bytes = b"") -> bytes:
+    """Return an answer as it lies in the journal."""
+    return b"WITSML %s %s %d\n" % (kind.encode(), state.encode(), len(body)) + body
+
+
+class Frames:
+    """Takes framed answers apart again, however they were cut into pieces."""
+
+    def __init__(self) -> None:
+        self._held = bytearray()
+
+    def feed(self, piece: bytes) -> tuple[list[tuple[str, str, bytes]], int]:
+        """Return the (kind, state, body) that ``piece`` completes, and the bytes that belong to none (damage)."""
+        self._held += piece
+        held, found, stray = self._held, [], 0
+        while held:
+            head = HEAD.match(held)
+            if head is None:
+                if b"\n" not in held[:LONGEST_HEAD] and len(held) < LONGEST_HEAD and HEAD_START.startswith(held[:7]):
+                    break  # the head is not all here
+                after = held.find(HEAD_START, 1)
+                lost = after if after > 0 else max(len(held) - len(HEAD_START), 1)
+                stray += lost
+                del held[:lost]
+                continue
+            stop = head.end() + int(head[3])
+            if len(held) < stop:
+                break
+            found.append((head[1].decode(), head[2].decode(), bytes(held[head.end() : stop])))
+            del held[:stop]
+        return found, stray

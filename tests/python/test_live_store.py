@@ -1,0 +1,262 @@
+"""A WITSML store polled over HTTPS: it grows, it fails in every way, and the journal has the bits."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from small_store import LONG_AGO, Store, enveloped
+from test_live_server import until
+
+import helibore as hb
+from helibore.live import server as server_module
+from helibore.live import witsml
+from helibore.live.configuration import parse
+from helibore.live.server import Server
+
+pytest.importorskip("httpx2", reason="WITSML stores need httpx2")
+
+CONFIGURATION = """
+[wall]
+bit_diameter = 0.216
+start_depth = 100.0
+sectors = 16
+threads = 1
+[source.store]
+address = "URL"
+ca = "CA"
+every = 0.05
+timeout = 2.0
+answer_mb = 1
+items = { bit_depth = "DBTM" }
+log = { well = "w", wellbore = "b", log = "l<1>", index = "depth" }
+trajectory = { well = "w", wellbore = "b", trajectory = "t" }
+caliper = { toolface = ["TF"], radius = ["RAD"] }
+image.GR = { sectors = ["GR1", "GR2"], unit = "gAPI" }
+"""
+
+
+def grown(count, first=0):
+    return [
+        f"{100 + 0.01 * i:.2f},{i * 37 % 360},{110 + i % 5},{i},{2 * i},{120 + i}" for i in range(first, first + count)
+    ]
+
+
+class Polled:
+    """A live wall that polls ``store``."""
+
+    def __init__(self, store, folder, change=lambda text: text):
+        self.text = change(CONFIGURATION.replace("URL", store.url).replace("CA", str(store.ca)))
+        self.live = hb.Live(parse(self.text), folder)
+        self.server = Server(self.live)
+
+    def __enter__(self):
+        self.server.start()
+        return self
+
+    def __exit__(self, *_):
+        self.server.stop()
+        self.live.close()
+        assert self.server.failure is None
+
+    def told(self):
+        return [str(event) for event in self.live.model.events.latest]
+
+
+@pytest.fixture
+def store(tmp_path):
+    with Store(tmp_path) as made:
+        yield made
+
+
+@pytest.fixture(autouse=True)
+def _soon(monkeypatch):
+    monkeypatch.setattr(server_module, "FIRST_WAIT", 0.02)
+    monkeypatch.setattr(server_module, "LONGEST_WAIT", 0.05)
+
+
+def test_a_growing_log_and_trajectory_become_wall_path_and_image_and_replay_has_the_bits(store, tmp_path):
+    store.rows, store.stations = grown(300), [(0.0, 0.0, 0.0), (90.0, 2.0, 30.0)]
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 300 and polled.live.path is not None)
+        store.rows += grown(200, 300)
+        store.stations.append((130.0, 4.0, 31.0))
+        until(lambda: polled.live.wall.sample_count == 500 and len(polled.live.survey) == 3)
+        live = polled.live
+    rows = np.array([[float(cell) for cell in row.split(",")] for row in store.rows])
+    np.testing.assert_allclose(live.survey.depth, [0.0, 90.0, 130.0], atol=1e-9)
+    np.testing.assert_allclose(live.survey.inclination, [0.0, 2.0, 4.0], atol=1e-12)
+    depth, values = live.images["GR"].arrays()
+    assert np.array_equal(depth, rows[:, 0])
+    assert np.array_equal(values, rows[:, 3:5])
+    batch = hb.Wall(bit_diameter=0.216, start_depth=100.0, sectors=16)
+    batch.append(rows[:, 0], rows[:, 1], rows[:, 2] * 0.001, np.repeat([0.0, 1.0], [300, 200]))
+    assert np.array_equal(live.wall.radius, batch.radius, equal_nan=True)
+    again = hb.Live.replay(tmp_path / "j")
+    for name in ("radius", "nearest", "support", "depth"):
+        assert np.array_equal(getattr(again.wall, name), getattr(live.wall, name), equal_nan=True)
+    assert np.array_equal(again.images["GR"].arrays()[1], values)
+    assert np.array_equal(again.survey.depth, live.survey.depth)
+
+
+def test_polling_resumes_from_the_last_index_also_after_a_restart(store, tmp_path):
+    store.rows, store.most = grown(250), 100
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 250)
+    asked = [q for q in store.questions if "<logs" in q]
+    assert "<startIndex" not in asked[0]
+    assert "returnElements=all" in asked[0]
+    assert any('<startIndex uom="m">100.99</startIndex>' in q and "data-only" in q for q in asked)
+    assert 'uid="l&lt;1&gt;"' in asked[0] or 'uid="l<1>"' in asked[0]
+    store.questions.clear()
+    store.rows += grown(10, 250)
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 260)
+    assert '<startIndex uom="m">102.49</startIndex>' in next(q for q in store.questions if "<logs" in q)
+
+
+def test_an_answer_that_says_nothing_new_costs_the_journal_a_line(store, tmp_path):
+    store.rows = grown(2)
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: len(store.questions) > 20)
+        received = polled.live.model.readers[1].total("bytes")
+    assert received < 5 * len(enveloped(store.log(""))) + 20 * 40
+
+
+@pytest.mark.parametrize(
+    ("trouble", "told"),
+    [
+        ("500", "localhost: answered 500"),
+        ("redirect", "localhost: answered 302"),
+        ("cut", "without sending complete"),
+        ("slow", "the answer took longer than 0.5 s"),
+        ("huge", "an answer of more than 1 MB: refused"),
+        ("compressed", "sent a compressed answer, which was not asked for"),
+        ("error", "log: error -433"),
+        ("entity", "<!DOCTYPE ...>: document types and entities are refused"),
+        ("inner entity", "<!DOCTYPE ...>: document types and entities are refused"),
+    ],
+)
+def test_trouble_is_told_and_what_comes_after_it_is_read(store, tmp_path, trouble, told):
+    store.rows, store.trouble = grown(50), [trouble] * 2
+    with Polled(store, tmp_path / "j", lambda text: text.replace("timeout = 2.0", "timeout = 0.5")) as polled:
+        until(lambda: polled.live.wall.sample_count == 50)
+        assert any(told in line for line in polled.told()), polled.told()
+    assert np.array_equal(hb.Live.replay(tmp_path / "j").wall.radius, polled.live.wall.radius, equal_nan=True)
+
+
+def test_who_the_store_does_not_take_is_told_without_the_password(store, tmp_path, monkeypatch):
+    store.rows, store.user = grown(5), "Basic cmlnNzpzZWNyZXQtNDc="  # rig7:secret-47
+    monkeypatch.setenv("STORE_PASSWORD", "wrong-48")
+    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
+    with Polled(store, tmp_path / "j", named) as polled:
+        until(lambda: any("answered 401" in line for line in polled.told()))
+    monkeypatch.setenv("STORE_PASSWORD", "secret-47")
+    with Polled(store, tmp_path / "j", named) as again:
+        until(lambda: again.live.wall.sample_count == 5)
+    stored = b"".join(path.read_bytes() for path in (tmp_path / "j").iterdir())
+    for secret in ("wrong-48", "secret-47", "cmlnNzp", "d3Jvbmct"):
+        assert secret.encode() not in stored
+        assert not any(secret in line for line in [*polled.told(), *again.told()])
+        assert secret not in repr(again.live.configuration)
+
+
+@pytest.mark.parametrize("what", ["an authority nobody knows", "a certificate that has expired", "another host's name"])
+def test_a_certificate_that_cannot_be_trusted_is_refused(tmp_path, what):
+    (tmp_path / "other").mkdir()
+    with Store(tmp_path, LONG_AGO if "expired" in what else None) as store, Store(tmp_path / "other") as other:
+        store.rows = grown(5)
+        if "nobody" in what:
+            store.ca = other.ca
+        if "name" in what:
+            store.url = store.url.replace("localhost", "127.0.0.1")
+        with Polled(store, tmp_path / "j") as polled:
+            until(lambda: any("CERTIFICATE_VERIFY_FAILED" in line for line in polled.told()))
+            assert polled.live.wall.sample_count == 0
+        assert not store.questions, "nothing was sent, no password either"
+
+
+def test_cells_and_units_that_are_wrong_cost_their_rows_and_are_told(store, tmp_path):
+    store.rows = grown(10)
+    store.rows[2] = "100.02,nan,110,1,1,100"
+    store.rows[3] = "100.03,10,-999.25,1,1,100"
+    store.rows[4] = "100.04,,,1,1,100"
+    store.rows[5] = "1e2_0,10,110,1,1,100"
+    store.units = store.units.replace("mm", "in")
+    store.rows = [row.replace(",11", ",4.3") for row in store.rows]
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.model.counts["drawn"] == 6)
+        counts = polled.live.model.counts
+        assert (counts["flag INVALID"], counts["flag NULL"], counts["received"]) == (1, 1, 8)
+        lines = "\n".join(polled.told())
+    assert "curve TF = 'nan': is not a number" in lines
+    assert "index '1e2_0': is not a depth: the row was not read" in lines
+
+
+def test_a_curve_without_a_length_is_told_once_and_never_drawn(store, tmp_path):
+    store.rows, store.units = grown(3), store.units.replace("mm", "furlong")
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.model.counts["flag INVALID"] == 3)
+        store.rows += grown(3, 3)
+        until(lambda: polled.live.model.counts["flag INVALID"] == 6)
+        assert sum("curve RAD: unit 'furlong': not known" in line for line in polled.told()) == 1
+        assert polled.live.model.counts["drawn"] == 0
+
+
+def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
+    store.rows = [
+        f"2024-05-01T10:00:{i:02d}Z,{i * 37 % 360},110,1,1,{110 + 0.1 * i:.1f}" for i in range(20)
+    ]  # fmt: skip
+    store.behind = lambda _: store.rows  # it sends everything again: rows that are there are not read twice
+    timed = lambda text: text.replace('index = "depth"', 'index = "time"').replace(  # noqa: E731
+        'radius = ["RAD"]', 'radius = ["RAD"], offset = 10.0'
+    )
+    with Polled(store, tmp_path / "j", timed) as polled:
+        until(lambda: polled.live.wall.sample_count == 20)
+        until(lambda: any("<startDateTimeIndex>2024-05-01T10:00:19Z<" in q for q in store.questions))
+    assert polled.live.wall.sample_count == 20
+    assert polled.live.wall.depth[-1] == pytest.approx(101.9, abs=0.11)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (("https:", "http:"), "source.store.address = 'http://localhost:1/x': must be https: "),
+        (("https://", "https://rig:pw@"), "must not hold a user or password: give user and password_env"),
+        (("every", 'password = "pw"\nevery'), "source.store.password: must not be in the file"),
+        (("every", 'user = "rig"\nevery'), "source.store: user and password_env must be set both, or neither"),
+        (('index = "depth"', 'index = "date"'), 'source.store.log.index = \'date\': must be "depth" or "time"'),
+        (('["RAD"]', "[]"), "toolface, radius and depth must have equally many curves"),
+        (("every", 'units = "metric"\nevery'), "source.store.units: is not a setting"),
+        (
+            ('bit_depth = "DBTM"', 'bit_depth = "TF"'),
+            "source.store.caliper.toolface = 'TF': is mapped to another quantity",
+        ),
+    ],
+)
+def test_a_wrong_configuration_never_starts(change, told):
+    text = CONFIGURATION.replace("URL", "https://localhost:1/x").replace(*change)
+    with pytest.raises(ValueError) as error:  # noqa: PT011 (the text is compared below)
+        parse(text)
+    assert told in str(error.value)
+    assert "pw" not in str(error.value).replace("password", "")
+
+
+def test_a_password_that_is_not_set_is_an_error_at_the_start(store, tmp_path, monkeypatch):
+    monkeypatch.delenv("NO_SUCH", raising=False)
+    polled = Polled(store, tmp_path, lambda text: text.replace("every", 'user = "u"\npassword_env = "NO_SUCH"\nevery'))
+    with polled.live, pytest.raises(ValueError, match=r"source.store.password_env = 'NO_SUCH': is not set"):
+        polled.server.start()
+
+
+def test_answers_come_out_of_the_journal_as_they_went_in_however_cut_and_damage_costs_its_own():
+    parts = [("log", "whole", b"a" * 100), ("trajectory", "same", b""), ("log", "cut", b"WITSML log whole 9\n")]
+    stream = b"".join(witsml.framed(*part) for part in parts) * 3
+    for step in (1, 7, 1000):
+        frames, found = witsml.Frames(), []
+        for start in range(0, len(stream), step):
+            answers, stray = frames.feed(stream[start : start + step])
+            assert stray == 0
+            found += answers
+        assert found == parts * 3
+    answers, stray = witsml.Frames().feed(b"noise" * 20 + stream)
+    assert (stray, answers) == (100, parts * 3)
