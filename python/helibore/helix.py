@@ -53,8 +53,9 @@ class Helix(NamedTuple):
         return depth
 
     def toolface(self, k: Integers) -> Floats:
-        """Toolface of vertices, degrees in [0, 360)."""
-        toolface: Floats = np.mod(self.start_toolface + k % self.sectors * 360.0 / self.sectors, 360.0)
+        """Toolface of vertices, degrees in [0, 360); every turn has those of the first."""
+        first = np.mod(self.start_toolface + np.arange(self.sectors) * 360.0 / self.sectors, 360.0)
+        toolface: Floats = first[k % self.sectors]
         return toolface
 
     def quads(self, vertices: int) -> int:

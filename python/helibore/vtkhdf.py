@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from helibore.volume import Volume
 
 ENDING = ".vtkhdf"
-_CHUNK = 1 << 13  # rows: few enough that a file of a few turns stays small
+_CHUNK, _LARGE_CHUNK = 1 << 13, 1 << 16  # rows: a file of a few turns stays small, a large one has few pieces
 _FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file must have in common
 _COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
 
@@ -113,7 +113,7 @@ def _begin(group: h5py.Group, mesh: VtkMesh) -> None:
     group.attrs["Type"] = np.bytes_("UnstructuredGrid")
     for name, of in _columns(mesh).items():
         kind = np.dtype("i8") if name in (*_COUNTS, "Connectivity", "Offsets") else of.dtype
-        chunk = 64 if name in _COUNTS else _CHUNK
+        chunk = 64 if name in _COUNTS else _CHUNK if len(of) < _LARGE_CHUNK else _LARGE_CHUNK
         group.create_dataset(
             name, (0, *of.shape[1:]), kind, maxshape=(None, *of.shape[1:]), chunks=(chunk, *of.shape[1:])
         )
