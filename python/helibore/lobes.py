@@ -42,13 +42,10 @@ class Lobed:
         The fits: oval and nearly smooth but for the lobes.
     added
         What the lobes add to the mean radius, (t,) m.
-    tried
-        How many sectors each turn was tried with.
     """
 
     fits: TurnFits
     added: Floats
-    tried: int
 
 
 def lobed(smooth: TurnFits, opposite: bool) -> Lobed:
@@ -70,7 +67,7 @@ def lobed(smooth: TurnFits, opposite: bool) -> Lobed:
     if opposite:
         columns.append(np.where(inside, np.where(off >= cells, -1.0, 1.0), 0.0))
     fits = smooth.plain(np.stack(columns))
-    return Lobed(fits, fits.terms[:, fits.waves] * 0.5 * (width + widest) / cells, cells * len(widths))
+    return Lobed(fits, fits.terms[:, fits.waves] * 0.5 * (width + widest) / cells)
 
 
 def _sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floats:

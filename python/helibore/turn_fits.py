@@ -19,6 +19,7 @@ from helibore.harmonics import Complexes, evaluate, leverage, normal_equations, 
 _REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
 _NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
 _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
+_STRANGE = 3.0  # what a rejected sample costs beside the bounded loss: its chance is one in twenty over 0.1 m
 _SMOOTH = 8  # harmonics of a wall beside its lobes
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 2e-6  # m: a hundredth of the best standard deviation
@@ -272,7 +273,8 @@ class TurnFits:
         """
         noise, expected = self.noise, self.shape.noise
         outside = np.clip(1.0 - np.square(self.residual / (_REJECT * noise[self.turn])), 0.0, None)
-        loss = np.add.reduceat(_REJECT**2 / 3.0 * (1.0 - outside**3), self.starts)
+        rejected = 2.0 * _STRANGE * (outside == 0.0)
+        loss = np.add.reduceat(_REJECT**2 / 3.0 * (1.0 - outside**3) + rejected, self.starts)
         prior = np.concatenate([[1.0], self.precision[1:]])
         terms = self.terms.copy()
         terms[:, 0] = 0.0

@@ -21,8 +21,8 @@ from helibore.lobes import lobed
 from helibore.turn_fits import TurnFits
 
 _SHUT, _OPEN = 0.64, 0.72  # of the third harmonic of a washout left open: it counts from here on, and fully
-_ROUGH = 1.5  # lobes are looked for where an oval leaves residuals of so many expected deviations
-_SURE = 6.0  # logarithm of the odds that sectors have to overcome, beside that of their number
+_ROUGH, _OVAL = 1.5, 2.0  # expected deviations: lobes are looked for where an oval leaves more, or is more oval
+_ODDS = 8.0  # logarithm of the odds that lobes have to overcome, beside the number of their sectors
 _LIKELY = 1e-6  # a model of less weight is left out
 
 
@@ -55,14 +55,16 @@ def estimate(fits: TurnFits) -> Estimate:
     """The centre of every turn, from all models that are worth trying."""
     best = _estimate(fits, np.zeros(fits.count.size))
     plain = fits.plain()
-    rough = plain.spread() > _ROUGH * fits.shape.noise
+    oval = np.hypot(plain.terms[:, 3], plain.terms[:, 4])
+    rough = (plain.spread() > _ROUGH * fits.shape.noise) | (oval > _OVAL * fits.shape.noise)
     if not rough.any():
         return best
     turns, some = np.flatnonzero(rough), fits.only(rough)
     known = np.maximum(some.evidence(), plain.only(rough).evidence())
     for opposite in (True, False):
         model = lobed(some, opposite)
-        evidence = model.fits.evidence() - np.log(model.tried) - _SURE
+        sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # that hold different samples
+        evidence = model.fits.evidence() - np.log(sectors) - _ODDS
         known = np.logaddexp(known, evidence)
         weight = np.exp(evidence - known)
         likely = weight > _LIKELY

