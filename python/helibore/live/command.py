@@ -14,6 +14,10 @@ import click
 if TYPE_CHECKING:
     from helibore.live.live import Live
     from helibore.live.server import Server
+    from helibore.live.window import Window
+
+TICK = 0.25
+"""Seconds between two looks at the server."""
 
 
 @click.command()
@@ -29,12 +33,14 @@ if TYPE_CHECKING:
 )
 @click.option("--every", type=float, help="Seconds between snapshots.  [snapshot.every]")
 @click.option("--metrics-port", type=int, help="Serve Prometheus metrics on this port of loopback.")
+@click.option("--view", "page", is_flag=True, help="Show the wall in a browser while it grows (extra 'view').")
+@click.option("--view-port", type=click.IntRange(0, 65535), default=0, help="Port of --view.  [a free one]")
 @click.option("--seconds", type=float, help="Stop after this time.  [until Ctrl-C, or all files are read]")
 @click.option("--check", is_flag=True, help="Check the configuration and stop.")
 @click.option("-q", "--quiet", is_flag=True, help="No status page.")
 def live(
     configuration: Path, journal: Path | None, folder: Path | None, every: float | None, metrics_port: int | None,
-    seconds: float | None, check: bool, quiet: bool,
+    page: bool, view_port: int, seconds: float | None, check: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Grow a wall from the sources that CONFIGURATION names, every byte in a journal first.
 
@@ -43,7 +49,6 @@ def live(
     """
     from helibore.live.configuration import load
     from helibore.live.live import Live
-    from helibore.live.server import Server
 
     settings = load(configuration)
     if check:
@@ -53,30 +58,55 @@ def live(
     if where is None:
         raise click.UsageError("no journal: give --journal FOLDER, or journal.folder in the configuration")
     target = folder or (Path(settings.snapshot["folder"]) if settings.snapshot["folder"] else None)
+    if page:
+        from helibore.live.window import check_window
+
+        check_window(view_port)  # before a journal is begun
     with Live(settings, where) as running:
-        server = Server(running)
-        server.start()
-        try:
-            pages = _serve_metrics(server, metrics_port) if metrics_port is not None else None
-            try:
-                _watch(server, seconds, target, every or settings.snapshot["every"], quiet)
-            finally:
-                if pages:
-                    pages.shutdown()
-                    pages.server_close()
-        finally:
-            server.stop()
-        if target:
-            _snapshot(running, target)
-        if server.failure is not None:
-            raise server.failure
+        window = _window(running, configuration.stem, view_port) if page else None
+        _run(running, window, metrics_port, seconds, target, every or settings.snapshot["every"], quiet)
         counts = running.model.counts
         click.echo(f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} not, {len(running.wall):,} vertices; "
                    f"journal {where}")  # fmt: skip
 
 
-def _watch(server: Server, seconds: float | None, target: Path | None, every: float, quiet: bool) -> None:
-    """Show the page and write snapshots until the end."""
+def _window(running: Live, well: str, port: int) -> Window:
+    from helibore.live.window import Window
+
+    return Window(running, well, port=port)
+
+
+def _run(
+    running: Live, window: Window | None, metrics_port: int | None, seconds: float | None, target: Path | None,
+    every: float, quiet: bool,
+) -> None:  # fmt: skip
+    """Serve the sources until the end, then write the last snapshot."""
+    from helibore.live.server import Server
+
+    server = Server(running, window.show if window else lambda _: None)
+    server.start()
+    try:
+        pages = _serve_metrics(server, metrics_port) if metrics_port is not None else None
+        try:
+            _watch(server, window, seconds, target, every, quiet)
+        finally:
+            if pages:
+                pages.shutdown()
+                pages.server_close()
+    finally:
+        server.stop()
+        if window:
+            window.close()
+    if target:
+        _snapshot(running, target)
+    if server.failure is not None:
+        raise server.failure
+
+
+def _watch(
+    server: Server, window: Window | None, seconds: float | None, target: Path | None, every: float, quiet: bool
+) -> None:
+    """Show the page and write snapshots until the end; of files that are read, the browser's page goes on."""
     from rich.console import Console
     from rich.live import Live as Screen
 
@@ -89,14 +119,17 @@ def _watch(server: Server, seconds: float | None, target: Path | None, every: fl
     next_snapshot = time.monotonic() + every
     try:
         with Screen(console=console, screen=False, auto_refresh=False, transient=True) as screen:
-            while not stopped.is_set() and time.monotonic() < end and not server.wait(0.25):
+            while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
                 if server.failure is not None:
                     return
+                if window and window.refresh():
+                    click.echo(f"the wall is shown at {window.url}")
                 if not quiet and console.is_terminal:
                     screen.update(page.draw(), refresh=True)
                 if target and time.monotonic() >= next_snapshot:
                     _snapshot(server.live, target)
                     next_snapshot = time.monotonic() + every
+                stopped.wait(TICK if window else 0)
     finally:
         for number, was in before.items():
             signal.signal(number, was)

@@ -58,6 +58,13 @@ class Stations:
         above = columns[0][columns[0] < depth]
         return float(above[-1]) if len(above) else float(depth), ""
 
+    def reaching(self, depth: float) -> Path | None:
+        """Return the path, drawn straight on below the last station as far as ``depth`` where it ends above it."""
+        if self.path is None or self.survey is None or self.path.stop_depth >= depth:
+            return self.path
+        beyond = depth - max(self._rows)
+        return self.survey.path(**{**self._settings, "extend": max(beyond, self._settings["extend"])})
+
     def rows(self) -> npt.NDArray[np.float64]:
         """Return (n, 3): depth m, inclination and azimuth deg, shallowest first."""
         return np.array([(key, *value) for key, value in self._rows.items()]).reshape(-1, 3)
