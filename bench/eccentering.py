@@ -16,6 +16,7 @@ Then what a wall rebuilt by ``hb.reconstruct`` from half of the samples is off, 
     noise    the same with their noise
     found    as measured, recentred by the library
     left     sqrt(found^2 - noise^2): what the correction adds
+    along    as found, with ``angular_scale=4``: neighbours from above and below first, for shapes that go on
 """
 
 from __future__ import annotations
@@ -74,7 +75,8 @@ def centres() -> None:
 
 
 def walls() -> None:
-    print(f"\n{'wall, half of the samples':26s} {'points':>7s} {'noise':>7s} {'found':>7s} {'left':>7s}   mm rms")
+    heads = "".join(f" {name:>7s}" for name in ("points", "noise", "found", "left", "along"))
+    print(f"\n{'wall, half of the samples':26s}{heads}   mm rms")
     for samples in (64, 128, 256):
         for edge in ("bell", "box"):
             tool = Simulated(10, samples=samples, steady=True, edge=edge)
@@ -84,14 +86,15 @@ def walls() -> None:
             found = find_centres(tool.toolface, tool.radius, tool.turn)
             recentred = recentre(tool.toolface, tool.radius, tool.turn, found)
             errors = []
-            for toolface, radius in ((turned, tool.wall), (turned, tool.wall + tool.noise), recentred):
+            seen = ((turned, tool.wall), (turned, tool.wall + tool.noise), recentred, recentred)
+            for (toolface, radius), scale in zip(seen, (1.0, 1.0, 1.0, 4.0), strict=True):
                 caliper = hb.Caliper(depth, toolface, radius)
-                wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=samples, pitch=0.02)
+                wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=samples, pitch=0.02, angular_scale=scale)
                 truth = tool.shape(np.radians(wall.toolface)).ravel()
                 errors.append(1e3 * np.sqrt(np.mean((wall.radius - truth) ** 2)))
             left = np.sqrt(max(errors[2] ** 2 - errors[1] ** 2, 0.0))
             name = f"{samples} a turn, {edge} lobes"
-            print(f"{name:26s} {errors[0]:7.3f} {errors[1]:7.3f} {errors[2]:7.3f} {left:7.3f}")
+            print(f"{name:26s} {errors[0]:7.3f} {errors[1]:7.3f} {errors[2]:7.3f} {left:7.3f} {errors[3]:7.3f}")
 
 
 if __name__ == "__main__":

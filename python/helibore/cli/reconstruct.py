@@ -134,7 +134,13 @@ class Reconstruct(Sectioned):
 )
 @click.option("--max-iterations", type=int, default=4, show_default=True)
 @click.option("--tolerance", type=LENGTH, default="0.001mm", show_default=True, help="Move that ends the iteration.")
-@click.option("--angular-scale", type=float, default=1.0, show_default=True, help="1: true arc; 2: as published.")
+@click.option(
+    "--angular-scale",
+    type=float,
+    default=1.0,
+    show_default=True,
+    help="1: true arc; 2: as published; 4: neighbours from above and below first.",
+)
 @click.option("--color-by", type=click.Choice(["radius", "difference"]), default="radius", show_default=True)
 @click.option("--threads", type=int, help="[all cores]")
 @click.pass_context
