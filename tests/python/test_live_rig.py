@@ -100,9 +100,16 @@ def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     assert f"{live.wall.sample_count:,}" in page
     console.file.close()
     names = {path.name for path in snapshot(live, tmp_path / "now")}
-    assert {"main.npz", "image-GR.npz", "survey.csv"} <= names
-    with np.load(tmp_path / "now" / "main.npz") as saved:
-        assert np.array_equal(saved["radius"], live.wall.radius, equal_nan=True)
+    assert names == {"main.wall", "main.las", "main.glb", "image-GR.csv", "survey.csv"}
+    assert names == {path.name for path in (tmp_path / "now").iterdir()}, "nothing half-written lies about"
+    saved = hb.load(tmp_path / "now" / "main.wall")
+    assert np.array_equal(saved.radius, live.wall.radius, equal_nan=True)
+    assert np.array_equal(saved.path.position([2000.5]), live.path.position([2000.5]))
+    las = hb.open(tmp_path / "now" / "main.las").sets[0]
+    assert len(las.channels[0].values) == len(live.wall.logs().depth)
+    table = np.genfromtxt(tmp_path / "now" / "image-GR.csv", delimiter=",", skip_header=1)
+    assert np.array_equal(table[:, 0], live.images["GR"].arrays()[0])
+    assert np.array_equal(table[:, 1:], live.images["GR"].arrays()[1], equal_nan=True)
 
 
 def test_the_command_line_reads_a_played_rig(tmp_path):
@@ -131,7 +138,7 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
         out, err = running.communicate(timeout=30)
     assert running.returncode == 0, err
     assert b"samples drawn" in out
-    assert (tmp_path / "now" / "main.npz").exists()
+    assert (tmp_path / "now" / "main.wall").exists()
     assert Live.replay(tmp_path / "j").wall.sample_count > 100
 
 
@@ -160,3 +167,17 @@ def test_frames_of_the_rig_are_read_without_an_event():
     batch = parser.feed(b"".join(frame for _, frame in rig.frames))
     assert len(batch.events) == 0
     assert len(batch.frames) == len(rig.frames)
+
+
+def test_a_snapshot_of_little_has_what_there_is(tmp_path):
+    text = '[wall]\nbit_diameter = 0.216\nstart_depth = 100.0\n[snapshot]\nlogs = "csv"\n[source.a]\naddress = "host"\n'
+    live = Live(parse(text + 'units = "metric"\n'))
+    assert snapshot(live, tmp_path) == []
+    live.append_samples([100.0, 100.02], [0.0, 90.0], [0.11, 0.112])
+    names = {path.name for path in snapshot(live, tmp_path)}
+    assert names == {"main.wall"}, "not one turn yet: no logs, no mesh"
+    live.append_stations([0.0, 10.0], [0.0, 0.0], [0.0, 0.0])
+    live.append_samples(np.linspace(100.05, 112.0, 2000), np.arange(2000) * 37.0 % 360, np.full(2000, 0.11))
+    names = {path.name for path in snapshot(live, tmp_path)}
+    assert names == {"main.wall", "main.csv", "survey.csv"}, "the path ends at 110 m"
+    assert len(hb.load(tmp_path / "main.wall")) == len(live.wall)

@@ -180,6 +180,7 @@ def parse(text: str) -> Configuration:
         snapshot={
             "folder": snapshot.text("folder", ""),
             "every": snapshot.number("every", 60.0, least=1),
+            "logs": snapshot.choice("logs", ("las", "csv", "none"), "las"),
         },
         text=text,
     )

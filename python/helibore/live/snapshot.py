@@ -1,18 +1,18 @@
-"""The state of a live wall as files, each whole or not there: walls, mesh, images, survey.
+"""The state of a live wall as files, each whole or not there: walls, mesh, logs, images, survey.
 
-main.npz        depth m, toolface deg, radius m, nearest m, support       one file a layer
-main.glb        the wall along the path                                   when a path covers it
-image-GR.npz    depth m, values                                           one file an image
-survey.csv      depth_m, inclination_deg, azimuth_deg
+    main.wall       settings, samples, vertices and survey: hb.load opens it          one file a layer
+    main.las        every turn measured, or main.csv                                  one file a layer of a turn or more
+    main.glb        the wall along the path                                           when a path covers it
+    image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
+    survey.csv      depth_m, inclination_deg, azimuth_deg
+
+A file is written beside and renamed. The files are those of one call, not of one instant: samples may come between two.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
-from typing import BinaryIO
-
-import numpy as np
-import numpy.typing as npt
 
 from helibore.atomic_file import write_whole
 from helibore.live.live import Live
@@ -28,30 +28,40 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
+    logs = live.configuration.snapshot["logs"]
     written: list[Path] = []
-
-    def save(name: str, **arrays: npt.NDArray[np.generic]) -> None:
-        def write(file: BinaryIO) -> None:
-            np.savez_compressed(file, allow_pickle=False, **arrays)
-
-        write_whole(target / name, write)
-        written.append(target / name)
-
+    path = live.path
     for name, wall in live.layers.items():
-        if len(wall):
-            save(f"{name}.npz", depth=wall.depth, toolface=wall.toolface, radius=wall.radius, nearest=wall.nearest,
-                 support=wall.support)  # fmt: skip
+        if not len(wall):
+            continue
+        wall.path = path
+        written.append(target / f"{name}.wall")
+        wall.save(written[-1])
+        if logs != "none" and len(wall) > wall.settings.sectors:
+            written.append(target / f"{name}.{logs}")
+            wall.logs().save(written[-1])
     for name, image in live.images.items():
         if len(image):
             depth, values = image.arrays()
-            save(f"image-{name}.npz", depth=depth, values=values)
-    rows = live.model.stations.rows()
-    if len(rows):
-        text = "depth_m,inclination_deg,azimuth_deg\n" + "".join(f"{d!r},{i!r},{a!r}\n" for d, i, a in rows.tolist())
-        write_whole(target / "survey.csv", lambda file: file.write(text.encode()))
-        written.append(target / "survey.csv")
-    path = live.path
-    if len(live.wall) and (path is None or path.stop_depth >= live.wall.depth[-1]):
-        live.wall.surface(path).save(target / "main.glb")
-        written.append(target / "main.glb")
+            heads = ["depth_m", *(f"{name}[{number}]" for number in range(1, image.sectors + 1))]
+            rows = ([d, *row] for d, row in zip(depth.tolist(), values.tolist(), strict=True))
+            written.append(_table(target / f"image-{name}.csv", heads, rows))
+    stations = live.model.stations.rows()
+    if len(stations):
+        heads = ["depth_m", "inclination_deg", "azimuth_deg"]
+        written.append(_table(target / "survey.csv", heads, stations.tolist()))
+    wall = live.wall
+    if len(wall) > wall.settings.sectors + 1:
+        deepest = float(wall.vertices(len(wall) - 1, len(wall)).depth[0])
+        if path is None or path.stop_depth >= deepest:
+            wall.surface(path, stop=deepest).save(target / "main.glb")
+            written.append(target / "main.glb")
     return written
+
+
+def _table(file: Path, heads: list[str], rows: Iterable[list[float]]) -> Path:
+    """Write a table of numbers with every digit; a missing one is an empty cell."""
+    lines = (",".join("" if number != number else repr(number) for number in row) for row in rows)
+    text = "\n".join([",".join(heads), *lines, ""])
+    write_whole(file, lambda whole: whole.write(text.encode()))
+    return file
