@@ -1,6 +1,6 @@
 """Measures the live viewer in a real browser: first picture, append to pixels, bytes, memory, many clients.
 
-    python bench/view.py [--quads 1000000] [--appends 9] [--clients 10]
+    python bench/view.py [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60]
 
 Needs Debian's chromium and playwright; the browser draws with software GL, as a weak rig's would. The wall's values
 are those of tests/python/made_wall.py, checked against the page's read-back before anything is timed. Prints one
@@ -86,11 +86,6 @@ def ready(page: Any) -> None:
         time.sleep(0.01)
 
 
-def attributes_of(wall: MadeWall, viewer: Viewer) -> None:
-    for attribute, values in gamma_and_resistivity(wall).items():
-        viewer._feed._values[attribute.name] = values
-
-
 def in_the_browser(quads: int, appends: int) -> None:
     from playwright.sync_api import sync_playwright
 
@@ -144,9 +139,9 @@ def measure_appends(page: Any, wall: MadeWall, viewer: Viewer, appends: int) -> 
     for _ in range(appends):
         before = page.evaluate("window.__wall.stats.bytes")
         change = wall.grow(1000)
-        attributes_of(wall, viewer)
+        values = {attribute.name: column for attribute, column in gamma_and_resistivity(wall).items()}
         began = time.perf_counter()
-        viewer.update(change)
+        viewer.update(change, values)
         page.evaluate(DRAWN, len(wall))
         times.append(time.perf_counter() - began)
         time.sleep(0.6)
@@ -170,31 +165,77 @@ def browser_process() -> int:
     return max(found)
 
 
-def many_clients(count: int) -> None:
-    """The producer's append with no page, and with `count` of which one never reads: p99, ms."""
-    for pages in (0, count):
-        wall = hb.Wall(bit_diameter=BIT, start_depth=1000.0)
-        rng = np.random.default_rng(1)
-        wall.append(*samples(rng, 0))
-        viewer = hb.view(wall)
-        spawn = multiprocessing.get_context("spawn")
-        stop, started = spawn.Event(), spawn.Event()
-        readers = spawn.Process(target=read, args=(viewer.url, pages, stop, started))
-        readers.start()
-        started.wait(60)
-        times = []
-        for step in range(1, 301):
-            batch = samples(rng, step)
-            began = time.perf_counter()
-            change = wall.append(*batch)
-            viewer.update(change)
-            times.append(time.perf_counter() - began)
-            time.sleep(0.02)
-        say(f"append of 1,000 samples with {pages} pages, p50", float(np.percentile(times, 50)) * 1e3, "ms")
-        say(f"append of 1,000 samples with {pages} pages, p99", float(np.percentile(times, 99)) * 1e3, "ms", "+20 %")
-        stop.set()
-        readers.join()
-        viewer.close()
+def hidden(seconds: int) -> None:
+    """A page behind another tab for a while under 1,000 quads a second: how it catches up when it is looked at."""
+    from tabs import Tabs, until
+
+    wall = MadeWall(40_000)
+    with hb.view(wall, path=curved_path()) as viewer, Tabs(viewer.url) as page:
+        until(lambda: page.evaluate("Boolean(window.__wall?.ready)"))
+        time.sleep(1)
+        page.hide()
+        before = page.evaluate("window.__wall.stats")
+        began = time.perf_counter()
+        for step in range(10 * seconds):
+            viewer.update(wall.grow(100))
+            time.sleep(max(0.0, began + (step + 1) / 10 - time.perf_counter()))
+        time.sleep(0.5)
+        held = page.evaluate("window.__wall.stats")
+        began = time.perf_counter()
+        page.show()
+        page.evaluate(f"({DRAWN})({len(wall)})")
+        say(f"hidden {seconds} s: shown again to pixels", time.perf_counter() - began, "s")
+        after = page.evaluate("window.__wall.stats")
+        say(f"hidden {seconds} s: quads it lacked when shown", len(wall) - held["size"], "")
+        say(f"hidden {seconds} s: frames drawn while hidden", held["frames"] - before["frames"], "")
+        say(f"hidden {seconds} s: frames drawn to catch up", after["frames"] - before["frames"], "", "1")
+        say(f"hidden {seconds} s: bytes a quad", (after["bytes"] - before["bytes"]) / (len(wall) - 40_000), "B")
+
+
+def many_clients(count: int, rounds: int = 3) -> None:
+    """The producer's append with no page, and with `count` of which one never reads, in turn: p99, ms; memory, MB."""
+    found: dict[int, list[tuple[float, float, float]]] = {0: [], count: []}
+    for _ in range(rounds):
+        for pages, figures in found.items():
+            figures.append(with_clients(pages))
+    for pages, figures in found.items():
+        p50, p99, grown = (float(np.median(column)) for column in zip(*figures, strict=True))
+        say(f"append of 1,000 samples with {pages} pages, p50", p50, "ms")
+        say(f"append of 1,000 samples with {pages} pages, p99", p99, "ms", "+20 %" if pages else "")
+        say(f"memory the process grew by with {pages} pages", grown, "MB")
+    print("    p99 of each round: " + "; ".join(f"{n} pages {[round(f[1], 2) for f in fs]}" for n, fs in found.items()))
+
+
+def with_clients(pages: int) -> tuple[float, float, float]:
+    """Append 300 times with so many readers: p50 and p99 in ms, and what this process grew by in MB."""
+    wall = hb.Wall(bit_diameter=BIT, start_depth=1000.0)
+    rng = np.random.default_rng(1)
+    wall.append(*samples(rng, 0))
+    viewer = hb.view(wall)
+    spawn = multiprocessing.get_context("spawn")
+    stop, started = spawn.Event(), spawn.Event()
+    readers = spawn.Process(target=read, args=(viewer.url, pages, stop, started))
+    readers.start()
+    started.wait(60)
+    times, before = [], own_memory()
+    for step in range(1, 301):
+        batch = samples(rng, step)
+        began = time.perf_counter()
+        change = wall.append(*batch)
+        viewer.update(change)
+        times.append(time.perf_counter() - began)
+        time.sleep(0.02)
+    grown = own_memory() - before
+    stop.set()
+    readers.join()
+    viewer.close()
+    return float(np.percentile(times, 50)) * 1e3, float(np.percentile(times, 99)) * 1e3, grown
+
+
+def own_memory() -> float:
+    """Proportional memory of this process alone, MB."""
+    rollup = Path("/proc/self/smaps_rollup").read_text()
+    return int(rollup.split("\nPss:", 1)[1].split()[0]) / 1024
 
 
 def samples(rng: np.random.Generator, step: int) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -238,9 +279,12 @@ def main() -> None:
     parser.add_argument("--quads", type=int, default=1_000_000)
     parser.add_argument("--appends", type=int, default=9)
     parser.add_argument("--clients", type=int, default=10)
+    parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0: not measured")
     options = parser.parse_args()
     print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")
     in_the_browser(options.quads, options.appends)
+    if options.hidden:
+        hidden(options.hidden)
     if options.clients:
         many_clients(options.clients)
     print(f"load {load()}")

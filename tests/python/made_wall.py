@@ -20,23 +20,24 @@ class MadeWall:
     def __init__(self, vertices: int, sectors: int = 64, pitch: float = 0.1, start: float = 1000.0) -> None:
         self.settings = SimpleNamespace(sectors=sectors, pitch=pitch, bit_diameter=BIT)
         self.start = start
-        self.grow_to(0)
+        self.depth = np.zeros(0)
+        self.toolface, self.radius, self.nearest = np.zeros((3, 0))
+        self.support, self.provisional = np.zeros(0, np.int32), np.zeros(0, bool)
         self.grow(vertices)
-
-    def grow_to(self, vertices: int) -> None:
-        K, k = self.settings.sectors, np.arange(vertices)
-        depth = self.start + k * self.settings.pitch / K
-        self.toolface = k % K * 360 / K
-        self.radius = radius(depth, self.toolface)
-        self.nearest = np.where(np.isnan(self.radius), np.nan, 0.004 + 0.002 * np.cos(depth))
-        self.support = np.where(np.isnan(self.radius), 0, 8).astype(np.int32)
-        self.provisional = np.zeros(vertices, bool)
-        self.depth = depth  # last: it is what len() counts, and a viewer's thread may be reading
 
     def grow(self, vertices: int) -> SimpleNamespace:
         """Add vertices; return the change as an append would."""
-        before = len(self)
-        self.grow_to(before + vertices)
+        before, K = len(self), self.settings.sectors
+        k = np.arange(before, before + vertices)
+        depth, toolface = self.start + k * self.settings.pitch / K, k % K * 360 / K
+        wall = radius(depth, toolface)
+        missing = np.isnan(wall)
+        self.toolface = np.append(self.toolface, toolface)
+        self.radius = np.append(self.radius, wall)
+        self.nearest = np.append(self.nearest, np.where(missing, np.nan, 0.004 + 0.002 * np.cos(depth)))
+        self.support = np.append(self.support, np.where(missing, 0, 8).astype(np.int32))
+        self.provisional = np.append(self.provisional, np.zeros(vertices, bool))
+        self.depth = np.append(self.depth, depth)  # last: it is what len() counts, and a viewer's thread may be reading
         return SimpleNamespace(ranges=[(before, len(self))], settled=len(self))
 
     def patch(self, start: int, stop: int, by: float) -> SimpleNamespace:

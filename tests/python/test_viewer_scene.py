@@ -131,6 +131,30 @@ def test_the_first_pass_is_kept_and_a_rescan_marked() -> None:
     assert [bool(s & messages.RESCANNED) for s in texels[:, messages.STATE]] == [False, True, False, False]
 
 
+def test_what_is_already_so_is_not_sent_again() -> None:
+    scene = begun()
+    rng = np.random.default_rng(4)
+    radius, gamma = rng.uniform(0.09, 0.12, 3000), np.where(rng.random(3000) < 0.3, np.nan, rng.uniform(0, 150, 3000))
+    radius[500:600] = np.nan
+    scene.write(0, Vertices(radius), {"GR": gamma})
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 10),), 0, 0b11))
+    page.drain()
+    woken = []
+    scene.on_change = lambda: woken.append(1)
+    scene.write(0, Vertices(radius), {"GR": gamma})
+    assert page.drain() == []
+    assert woken == []
+    radius[[1200, 1210]] += 0.001
+    gamma[1220] = 151.0
+    scene.write(0, Vertices(radius), {"GR": gamma})
+    assert [(m.tile, m.first, m.count) for m in page.drain() if m.level == 0] == [(0, 1200, 21)]
+    assert woken == [1]
+    scene.write(2990, Vertices(np.full(20, np.nan)), {})
+    new = [(m.first, m.count, m.total) for m in page.drain() if m.level == 0]
+    assert new == [(2990, 20, 3010)], "a vertex without a radius is news where there was no vertex"
+
+
 @given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 40)), max_size=30))
 def test_dirty_intervals_cover_everything_in_bounded_memory(parts: list[tuple[int, int]]) -> None:
     kept: list[tuple[int, int]] = []

@@ -243,6 +243,65 @@ def test_a_live_wall_is_followed_append_by_append() -> None:
         assert abs(touched - 1010).max() < 1.0, "only what the late samples reach is a re-scan"
 
 
+def test_values_of_new_quads_come_with_the_change_and_provisional_vertices_settle() -> None:
+    rng = np.random.default_rng(6)
+    depth = 1000 + np.sort(rng.uniform(0, 4, 4000))
+    toolface, radius = rng.uniform(0, 360, 4000), 0.11 + 0.004 * rng.random(4000)
+    wall = hb.Wall(bit_diameter=0.216, start_depth=1000.0, direct=True)
+    wall.append(depth[:400], toolface[:400], radius[:400])
+
+    def quads() -> np.ndarray:
+        return np.sin(np.arange(max(0, len(wall) - wall.settings.sectors - 1)))
+
+    def shown() -> bool:
+        level, want = viewer.scene.levels[0], np.full(len(wall), np.nan, np.float32)
+        want[: len(quads())] = quads()
+        with viewer.scene.lock:
+            marked = (level.texels[: level.size, messages.STATE] & messages.PROVISIONAL) > 0
+            values = level.columns[0][: level.size].copy()
+            there = follows(viewer.scene, wall)
+        return there and np.array_equal(values, want, equal_nan=True) and np.array_equal(marked, wall.provisional)
+
+    seen = 0
+    with hb.view(wall, attributes={"GR": quads()}) as viewer:
+        for first in range(400, 4000, 150):
+            part = slice(first, first + 150)
+            viewer.update(wall.append(depth[part], toolface[part], radius[part]), {"GR": quads()})
+            until(shown)
+            seen += int(wall.provisional.sum())
+        assert seen > 0, "direct connection was at work"
+        with pytest.raises(ValueError, match=r"^attribute XX: was not named when the viewer was made$"):
+            viewer.update(None, {"XX": quads()})
+        with pytest.raises(ValueError, match=r"^attribute GR has shape \(1,\): must be one value for each of"):
+            viewer.update(None, {"GR": [1.0]})
+
+
+def test_a_message_too_long_ends_that_page_and_the_server_lives() -> None:
+    from websockets.exceptions import ConnectionClosed
+    from websockets.sync.client import connect
+
+    with hb.view(MadeWall(5000)) as viewer:
+        address = viewer.url.replace("http", "ws") + "ws"
+        for said, code, reason in (
+            ("x" * (1 << 20), 1009, ""),
+            ("x" * 9000, 4400, "a page sends text of at most 8192 bytes"),
+            (b"1234", 4400, "a page sends text of at most 8192 bytes"),
+        ):
+            with connect(address) as socket, pytest.raises(ConnectionClosed) as closed:
+                answers(socket, said)
+            assert closed.value.rcvd is not None
+            assert (closed.value.rcvd.code, closed.value.rcvd.reason[: len(reason)]) == (code, reason)
+        with connect(address) as socket:
+            assert json.loads(socket.recv(20))["vertices"] == 5000
+
+
+def answers(socket: Any, said: str | bytes) -> None:
+    """Say it, then hear everything until the other side closes."""
+    socket.send(said)
+    while True:
+        socket.recv(20)
+
+
 def test_what_cannot_be_viewed_is_said() -> None:
     wall = MadeWall(5000)
     with pytest.raises(ValueError, match=r"^host 0\.0\.0\.0: is open to other machines, so it needs a token$"):

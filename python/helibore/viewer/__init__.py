@@ -40,9 +40,18 @@ class Viewer:
         self.scene = feed.scene
         self.url = server.url
 
-    def update(self, change: Any = None) -> None:
-        """Show what an append changed; without `change`, everything. Returns at once, another thread does the work."""
-        self._feed.update(change)
+    def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
+        """Show what an append changed. Returns at once, another thread does the work.
+
+        Parameters
+        ----------
+        change
+            What `Wall.append` returned. None: everything is compared, and what differs is sent.
+        attributes
+            Values of attributes that were named when the viewer was made, one per quad of the wall as it now is.
+            Only those of the changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
+        """
+        self._feed.update(change, attributes)
 
     def set_path(self, path: Any | None) -> None:
         """Place the wall along a new or corrected path; the wall itself is not sent again."""

@@ -83,12 +83,15 @@ class Feed:
         self._thread = threading.Thread(target=self._run, name="helibore-view-feed", daemon=True)
         self._thread.start()
 
-    def update(self, change: Any = None) -> None:
-        """Note what an append changed; None: anything may have."""
+    def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
+        """Note what an append changed; None: anything may have. With it come whole columns of values, read there."""
+        taken = {name: self._column(name, values) for name, values in (attributes or {}).items()}
         ranges = [(0, len(self._wall))] if change is None else [tuple(part) for part in change.ranges]
+        ahead = self._helix.sectors + 1 if taken else 0  # a quad waits for its last vertex, a turn and one further on
         with self._changed:
+            self._values |= taken
             for start, stop in ranges:
-                self._ranges = dirty.add(self._ranges, int(start), int(stop))
+                self._ranges = dirty.add(self._ranges, max(0, int(start) - ahead), int(stop))
             self._settled = self._wall.settled if change is None else int(change.settled)
             self._changed.notify()
 
@@ -102,10 +105,7 @@ class Feed:
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
         """Take new values of a named attribute."""
-        if name not in self._values:
-            raise ValueError(f"attribute {name}: was not named when the viewer was made")
-        taken = numbers(values)
-        self._check(name, taken)
+        taken = self._column(name, values)
         with self._changed:
             self._values[name] = taken
             self._ranges = dirty.add(self._ranges, 0, len(self._wall))
@@ -151,6 +151,13 @@ class Feed:
         need = frames.count_for(self._helix, max(len(self._wall), level.size), level.rows)
         if need > have:
             self.scene.trajectory(have, frames.on_path(self._helix, self.path, have, need))
+
+    def _column(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+        if name not in self._values:
+            raise ValueError(f"attribute {name}: was not named when the viewer was made")
+        taken = numbers(values)
+        self._check(name, taken)
+        return taken
 
     def _check(self, name: str, values: npt.NDArray[np.float64]) -> None:
         n, K = len(self._wall), self._helix.sectors

@@ -17,7 +17,7 @@ import threading
 import time
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -103,7 +103,10 @@ class WallScene(Protocol):
         """Forget everything and start a wall of this shape."""
 
     def write(self, first: int, vertices: Vertices, attributes: Mapping[str, npt.ArrayLike]) -> None:
-        """Set the vertices from `first` on, and the values of the quads with the same numbers."""
+        """Set the vertices from `first` on, and the values of the quads with the same numbers.
+
+        What is already so is not sent again.
+        """
 
     def trajectory(self, first: int, frames: Frames) -> None:
         """Set the frames of the path from number `first` on."""
@@ -183,15 +186,21 @@ class Scene:
             before = level.size
             level.reserve(stop)
             self._keep_first_pass(level.texels[first:stop], texels, first)
-            level.texels[first:stop] = texels
+            differs = _put(level.texels[first:stop], texels, np.uint64)
             for column, attribute in zip(level.columns, self.helix.attributes, strict=True):
                 if attribute.name in attributes:
-                    values = numbers(attributes[attribute.name], np.float32)
-                    column[first : first + len(values)] = values[: stop - first]
+                    values = numbers(attributes[attribute.name], np.float32)[: stop - first]
+                    differs[: len(values)] |= _put(column[first : first + len(values)], values, np.uint32)
+            changed = np.flatnonzero(differs)
+            if stop > before:
+                start = min(before, first + int(changed[0]) if len(changed) else first)
+            elif len(changed):
+                start, stop = first + int(changed[0]), first + int(changed[-1]) + 1
+            else:
+                return
             self.history.note(time.time(), level.size, self.bit_depth)
-            self._mark(0, min(first, before), stop)
-            start, end = overview.refresh(self.levels[1], level, first, stop)
-            self._mark(1, start, end)
+            self._mark(0, start, stop)
+            self._mark(1, *overview.refresh(self.levels[1], level, start, stop))
         self.on_change()
 
     def trajectory(self, first: int, frames: Frames) -> None:
@@ -243,3 +252,11 @@ class Scene:
     def _mark(self, level: int, start: int, stop: int) -> None:
         for mark in self.marks:
             mark(level, start, stop)
+
+
+def _put(target: npt.NDArray[Any], values: npt.NDArray[Any], word: npt.DTypeLike) -> npt.NDArray[np.bool_]:
+    """Set `target` to `values`, whose rows are one `word` each; return where their bits differed."""
+    new = np.ascontiguousarray(values)
+    differs: npt.NDArray[np.bool_] = target.view(word).ravel() != new.view(word).ravel()
+    target[...] = new
+    return differs
