@@ -67,6 +67,22 @@ export class Gpu {
     this.wall(look);
   }
 
+  // Call back when what was asked for is drawn; in software that is long after draw() has returned.
+  whenDrawn(done) {
+    const gl = this.renderer.getContext();
+    const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+    gl.flush();
+    const look = () => {
+      const waits = fence && !gl.isContextLost() && gl.clientWaitSync(fence, 0, 0) === gl.TIMEOUT_EXPIRED;
+      if (waits) setTimeout(look, 10);
+      else {
+        gl.deleteSync(fence);
+        done();
+      }
+    };
+    setTimeout(look, 10);
+  }
+
   image(look) {
     const { top, bottom } = look.view;
     const { height } = look.imageRect;

