@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from helibore.changes import Change
 from helibore.live import journal
 from helibore.live.clock import SECOND, ModelClock
 from helibore.live.configuration import PASSES, Configuration
@@ -24,7 +25,7 @@ from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
-from helibore.wall import Change, Wall
+from helibore.wall import Wall
 
 Rows = npt.NDArray[np.void]
 PENDING = np.dtype(
