@@ -27,7 +27,7 @@ from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent.parent / "python"))
 
-import test_live
+import live_wires
 import test_live_killed
 from test_live_server import Running, frames, free_port, received, until
 
@@ -94,8 +94,8 @@ def flips() -> None:
     draw = random.Random(3)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        with Live(parse(test_live.SENT), folder) as live:
-            for frame in test_live.FRAMES:
+        with Live(parse(live_wires.SENT), folder) as live:
+            for frame in live_wires.FRAMES:
                 live.receive("mwd", frame)
         whole = (folder / "000001.hbj").read_bytes()
         lost: dict[int, int] = {}
@@ -115,8 +115,8 @@ def flips() -> None:
 def truncations() -> None:
     """Cut, recover, go on where the journal ends, compare."""
     os.fdatasync = os.fsync = lambda _: None  # 12,000 syncs say nothing about truncation
-    configuration = parse(test_live.SENT)
-    stream = b"".join(test_live.FRAMES[:60])
+    configuration = parse(live_wires.SENT)
+    stream = b"".join(live_wires.FRAMES[:60])
     cut = []
     with tempfile.TemporaryDirectory() as name:
         with Live(configuration, Path(name) / "whole") as live:
@@ -132,7 +132,7 @@ def truncations() -> None:
                 cut.append(len(stream) - there)
                 again.receive("mwd", stream[there:])
             for wall in (again.wall, Live.replay(folder).wall):
-                assert test_live.same_bits(wall, live.wall), f"cut at byte {size}"
+                assert live_wires.same_bits(wall, live.wall), f"cut at byte {size}"
             for path in folder.iterdir():
                 path.unlink()
     print(

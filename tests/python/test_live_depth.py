@@ -1,0 +1,114 @@
+"""Where a sensor was, which pass it was on, and what is never guessed."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from live_wires import (
+    FROM_BIT,
+    SECOND,
+    Clock,
+    from_bit,
+    rig,
+    same_bits,
+    sample,
+)
+
+from helibore import Live
+from helibore.live import live as live_module
+from helibore.live.configuration import parse
+
+
+def test_depth_is_the_bit_depth_when_it_was_measured_less_the_offset():
+    clock = Clock()
+    live = from_bit(latency=7.0, clock=clock)
+    draw = np.random.default_rng(5)
+    measured, expected, times, bits = [], [], [], []
+    bit = 120.0
+    for _ in range(200):
+        clock.step(float(draw.uniform(0.1, 3)))
+        if draw.random() < 0.5:
+            bit += float(draw.uniform(0, 0.2))
+            rig(live, bit)
+            times.append(clock.monotonic)
+            bits.append(float(f"{bit:.3f}"))
+        else:
+            sample(live, toolface=float(len(measured)))
+            measured.append(clock.monotonic - 7 * SECOND)
+    for time in measured:
+        if time >= times[0] and time < times[-1]:
+            expected.append(float(np.interp(time, times, bits)) - 10.0)
+    found = live.wall.samples.depth
+    assert len(expected) > 50
+    np.testing.assert_allclose(np.sort(found), np.sort(expected), rtol=0, atol=1e-9)
+    assert live.model.waiting + len(expected) + live.model.counts["flag NO_DEPTH"] == len(measured)
+
+
+def test_depth_from_the_bit_replays_with_the_same_bits(tmp_path, monkeypatch):
+    clock = Clock()
+    draw = np.random.default_rng(6)
+    with Live(parse(FROM_BIT.replace("LATENCY", "2.5")), tmp_path, clock=clock) as live:
+        for i in range(400):
+            clock.step(float(draw.choice([0.0, 0.3, 1.0])))
+            if i % 3 == 0:
+                rig(live, 120 + 0.01 * i - (3 if 200 < i < 260 else 0), 120 + 0.01 * min(i, 200), draw.choice([0, 60]))
+            else:
+                sample(live, float(draw.uniform(0, 360)))
+    for records in (1, 5, 8192):
+        monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
+        again = Live.replay(tmp_path)
+        assert same_bits(again.wall, live.wall)
+        assert again.model.counts == live.model.counts
+    assert live.model.counts["flag NOT_ROTATING"] > 10
+    assert live.model.counts["flag OFF_BOTTOM"] > 10
+
+
+@pytest.mark.parametrize(
+    ("bit", "hole", "rpm", "activity", "drawn", "flags"),
+    [
+        (150, 150, 60, None, True, ()),
+        (150, 150, 60, 2, True, ()),
+        (148, 150, 60, None, True, ("OFF_BOTTOM",)),  # a re-scan
+        (148, 150, 60, 2, True, ("OFF_BOTTOM",)),
+        (148, 150, 60, 4, False, ("OFF_BOTTOM",)),  # reaming: a layer of its own
+        (148, 150, 60, 8, False, ("OFF_BOTTOM",)),  # tripping
+        (148, 150, 0, None, False, ("OFF_BOTTOM", "NOT_ROTATING")),
+        (150, 150, 0, None, False, ("NOT_ROTATING",)),  # sliding
+    ],
+)
+def test_passes_and_flags(bit, hole, rpm, activity, drawn, flags):
+    live = from_bit()
+    rig(live, bit, hole, rpm, activity)
+    sample(live)
+    assert live.wall.sample_count == drawn
+    told = {name.removeprefix("flag ") for name, count in live.model.counts.items() if count and "flag" in name}
+    assert told == set(flags)
+
+
+def test_layers_keep_passes_apart():
+    live = Live(
+        parse(FROM_BIT.replace("LATENCY", "0") + '[layers]\nream = ["ream"]\nmain = ["drill"]\n'), clock=Clock()
+    )
+    rig(live, 150, 150)
+    sample(live, 10)
+    rig(live, 148, 150, activity=4)
+    sample(live, 20)
+    rig(live, 148, 150, activity=2)
+    sample(live, 30)
+    assert live.wall.samples.toolface.tolist() == [10]
+    assert live.layers["ream"].samples.toolface.tolist() == [20]
+    assert live.model.counts["kept apart"] == 1
+
+
+def test_depth_is_never_guessed():
+    clock = Clock()
+    live = from_bit(clock=clock)
+    sample(live)  # before any depth
+    rig(live, 150)
+    clock.step(1)
+    sample(live)  # waits for the next depth
+    assert live.model.waiting == 1
+    clock.step(61)
+    rig(live, 151)  # too late: 62 s between the depths
+    assert (live.model.waiting, live.wall.sample_count) == (0, 0)
+    assert live.model.counts["flag NO_DEPTH"] == 2
