@@ -256,7 +256,7 @@ class Scene:
 
 def _put(target: npt.NDArray[Any], values: npt.NDArray[Any], word: npt.DTypeLike) -> npt.NDArray[np.bool_]:
     """Set `target` to `values`, whose rows are one `word` each; return where their bits differed."""
-    new = np.ascontiguousarray(values)
+    new = np.require(values, requirements="C")
     differs: npt.NDArray[np.bool_] = target.view(word).ravel() != new.view(word).ravel()
     target[...] = new
     return differs
