@@ -313,7 +313,7 @@ class App {
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
     Object.assign(byId('dips').style, { left: `${wall.left + 10}px` });
-    Object.assign(byId('notice').style, { left: `${wall.left + 20}px`, top: `${HEAD + 20}px` });
+    Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
     this.redraw();
   }
 
