@@ -162,7 +162,20 @@ def browser_process() -> int:
                 continue
             if b"chromium" in command and b"--type=" not in command and b"--remote-debugging" in command:
                 found.append(int(entry.name))
-    return max(found)
+    return max(process for process in found if os.getpid() in ancestors(process))
+
+
+def ancestors(process: int) -> list[int]:
+    """Parents of a process, and theirs; none of one that has ended."""
+    found = []
+    while process > 1:
+        try:
+            fields = (Path("/proc") / str(process) / "stat").read_text().rsplit(")", 1)[1].split()
+        except OSError:
+            return []
+        process = int(fields[1])
+        found.append(process)
+    return found
 
 
 def hidden(seconds: int) -> None:
