@@ -103,9 +103,9 @@ class Wall:
         self._growing = threading.Lock()  # between an append and what must see all columns of one moment
         self.path: Path | None = None
         self.images: dict[str, SectorImage] = {}
-        self.attributes = WallAttributes(
-            lambda: (self._core.start_depth, _quad_room(len(self._core), self._settings.sectors))
-        )
+        # Of the core, not of self: a wall that refers to itself would keep its memory until the garbage collector runs.
+        core, sectors = self._core, self._settings.sectors
+        self.attributes = WallAttributes(lambda: (core.start_depth, _quad_room(len(core), sectors)))
         self.made_from: dict[str, Any] = {}
 
     @property

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import threading
+import weakref
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -329,3 +332,20 @@ def test_several_python_threads_share_a_wall() -> None:
         thread.join()
     assert not failures
     assert bits(wall) == bits(rebuild((depth, toolface, radius, time), **settings))
+
+
+def test_memory_goes_with_the_last_reference(tmp_path: Path) -> None:
+    """Not when the garbage collector next runs: walls are large, and a run over many wells makes one after another."""
+    columns = random_hole(5, "oval", 500, 3.0)
+    rebuild(columns).save(tmp_path / "hole.wall")
+    gc.disable()
+    try:
+        for make in (lambda: rebuild(columns), lambda: hb.load(tmp_path / "hole.wall")):
+            wall = make()
+            wall.attributes["age"] = np.zeros(len(wall) - wall.settings.sectors - 1)
+            things = [wall, wall.surface(), wall.logs(), wall.zones(), wall.volume(shells=[0.01])]
+            left = [weakref.ref(thing) for thing in things]
+            del wall, things
+            assert [thing() for thing in left] == [None] * len(left)
+    finally:
+        gc.enable()
