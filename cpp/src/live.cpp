@@ -2,10 +2,11 @@
 #include "helibore/live.hpp"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <numeric>
-#include <sstream>
 #include <utility>
 
 #include "helibore/error.hpp"
@@ -47,13 +48,18 @@ void join(Update& all, const Update& more) {
         if (all.events.size() < most_events) all.events.push_back(text);
 }
 
+// Six digits, as Python's :g; a host's locale and the sign of a NaN do not show.
+std::string short_text(double value) {
+    if (std::isnan(value)) return "nan";
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
+}
+
 void require_finite(const char* name, std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isfinite(values[i])) {
-            std::ostringstream text;
-            text << name << "[" << i << "] = " << values[i] << ": must be finite";
-            throw InputError(text.str());
-        }
+        if (!std::isfinite(values[i]))
+            throw InputError(std::string(name) + "[" + std::to_string(i) + "] = " + short_text(values[i]) +
+                             ": must be finite");
 }
 
 void require_length(const char* name, std::span<const double> values, std::span<const double> depth) {
@@ -96,43 +102,53 @@ Update Live::append_stations(std::span<const double> depth, std::span<const doub
     require_length("azimuth", azimuth, depth);
     const std::lock_guard guard(lock_);
     Update update;
-    for (std::size_t i = 0; i < depth.size(); ++i) take_station(depth[i], inclination[i], azimuth[i], update);
+    // All at once. Where that fails one by one, so that the bad are told and the others count.
+    try {
+        take_stations(depth, inclination, azimuth, update);
+    } catch (const InputError&) {
+        for (std::size_t i = 0; i < depth.size(); ++i) {
+            try {
+                take_stations(depth.subspan(i, 1), inclination.subspan(i, 1), azimuth.subspan(i, 1), update);
+            } catch (const InputError& error) {
+                update.events.push_back("station at " + short_text(depth[i]) + " m: " + error.what());
+            }
+        }
+    }
     return told(std::move(update));
 }
 
-// A station takes part only if the survey and the path with it can be made.
-void Live::take_station(double depth, double inclination, double azimuth, Update& update) {
-    const std::array<double, 2> row = {inclination, azimuth};
-    if (const auto there = stations_.find(depth); there != stations_.end() && there->second == row) return;
-    try {
-        if (!std::isfinite(depth)) throw InputError("depth must be finite");
-        auto stations = stations_;
-        stations[depth] = row;
-        if (stations.size() > 1) {
-            std::vector<double> columns[3];
-            for (const auto& [at, angles] : stations) {
-                columns[0].push_back(at);
-                columns[1].push_back(angles[0]);
-                columns[2].push_back(angles[1]);
-            }
-            Survey survey(columns[0], columns[1], columns[2]);
-            Path path(survey, path_settings_);
-            path_ = std::move(path);
-            survey_ = std::move(survey);
-        } else if (!(inclination >= 0 && inclination <= 180 && azimuth >= -360 && azimuth <= 360)) {
-            std::ostringstream text;
-            text << "inclination " << inclination << ", azimuth " << azimuth << ": must be in [0, 180], [-360, 360]";
-            throw InputError(text.str());
-        }
-        stations_ = std::move(stations);
-    } catch (const InputError& error) {
-        std::ostringstream text;
-        text << "station at " << depth << " m: " << error.what();
-        update.events.push_back(text.str());
-        return;
+// Stations take part only if the survey and the path with them can be made; otherwise throws and has changed nothing.
+void Live::take_stations(std::span<const double> depth, std::span<const double> inclination,
+                         std::span<const double> azimuth, Update& update) {
+    auto stations = stations_;
+    std::optional<double> first;  // that is new or different
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        if (!std::isfinite(depth[i])) throw InputError("depth must be finite");
+        const std::array<double, 2> row = {inclination[i], azimuth[i]};
+        const auto [place, is_new] = stations.try_emplace(depth[i], row);
+        if (!is_new && place->second == row) continue;
+        place->second = row;
+        first = std::min(depth[i], first.value_or(depth[i]));
     }
-    const auto at = stations_.find(depth);
-    const double above = at == stations_.begin() ? depth : std::prev(at)->first;
+    if (!first) return;
+    if (stations.size() > 1) {
+        std::vector<double> columns[3];
+        for (const auto& [at, angles] : stations) {
+            columns[0].push_back(at);
+            columns[1].push_back(angles[0]);
+            columns[2].push_back(angles[1]);
+        }
+        Survey survey(columns[0], columns[1], columns[2]);
+        Path path(survey, path_settings_);
+        path_ = std::move(path);
+        survey_ = std::move(survey);
+    } else if (const auto [dip, way] = stations.begin()->second; !(dip >= 0 && dip <= 180 && std::abs(way) <= 360)) {
+        throw InputError("inclination " + short_text(dip) + ", azimuth " + short_text(way) +
+                         ": must be in [0, 180], [-360, 360]");
+    }
+    stations_ = std::move(stations);
+    const auto at = stations_.find(*first);
+    const double above = at == stations_.begin() ? *first : std::prev(at)->first;
     update.path_from = std::min(above, update.path_from.value_or(above));
 }
 
@@ -150,12 +166,15 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     if (rows.sectors != sectors)
         throw InputError("values has " + std::to_string(sectors) + " sectors: image '" + name + "' has " +
                          std::to_string(rows.sectors));
-    const auto start = static_cast<Index>(rows.depth.size());
-    rows.values.insert(rows.values.end(), values.begin(), values.end());
+    const std::size_t had = rows.depth.size(), had_values = rows.values.size();
+    const auto start = static_cast<Index>(had);
     try {
+        rows.values.insert(rows.values.end(), values.begin(), values.end());
         rows.depth.insert(rows.depth.end(), depth.begin(), depth.end());
     } catch (...) {
-        rows.values.resize(rows.values.size() - values.size());
+        rows.values.resize(had_values);
+        rows.depth.resize(had);
+        if (is_new) images_.erase(place);
         throw;
     }
     Update update;

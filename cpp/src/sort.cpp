@@ -285,12 +285,13 @@ class BucketSorter {
 };
 
 template <bool timed>
-void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, Crew& crew) {
-    std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(crew.threads()));
-    crew.for_each_part(buckets.count, [&](int w, Index b) {
+void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, Crew& crew, int threads) {
+    std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(threads));
+    const auto sort_bucket = [&](int w, Index b) {
         const auto i = static_cast<std::size_t>(b);
         sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
-    });
+    };
+    crew.for_each_part(buckets.count, sort_bucket, threads == 1 ? buckets.count : 1);
 }
 
 // Where a worker's rows of one bucket go. Eight of them are collected before they are written, a line of memory a
@@ -421,7 +422,8 @@ SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::F
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
     distribute(columns, batch, buckets, ends, crew, threads);
-    batch.timed ? sort_buckets<true>(batch, buckets, ends, crew) : sort_buckets<false>(batch, buckets, ends, crew);
+    batch.timed ? sort_buckets<true>(batch, buckets, ends, crew, threads)
+                : sort_buckets<false>(batch, buckets, ends, crew, threads);
     if (batch.timed && has_redundant(batch)) drop_redundant(batch);
     return batch;
 }

@@ -142,11 +142,29 @@ Parser::Parser(std::vector<double> nulls, Limits limits) : nulls_(std::move(null
 
 Batch Parser::feed(std::string_view bytes) {
     const std::lock_guard guard(lock_);
+    try {
+        return take(bytes);
+    } catch (...) {  // no memory
+        lose_frame();
+        throw;
+    }
+}
+
+// The frame that was open is lost, and what is left of its line: parsing goes on at the next "&&".
+void Parser::lose_frame() {
+    if (place_ == Place::inside) place_ = Place::dropped;
+    open_items_.clear();
+    frame_first_ = 0;
+    line_start_ = searched_ = held_.size();
+    skipping_line_ = true;
+}
+
+Batch Parser::take(std::string_view bytes) {
     Batch batch;
     held_.append(bytes);
     counts_.bytes += as_index(bytes.size());
     batch.items = std::move(open_items_);
-    batch.items.reserve(batch.items.size() + std::min<std::size_t>(bytes.size() / 12, 65536));
+    if (batch.items.empty()) batch.items.reserve(std::min<std::size_t>(bytes.size() / 12, 65536));
     for (;;) {
         const std::size_t end = held_.find('\n', searched_);
         if (end == std::string::npos) break;

@@ -92,6 +92,8 @@ void stations() {
     const Update news = live.poll();
     CHECK(news.path_from == 50.0 && news.events == refused.events && !news.change);
     CHECK(live.path()->stop_depth() == 230.0);
+    const double no_depth[] = {nan}, first_dip[] = {inclination[0]}, first_way[] = {azimuth[0]};
+    CHECK(live.append_stations(no_depth, first_dip, first_way).events.size() == 1);  // like the first but for its depth
 }
 
 void image_rows() {

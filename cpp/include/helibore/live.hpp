@@ -12,6 +12,7 @@
 // Not here: WITS and what its items mean, passes, the journal's files (wits.hpp and journal.hpp read and seal bytes).
 #pragma once
 
+#include <array>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -32,8 +33,8 @@ struct LiveSettings {
 // What one call changed, or all calls since the last poll.
 struct Update {
     std::optional<Change> change;         // of the wall; none when no samples came
-    std::map<std::string, Range> images;  // of each image that grew, its new rows in order of arrival
-    std::optional<double> path_from;      // the path moved below this depth, metres; none when it did not
+    std::map<std::string, Range> images;  // of each image that grew, how many rows had arrived before and after
+    std::optional<double> path_from;      // stations changed below this depth, metres; the path, once it has two
     std::vector<std::string> events;      // stations that were left out, and why: the first hundred of a poll
 
     // The quads with a vertex that is new or changed. Quad k has the vertices k, k + 1, k + 1 + K and k + K, K =
@@ -83,7 +84,8 @@ class Live {
         std::string unit;
     };
 
-    void take_station(double depth, double inclination, double azimuth, Update& update);
+    void take_stations(std::span<const double> depth, std::span<const double> inclination,
+                       std::span<const double> azimuth, Update& update);
     Update told(Update update);
 
     mutable std::mutex lock_;

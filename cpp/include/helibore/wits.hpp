@@ -110,6 +110,8 @@ class Parser {
     void end_frame(std::size_t next, Batch& batch);
     void drop_frame(Rule rule, Batch& batch);
     void take_unended_line(Batch& batch);
+    Batch take(std::string_view bytes);
+    void lose_frame();
     void hand_over(Batch& batch);
     void tell(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
     void stray(std::size_t start, std::size_t length, Index line, Batch& batch);
