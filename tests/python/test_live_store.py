@@ -220,7 +220,9 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
 @pytest.mark.parametrize(
     ("change", "told"),
     [
+        (("https://localhost:1/x", "HTTPS://"), "source.store.address = 'HTTPS://': must be "),
         (("https:", "http:"), "source.store.address = 'http://localhost:1/x': must be https: "),
+        (("/x", "/x?password=pw"), "source.store.address = 'https://localhost:1/x?...': must not hold a query"),
         (("https://", "https://rig:pw@"), "must not hold a user or password: give user and password_env"),
         (("every", 'password = "pw"\nevery'), "source.store.password: must not be in the file"),
         (("every", 'user = "rig"\nevery'), "source.store: user and password_env must be set both, or neither"),

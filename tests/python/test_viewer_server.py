@@ -172,6 +172,7 @@ def test_one_vertex_and_a_section_as_text(client: TestClient, feed: Any) -> None
     assert len(lines) == 1 + 129
     assert lines[-1].split(",")[3:6] == ["", "", ""], "a vertex without a sample has no radius, not zero"
     assert client.get("/api/section.csv?start=1").text.startswith("stop: missing;")
+    assert client.get("/api/section.csv?start=1e308&stop=9e307").text.count("\n") == 1, "beyond the wall: no vertex"
     assert client.get("/api/section.csv?start=nan&stop=2").text == "start = nan, stop = 2.0: must be finite\n"
 
 

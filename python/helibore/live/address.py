@@ -52,13 +52,23 @@ def read_address(table: Table) -> Address:
             return Address("serial", file=parts.path, baud=int(query.get("baud", "9600")))
         if parts.scheme == "file" and parts.path and set(query) <= {"speed"}:
             return Address("file", file=parts.path, speed=float(query.get("speed", "0")))
-        if parts.scheme == "https" and parts.hostname and parts.username is None and not parts.fragment:
-            return Address("https", host=parts.hostname, port=parts.port or 443, url=text)
+        if (
+            parts.scheme == "https"
+            and parts.hostname
+            and parts.username is None
+            and not parts.fragment
+            and not parts.query
+        ):
+            return Address("https", host=parts.hostname, port=443 if parts.port is None else parts.port, url=text)
     except ValueError:
         pass
     if parts.username is not None:
         shown = text.replace(parts.netloc.rpartition("@")[0], "...")
         raise table.fail("address", shown, "must not hold a user or password: give user and password_env")
+    if parts.scheme == "https" and parts.query:
+        raise table.fail(
+            "address", text.partition("?")[0] + "?...", "must not hold a query: it would be in the journal"
+        )
     if parts.scheme == "http":
         raise table.fail("address", text, "must be https: what is sent in the clear can be read and changed")
     raise table.fail("address", text, "must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "

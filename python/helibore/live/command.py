@@ -122,8 +122,8 @@ def _watch(
             while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
                 if server.failure is not None:
                     return
-                if window and window.refresh():
-                    click.echo(f"the wall is shown at {window.url}")
+                if window and not _show(window, server.live):
+                    window = None
                 if not quiet and console.is_terminal:
                     screen.update(page.draw(), refresh=True)
                 if target and time.monotonic() >= next_snapshot:
@@ -135,13 +135,24 @@ def _watch(
             signal.signal(number, was)
 
 
+def _show(window: Window, running: Live) -> bool:
+    """Keep the page up to date; what keeps it from being shown is told, ends the page, and does not stop the wall."""
+    try:
+        if window.refresh():
+            click.echo(f"the wall is shown at {window.url}")
+    except (OSError, ValueError) as error:
+        running.model.tell("view", str(error))
+        return False
+    return True
+
+
 def _snapshot(running: Live, target: Path) -> None:
-    """Write a snapshot; a disk that refuses it is told and does not stop the wall."""
+    """Write a snapshot; what keeps it from being written is told and does not stop the wall."""
     from helibore.live.snapshot import snapshot
 
     try:
         snapshot(running, target)
-    except OSError as error:
+    except (OSError, ValueError) as error:
         running.model.tell("snapshot", str(error))
 
 

@@ -53,7 +53,8 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     wall = live.wall
     if len(wall) > wall.settings.sectors + 1:
         deepest = float(wall.vertices(len(wall) - 1, len(wall)).depth[0])
-        if path is None or path.stop_depth >= deepest:
+        top, bottom = min(wall.start_depth, deepest), max(wall.start_depth, deepest)
+        if path is None or (path.start_depth <= top and path.stop_depth >= bottom):
             wall.surface(path, stop=deepest).save(target / "main.glb")
             written.append(target / "main.glb")
     return written

@@ -108,11 +108,13 @@ class StoreLink:
                 if self._store.trajectory and not partial:
                     self._ask("trajectory", witsml.trajectory_query(self._store.trajectory), "returnElements=all")
                 self._closed.wait(SOON if partial else self._source.every)
+                while not self._pieces.empty() and not self._closed.is_set():
+                    self._closed.wait(SOON)  # a disk that is full stops the asking, too
         except OSError as error:
             self._pieces.put(error)
         except self._http.TransportError as error:
             self._pieces.put(OSError(f"{self._source.address.host}: {error or type(error).__name__}"))
-        except self._http.HTTPError as error:
+        except Exception as error:
             self._pieces.put(OSError(f"{self._source.address.host}: {type(error).__name__}"))
         finally:
             with contextlib.suppress(Exception):

@@ -9,6 +9,7 @@ again. A curve whose unit is not sent, not known or of another quantity is INVAL
 from __future__ import annotations
 
 import datetime
+import math
 import re
 
 import numpy as np
@@ -183,7 +184,8 @@ def _quantity(text: str, unit: str, kind: str) -> float:
 def _index(text: str, index: str) -> float | None:
     """A depth as a number, a time as seconds since 1970; None where it is neither."""
     if index == "depth":
-        return float(text) if NUMBER.fullmatch(text) else None
+        depth = float(text) if NUMBER.fullmatch(text) else math.nan
+        return depth if math.isfinite(depth) else None
     try:
         when = datetime.datetime.fromisoformat(text)
     except ValueError:

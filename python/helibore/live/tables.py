@@ -37,8 +37,8 @@ class Table:
         return name in self._left
 
     def starts(self, name: str, beginning: str) -> bool:
-        """Return whether ``name`` is a text that begins so; it is not taken."""
-        return str(self._left.get(name, "")).startswith(beginning)
+        """Return whether ``name`` is a text that begins so, in capitals or not; it is not taken."""
+        return str(self._left.get(name, "")).lower().startswith(beginning)
 
     def take(self, name: str, default: Any, why: str) -> Any:
         """Return the value of ``name`` as it stands."""

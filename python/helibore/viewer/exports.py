@@ -10,6 +10,7 @@ from helibore.viewer import messages
 from helibore.viewer.scene import Scene
 
 MOST_ROWS = 2_000_000
+FARTHEST = 1e6  # metres: depths beyond are beyond any wall, and their vertices have numbers
 ROWS_A_PIECE = 4096
 
 
@@ -57,6 +58,7 @@ def section(scene: Scene, start: float, stop: float) -> Iterator[str]:
     """
     if not (math.isfinite(start) and math.isfinite(stop)):
         raise ValueError(f"start = {start}, stop = {stop}: must be finite")
+    start, stop = (max(-FARTHEST, min(depth, FARTHEST)) for depth in (start, stop))
     helix = scene.helix
     ends = [(depth - helix.start_depth) / helix.pitch * helix.sectors for depth in (start, stop)]
     first = max(0, math.ceil(min(ends)))

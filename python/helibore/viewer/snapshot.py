@@ -16,6 +16,7 @@ import time
 from typing import Any
 
 from helibore.viewer.client import Client, Subscription
+from helibore.viewer.exports import FARTHEST
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
@@ -74,6 +75,7 @@ def tiles_between(scene: Scene, start: float, stop: float) -> tuple[int, int]:
     """Return the range of the wall's tiles that show two depths and what lies between."""
     if not (math.isfinite(start) and math.isfinite(stop)):
         raise ValueError(f"start = {start}, stop = {stop}: must be finite")
+    start, stop = (max(-FARTHEST, min(depth, FARTHEST)) for depth in (start, stop))
     helix, level = scene.helix, scene.levels[0]
     at = sorted((depth - helix.start_depth) / helix.pitch * helix.sectors for depth in (start, stop))
     first, last = max(0, math.floor(at[0])), min(level.size - 1, math.ceil(at[1]))
