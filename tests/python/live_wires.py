@@ -19,7 +19,8 @@ WALL = "[wall]\nbit_diameter = 0.216\nstart_depth = 100.0\nsectors = 16\nthreads
 SENT = (
     WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\n'
     'caliper = { first = "5010", groups = 3, order = ["toolface", "depth", "radius"] }\n'
-    'survey = {}\nimage.GR = { first = "5110", count = 4, unit = "gAPI", depth = "0821" }\n'
+    'survey = {}\nimage.GR = { first = "5110", count = 4, unit = "gAPI", depth = "0821",'
+    ' origin = "edge", reference = "high-side", toolface_offset = 30.0 }\n'
 )
 
 

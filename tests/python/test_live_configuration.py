@@ -9,10 +9,12 @@ import pytest
 
 from helibore import live
 from helibore.live.configuration import Address, Item, load, parse
+from helibore.live.layout import Layout
 
 WALL = "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"
 SOURCE = '[source.rig]\naddress = "tcp://127.0.0.1:9872"\nunits = "metric"\n'
 CALIPER = "[source.rig.caliper]\n"
+IMAGE = '[source.rig.image.GR]\nfirst = "5110"\ncount = 4\nunit = "gAPI"\n'
 
 
 def test_a_full_configuration_is_read_in_core_units():
@@ -23,7 +25,8 @@ def test_a_full_configuration_is_read_in_core_units():
         'items = { bit_depth = "0108", hole_depth = { item = "0110", unit = "m" }, rotation = "0120" }\n'
         'caliper = { first = "5010", groups = 2, order = ["radius", "toolface"], measures = "diameter",'
         " offset = 12.5 }\n"
-        'image.GR = { first = "5110", count = 4, unit = "gAPI" }\nsurvey = { azimuth = "0714" }\n'
+        'image.GR = { first = "5110", count = 4, unit = "gAPI", origin = "edge", reference = "high-side",'
+        ' direction = "counterclockwise", toolface_offset = 45 }\nsurvey = { azimuth = "0714" }\n'
     )
     rig = c.sources["rig"]
     assert rig.address == Address("listen", "::1", 9872)
@@ -35,6 +38,7 @@ def test_a_full_configuration_is_read_in_core_units():
     assert rig.caliper.radius[0].scale == 0.0254 / 2
     assert rig.caliper.depth == ()
     assert [item.code for item in rig.images[0].sectors] == [5110, 5111, 5112, 5113]
+    assert rig.images[0].layout == Layout("edge", "high-side", "counterclockwise", 45.0)
     assert [(item.code, item.scale) for item in rig.survey] == [(708, 0.3048), (713, 1.0), (714, 1.0)]
     assert rig.records() == [1, 7, 50, 51]
     assert c.layers == {"main": ("drill", "rescan", "unknown"), "ream": ("ream",)}
@@ -115,7 +119,29 @@ def test_what_is_only_transport_does_not_change_the_meaning():
             "source.rig.caliper: has no depth items, and no source maps bit_depth",
         ),
         (
-            WALL + SOURCE + 'image.GR = { first = "5110", count = 4, unit = "gAPI" }\n',
+            WALL + SOURCE + IMAGE,
+            'source.rig.image.GR.origin: must be set: "centre" or "edge": what of sector 1 lies at toolface_offset; '
+            "tools differ",
+        ),
+        (
+            WALL + SOURCE + IMAGE + 'origin = "center"\n',
+            'source.rig.image.GR.origin = \'center\': must be "centre" or "edge"',
+        ),
+        (
+            WALL + SOURCE + IMAGE + 'origin = "edge"\n',
+            'source.rig.image.GR.reference: must be set: "high-side" or "north": what toolface 0 is',
+        ),
+        (
+            WALL + SOURCE + IMAGE + 'origin = "edge"\nreference = "north"\n',
+            "source.rig.image.GR.reference = 'north': must be the path's reference, \"high-side\": "
+            "an image is not turned on its way to the wall",
+        ),
+        (
+            WALL + SOURCE + IMAGE.replace("count = 4", "count = 1"),
+            "source.rig.image.GR.count = 1: must be a whole number from 2 to 99",
+        ),
+        (
+            WALL + SOURCE + IMAGE + 'origin = "edge"\nreference = "high-side"\n',
             "source.rig.image.GR: has no depth item, no source maps bit_depth",
         ),
         (

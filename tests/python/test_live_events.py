@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import pytest
 from live_wires import (
     FRAMES,
     SECOND,
@@ -103,6 +104,11 @@ def test_image_rows_come_with_their_depth():
     depth, values = live.images["GR"].arrays()
     assert depth.tolist() == [100.5, 101.0]
     np.testing.assert_array_equal(values, [[2, 20, np.nan, np.nan], [3, 20, np.nan, np.nan]])
+    image = live.image("GR")
+    np.testing.assert_array_equal(image.values, values)
+    assert (image.name, image.unit, image.toolface.tolist()) == ("GR", "gAPI", [75.0, 165.0, 255.0, 345.0])
+    with pytest.raises(ValueError, match="image 'RES': no source brings it"):
+        live.image("RES")
 
 
 def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):

@@ -105,6 +105,9 @@ def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     saved = hb.load(tmp_path / "now" / "main.wall")
     assert np.array_equal(saved.radius, live.wall.radius, equal_nan=True)
     assert np.array_equal(saved.path.position([2000.5]), live.path.position([2000.5]))
+    depth, values = live.images["GR"].arrays()
+    truth = hb.SectorImage(depth, values, "GR", "gAPI", origin="edge", reference="high-side")
+    assert saved.images["GR"].on(saved).tobytes() == truth.on(live.wall).tobytes()
     las = hb.open(tmp_path / "now" / "main.las").sets[0]
     assert len(las.channels[0].values) == len(live.wall.logs().depth)
     table = np.genfromtxt(tmp_path / "now" / "image-GR.csv", delimiter=",", skip_header=1)

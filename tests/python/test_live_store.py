@@ -31,7 +31,7 @@ items = { bit_depth = "DBTM" }
 log = { well = "w", wellbore = "b", log = "l<1>", index = "depth" }
 trajectory = { well = "w", wellbore = "b", trajectory = "t" }
 caliper = { toolface = ["TF"], radius = ["RAD"] }
-image.GR = { sectors = ["GR1", "GR2"], unit = "gAPI" }
+image.GR = { sectors = ["GR1", "GR2"], unit = "gAPI", origin = "edge", reference = "high-side" }
 """
 
 

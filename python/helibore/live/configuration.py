@@ -27,8 +27,10 @@ from typing import Any
 from helibore import units
 from helibore.live import wits
 from helibore.live.address import Address, check_allowed, read_address
+from helibore.live.layout import Layout, read_layout
 from helibore.live.store_settings import Store, read_store
 from helibore.live.tables import Table
+from helibore.sector_image import Reference
 from helibore.wall import Wall
 
 RIG_ITEMS = ("bit_depth", "hole_depth", "rotation", "activity")
@@ -68,6 +70,7 @@ class ImageItems:
     depth: Item | None
     offset: float
     latency: float
+    layout: Layout
 
 
 @dataclass(frozen=True)
@@ -161,10 +164,11 @@ def parse(text: str) -> Configuration:
     except tomllib.TOMLDecodeError as error:
         raise ValueError(f"is not TOML: {error}") from None
     wall = _wall(top.table("wall"))
+    path = _path(top.table("path"))
     sources = {}
     for name, table in top.tables("source").items():
         polled = table.starts("address", "https:")
-        sources[name] = (read_store if polled else _source)(name, table, wall["bit_diameter"])
+        sources[name] = (read_store if polled else _source)(name, table, wall["bit_diameter"], path["reference"])
     _one_source_each(sources)
     journal = top.table("journal")
     snapshot = top.table("snapshot")
@@ -172,7 +176,7 @@ def parse(text: str) -> Configuration:
         wall=wall,
         layers=_layers(top.table("layers")),
         passes=_passes(top.table("passes")),
-        path=_path(top.table("path")),
+        path=path,
         sources=sources,
         journal=journal.text("folder", None) if journal.has("folder") else None,
         sync_interval=journal.number("sync_ms", 100.0, least=0, most=60_000) / 1000.0,
@@ -245,7 +249,7 @@ def _path(table: Table) -> dict[str, Any]:
     return path
 
 
-def _source(name: str, table: Table, bit_diameter: float) -> Source:
+def _source(name: str, table: Table, bit_diameter: float, reference: Reference) -> Source:
     address = read_address(table)
     chosen = table.choice("units", tuple(LENGTHS), why=" (nothing on the wire says which)")
     depth_unit, radius_unit = LENGTHS[chosen]
@@ -277,7 +281,7 @@ def _source(name: str, table: Table, bit_diameter: float) -> Source:
         caliper=_caliper(table.table("caliper"), depth_unit, radius_unit, bit_diameter)
         if table.has("caliper")
         else None,
-        images=tuple(_image(key, inner, depth_unit) for key, inner in table.tables("image").items()),
+        images=tuple(_image(key, inner, depth_unit, reference) for key, inner in table.tables("image").items()),
         survey=_survey(table.table("survey"), depth_unit) if table.has("survey") else None,
     )
     table.close()
@@ -299,10 +303,10 @@ def _item(table: Table, name: str, unit: str | None, default: str | None = None)
         raise ValueError(f"{table.place}.{name} = {value!r}: {str(error).rpartition(': ')[2]}") from None
 
 
-def _run(table: Table, name: str, members: int = 1) -> list[int]:
+def _run(table: Table, name: str, members: int = 1, fewest: int = 1) -> list[int]:
     """Codes of consecutive items from ``first``: ``members`` times the number that ``name`` gives."""
     first = _item(table, "first", None).code
-    given = table.whole(name, least=1, most=99)
+    given = table.whole(name, least=fewest, most=99)
     count = given * members
     if first % 100 + count - 1 > 99:
         raise table.fail(name, given, f"items {first:04d} and {count - 1} more must not pass item 99")
@@ -353,12 +357,13 @@ def _code_at(table: Table, name: str, index: int, text: str) -> int:
         raise table.fail(f"{name}[{index}]", text, "must be four digits RRII, 01 to 99 each") from None
 
 
-def _image(name: str, table: Table, depth_unit: str) -> ImageItems:
+def _image(name: str, table: Table, depth_unit: str, reference: Reference) -> ImageItems:
     unit = table.text("unit", why="the unit of its values, for display")
     scale_depth = _item(table, "depth", depth_unit) if table.has("depth") else None
     offset = table.number("offset", 0.0)
     latency = table.number("latency", 0.0, least=0, most=3600)
-    image = ImageItems(name, unit, tuple(Item(code) for code in _run(table, "count")), scale_depth, offset, latency)
+    sectors = tuple(Item(code) for code in _run(table, "count", fewest=2))
+    image = ImageItems(name, unit, sectors, scale_depth, offset, latency, read_layout(table, reference))
     table.close()
     return image
 

@@ -3,7 +3,7 @@
     live = hb.Live("rig.toml", journal="well-7.journal")      # recovers what the journal holds, then goes on
     update = live.receive("mwd", chunk)                       # stored, read, drawn
     update.changes["main"].ranges                             # the vertices that are new or changed
-    live.wall.radius, live.path, live.images["GR"].arrays()
+    live.wall.radius, live.path, live.image("GR")
 
 For software that owns its own transport: no thread, no callback. ``helibore live`` adds sockets and a status page.
 """
@@ -27,6 +27,7 @@ from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load, parse
 from helibore.live.journal import Journal, Segment, segments
 from helibore.live.model import ImageRows, Model, Rows, Update, joined
+from helibore.sector_image import SectorImage
 from helibore.survey import Path, Survey
 from helibore.wall import Wall
 
@@ -127,6 +128,27 @@ class Live:
     def images(self) -> dict[str, ImageRows]:
         """The rows of each sector image."""
         return self.model.images
+
+    def image(self, name: str, reach: float | None = None) -> SectorImage:
+        """Return a sector image of the configuration as it is now: its rows, laid around the hole.
+
+        Parameters
+        ----------
+        name
+            X of ``[source.NAME.image.X]``.
+        reach
+            As in `SectorImage`; needed while the image has one row.
+
+        Raises
+        ------
+        ValueError
+            If no source brings this image, and as `SectorImage`: no row has come yet.
+        """
+        for source in self.configuration.sources.values():
+            for items in source.images:
+                if items.name == name:
+                    return items.layout.image(name, items.unit, self.images[name].arrays(), reach)
+        raise ValueError(f"image '{name}': no source brings it, so how its sectors lie is not known")
 
     @property
     def survey(self) -> Survey | None:

@@ -40,7 +40,7 @@ units = "metric"
 items = {{ bit_depth = "0108", hole_depth = "0110", rotation = "0120", activity = "0107" }}
 caliper = {{ first = "5010", groups = {groups}, order = ["toolface", "depth", "radius"] }}
 survey = {{}}
-image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821" }}
+image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin = "edge", reference = "high-side" }}
 """
 
 

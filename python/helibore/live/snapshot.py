@@ -1,6 +1,6 @@
 """The state of a live wall as files, each whole or not there: walls, mesh, logs, images, survey.
 
-    main.wall       settings, samples, vertices and survey: hb.load opens it          one file a layer
+    main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
     main.las        every turn measured, or main.csv                                  one file a layer of a turn or more
     main.glb        the wall along the path                                           when a path covers it
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
@@ -14,8 +14,12 @@ from __future__ import annotations
 from collections.abc import Iterable
 from pathlib import Path
 
+import numpy as np
+
 from helibore.atomic_file import write_whole
 from helibore.live.live import Live
+from helibore.sector_image import SectorImage
+from helibore.wall import Wall
 
 
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
@@ -30,11 +34,11 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     target.mkdir(parents=True, exist_ok=True)
     logs = live.configuration.snapshot["logs"]
     written: list[Path] = []
-    path = live.path
+    path, images = live.path, _images(live)
     for name, wall in live.layers.items():
         if not len(wall):
             continue
-        wall.path = path
+        wall.path, wall.images = path, {image.name: image for image in images if _meets(image, wall)}
         written.append(target / f"{name}.wall")
         wall.save(written[-1])
         if logs != "none" and len(wall) > wall.settings.sectors:
@@ -58,6 +62,26 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
             wall.surface(path, stop=deepest).save(target / "main.glb")
             written.append(target / "main.glb")
     return written
+
+
+def _images(live: Live) -> list[SectorImage]:
+    """The images of the sources, as soon as they have two rows and a value."""
+    found = []
+    for source in live.configuration.sources.values():
+        for items in source.images:
+            depth, values = live.images[items.name].arrays()
+            if len(depth) > 1 and not np.isnan(values).all():
+                found.append(live.image(items.name))
+    return found
+
+
+def _meets(image: SectorImage, wall: Wall) -> bool:
+    """Whether they share a turn or more: elsewhere an image has no quad of the wall to lie on, and says so."""
+    pitch = wall.settings.pitch
+    ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
+    top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach
+    shared = min(ends[1] - abs(pitch), bottom) - max(ends[0] + abs(pitch), top)
+    return bool(shared > abs(pitch))
 
 
 def _table(file: Path, heads: list[str], rows: Iterable[list[float]]) -> Path:

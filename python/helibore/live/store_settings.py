@@ -16,7 +16,9 @@ from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
 from helibore import units
+from helibore.live.layout import read_layout
 from helibore.live.tables import Table
+from helibore.sector_image import Reference
 
 if TYPE_CHECKING:
     from helibore.live.configuration import Source
@@ -80,7 +82,7 @@ class Numbers:
         return len(self.curves) + 1
 
 
-def read_store(name: str, table: Table, bit_diameter: float) -> Source:
+def read_store(name: str, table: Table, bit_diameter: float, reference: Reference) -> Source:
     """Take the table of a source whose address is https."""
     from helibore.live.address import read_address
     from helibore.live.configuration import Item, Source
@@ -97,7 +99,7 @@ def read_store(name: str, table: Table, bit_diameter: float) -> Source:
            for key, kind in KINDS.items() if items.has(key)}  # fmt: skip
     items.close()
     caliper = _caliper(table.table("caliper"), numbers, index, bit_diameter) if table.has("caliper") else None
-    images = tuple(_image(key, inner, numbers, index) for key, inner in table.tables("image").items())
+    images = tuple(_image(key, inner, numbers, index, reference) for key, inner in table.tables("image").items())
     if numbers.curves and log is None:
         raise ValueError(f"source.{name}.log: must be set: {numbers.curves[0].mnemonic} is a curve of it")
     source = Source(
@@ -179,7 +181,7 @@ def _caliper(table: Table, numbers: Numbers, index: str, bit_diameter: float) ->
     return caliper
 
 
-def _image(name: str, table: Table, numbers: Numbers, index: str) -> Any:
+def _image(name: str, table: Table, numbers: Numbers, index: str, reference: Reference) -> Any:
     from helibore.live.configuration import ImageItems, Item
 
     sectors = tuple(Item(numbers.number(table, "sectors", text, ""))
@@ -188,6 +190,6 @@ def _image(name: str, table: Table, numbers: Numbers, index: str) -> Any:
         raise table.fail("sectors", len(sectors), "must be 2 mnemonics or more")
     unit = table.text("unit", why="the unit of its values, for display")
     depth = Item(INDEX) if index == "depth" else None
-    image = ImageItems(name, unit, sectors, depth, table.number("offset", 0.0), 0.0)
+    image = ImageItems(name, unit, sectors, depth, table.number("offset", 0.0), 0.0, read_layout(table, reference))
     table.close()
     return image
