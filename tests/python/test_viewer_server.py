@@ -21,8 +21,9 @@ from starlette.testclient import TestClient  # noqa: E402
 from starlette.websockets import WebSocketDisconnect  # noqa: E402
 
 import helibore as hb  # noqa: E402
-from helibore.viewer import Attribute, messages  # noqa: E402
+from helibore.viewer import Attribute, Scene, messages  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
+from helibore.viewer.guard import NO_TOKEN  # noqa: E402
 from helibore.viewer.server import application  # noqa: E402
 
 HOST = "127.0.0.1"
@@ -93,6 +94,31 @@ def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: A
         assert news.first + news.count == 41_000 - 2 * 16384
 
 
+def test_a_page_before_the_wall_is_told_what_the_sources_do_and_greeted_when_it_begins() -> None:
+    scene = Scene()
+    scene.state(feed="mwd: listening", bit_depth=990.0)
+    with TestClient(application(scene), base_url=f"http://{HOST}") as client:
+        for asked in ("vertex/0", "section.csv?start=1&stop=2", "history", "snapshot.html?start=1&stop=2"):
+            answer = client.get(f"/api/{asked}")
+            assert (answer.status_code, answer.text) == (503, "no sample has come yet: there is no wall to show\n")
+        assert client.get("/healthz").json()["vertices"] == 0
+        with client.websocket_connect(f"ws://{HOST}/ws") as socket:
+            state = json.loads(socket.receive_text())
+            assert (state["begun"], state["feed"], state["bit_depth"]) == (False, "mwd: listening", 990.0)
+            feed = Feed(MadeWall(500), path=None, attributes={}, well="A-2", scene=scene)
+            hello = json.loads(socket.receive_text())
+            assert (hello["type"], hello["well"]) == ("hello", "A-2")
+            assert json.loads(socket.receive_text())["begun"]
+            frames = messages.unpack(socket.receive_bytes())
+            assert (frames.kind, frames.mask) == (messages.FRAMES, 0)
+            socket.send_text(json.dumps({"session": hello["session"], "ack": frames.sequence}))
+            feed.start()
+            feed.set_path(curved_path())
+            frames = messages.unpack(socket.receive_bytes())
+            assert (frames.kind, frames.mask) == (messages.FRAMES, messages.SURVEYED)
+            feed.close()
+
+
 def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
     with client.websocket_connect(f"ws://{HOST}/ws") as socket:
         talk = Talk(socket)
@@ -147,8 +173,13 @@ def test_a_token_is_asked_for_where_one_is_set(feed: Any) -> None:
         assert client.get("/api/vertex/1").status_code == 403
         assert client.get("/api/vertex/1?token=s3cre").text.startswith("token: missing or wrong.")
         assert client.get("/api/vertex/1?token=s3cret").status_code == 200
-        with pytest.raises(WebSocketDisconnect), client.websocket_connect("ws://rig/ws"):
-            pass
+        for query in ("", "?token=s3cre"):
+            with (
+                client.websocket_connect(f"ws://rig/ws{query}") as socket,
+                pytest.raises(WebSocketDisconnect) as closed,
+            ):
+                socket.receive_text()
+            assert (closed.value.code, closed.value.reason) == (4403, NO_TOKEN)
         with client.websocket_connect("ws://rig/ws?token=s3cret") as socket:
             assert Talk(socket).hello["type"] == "hello"
 

@@ -6,6 +6,7 @@ import http.server
 import signal
 import threading
 import time
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,22 +59,20 @@ def live(
     if where is None:
         raise click.UsageError("no journal: give --journal FOLDER, or journal.folder in the configuration")
     target = folder or (Path(settings.snapshot["folder"]) if settings.snapshot["folder"] else None)
-    if page:
-        from helibore.live.window import check_window
-
-        check_window(view_port)  # before a journal is begun
-    with Live(settings, where) as running:
-        window = _window(running, configuration.stem, view_port) if page else None
+    with _window(configuration.stem, view_port) if page else nullcontext() as window, Live(settings, where) as running:
         _run(running, window, metrics_port, seconds, target, every or settings.snapshot["every"], quiet)
         counts = running.model.counts
         click.echo(f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} not, {len(running.wall):,} vertices; "
                    f"journal {where}")  # fmt: skip
 
 
-def _window(running: Live, well: str, port: int) -> Window:
+def _window(well: str, port: int) -> Window:
+    """Serve the page, before a journal is begun: what keeps it from being served ends the command."""
     from helibore.live.window import Window
 
-    return Window(running, well, port=port)
+    window = Window(well, port=port)
+    click.echo(f"the wall is shown at {window.url}")
+    return window
 
 
 def _run(
@@ -83,6 +82,8 @@ def _run(
     """Serve the sources until the end, then write the last snapshot."""
     from helibore.live.server import Server
 
+    if window:
+        window.follow(running)
     server = Server(running, window.show if window else lambda _: None)
     server.start()
     try:
@@ -122,7 +123,7 @@ def _watch(
             while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
                 if server.failure is not None:
                     return
-                if window and not _show(window, server.live):
+                if window and not _show(window, server):
                     window = None
                 if not quiet and console.is_terminal:
                     screen.update(page.draw(), refresh=True)
@@ -135,13 +136,13 @@ def _watch(
             signal.signal(number, was)
 
 
-def _show(window: Window, running: Live) -> bool:
-    """Keep the page up to date; what keeps it from being shown is told, ends the page, and does not stop the wall."""
+def _show(window: Window, server: Server) -> bool:
+    """Keep the page up to date; what keeps the wall from being shown is told, there too, and does not stop the wall."""
     try:
-        if window.refresh():
-            click.echo(f"the wall is shown at {window.url}")
+        window.refresh(server.states)
     except (OSError, ValueError) as error:
-        running.model.tell("view", str(error))
+        server.live.model.tell("view", str(error))
+        window.tell(str(error))
         return False
     return True
 

@@ -149,8 +149,9 @@ class Client:
 
     def _frames(self, first: int, stop: int) -> bytearray:
         frames = self.scene.frames
+        mask = messages.SURVEYED if frames.surveyed else 0
         message = messages.head(
-            messages.FRAMES, FRAMES_LEVEL, 0, 0, first, stop - first, len(frames.centre), time.time()
+            messages.FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, len(frames.centre), time.time()
         )
         message += frames.centre[first:stop].astype("<f8", copy=False).tobytes()
         message += np.hstack([frames.high[first:stop], frames.right[first:stop]]).astype("<f4").tobytes()

@@ -55,15 +55,21 @@ class Feed:
     """Keeps a scene equal to a wall."""
 
     def __init__(
-        self, wall: WallLike, *, path: Any | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str
+        self,
+        wall: WallLike,
+        *,
+        path: Any | None,
+        attributes: Mapping[str | Attribute, npt.ArrayLike],
+        well: str,
+        scene: Scene | None = None,
     ) -> None:
-        self.scene = Scene()
+        self.scene = scene or Scene()  # one that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         if len(wall) == 0:
             raise ValueError("the wall has no vertex yet: append samples first")
         named = {_attribute(key): numbers(values) for key, values in attributes.items()}
-        self._helix = _helix(wall, tuple(named), well, path is not None)
+        self._helix = _helix(wall, tuple(named), well)
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
             self._check(name, values)
@@ -183,7 +189,7 @@ def _attribute(key: str | Attribute) -> Attribute:
     return key if isinstance(key, Attribute) else Attribute(key)
 
 
-def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str, has_path: bool) -> Helix:
+def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str) -> Helix:
     settings, top = wall.settings, wall.vertices(0, 1)
     return Helix(
         sectors=int(settings.sectors),
@@ -193,5 +199,4 @@ def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str, has_pat
         bit_diameter=float(settings.bit_diameter),
         well=well,
         attributes=attributes,
-        has_path=has_path,
     )

@@ -27,7 +27,8 @@ def on_path(helix: Helix, path: Any | None, first: int, stop: int) -> Frames:
     count = len(depth)
     if path is None:
         centre = np.column_stack([np.zeros(count), np.zeros(count), depth])
-        return Frames(centre, np.tile([1.0, 0.0, 0.0], (count, 1)), np.tile([0.0, 1.0, 0.0], (count, 1)))
+        north, east = (np.tile(axis, (count, 1)) for axis in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+        return Frames(centre, north, east, surveyed=False)
     inside = np.clip(depth, path.start_depth, path.stop_depth)
     frame = path.frame(inside)
     beyond = (depth - inside)[:, None] * frame[:, 2]

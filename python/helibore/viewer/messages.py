@@ -11,7 +11,8 @@
 A WRITE sets `count` vertices of a tile from `first` on, both in the tile's own numbers, the halo (the first
 sectors + 1 vertices of the next tile) included. It is idempotent: a new quad, a patched one and a resent one are the
 same message. `mask` says which attributes follow; its highest type bit LIVE tells a fresh write from a tile asked for.
-FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count directions.
+FRAMES carries frames of the path: f64 x 3 x count centres, then f32 x 6 x count directions. Its `mask` is SURVEYED
+where they lie on a survey's path; without one the hole is drawn straight down, and north and true depth are not known.
 """
 
 from __future__ import annotations
@@ -29,6 +30,7 @@ Texels = npt.NDArray[np.uint16]
 HEAD = struct.Struct("<BBHIIIIId")
 WRITE, FRAMES = 1, 3
 LIVE = 0x80  # in `type`: the values are news, not a tile the page has just asked for
+SURVEYED = 1  # in `mask` of FRAMES
 FRAMES_LEVEL = 255  # the "level" under which the path's frames are marked
 FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 mm between them
 

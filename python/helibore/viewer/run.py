@@ -23,7 +23,8 @@ class Server:
         if not _is_loopback(host) and not token:
             raise ValueError(f"host {host}: is open to other machines, so it needs a token")
         uvicorn = import_server()
-        from helibore.viewer.server import LOOPBACK, MOST_TEXT, application
+        from helibore.viewer.guard import LOOPBACK
+        from helibore.viewer.server import MOST_TEXT, application
 
         self._socket = _bind(host, port)
         name = f"[{host}]" if ":" in host else host

@@ -58,7 +58,6 @@ class Helix:
     start_toolface: float = 0.0
     well: str = ""
     attributes: tuple[Attribute, ...] = field(default_factory=tuple)
-    has_path: bool = False
 
     def __post_init__(self) -> None:
         if not 3 <= self.sectors <= MAX_SECTORS:
@@ -88,12 +87,14 @@ class Helix:
 class Frames:
     """Where the hole runs: one frame every `messages.FRAME_STEP` metres of depth, from start_depth on.
 
-    centre (n, 3) is north, east, down in metres; high and right (n, 3) are the directions of toolface 0 and 90.
+    centre (n, 3) is north, east, down in metres; high and right (n, 3) are the directions of toolface 0 and 90. Not
+    `surveyed`: the hole is only drawn straight down, for want of a path.
     """
 
     centre: Floats
     high: Floats
     right: Floats
+    surveyed: bool = True
 
 
 class WallScene(Protocol):
@@ -155,6 +156,7 @@ class Scene:
         self.newest = math.nan  # seconds since 1970 of the newest sample, by the producer's clock
         self.bit_depth = math.nan
         self.ended = False
+        self.feed = ""  # what the sources are doing, in words
 
     def begin(self, helix: Helix) -> None:
         with self.lock:
@@ -165,7 +167,7 @@ class Scene:
                 Level(helix.sectors, helix.tile_rows, count),
                 Level(overview.sectors(helix.sectors), overview.TILE_ROWS, count),
             )
-            self.frames = Frames(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)))
+            self.frames = Frames(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), surveyed=False)
             self.settled = 0
             self.history = History()
             self.begun = True
@@ -208,25 +210,29 @@ class Scene:
             old = self.frames
             if first > len(old.centre):
                 raise ValueError(f"first = {first}: the scene holds {len(old.centre)} frames, none may be left out")
-            self.frames = Frames(
-                *(
-                    np.concatenate([kept[:first], new, kept[first + len(new) :]])
-                    for kept, new in (
-                        (old.centre, frames.centre),
-                        (old.high, frames.high),
-                        (old.right, frames.right),
-                    )
-                )
-            )
+            pairs = ((old.centre, frames.centre), (old.high, frames.high), (old.right, frames.right))
+            joined = [np.concatenate([kept[:first], new, kept[first + len(new) :]]) for kept, new in pairs]
+            self.frames = Frames(joined[0], joined[1], joined[2], surveyed=frames.surveyed)
             self._mark(messages.FRAMES_LEVEL, first, first + len(frames.centre))
         self.on_change()
 
-    def state(self, *, bit_depth: float | None = None, newest: float | None = None, ended: bool | None = None) -> None:
-        """Say where the bit is (metres), when the newest sample was taken (seconds since 1970), that the run ended."""
+    def state(
+        self,
+        *,
+        bit_depth: float | None = None,
+        newest: float | None = None,
+        ended: bool | None = None,
+        feed: str | None = None,
+    ) -> None:
+        """Say where the bit is (metres), when the newest sample was taken (seconds since 1970), that the run ended.
+
+        `feed` is what the sources are doing, in words. May be called before `begin`: pages that are open then show it.
+        """
         with self.lock:
             self.bit_depth = self.bit_depth if bit_depth is None else bit_depth
             self.newest = self.newest if newest is None else newest
             self.ended = self.ended if ended is None else ended
+            self.feed = self.feed if feed is None else feed
         self.on_change()
 
     def settle(self, below: int) -> None:

@@ -7,43 +7,38 @@
     /api/snapshot.html                      a section with its page, as one file
     /healthz                                alive
 
-Every request passes `Guard`: the Host must be one we answer to (a page elsewhere cannot reach us through its own name
-for 127.0.0.1), the Origin, where a browser sends one, must be ourselves, and beyond loopback the token must match.
+Every request passes `Guard` (guard.py). A page may come before the wall has begun: it is told what the sources
+are doing, and greeted when there is something to see.
 """
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
-import hmac
 import json
 import math
 import time
 from collections.abc import AsyncIterator, Callable
 from importlib import resources
 from typing import Any
-from urllib.parse import parse_qs, urlsplit
 
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
 from starlette.routing import Route, WebSocketRoute
-from starlette.types import ASGIApp, Receive, Scope, Send
+from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from helibore.viewer import exports, messages
 from helibore.viewer.client import BadMessageError, Client, read_subscription
+from helibore.viewer.guard import LOOPBACK, Guard
 from helibore.viewer.scene import Attribute, Scene
 from helibore.viewer.snapshot import snapshot
 
 TICK = 0.05  # seconds between two sends of news: at most 20 a second for a growing wall, the first one at once
 MOST_CLIENTS = 64
 MOST_TEXT = 8192  # bytes of a message from a page
-LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
-POLICY = (
-    "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "
-    "base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
-)
+NOT_BEGUN = "no sample has come yet: there is no wall to show"
 TYPES = {
     "index.html": "text/html; charset=utf-8",
     "app.js": "text/javascript; charset=utf-8",
@@ -75,72 +70,18 @@ def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] =
         Route("/", _page_file("index.html")),
         *(Route(f"/{name}", _page_file(name)) for name in ("app.js", "app.css", "licences.txt")),
         Route("/healthz", _health(scene, hub)),
-        Route("/api/vertex/{k:int}", _vertex(scene)),
-        Route("/api/section.csv", _section(scene)),
-        Route("/api/history", _history(scene)),
-        Route("/api/snapshot.html", _snapshot(scene)),
+        *(
+            Route(f"/api/{name}", _once_begun(scene, answer(scene)))
+            for name, answer in (
+                ("vertex/{k:int}", _vertex),
+                ("section.csv", _section),
+                ("history", _history),
+                ("snapshot.html", _snapshot),
+            )
+        ),
         WebSocketRoute("/ws", hub.serve),
     ]
     return Guard(Starlette(routes=routes, lifespan=hub.lifespan), token, hosts)
-
-
-class Guard:
-    """Checks Host, Origin and token, and sets the headers that keep the page to itself."""
-
-    def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
-        self.app, self.token, self.hosts = app, token, hosts
-
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] not in ("http", "websocket"):
-            await self.app(scope, receive, send)
-            return
-        refusal = self.refusal(scope)
-        if refusal is None:
-            await self.app(scope, receive, self._with_headers(send) if scope["type"] == "http" else send)
-        elif scope["type"] == "http":
-            await self._with_headers_response(PlainTextResponse(refusal + "\n", 403), scope, receive, send)
-        else:
-            await receive()
-            await send({"type": "websocket.close", "code": 4403, "reason": refusal[:120]})
-
-    def refusal(self, scope: Scope) -> str | None:
-        """Return why a request is turned away, or None."""
-        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
-        host = headers.get("host", "")
-        if self.token is None and _name(host) not in self.hosts:
-            return f"host {host[:60]!r}: this viewer answers to {', '.join(self.hosts)} only"
-        origin = headers.get("origin")
-        if origin is not None and urlsplit(origin).netloc != host:
-            return f"origin {origin[:60]!r}: only the viewer's own page may connect"
-        open_to_all = scope["type"] == "http" and scope["path"] in ("/app.js", "/app.css", "/licences.txt", "/healthz")
-        if self.token is not None and not open_to_all:
-            given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
-            if not hmac.compare_digest(given.encode(), self.token.encode()):
-                return "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
-        return None
-
-    @staticmethod
-    def _with_headers(send: Send) -> Send:
-        async def sending(message: Any) -> None:
-            if message["type"] == "http.response.start":
-                message["headers"] = [
-                    *message["headers"],
-                    (b"content-security-policy", POLICY.encode()),
-                    (b"x-content-type-options", b"nosniff"),
-                    (b"referrer-policy", b"no-referrer"),
-                    (b"cache-control", b"no-cache"),
-                ]
-            await send(message)
-
-        return sending
-
-    async def _with_headers_response(self, response: Response, scope: Scope, receive: Receive, send: Send) -> None:
-        await response(scope, receive, self._with_headers(send))
-
-
-def _name(host: str) -> str:
-    """Return a Host header without its port."""
-    return host.rsplit(":", 1)[0] if ":" in host and not host.endswith("]") else host
 
 
 class Hub:
@@ -178,9 +119,6 @@ class Hub:
         await socket.accept()
         if len(self.pages) >= MOST_CLIENTS:
             await socket.close(4429, f"{MOST_CLIENTS} pages are connected already")
-            return
-        if not self.scene.begun:
-            await socket.close(4425, "the wall has not begun")
             return
         one = _Page(self.scene, socket)
         self.pages.add(one)
@@ -231,10 +169,10 @@ class _Page:
                 self.wake.clear()
 
     async def _greet(self) -> None:
-        """Say hello to a new page or a new wall, and tell the state where it changed."""
+        """Say hello to a new page or a new wall once there is one, and tell the state where it changed."""
         with self.scene.lock:
             hello = None
-            if self.client is None or self.client.session != self.scene.session:
+            if self.scene.begun and (self.client is None or self.client.session != self.scene.session):
                 self.client = Client(self.scene)
                 hello = greeting(self.scene)
             told = json.dumps(state(self.scene))
@@ -297,7 +235,6 @@ def greeting(scene: Scene) -> dict[str, Any]:
             {"sectors": wall.sectors, "rows": wall.rows, "pitch": helix.pitch},
             {"sectors": over.sectors, "rows": over.rows, "pitch": helix.pitch * 16},
         ],
-        "has_path": helix.has_path,
         "frame_step": math.copysign(messages.FRAME_STEP, helix.pitch),
         "attributes": [_described(attribute) for attribute in helix.attributes],
     }
@@ -315,10 +252,12 @@ def _described(attribute: Attribute) -> dict[str, Any]:
 
 
 def state(scene: Scene) -> dict[str, Any]:
-    """Return where the bit is and how old the newest sample is, as of now on the server's clock."""
+    """Return where the bit is, how old the newest sample is by the server's clock, and what the sources are doing."""
     bit, newest = scene.bit_depth, scene.newest
     return {
         "type": "state",
+        "begun": scene.begun,
+        "feed": scene.feed,
         "bit_depth": bit if math.isfinite(bit) else None,
         "newest": newest if math.isfinite(newest) else None,
         "now": round(time.time(), 1) if math.isfinite(newest) else None,
@@ -327,6 +266,16 @@ def state(scene: Scene) -> dict[str, Any]:
 
 
 Endpoint = Callable[[Request], Any]
+
+
+def _once_begun(scene: Scene, answer: Endpoint) -> Endpoint:
+    async def answer_or_wait(request: Request) -> Response:
+        if not scene.begun:
+            return PlainTextResponse(NOT_BEGUN + "\n", 503)
+        response: Response = await answer(request)
+        return response
+
+    return answer_or_wait
 
 
 def _page_file(name: str) -> Endpoint:

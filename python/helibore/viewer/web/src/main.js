@@ -5,8 +5,8 @@
 // Nothing is drawn unless something changed; a page at rest costs nothing.
 
 import { fromAddress, toAddress } from './address.js';
-import { Connection } from './connection.js';
-import { fitRange, MAPS, Q_NEAREST, Q_OVER, Q_RADIUS, quantities, roundRange, sampleOf } from './colour.js';
+import { Connection, LOST } from './connection.js';
+import { MAPS, quantities } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Enclosed, enclosed } from './enclosed.js';
 import { Glow } from './glow.js';
@@ -15,10 +15,11 @@ import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
-import { byId, fillSelects, Histogram, lamp, links, options, readout, reflect, sectionText, write } from './panel.js';
+import { byId, dress, fillSelects, Histogram, lamp, links, options, readout, reflect, rest, sectionText, write } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
+import { rangeOnce, rangeSaved } from './ranges.js';
 import { Replay } from './replay.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
@@ -29,7 +30,6 @@ import { View } from './view.js';
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that news outside the section may wait for a frame
-const FEW_TURNS = 50; // a shorter wall is no measure of the hole to come
 const seconds = () => performance.now() / 1000;
 
 class App {
@@ -39,9 +39,10 @@ class App {
     this.glow = new Glow();
     this.map = new DepthMap();
     this.histogram = new Histogram(byId('histogram'));
-    Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, lastWrite: null });
+    Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, feed: '', lastWrite: null });
     Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false, ranged: false });
     fillSelects();
+    rest(true);
     this.openGpu();
     bindTracks(this);
     bindControls(this);
@@ -87,7 +88,8 @@ class App {
     this.replay.close();
     if (this.store) this.forget();
     this.store = new Store(hello);
-    this.path = new Path(hello.start_depth, hello.frame_step, hello.has_path);
+    rest(false);
+    this.path = new Path(hello.start_depth, hello.frame_step);
     this.glow.rows = this.store.levels[0].rows;
     const kept = this.quantities;
     this.quantities = quantities(this.store).map((q) => {
@@ -111,13 +113,15 @@ class App {
     this.fitted = this.view.follow ? this.fitted : true;
   }
 
-  state({ bit_depth: bit, newest, now, ended }) {
+  state({ begun, feed, bit_depth: bit, newest, now, ended }) {
+    this.feed = feed;
+    if (!begun) return this.say('waiting', `${this.store ? 'The server was started anew; this is the picture from before. ' : ''}Waiting for the first samples.${feed ? ` ${feed}` : ''}`);
     this.bitDepth = bit;
     this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
     this.ended = ended;
     if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);
     lamp(this);
-    this.redraw();
+    return this.redraw();
   }
 
   write(message) {
@@ -135,41 +139,24 @@ class App {
       if (this.view.follow) this.view.followEnd(store, this.bit);
       this.ask();
     }
-    this.rangeOnce(tile);
+    rangeOnce(this, tile);
     if (this.rects && this.look().imagePieces.some((piece) => piece.tile === tile)) this.redraw();
     else this.unseen ??= setTimeout(this.redraw, UNSEEN); // the map, mostly: the overview changes with every write
   }
 
-  // An attribute that came without a range gets one from the first values seen.
-  rangeOnce(tile) {
-    for (const quantity of this.quantities) {
-      if (Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) continue;
-      const [top, bottom] = tile.span;
-      const sorted = sampleOf(this.store, quantity, [{ tile, top, bottom }], 'latest');
-      if (sorted.length) Object.assign(quantity, fitRange(quantity, sorted));
-    }
-  }
-
-  // A wall that does not grow starts with colours for what it is: in one of gauge, the range for washouts shows nothing.
-  rangeSaved({ imagePieces }) {
-    const wall = this.store.levels[0];
-    if (this.ranged || !imagePieces.some(({ tile }) => tile.level === wall)) return;
-    this.ranged = true;
-    if (this.newest !== null || wall.size < FEW_TURNS * wall.sectors) return;
-    for (const quantity of this.quantities.filter(({ mode }) => [Q_RADIUS, Q_OVER, Q_NEAREST].includes(mode))) {
-      const sorted = sampleOf(this.store, quantity, imagePieces, 'latest');
-      if (sorted.length) Object.assign(quantity, roundRange(quantity, sorted));
-    }
-  }
-
   takeFrames(message) {
+    const { count, surveyed } = this.path;
     this.path.apply(message);
+    if (count && this.path.surveyed !== surveyed) this.fitted = false; // the hole lies another way: stand beside it anew
     this.redraw();
   }
 
   say(status, words) {
     this.status = status;
     this.words = words;
+    const told = byId('connection'); // where more is to say than the lamp has room for
+    told.textContent = words;
+    told.hidden = !words || words === LOST;
     lamp(this);
     this.redraw();
   }
@@ -233,6 +220,7 @@ class App {
   }
 
   draw() {
+    dress(this.view);
     if (!this.store || !this.path.count || !this.rects) return;
     const began = performance.now();
     clearTimeout(this.unseen);
@@ -240,7 +228,7 @@ class App {
     this.ask();
     if (this.controls) this.controls.enabled = this.view.camera === 'outside';
     const look = this.look();
-    this.rangeSaved(look);
+    this.ranged ||= rangeSaved(this, look);
     if (!this.fitted && this.gpu) this.fit();
     if (this.gpu && !this.gpu.renderer.getContext().isContextLost()) this.gpu.draw(look);
     this.drawInk(look);

@@ -13,6 +13,7 @@ export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
 const SHAPES = [1, 2, 3, 5, 10, 20];
+const LATE = 60; // seconds without a sample
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
@@ -39,6 +40,17 @@ export function write(id, pairs) {
   });
 }
 
+// Light or dark, before there is anything to see too.
+export function dress({ theme }) {
+  byId('theme').textContent = theme === 'dark' ? 'Light' : 'Dark';
+  document.documentElement.classList.toggle('dark', theme === 'dark');
+}
+
+// Controls that say how the wall is seen wait until there is one.
+export function rest(on) {
+  for (const part of document.querySelectorAll('aside, #wallHead, #follow, #bar label')) part.inert = on;
+}
+
 // Show the view's own settings in the controls, whoever changed them.
 export function reflect(view, quantity) {
   for (const id of ['cut', 'pass', 'units', 'median', 'camera']) byId(id).value = String(view[id]);
@@ -46,8 +58,6 @@ export function reflect(view, quantity) {
   byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
-  byId('theme').textContent = view.theme === 'dark' ? 'Light' : 'Dark';
-  document.documentElement.classList.toggle('dark', view.theme === 'dark');
   byId('quantity').value = quantity.id;
   byId('map').value = quantity.map;
   byId('log').checked = quantity.log;
@@ -63,33 +73,28 @@ export function reflect(view, quantity) {
 }
 
 // How old the picture is and how far behind the bit: the lamp's colour and its words.
-export function lamp({ status, words, store, bitDepth, newest, ended, lastWrite, replay, contents }) {
+export function lamp(app) {
+  const [colour, text] = lampWords(app);
   const at = byId('lamp');
-  if (status !== 'live' || !store) {
-    at.className = 'lamp lost';
-    byId('lampText').textContent = words || 'connecting';
-    return;
-  }
-  if (replay.past) {
-    at.className = 'lamp late';
-    byId('lampText').textContent = `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`;
-    return;
-  }
-  if (contents) {
-    at.className = 'lamp';
-    byId('lampText').textContent = `snapshot of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`;
-    return;
-  }
+  at.className = `lamp ${colour}`;
+  at.title = text;
+  if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
+}
+
+function lampWords({ status, words, store, bitDepth, newest, ended, feed, lastWrite, replay, contents }) {
+  if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
+  if (status !== 'live' || !store) return ['lost', words || 'connecting'];
+  if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
+  if (contents) return ['', `snapshot of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];
   const seconds = newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000;
   const parts = [];
   if (ended) parts.push('run ended');
   if (Number.isFinite(seconds)) parts.push(`newest sample ${showAge(seconds)} ago`);
   else parts.push('saved wall');
   if (bitDepth !== null) parts.push(`${Math.abs(bitDepth - store.end).toFixed(1)} m behind bit`);
-  parts.push(`${showCount(store.levels[0].size)} vertices`);
-  at.className = `lamp ${ended || !Number.isFinite(seconds) ? '' : seconds > 60 ? 'late' : 'live'}`;
-  byId('lampText').textContent = parts.join(' · ');
-  at.title = parts.join(' · ');
+  const late = !ended && seconds > LATE;
+  parts.push(late && feed ? feed : `${showCount(store.levels[0].size)} vertices`); // why nothing comes matters more then
+  return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
 }
 
 // The read-out of a quad: name and text in pairs; what is not known is a dash.

@@ -9,8 +9,8 @@ const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
 
 export class Path {
-  constructor(startDepth, step, surveyed = true) {
-    this.surveyed = surveyed; // false: drawn straight and vertical, and nothing is known of up, north or true depth
+  constructor(startDepth, step) {
+    this.surveyed = false; // while it is: drawn straight and vertical, and nothing is known of up, north or true depth
     this.startDepth = startDepth;
     this.step = step;
     this.count = 0;
@@ -19,7 +19,8 @@ export class Path {
     this.version = 0;
   }
 
-  apply({ first, count, total, centre, directions }) {
+  apply({ first, count, total, centre, directions, surveyed }) {
+    this.surveyed = surveyed;
     if (total * 3 > this.centre.length) {
       const room = Math.max(total, 2 * this.count, 64);
       const [oldCentre, oldDirections] = [this.centre, this.directions];

@@ -8,6 +8,7 @@ export const HEAD = 32;
 export const WRITE = 1;
 export const FRAMES = 3;
 export const LIVE = 0x80;
+export const SURVEYED = 1; // in `mask` of FRAMES
 export const TEXEL = 4;
 export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];
 export const SUPPORT_MASK = 0x00ff;
@@ -40,6 +41,7 @@ export function decode(buffer) {
   const size = HEAD + (type === FRAMES ? 48 * count : count * (2 * TEXEL + 4 * attributes.length));
   if (buffer.byteLength !== size) throw new Error(`message of ${buffer.byteLength} bytes: its head says ${size}`);
   if (type === FRAMES) {
+    message.surveyed = (message.mask & SURVEYED) !== 0;
     message.centre = new Float64Array(buffer, HEAD, 3 * count);
     message.directions = new Float32Array(buffer, HEAD + 24 * count, 6 * count);
   } else {

@@ -8,7 +8,7 @@ const near = (got, wanted, by, what = '') => assert.ok(Math.abs(got - wanted) <=
 
 // A path of constant inclination and azimuth, or one that builds by `build` degrees a metre.
 function path(inclination, azimuth, { build = 0, surveyed = true, count = 60 } = {}) {
-  const made = new Path(1000, 0.5, surveyed);
+  const made = new Path(1000, 0.5);
   const centre = new Float64Array(3 * count);
   const directions = new Float32Array(6 * count);
   const at = [0, 0, 0];
@@ -19,7 +19,7 @@ function path(inclination, azimuth, { build = 0, surveyed = true, count = 60 } =
     centre.set(at, 3 * i);
     directions.set([Math.cos(I) * Math.cos(A), Math.cos(I) * Math.sin(A), -Math.sin(I), -Math.sin(A), Math.cos(A), 0], 6 * i);
   }
-  made.apply({ first: 0, count, total: count, centre, directions });
+  made.apply({ first: 0, count, total: count, centre, directions, surveyed });
   return made;
 }
 

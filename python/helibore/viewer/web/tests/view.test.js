@@ -20,7 +20,7 @@ function straight(inclination, azimuth, count = 20) {
     centre.set(tangent.map((x) => 2 * i * x), 3 * i);
     directions.set([...high, ...right], 6 * i);
   }
-  path.apply({ first: 0, count, total: count, centre, directions });
+  path.apply({ first: 0, count, total: count, centre, directions, surveyed: true });
   return path;
 }
 

@@ -1,0 +1,113 @@
+"""A page that was there first: before the first sample, before the first survey, before the server was started anew.
+
+Each comes right, or says why not, without being opened again.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from made_wall import MadeWall, curved_path
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+
+pytestmark = NEEDS_BROWSER
+
+from test_viewer_recovery import ADDRESS, SIZE, free_port, shows_what_a_new_page_shows  # noqa: E402
+
+from helibore.viewer.feed import Feed  # noqa: E402
+from helibore.viewer.run import Server  # noqa: E402
+from helibore.viewer.scene import Scene  # noqa: E402
+
+WORDS = "document.getElementById('connection').textContent"
+EYE = "window.__wall.app.gpu.outside.position.toArray()"
+
+
+class Waiting(Screen):
+    """A page that has nothing to show yet."""
+
+    def until(self, condition: str) -> None:
+        super().until("window.__wall" if condition == "window.__wall?.ready" else condition)
+
+
+def labels(screen: Screen) -> set[str]:
+    return {one["text"] for one in screen.evaluate("document.getElementById('ink').labels")}
+
+
+def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(browser: Any) -> None:
+    scene = Scene()
+    server = Server(scene, host="127.0.0.1", port=0, token=None)
+    scene.state(feed="mwd: listening. 0 samples received.")
+    screen = Waiting(browser, server.url, f"{ADDRESS}&theme=dark", SIZE)
+    screen.until(f"{WORDS} === 'Waiting for the first samples. mwd: listening. 0 samples received.'")
+    assert screen.is_visible("#connection")
+    assert screen.inner_text("#lampText") == "waiting for the first samples"
+    assert screen.evaluate("document.documentElement.className") == "dark"
+    scene.state(feed="mwd: connected to 127.0.0.1. 12 samples received, 12 wait for their depth.", bit_depth=1031.0)
+    screen.until(f"{WORDS}.endsWith('12 samples received, 12 wait for their depth.')")
+    for key in "f[hidrc1 p":
+        screen.keyboard.press(key)
+    assert screen.evaluate("document.getElementById('wallHead').inert")
+    feed = Feed(MadeWall(40_000), path=curved_path(), attributes={}, well="Made-1", scene=scene)
+    feed.start()
+    screen.until("window.__wall.ready")
+    assert not screen.is_visible("#connection")
+    assert not screen.evaluate("document.getElementById('wallHead').inert")
+    assert screen.inner_text("#well") == "Made-1"
+    screen.settle()
+    screen.evaluate("window.__wall.app.view.set({ theme: 'light' })")
+    shows_what_a_new_page_shows(browser, screen, server.url)
+    screen.close()
+    feed.close()
+    server.close()
+
+
+def test_the_first_survey_places_a_page_that_was_open_before_it(browser: Any) -> None:
+    with hb.view(MadeWall(40_000)) as viewer:
+        screen = Screen(browser, viewer.url, ADDRESS, SIZE)
+        screen.settle()
+        assert {"no survey", "no survey: angles from the tool’s zero"} < labels(screen)
+        assert not {"TVD m", "N", "U", "up"} & labels(screen)
+        for path in (curved_path(), None, hb.Survey([900.0, 2000.0], [60.0, 60.0], [200.0, 200.0]).path()):
+            viewer.set_path(path)
+            screen.until(f"window.__wall.app.path.surveyed === {'true' if path else 'false'}")
+            screen.settle()
+            assert ("TVD m" in labels(screen)) == ("U" in labels(screen)) == bool(path)
+            assert ("no survey" in labels(screen)) != bool(path)
+            new = Screen(browser, viewer.url, ADDRESS, SIZE)
+            new.settle()
+            assert screen.evaluate(EYE) == pytest.approx(new.evaluate(EYE), abs=1e-6), "it stands where a new page does"
+            tvd = "window.__wall.app.path.tvd(1025)"
+            assert screen.evaluate(tvd) == pytest.approx(new.evaluate(tvd), nan_ok=True)
+            new.close()
+            shows_what_a_new_page_shows(browser, screen, viewer.url)
+        screen.close()
+
+
+def test_a_page_with_the_token_of_before_says_so_and_lives_again_with_the_right_one(browser: Any) -> None:
+    port = free_port()
+    with hb.view(MadeWall(20_000), port=port, token="first") as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", SIZE)
+        screen.settle()
+    screen.until("document.getElementById('lampText').textContent === 'Connection lost, trying again'")
+    assert not screen.is_visible("#connection")
+    with hb.view(MadeWall(20_000), port=port, token="second") as viewer:
+        screen.until("document.getElementById('lampText').textContent.startsWith('The server refused')")
+        assert screen.inner_text("#connection") == (
+            "The server refused this page: token: missing or wrong. Open the address that the viewer printed, with its "
+            "?token=..."
+        )
+        assert "lost" in screen.evaluate("document.getElementById('lamp').className")
+        other = browser.new_page()
+        assert other.goto(viewer.url.replace("second", "wrong")).status == 403
+        assert other.inner_text("body").strip() == (
+            "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
+        )
+        other.close()
+    with hb.view(MadeWall(20_064), port=port, token="first"):
+        screen.until("window.__wall.stats.size === 20064")
+        assert not screen.is_visible("#connection")
+        assert screen.evaluate("document.getElementById('lamp').className") == "lamp "
+        screen.close()
