@@ -157,7 +157,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (WALL + SOURCE + "every = 0\n", "source.rig.every = 0: must be from 0.05 to 3600"),
         (
             WALL + SOURCE + '[layers]\na = ["swim"]\n',
-            "layers.a = 'swim': must be passes out of drill, ream, rescan, trip, unknown",
+            "layers.a = 'swim': must be passes out of drill, ream, rescan, trip, unknown, or \"pass N\" by its number",
         ),
         (
             WALL + SOURCE + "[path]\nhead = [1]\n",
@@ -195,4 +195,4 @@ def test_every_setting_of_the_readme_is_read():
     c = parse(text)
     assert set(c.sources) == {"rig", "mwd"}
     assert len(c.sources["mwd"].caliper.radius) == 30
-    assert set(c.layers) == {"main", "ream"}
+    assert set(c.layers) == {"main", "ream", "again"}

@@ -7,12 +7,20 @@ A session begins when the journal is opened. Its anchor is the wall clock then, 
 
 from __future__ import annotations
 
+import datetime
+
 import numpy as np
 import numpy.typing as npt
 
 SECOND = 1_000_000_000
 JUMP = 2 * SECOND
 """A wall clock that strays further than this from the model's time since it was last looked at was set."""
+
+
+def utc(nanoseconds: int) -> str:
+    """Return a time since 1970 as text, to the millisecond: ``2023-11-14T22:13:20.000Z``."""
+    seconds, rest = divmod(nanoseconds // 1_000_000, 1000)
+    return f"{datetime.datetime.fromtimestamp(seconds, datetime.UTC):%Y-%m-%dT%H:%M:%S}.{rest:03d}Z"
 
 
 class ModelClock:

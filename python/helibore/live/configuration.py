@@ -28,13 +28,13 @@ from helibore import units
 from helibore.live import wits
 from helibore.live.address import Address, check_allowed, read_address
 from helibore.live.layout import Layout, read_layout
+from helibore.live.pass_rules import PassNumbers, PassRules, read_layers, read_pass_numbers, read_passes
 from helibore.live.store_settings import Store, read_store
 from helibore.live.tables import Table
 from helibore.sector_image import Reference
 from helibore.wall import Wall
 
 RIG_ITEMS = ("bit_depth", "hole_depth", "rotation", "activity")
-PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
 """Units of depths and of radii, for each unit set (LIVE items 0108 and 0844)."""
 
@@ -90,28 +90,20 @@ class Source:
     caliper: CaliperItems | None
     images: tuple[ImageItems, ...]
     survey: tuple[Item, Item, Item] | None
+    pass_number: Item | None = None
+    pass_numbers: PassNumbers = field(default_factory=PassNumbers)
     store: Store | None = None
 
     def records(self) -> list[int]:
         """Return the record numbers of all mapped items, whose sequence numbers (item 04) are watched."""
         if self.store:
             return []
-        mapped = list(self.items.values()) + list(self.survey or ())
+        mapped = [*self.items.values(), *(self.survey or ()), *([self.pass_number] if self.pass_number else [])]
         if self.caliper:
             mapped += [*self.caliper.toolface, *self.caliper.radius, *self.caliper.depth]
         for image in self.images:
             mapped += [*image.sectors, *([image.depth] if image.depth else [])]
         return sorted({item.code // 100 for item in mapped})
-
-
-@dataclass(frozen=True)
-class PassRules:
-    """When the bit is on bottom (m), when the string turns (rpm), and how far depth may be interpolated (s)."""
-
-    on_bottom: float = 0.3
-    rotating: float = 5.0
-    max_depth_gap: float = 60.0
-    stale: float = 60.0
 
 
 @dataclass(frozen=True)
@@ -135,6 +127,8 @@ class Configuration:
         for name, source in sources.items():
             for transport in ("address", "allow", "mode", "every", "silence", "store"):
                 del source[transport]
+            if source["pass_number"] is None:  # as it was before there were any
+                del source["pass_number"], source["pass_numbers"]
             if store := self.sources[name].store:
                 source["store"] = store.meaning()
         return json.dumps(
@@ -174,8 +168,8 @@ def parse(text: str) -> Configuration:
     snapshot = top.table("snapshot")
     configuration = Configuration(
         wall=wall,
-        layers=_layers(top.table("layers")),
-        passes=_passes(top.table("passes")),
+        layers=read_layers(top.table("layers"), numbered=any(source.pass_number for source in sources.values())),
+        passes=read_passes(top.table("passes")),
         path=path,
         sources=sources,
         journal=journal.text("folder", None) if journal.has("folder") else None,
@@ -206,28 +200,6 @@ def _wall(table: Table) -> dict[str, Any]:
         unknown = re.search(r"unexpected keyword argument '(\w+)'", text)
         raise ValueError(f"wall.{unknown[1]}: is not a setting" if unknown else f"wall.{text}") from None
     return wall
-
-
-def _layers(table: Table) -> dict[str, tuple[str, ...]]:
-    layers: dict[str, tuple[str, ...]] = {"main": ("drill", "rescan", "unknown")}
-    for name in table.names():
-        kinds = table.array(name, str)
-        for kind in kinds:
-            if kind not in PASSES:
-                raise table.fail(name, kind, "must be passes out of " + ", ".join(PASSES))
-        layers[name] = tuple(kinds)
-    return layers
-
-
-def _passes(table: Table) -> PassRules:
-    rules = PassRules(
-        table.number("on_bottom", 0.3, least=0),
-        table.number("rotating", 5.0, least=0),
-        table.number("max_depth_gap", 60.0, least=0.001, most=3600),
-        table.number("stale", 60.0, least=0.001),
-    )
-    table.close()
-    return rules
 
 
 def _path(table: Table) -> dict[str, Any]:
@@ -262,6 +234,7 @@ def _source(name: str, table: Table, bit_diameter: float, reference: Reference) 
     for key in RIG_ITEMS:
         if items.has(key):
             rig[key] = _item(items, key, depth_unit if key.endswith("depth") else None)
+    pass_number = _item(items, "pass_number", None) if items.has("pass_number") else None
     items.close()
     source = Source(
         name=name,
@@ -283,6 +256,8 @@ def _source(name: str, table: Table, bit_diameter: float, reference: Reference) 
         else None,
         images=tuple(_image(key, inner, depth_unit, reference) for key, inner in table.tables("image").items()),
         survey=_survey(table.table("survey"), depth_unit) if table.has("survey") else None,
+        pass_number=pass_number,
+        pass_numbers=read_pass_numbers(table.table("pass_numbers")),
     )
     table.close()
     return source
@@ -379,7 +354,7 @@ def _survey(table: Table, depth_unit: str) -> tuple[Item, Item, Item]:
 
 
 def _one_source_each(sources: dict[str, Source]) -> None:
-    """Each rig quantity and each image comes from one source: two would argue."""
+    """Each rig quantity and each image comes from one source: two would argue. A pass number is its source's own."""
     if not sources:
         raise ValueError("source: must be set: at least one table [source.NAME]")
     seen: dict[str, str] = {}
@@ -388,6 +363,10 @@ def _one_source_each(sources: dict[str, Source]) -> None:
             if key in seen:
                 raise ValueError(f"source.{name}.{key}: is mapped by source.{seen[key]} too; one source only")
             seen[key] = name
+        if source.pass_number and not source.caliper:
+            raise ValueError(f"source.{name}.items.pass_number: numbers the caliper's samples, and there is no caliper")
+        if source.pass_numbers.listed and not source.pass_number:
+            raise ValueError(f"source.{name}.pass_numbers: items.pass_number must be set: what says the number")
     if "items.bit_depth" not in seen:
         for name, source in sources.items():
             if source.caliper and not source.caliper.depth:

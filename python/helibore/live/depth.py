@@ -12,6 +12,8 @@ string are not modelled.
 What the string does is decided at each bit depth entry:
 
     activity 4, 5: ream     8, 9: trip     on bottom: drill     off bottom, turning: rescan     off bottom, not: trip
+
+A sender that counts its passes is believed before this (``pass_rules.py``).
 """
 
 from __future__ import annotations
@@ -20,12 +22,11 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.live.clock import SECOND
-from helibore.live.configuration import PASSES, PassRules
 from helibore.live.events import Flag
+from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
-DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
 
 
 class Track:

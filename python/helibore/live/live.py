@@ -26,7 +26,9 @@ from helibore.arrays import column
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load, parse
 from helibore.live.journal import Journal, Segment, segments
-from helibore.live.model import ImageRows, Model, Rows, Update, joined
+from helibore.live.model import ImageRows, Model, Rows
+from helibore.live.pass_log import Pass
+from helibore.live.update import Update, merge
 from helibore.sector_image import SectorImage
 from helibore.survey import Path, Survey
 from helibore.wall import Wall
@@ -151,6 +153,11 @@ class Live:
         raise ValueError(f"image '{name}': no source brings it, so how its sectors lie is not known")
 
     @property
+    def passes(self) -> list[Pass]:
+        """The passes so far by the time they began: of each source, from when to when, how deep, how many samples."""
+        return self.model.passes.runs
+
+    @property
     def survey(self) -> Survey | None:
         """The survey so far; None while it has fewer than two stations."""
         return self.model.stations.survey
@@ -179,7 +186,7 @@ class Live:
         update = Update()
         for start in range(0, len(payload), journals.LONGEST_PAYLOAD):
             part = payload[start : start + journals.LONGEST_PAYLOAD]
-            _merge(update, self._store(number, connection, part, journals.BYTES))
+            merge(update, self._store(number, connection, part, journals.BYTES))
         return update
 
     def connected(self, source: str, connection: int, peer: str) -> Update:
@@ -217,7 +224,7 @@ class Live:
         for start in range(0, depths.size, step):
             part = [values[start : start + step] for values in columns.values()]
             table = np.vstack([*part, *([] if time is not None else [np.full(len(part[0]), np.nan)])])
-            _merge(update, self._store(0, 0, table.tobytes(), journals.SAMPLES))
+            merge(update, self._store(0, 0, table.tobytes(), journals.SAMPLES))
         return update
 
     def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:
@@ -253,7 +260,7 @@ class Live:
             return self._told(self.model.take(*self._stamp(source, connection, payload, kind)))
 
     def _told(self, update: Update) -> Update:
-        _merge(self._news, update)
+        merge(self._news, update)
         del self._news.events[LONGEST_NEWS:]
         return update
 
@@ -311,16 +318,6 @@ class Live:
 def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
     for index in np.flatnonzero(~np.isfinite(values))[:1].tolist():
         raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
-
-
-def _merge(update: Update, more: Update) -> None:
-    for name, change in more.changes.items():
-        update.changes[name] = joined(update.changes.get(name), change)
-    for name, (start, stop) in more.images.items():
-        update.images[name] = (update.images.get(name, (start, 0))[0], stop)
-    if more.path_from is not None:
-        update.path_from = more.path_from if update.path_from is None else min(update.path_from, more.path_from)
-    update.events += more.events
 
 
 def read_into(model: Model, folder: FilePath) -> Iterator[Update]:

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from helibore.live import wits
 from helibore.live.configuration import ImageItems, Item, Source
 from helibore.live.events import Event, EventBook, Flag
+from helibore.live.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.sequence import SequenceWatch
 
 Integers = npt.NDArray[np.int64]
@@ -42,7 +43,10 @@ class Chunk:
 
 @dataclass(slots=True)
 class Reading:
-    """Columns of one chunk. Triples and image rows carry the row of their frame in ``time`` and ``order``."""
+    """Columns of one chunk. Triples and image rows carry the row of their frame in ``time`` and ``order``.
+
+    ``pass_number`` is what the source had said by each frame, NO_NUMBER where nothing.
+    """
 
     time: Integers
     order: Integers
@@ -53,6 +57,7 @@ class Reading:
     triple_flags: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     images: list[tuple[ImageItems, Integers, Values, Values, Integers]] = field(default_factory=list)
     stations: Values = field(default_factory=lambda: np.empty((0, 3)))
+    pass_number: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     keep_alives: int = 0
 
 
@@ -80,6 +85,7 @@ class SourceReader:
         told_apart += [item.code for item in (source.survey or ())[:1]]
         self._told_apart = np.array([self._column[code] for code in told_apart], np.int64)
         self._recent: OrderedDict[bytes, None] = OrderedDict()
+        self._pass_number = NO_NUMBER
 
     def _new_parser(self) -> wits.Parser:
         return wits.Parser(self.source.nulls, *self.source.limits)
@@ -101,7 +107,8 @@ class SourceReader:
         return self._column[[item.code for item in items]], np.array([item.scale for item in items])
 
     def _mapped(self) -> list[int]:
-        return [item.code for item in self.source.items.values()] + self._measurements()
+        said = [self.source.pass_number] if self.source.pass_number else []
+        return [item.code for item in (*self.source.items.values(), *said)] + self._measurements()
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the frames that ``chunk`` completes."""
@@ -144,6 +151,7 @@ class SourceReader:
         repeated = self._repeats(batch, states, reading)
         flags = self._sequence(values, reading)
         reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
+        reading.pass_number = self._pass_numbers(reading, values, states, flags | repeated)
         self._triples(reading, values, states, flags | repeated)
         self._images(reading, values, states, flags | repeated)
         if self.source.survey:
@@ -243,6 +251,29 @@ class SourceReader:
     def _value(self, values: Values, item: Item) -> Values:
         scaled: Values = values[:, self._column[item.code]] * item.scale
         return scaled
+
+    def _pass_numbers(
+        self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers
+    ) -> Integers:
+        """The number each frame says, or the last one said before it; a null takes it back.
+
+        What a late or repeated frame says counts for that frame only.
+        """
+        item = self.source.pass_number
+        if item is None:
+            return np.full(len(values), NO_NUMBER)
+        column = self._column[item.code]
+        number, said = values[:, column], states[:, column] != ABSENT
+        whole = (number >= 0) & (number <= LARGEST) & (np.floor(number) == number)
+        for row in np.flatnonzero(~np.isnan(number) & ~whole).tolist():
+            text = f"pass number {number[row]:g}: must be a whole number from 0 to {LARGEST}"
+            self._tell(int(reading.wall[row]), "invalid", text)
+        own = np.where(whole, number, NO_NUMBER).astype(np.int64)
+        counts = said & ((flags & (Flag.LATE | Flag.DUPLICATE)) == 0)
+        last = np.maximum.accumulate(np.where(counts, np.arange(len(own)), -1))
+        carried = np.where(last >= 0, own[last], self._pass_number)
+        self._pass_number = int(carried[-1])
+        return np.where(said, own, carried)
 
     def _triples(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
         caliper = self.source.caliper

@@ -11,61 +11,29 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from dataclasses import dataclass, field
 
 import numpy as np
 import numpy.typing as npt
 
-from helibore.changes import Change
 from helibore.live import journal
 from helibore.live.clock import SECOND, ModelClock
-from helibore.live.configuration import PASSES, Configuration
+from helibore.live.configuration import Configuration
 from helibore.live.depth import Rig
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.mapping import Chunk, Reading, SourceReader
+from helibore.live.pass_log import PassLog
+from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
+from helibore.live.update import Update, joined
 from helibore.wall import Wall
 
 Rows = npt.NDArray[np.void]
 PENDING = np.dtype(
     [("time", "i8"), ("order", "i8"), ("received", "i8"), ("depth", "f8"), ("offset", "f8"), ("toolface", "f8"),
-     ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8")]
+     ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8"), ("wall", "i8"),
+     ("source", "i4"), ("number", "i4")]
 )  # fmt: skip
-
-
-@dataclass(slots=True)
-class Update:
-    """What one call changed.
-
-    Attributes
-    ----------
-    changes
-        For each layer that took samples, the wall's Change: ``ranges`` of vertices, ``settled``.
-    images
-        For each image that grew, its new rows [start, stop) in order of arrival.
-    path_from
-        Depth below which the path moved, metres; None when it did not.
-    events
-        What is worth telling.
-    """
-
-    changes: dict[str, Change] = field(default_factory=dict)
-    images: dict[str, tuple[int, int]] = field(default_factory=dict)
-    path_from: float | None = None
-    events: list[Event] = field(default_factory=list)
-
-    def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
-        """Return (m, 2) the ranges [start, stop) of quads of ``layer`` with a vertex that is new or changed.
-
-        Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; those past the end of the wall are to be
-        cut off by the caller.
-        """
-        if layer not in self.changes:
-            return np.empty((0, 2), np.int64)
-        ranges = self.changes[layer].ranges.copy()
-        ranges[:, 0] = np.maximum(ranges[:, 0] - sectors - 1, 0)
-        return joined_ranges(ranges)
 
 
 class ImageRows:
@@ -105,6 +73,8 @@ class Model:
         A wall for each layer of the configuration; ``layers["main"]`` is the wall.
     images, stations
         What came beside the caliper.
+    passes
+        Which pass samples belong to, and the passes so far.
     events, counts
         Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
     """
@@ -126,9 +96,9 @@ class Model:
             self.images[image.name] = ImageRows(len(image.sectors), image.unit)
         self.clock = ModelClock()
         self.rig = Rig(configuration.passes)
-        self._drawn_by = np.zeros((len(configuration.layers), len(PASSES)), bool)
-        for row, kinds in enumerate(configuration.layers.values()):
-            self._drawn_by[row, [PASSES.index(kind) for kind in kinds]] = True
+        self._takes = {name: layer_of(names) for name, names in configuration.layers.items()}
+        numbers = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
+        self.passes = PassLog(numbers, self.events)
         self._pending = np.empty(0, PENDING)
         self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
         self._next_row = 0
@@ -189,7 +159,7 @@ class Model:
         self.rig.settle()
         if found or len(self._pending):
             self._pending = np.concatenate([self._pending, *found])
-            self._place(int(times[-1]), int(records["wall"][-1]), update)
+            self._place(int(times[-1]), update)
         oldest = int(self._pending["time"].min()) if len(self._pending) else int(times[-1])
         self.rig.forget(min(oldest, int(times[-1]) - self._longest_latency))
 
@@ -253,6 +223,7 @@ class Model:
             rows = self._pending_rows(reading, reading.triple_frame, caliper.latency, caliper.offset)
             rows["depth"], rows["toolface"], rows["radius"] = reading.triples.T
             rows["flags"], rows["image"] = reading.triple_flags, -1
+            rows["source"], rows["number"] = self.numbers[reader.source.name], reading.pass_number[reading.triple_frame]
             found.append(rows)
         for image, frame, depth, values, flags in reading.images:
             rows = self._pending_rows(reading, frame, image.latency, image.offset)
@@ -270,6 +241,7 @@ class Model:
         rows["time"] = reading.time[frame] - int(latency * SECOND)
         rows["order"] = reading.order[frame] if latency == 0 else -1
         rows["offset"] = offset
+        rows["wall"] = reading.wall[frame]
         return rows
 
     def _station(self, station: list[float], source: str, wall: int, update: Update) -> None:
@@ -294,6 +266,7 @@ class Model:
                 pending["time"] = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
                 pending["order"], pending["image"] = int(records["sequence"][row]) << 20, -1
                 pending["received"] = pending["order"]
+                pending["wall"], pending["number"] = int(records["wall"][row]), NO_NUMBER
                 found.append(pending)
             elif kind == journal.STATIONS:
                 for station in np.frombuffer(payload).reshape(3, -1).T.tolist():
@@ -307,7 +280,7 @@ class Model:
                 update.images[name] = (update.images.get(name, (start, 0))[0], stop)
         return found
 
-    def _place(self, now: int, wall: int, update: Update) -> None:
+    def _place(self, now: int, update: Update) -> None:
         """Give depths to what waits, draw what is ready, keep the rest."""
         rows = self._pending
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
@@ -317,13 +290,13 @@ class Model:
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
         flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known
         triples = ready & (rows["image"] < 0)
-        self._draw(rows[triples], depth[triples], kind[triples], flags[triples], wall, update)
+        self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
     def _draw(
         self, rows: Rows, depth: npt.NDArray[np.float64], kind: npt.NDArray[np.int64], flags: npt.NDArray[np.int64],
-        wall: int, update: Update,
+        update: Update,
     ) -> None:  # fmt: skip
         if not len(rows):
             return
@@ -332,28 +305,36 @@ class Model:
             for flag in Flag:
                 self.counts[f"flag {flag.name}"] += int(np.count_nonzero(flags & flag))
         good = (flags & int(NEVER_DRAWN)) == 0
+        self.counts["not drawn"] += int(np.count_nonzero(~good))
+        if not good.any():
+            return
+        rows, depth = rows[good], depth[good]
+        kind = self.passes.decide(rows["source"], rows["number"], kind[good], rows["wall"])
+        self.passes.add(rows["source"], rows["number"], kind, rows["time"], depth)
+        for index, name in enumerate(PASSES):
+            self.counts[f"pass {name}"] += int(np.count_nonzero(kind == index))
         time = (rows["time"] - self.clock.began) / SECOND
         drawn = np.zeros(len(rows), bool)
-        for row, (name, layer) in enumerate(self.layers.items()):
-            chosen = good & self._drawn_by[row, kind]
+        for name, layer in self.layers.items():
+            takes = self._takes[name]
+            chosen = np.isin(kind, takes.kinds) | np.isin(rows["number"], takes.numbers)
             if not chosen.any():
                 continue
             drawn |= chosen
             update.changes[name] = joined(update.changes.get(name), layer.append(
                 depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
-            self._watch_depth(name, depth[chosen], wall)
+            self._watch_depth(name, depth[chosen], rows["wall"][chosen])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
-        self.counts["kept apart"] += int(np.count_nonzero(good & ~drawn))
-        self.counts["not drawn"] += int(np.count_nonzero(~good))
+        self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
-    def _watch_depth(self, name: str, depth: npt.NDArray[np.float64], wall: int) -> None:
+    def _watch_depth(self, name: str, depth: npt.NDArray[np.float64], wall: npt.NDArray[np.int64]) -> None:
         """An event where the wall jumps over more depth than its samples reach."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
         for index in np.flatnonzero(np.diff(deepest) > limit)[:10].tolist():
             if np.isfinite(deepest[index]):
                 text = f"layer {name}: no samples from {deepest[index]:.3f} m to {depth[index]:.3f} m"
-                self.events.tell(Event(wall, "", 0, 0, -1, "depth_gap", text))
+                self.events.tell(Event(int(wall[index]), "", 0, 0, -1, "depth_gap", text))
         self._deepest[name] = float(deepest[-1])
 
     def _draw_image(
@@ -368,26 +349,3 @@ class Model:
             values = np.array([held[row] for row in rows["row"][good].tolist()])
             start, stop = self.images[name].append(depth[good], values)
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
-
-
-def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Return ranges sorted, those that touch made one."""
-    found: list[list[int]] = []
-    for start, stop in sorted(ranges.tolist()):
-        if found and start <= found[-1][1]:
-            found[-1][1] = max(stop, found[-1][1])
-        else:
-            found.append([start, stop])
-    return np.array(found, np.int64).reshape(-1, 2)
-
-
-def joined(first: Change | None, second: Change) -> Change:
-    """Return one Change for two in a row."""
-    if first is None:
-        return second
-    return Change(
-        joined_ranges(np.concatenate([first.ranges, second.ranges])),
-        second.settled,
-        first.accepted + second.accepted,
-        first.redundant + second.redundant,
-    )

@@ -20,9 +20,9 @@ from helibore.live import wits
 from helibore.live.configuration import Source
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
-from helibore.live.model import Update
 from helibore.live.store import Position
 from helibore.live.transport import Link, Opener, close_quietly, opener
+from helibore.live.update import Update
 
 QUEUE_BYTES = 4 << 20
 QUEUE_RECORDS = 4096

@@ -5,18 +5,20 @@
     main.glb        the wall along the path                                           when a path covers it
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
     survey.csv      depth_m, inclination_deg, azimuth_deg
+    passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: which samples are of which pass
 
 A file is written beside and renamed. The files are those of one call, not of one instant: samples may come between two.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from helibore.atomic_file import write_whole
+from helibore.live.clock import utc
 from helibore.live.live import Live
 from helibore.sector_image import SectorImage
 from helibore.wall import Wall
@@ -54,6 +56,11 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     if len(stations):
         heads = ["depth_m", "inclination_deg", "azimuth_deg"]
         written.append(_table(target / "survey.csv", heads, stations.tolist()))
+    if passes := live.passes:
+        heads = ["source", "pass", "number", "start_utc", "stop_utc", "top_m", "bottom_m", "samples"]
+        rows = ([run.source, run.name, run.number, utc(run.start), utc(run.stop), run.top, run.bottom, run.samples]
+                for run in passes)  # fmt: skip
+        written.append(_table(target / "passes.csv", heads, rows))
     wall = live.wall
     if len(wall) > wall.settings.sectors + 1:
         deepest = float(wall.vertices(len(wall) - 1, len(wall)).depth[0])
@@ -84,9 +91,15 @@ def _meets(image: SectorImage, wall: Wall) -> bool:
     return bool(shared > abs(pitch))
 
 
-def _table(file: Path, heads: list[str], rows: Iterable[list[float]]) -> Path:
-    """Write a table of numbers with every digit; a missing one is an empty cell."""
-    lines = (",".join("" if number != number else repr(number) for number in row) for row in rows)
+def _table(file: Path, heads: list[str], rows: Iterable[Sequence[float | str | None]]) -> Path:
+    """Write a table, of numbers every digit; a missing one is an empty cell."""
+    lines = (",".join(_cell(value) for value in row) for row in rows)
     text = "\n".join([",".join(heads), *lines, ""])
     write_whole(file, lambda whole: whole.write(text.encode()))
     return file
+
+
+def _cell(value: float | str | None) -> str:
+    if isinstance(value, str):
+        return value
+    return "" if value is None or value != value else repr(value)

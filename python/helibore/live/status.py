@@ -9,6 +9,7 @@ import time
 from typing import TYPE_CHECKING
 
 from helibore.live.events import Flag
+from helibore.live.pass_rules import PASSES
 from helibore.live.wits import RULE_NAMES
 
 if TYPE_CHECKING:
@@ -46,6 +47,8 @@ def metrics(server: Server) -> str:
     family("samples_waiting", "gauge", "Samples whose depth is not known yet.", [("", model.waiting)])
     flags = [(_label(flag=str(flag.name).lower()), float(model.counts[f"flag {flag.name}"])) for flag in Flag]
     family("samples_flagged_total", "counter", "Samples with a flag.", flags)
+    passes = [(_label(**{"pass": name}), float(model.counts[f"pass {name}"])) for name in PASSES]
+    family("samples_of_pass_total", "counter", "Samples by the pass they belong to.", passes)
     events = [(_label(source=source, rule=rule), float(n)) for (source, rule), n in sorted(model.events.counts.items())]
     family("events_total", "counter", "Events by source and rule.", events)
     vertices = [(_label(layer=name), float(len(wall))) for name, wall in live.layers.items()]
@@ -134,6 +137,9 @@ class Page:
         table.add_row("bit", f"{bit[0]:,.2f} m" if bit else "-", "hole", f"{hole[0]:,.2f} m" if hole else "-")
         for name, wall in server.live.layers.items():
             table.add_row(name, f"{len(wall):,} vertices", "samples", f"{wall.sample_count:,}")
+        for run in model.passes.latest.values():
+            called = "" if run.number is None else f", number {run.number}"
+            table.add_row("pass", f"{run.name}{called}", run.source or "host", f"{run.samples:,} samples")
         drawn = model.counts["drawn"]
         table.add_row(
             "drawn", f"{drawn:,} ({self._rate('drawn', drawn):,.0f}/s)", "not drawn", f"{model.counts['not drawn']:,}"

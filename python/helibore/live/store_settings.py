@@ -17,6 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from helibore import units
 from helibore.live.layout import read_layout
+from helibore.live.pass_rules import read_pass_numbers
 from helibore.live.tables import Table
 from helibore.sector_image import Reference
 
@@ -97,6 +98,9 @@ def read_store(name: str, table: Table, bit_diameter: float, reference: Referenc
     items = table.table("items")
     rig = {key: Item(numbers.number(items, key, items.take(key, "", ""), kind))
            for key, kind in KINDS.items() if items.has(key)}  # fmt: skip
+    pass_number = None
+    if items.has("pass_number"):
+        pass_number = Item(numbers.number(items, "pass_number", items.take("pass_number", "", ""), ""))
     items.close()
     caliper = _caliper(table.table("caliper"), numbers, index, bit_diameter) if table.has("caliper") else None
     images = tuple(_image(key, inner, numbers, index, reference) for key, inner in table.tables("image").items())
@@ -116,6 +120,8 @@ def read_store(name: str, table: Table, bit_diameter: float, reference: Referenc
         caliper=caliper,
         images=images,
         survey=None,
+        pass_number=pass_number,
+        pass_numbers=read_pass_numbers(table.table("pass_numbers")),
         store=Store(access, log, index, trajectory, tuple(numbers.curves)),
     )
     table.close()

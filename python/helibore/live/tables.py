@@ -89,7 +89,8 @@ class Table:
         value = self.take(name, default, why)
         kinds = (int, float) if kind is float else (kind,)
         if not isinstance(value, list | tuple) or any(isinstance(v, bool) or not isinstance(v, kinds) for v in value):
-            raise self.fail(name, value, f"must be a list of {'numbers' if kind is float else 'texts'}")
+            members = {float: "numbers", int: "whole numbers"}.get(kind, "texts")
+            raise self.fail(name, value, f"must be a list of {members}")
         return [kind(v) for v in value]
 
     def table(self, name: str) -> Table:

@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from helibore.live.live import Live
-from helibore.live.model import Update
+from helibore.live.update import Update
 
 if TYPE_CHECKING:
     from helibore.survey import Path

@@ -1,0 +1,133 @@
+"""The passes of a well as its samples came: which pass each belongs to, and from when to when, how deep and how many.
+
+    wire says  . . 1 1 1 1 2 2 2       number of the source, "." where it says none
+    string     d d d d r r r r r       drill, rescan: from bit depth and rotation (depth.py)
+    pass       d d d d d d r r r       the number decides; the two samples that differ are told
+               |-| |-----| |---|       runs, one row each: passes of one source follow each other
+
+Runs are in order of arrival of each source, so they do not depend on how the stream was cut. The latest 10,000 are
+kept.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from dataclasses import dataclass, replace
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.live.events import Event, EventBook
+from helibore.live.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
+
+Integers = npt.NDArray[np.int64]
+KEPT = 10_000
+
+
+@dataclass(frozen=True, slots=True)
+class Pass:
+    """Samples of one source that follow each other in one pass.
+
+    Attributes
+    ----------
+    source
+        Whose samples; ``""``: the host's.
+    name
+        A pass out of `PASSES`.
+    number
+        What the source called it; None where it said nothing.
+    start, stop
+        When the first and the last of them were measured, ns of the model's clock (UTC since 1970, never going back).
+    top, bottom
+        Their least and greatest depth, metres.
+    samples
+        How many there are, those kept apart from every layer included.
+    """
+
+    source: str
+    name: str
+    number: int | None
+    start: int
+    stop: int
+    top: float
+    bottom: float
+    samples: int
+
+
+class PassLog:
+    """Decides the pass of samples and keeps the runs.
+
+    Parameters
+    ----------
+    meanings
+        Name and pass numbers of each source, by its number in the journal; a source that is not there says none.
+    """
+
+    def __init__(self, meanings: dict[int, tuple[str, PassNumbers]], events: EventBook) -> None:
+        self._meanings, self._events = meanings, events
+        self.latest: dict[int, Pass] = {}
+        self._over: deque[Pass] = deque(maxlen=KEPT)
+
+    @property
+    def runs(self) -> list[Pass]:
+        """The runs, by the time they began."""
+        return sorted([*self._over, *self.latest.values()], key=lambda run: (run.start, run.source))
+
+    def decide(self, source: Integers, number: Integers, kind: Integers, wall: Integers) -> Integers:
+        """Return the pass of each sample: what its source's number means, else ``kind``, the string's own.
+
+        Parameters
+        ----------
+        source, number
+            Whose sample, and the pass number its source had said by then (NO_NUMBER: none).
+        kind
+            What the string did, as an index into PASSES.
+        wall
+            When the sample was received, ns.
+        """
+        if not (number != NO_NUMBER).any():
+            return kind
+        decided = kind.copy()
+        for who, said in np.unique(np.stack([source, number])[:, number != NO_NUMBER], axis=1).T.tolist():
+            name, meaning = self._meanings[who]
+            means = meaning.kind(said)
+            if means is None:
+                continue
+            rows = np.flatnonzero((source == who) & (number == said))
+            decided[rows] = means
+            if means == UNKNOWN:
+                self._tell(rows, wall, name, f"pass number {said}: is not listed in pass_numbers: unknown")
+            for own in np.unique(kind[rows]).tolist():
+                if UNKNOWN not in (own, means) and own != means:
+                    differ = rows[kind[rows] == own]
+                    text = f"pass number {said} means {PASSES[means]}, the string's motion {PASSES[own]}"
+                    self._tell(differ, wall, name, f"{text}: the number counts")
+        return decided
+
+    def _tell(self, rows: Integers, wall: Integers, source: str, text: str) -> None:
+        self._events.tell(Event(int(wall[rows[0]]), source, 0, 0, -1, "pass", text), len(rows))
+
+    def add(
+        self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
+    ) -> None:
+        """Count samples whose pass is decided."""
+        for who in np.unique(source).tolist():
+            rows = np.flatnonzero(source == who)
+            changes = (np.diff(kind[rows]) != 0) | (np.diff(number[rows]) != 0)
+            for run in np.split(rows, np.flatnonzero(changes) + 1):
+                self._extend(who, int(number[run[0]]), int(kind[run[0]]), time[run], depth[run])
+
+    def _extend(self, who: int, number: int, kind: int, time: Integers, depth: npt.NDArray[np.float64]) -> None:
+        name = self._meanings[who][0] if who in self._meanings else ""
+        more = Pass(name, PASSES[kind], None if number == NO_NUMBER else number, int(time.min()), int(time.max()),
+                    float(depth.min()), float(depth.max()), len(time))  # fmt: skip
+        now = self.latest.get(who)
+        if now is None or (now.name, now.number) != (more.name, more.number):
+            if now is not None:
+                self._over.append(now)
+            self.latest[who] = more
+            return
+        self.latest[who] = replace(
+            now, start=min(now.start, more.start), stop=max(now.stop, more.stop), top=min(now.top, more.top),
+            bottom=max(now.bottom, more.bottom), samples=now.samples + more.samples,
+        )  # fmt: skip

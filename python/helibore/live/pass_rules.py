@@ -1,0 +1,112 @@
+"""Which pass of the string a sample belongs to: the rules of the configuration, and what a number on the wire means.
+
+    [passes]                      when the bit is on bottom and the string turns: the string's own pass (depth.py)
+
+    [source.mwd.items]
+    pass_number = "0812"          the sender counts its passes: 0710, 0812, 0912 or any other item
+
+    [source.mwd.pass_numbers]     what its numbers mean; without this table 1 is drill and every later one a rescan
+    drill = [1]
+    rescan = [2, 3]
+
+Where a source says a number, the number decides for its samples; where the string did something else meanwhile, that
+is told (``pass_log.py``). 0 says nothing unless it is listed, nor does a null; then the string's own pass counts.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from helibore.live.tables import Table
+
+PASSES = ("drill", "ream", "rescan", "trip", "unknown")
+DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
+NO_NUMBER = -1
+LARGEST = 32767
+"""Pass numbers are of the wire's type S, two bytes."""
+
+NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
+
+
+@dataclass(frozen=True)
+class PassRules:
+    """When the bit is on bottom (m), when the string turns (rpm), and how far depth may be interpolated (s)."""
+
+    on_bottom: float = 0.3
+    rotating: float = 5.0
+    max_depth_gap: float = 60.0
+    stale: float = 60.0
+
+
+@dataclass(frozen=True)
+class PassNumbers:
+    """What the numbers of one source mean: (number, index into PASSES), sorted; empty: 1 is drill, 2 and on rescan."""
+
+    listed: tuple[tuple[int, int], ...] = ()
+
+    def kind(self, number: int) -> int | None:
+        """Return the pass that ``number`` means, UNKNOWN where it is listed nowhere, None where it says nothing."""
+        if number == NO_NUMBER:
+            return None
+        if not self.listed:
+            return {0: None, 1: DRILL}.get(number, RESCAN)
+        return dict(self.listed).get(number, None if number == 0 else UNKNOWN)
+
+
+@dataclass(frozen=True)
+class Layer:
+    """What a wall takes: passes as indices into PASSES, and numbers of the wire."""
+
+    kinds: tuple[int, ...]
+    numbers: tuple[int, ...]
+
+
+def layer_of(names: tuple[str, ...]) -> Layer:
+    """Return what ``names`` ("ream", "pass 2") stand for."""
+    found = [NUMBERED.fullmatch(name) for name in names]
+    return Layer(
+        tuple(PASSES.index(name) for name, match in zip(names, found, strict=True) if match is None),
+        tuple(int(match[1]) for match in found if match is not None),
+    )
+
+
+def read_passes(table: Table) -> PassRules:
+    """Take the table ``passes``."""
+    rules = PassRules(
+        table.number("on_bottom", 0.3, least=0),
+        table.number("rotating", 5.0, least=0),
+        table.number("max_depth_gap", 60.0, least=0.001, most=3600),
+        table.number("stale", 60.0, least=0.001),
+    )
+    table.close()
+    return rules
+
+
+def read_layers(table: Table, *, numbered: bool) -> dict[str, tuple[str, ...]]:
+    """Take the table ``layers``; ``numbered``: whether any source says pass numbers."""
+    layers: dict[str, tuple[str, ...]] = {"main": ("drill", "rescan", "unknown")}
+    for name in table.names():
+        kinds = table.array(name, str)
+        for kind in kinds:
+            if NUMBERED.fullmatch(kind):
+                if not numbered:
+                    raise table.fail(name, kind, "no source maps pass_number")
+            elif kind not in PASSES:
+                raise table.fail(name, kind, f'must be passes out of {", ".join(PASSES)}, or "pass N" by its number')
+        layers[name] = tuple(kinds)
+    return layers
+
+
+def read_pass_numbers(table: Table) -> PassNumbers:
+    """Take the table ``source.NAME.pass_numbers``."""
+    listed: dict[int, int] = {}
+    for name in PASSES:
+        for number in table.array(name, int, []):
+            if not 0 <= number <= LARGEST:
+                raise table.fail(name, number, f"must be whole numbers from 0 to {LARGEST}")
+            if number in listed:
+                raise table.fail(name, number, f"is {PASSES[listed[number]]} already")
+            listed[number] = PASSES.index(name)
+    table.close()
+    return PassNumbers(tuple(sorted(listed.items())))

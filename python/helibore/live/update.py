@@ -1,0 +1,93 @@
+"""What a call changed, and how two such changes are joined: vertices, image rows, the path, events.
+
+    first  [0, 40) [90, 120)     then  [30, 95)     both  [0, 120)
+
+Joined ranges cover every change, and there are never more than MOST_RANGES of them: beyond that the narrowest gaps
+between them are closed, so that a host that never polls holds little. Drawing is not here.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.changes import Change
+from helibore.live.events import Event
+
+MOST_RANGES = 1024
+
+
+@dataclass(slots=True)
+class Update:
+    """What one call changed.
+
+    Attributes
+    ----------
+    changes
+        For each layer that took samples, the wall's Change: ``ranges`` of vertices, ``settled``.
+    images
+        For each image that grew, its new rows [start, stop) in order of arrival.
+    path_from
+        Depth below which the path moved, metres; None when it did not.
+    events
+        What is worth telling.
+    """
+
+    changes: dict[str, Change] = field(default_factory=dict)
+    images: dict[str, tuple[int, int]] = field(default_factory=dict)
+    path_from: float | None = None
+    events: list[Event] = field(default_factory=list)
+
+    def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
+        """Return (m, 2) the ranges [start, stop) of quads of ``layer`` with a vertex that is new or changed.
+
+        Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; those past the end of the wall are to be
+        cut off by the caller.
+        """
+        if layer not in self.changes:
+            return np.empty((0, 2), np.int64)
+        ranges = self.changes[layer].ranges.copy()
+        ranges[:, 0] = np.maximum(ranges[:, 0] - sectors - 1, 0)
+        return joined_ranges(ranges)
+
+
+def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
+    """Return ranges sorted, those that touch made one, and MOST_RANGES at most."""
+    found: list[list[int]] = []
+    for start, stop in sorted(ranges.tolist()):
+        if found and start <= found[-1][1]:
+            found[-1][1] = max(stop, found[-1][1])
+        else:
+            found.append([start, stop])
+    joint = np.array(found, np.int64).reshape(-1, 2)
+    if len(joint) <= MOST_RANGES:
+        return joint
+    gaps = joint[1:, 0] - joint[:-1, 1]
+    kept = np.sort(np.argsort(-gaps, kind="stable")[: MOST_RANGES - 1])  # of equal gaps the shallower stay
+    starts, stops = np.append(joint[0, 0], joint[kept + 1, 0]), np.append(joint[kept, 1], joint[-1, 1])
+    return np.column_stack([starts, stops])
+
+
+def joined(first: Change | None, second: Change) -> Change:
+    """Return one Change for two in a row."""
+    if first is None:
+        return second
+    return Change(
+        joined_ranges(np.concatenate([first.ranges, second.ranges])),
+        second.settled,
+        first.accepted + second.accepted,
+        first.redundant + second.redundant,
+    )
+
+
+def merge(update: Update, more: Update) -> None:
+    """Join ``more``, which came after it, into ``update``."""
+    for name, change in more.changes.items():
+        update.changes[name] = joined(update.changes.get(name), change)
+    for name, (start, stop) in more.images.items():
+        update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+    if more.path_from is not None:
+        update.path_from = more.path_from if update.path_from is None else min(update.path_from, more.path_from)
+    update.events += more.events
