@@ -32,6 +32,7 @@ import zipfile
 import zlib
 from dataclasses import asdict, fields
 from pathlib import Path
+from tokenize import TokenError
 from typing import IO, Any, BinaryIO
 
 import numpy as np
@@ -221,8 +222,11 @@ class _Members:
     def array(self, name: str, dtype: str = "<f8", dimensions: int = 1) -> npt.NDArray[Any]:
         """Read one array."""
         with self._open(f"{name}.npy", self._size) as member:
-            np.lib.format.read_magic(member)
-            shape, by_columns, stored = np.lib.format.read_array_header_1_0(member)
+            try:
+                np.lib.format.read_magic(member)
+                shape, by_columns, stored = np.lib.format.read_array_header_1_0(member)
+            except (SyntaxError, TokenError) as error:  # NumPy reads the header as Python
+                raise ValueError(f"damaged: the header of {name}") from error
             if stored != np.dtype(dtype) or by_columns or len(shape) != dimensions:
                 raise ValueError(f"damaged: {name} is {stored} {shape}")
             if math.prod(shape) * stored.itemsize > self._size:

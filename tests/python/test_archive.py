@@ -276,6 +276,20 @@ def test_truncated_and_flipped_archives_are_refused_or_give_the_same_wall(tmp_pa
     assert harmless < len(places) / 2
 
 
+def test_a_damaged_header_of_an_array_is_refused_whatever_it_has_become(tmp_path: Path) -> None:
+    path = tmp_path / "a.wall"
+    oval(2000).save(path)  # members longer than a block: their checksum comes after the header has been read
+    content = path.read_bytes()
+    start = content.index(b"{'descr'")
+    for place in (start, start + 1, content.index(b"}", start), content.index(b"(", start)):
+        for bit in range(8):
+            flipped = bytearray(content)
+            flipped[place] ^= 1 << bit
+            path.write_bytes(flipped)
+            with pytest.raises(ValueError, match=f"^{re.escape(str(path))}: "):
+                hb.load(path)
+
+
 # ------------------------------------------------------------------ whole or not at all
 
 
