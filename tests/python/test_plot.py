@@ -428,6 +428,18 @@ def test_images_that_cannot_be_shown() -> None:
     assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
 
 
+@pytest.mark.parametrize("ends", [(1000.0, 1010.0), (1045.0, 1060.0), (1000.0, 1060.0), (1020.0, 1022.0)])
+def test_the_body_of_a_gauge_hole_lies_in_the_interval(ends: tuple[float, float]) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1060.0, BIT), bit_diameter=BIT, sectors=8)
+    depth = np.arange(1030.0, 1060.0, 0.1)
+    wall.images["X"] = image_of(depth, np.add.outer(depth, np.arange(4.0)), "X")
+    wall.images["Y"] = image_of(depth - 30.0, np.add.outer(depth, np.arange(4.0)), "Y")
+    shown = ["X"] if ends[0] > 1030 else ["Y"]
+    stretched = content_of(wall, plot.Drawing(start=ends[0], stop=ends[1], images=shown)).stretched
+    assert stretched is not None
+    assert ends[0] - 1e-9 <= stretched.depth[0] < stretched.depth[1] <= ends[1] + 1e-9
+
+
 def test_what_a_colour_scale_cuts_off_is_counted() -> None:
     depth = np.arange(1000.0, 1005.0, 0.1)
     values = np.add.outer(np.linspace(1, 99, depth.size), np.zeros(4))

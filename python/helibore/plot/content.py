@@ -185,7 +185,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         tracks.append(ImageTrack(radius[0], (helix, radius[1]), drawing.reference, drawing.left, width))
     for image, (how, values) in zip(images, shown, strict=True):
         tracks.append(ImageTrack(how, (image, values), drawing.reference, drawing.left, width))
-    stretched = _stretched(wall, drawing, top, bottom)
+    stretched = _stretched(wall, drawing, top, bottom, images)
     bodies = []
     if stretched is not None:
         bodies = _bodies(wall, stretched, radius, list(zip(images, shown, strict=True)))
@@ -284,24 +284,23 @@ def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: D
     return CaliperTrack(turns, wall.basis, bit, unit, limits, tuple(dict.fromkeys(drawing.curves)), drawing.reference)
 
 
-def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float) -> Stretched | None:
+def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: list[SectorImage]) -> Stretched | None:
     if drawing.body is not None:
         return stretch_of(wall, drawing.body[0], drawing.body[1]) if drawing.body else None
-    if wall.basis != "azimuthal" and not wall.images:
+    if wall.basis != "azimuthal" and not images:
         return None
     found = most_relief(wall, top, bottom)
     if found is not None and wall.basis == "gauge":  # no relief: where the images have most to show
-        found = _imaged(wall, *found)
+        found = _imaged(wall, images[0], top, bottom, 0.5 * (found[1] - found[0]))
     return None if found is None else stretch_of(wall, *found)
 
 
-def _imaged(wall: Wall, top: float, bottom: float) -> tuple[float, float]:
-    """A stretch of the same length around the middle row of those that hold a value."""
-    first = next(iter(wall.images.values()))
-    rows = first.depth[np.isfinite(first.values).all(axis=1)]
-    ends = sorted((float(wall.depth[0]), float(wall.depth[-1])))
-    half = 0.5 * (bottom - top)
-    middle = float(np.clip(np.median(rows) if rows.size else top + half, ends[0] + half, ends[1] - half))
+def _imaged(wall: Wall, image: SectorImage, top: float, bottom: float, half: float) -> tuple[float, float]:
+    """A stretch around the middle row of those, from ``top`` to ``bottom``, that hold a value in every sector."""
+    whole = np.isfinite(image.values).all(axis=1) & (image.depth >= top) & (image.depth <= bottom)
+    low, high = max(top, float(wall.depth.min())), min(bottom, float(wall.depth.max()))
+    middle = float(np.median(image.depth[whole])) if whole.any() else low + half
+    middle = float(np.clip(middle, low + half, high - half))
     return middle - half, middle + half
 
 
