@@ -32,6 +32,12 @@ LARGEST_RADIUS = 2.0
 IMAGE_ROW = 8
 """From so many sensors on, one row sees the hole all around: it is a turn."""
 
+FAST_TURN = 90.0
+"""Degrees between two readings of a toolface, in half of them, from which what lies between is doubtful."""
+
+FASTEST = 20.0
+"""Metres a second: no tool goes faster."""
+
 WORDS = {"no depth": "depth", "no toolface": "toolface", "no radius": "radius", "no time": "time"}
 
 
@@ -74,15 +80,17 @@ class Samples:
         cls, readings: list[Readings], settings: Preparation, track: Track | None, told: Told, counts: dict[str, int]
     ) -> Samples:
         """Bring the sensors of all readings into one frame; tell and count what has no depth, toolface or radius."""
-        seen = [_observe(one, settings, track) for one in readings]
+        seen = [_observe(one, settings, track, told) for one in readings]
         for one, found in zip(readings, seen, strict=True):
             for reason, word in WORDS.items():
                 if found.counts.get(reason):
                     counts[reason] = counts.get(reason, 0) + found.counts[reason]
                     told.append(("dropped", f"{found.counts[reason]:,} samples of {one.name} without a {word}"))
             if not found.depth.size:
-                lacking = ", ".join(f"{count} values missing in {name}" for name, count in one.missing.items())
-                raise ValueError(f"{one.name}: no row has depth, toolface and a radius ({lacking or 'no values'})")
+                lacking = [f"{count} values missing in {name}" for name, count in one.missing.items()]
+                lacking += [f"{count} dropped as {step}" for step, count in counts.items() if step not in WORDS]
+                reason = ", ".join(lacking) or "no values"
+                raise ValueError(f"{one.name}: no row has depth, toolface and a radius ({reason})")
         timed = [found.time is not None for found in seen]
         if any(timed) and not all(timed):
             told.append(("time", "left out: not every file has one"))
@@ -260,7 +268,7 @@ def _joined(columns: list[npt.NDArray[Number]]) -> npt.NDArray[Number]:
     return columns[0] if len(columns) == 1 else np.concatenate(columns)
 
 
-def _observe(one: Readings, settings: Preparation, track: Track | None) -> Observed:
+def _observe(one: Readings, settings: Preparation, track: Track | None, told: Told) -> Observed:
     """The samples of one file, by depth, or by time where a clock has a say."""
     sensors = [
         Sensor(each.name, each.offset + settings.sensor_offset, each.mounting, each.latency + settings.latency)
@@ -272,14 +280,59 @@ def _observe(one: Readings, settings: Preparation, track: Track | None) -> Obser
         return found if one.time is None else _timed(found, one.time)
     if one.time is None:
         raise ValueError(f"{one.name}: a latency or a track needs a time, and no channel has that role")
-    known = np.flatnonzero(np.isfinite(one.time))
-    time = one.time[known]
-    depth = track.depth if track else TimeSeries(*_in_order(time, one.depth[known]))
+    clocks = [np.flatnonzero(np.isfinite(one.time))] if track else _clocks(one, one.time, told)
+    return _together([_by_clock(one, one.time, rows, sensors, track, told) for rows in clocks])
+
+
+def _by_clock(
+    one: Readings, time: Floats, rows: Integers, sensors: list[Sensor], track: Track | None, told: Told
+) -> Observed:
+    """The samples of rows whose times are of one clock."""
+    when = time[rows]
+    depth = track.depth if track else TimeSeries(*_in_order(when, one.depth[rows]))
     turning = track.toolface if track and track.toolface is not None else None
     if turning is None:
-        turning = TimeSeries(*_in_order(time, one.toolface[known]), angle=True, beyond=np.inf if not one.turning else 0)
-    found = observe_by_time(sensors, [time] * len(sensors), [radius[known] for radius in one.radii], depth, turning)
-    return replace(found, row=known[found.row])
+        turning = TimeSeries(*_in_order(when, one.toolface[rows]), angle=True, beyond=np.inf if not one.turning else 0)
+    if turning.step > FAST_TURN:
+        line = f"{one.name}: turns by {turning.step:.0f} deg between half of its readings: too fast to be read between"
+        if ("toolface", line) not in told:
+            told.append(("toolface", line))
+    found = observe_by_time(sensors, [when] * len(sensors), [radius[rows] for radius in one.radii], depth, turning)
+    return replace(found, row=rows[found.row])
+
+
+def _clocks(one: Readings, time: Floats, told: Told) -> list[Integers]:
+    """The rows that share a clock: all, or those of a pass, unless the clock starts anew among them."""
+    rows = np.flatnonzero(np.isfinite(time))
+    number = one.pass_number
+    clocks = [rows] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
+    apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
+    if len(apart) > len(clocks):
+        told.append(("time", f"{one.name}: goes back, as by a clock that starts anew: read as {len(apart)} clocks"))
+    return apart
+
+
+def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
+    """Rows split into runs of rising or falling time, if in the order of time the tool would jump from row to row."""
+    known = rows[np.isfinite(depth[rows])]
+    when, where = _in_order(time[known], depth[known])
+    if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():
+        return [rows]
+    falls = np.diff(time[rows]) < 0
+    starts = [0]
+    for step in np.flatnonzero(falls[1:] != falls[:-1]) + 1:
+        if step > starts[-1]:  # the step to another clock; the one after it is the first of the next run
+            starts.append(int(step) + 1)
+    return np.split(rows, starts[1:])
+
+
+def _together(parts: list[Observed]) -> Observed:
+    """Samples of several clocks as one list."""
+    if len(parts) == 1:
+        return parts[0]
+    names = ("depth", "toolface", "radius", "time", "sensor", "row")
+    columns = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
+    return Observed(**columns, counts={name: sum(part.counts[name] for part in parts) for name in parts[0].counts})
 
 
 def _in_order(time: Floats, values: Floats) -> tuple[Floats, Floats]:

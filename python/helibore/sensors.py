@@ -98,6 +98,11 @@ class TimeSeries:
             self._values = np.unwrap(self._values, period=360.0)
         self._angle, self._gap, self._beyond = angle, gap, beyond
 
+    @property
+    def step(self) -> float:
+        """Median change from one reading to the next, the short way round where they are angles; 0 for one reading."""
+        return float(np.median(np.abs(np.diff(self._values)))) if self._values.size > 1 else 0.0
+
     def at(self, time: npt.ArrayLike) -> Floats:
         """Values at these times, (n,) float64, new; NaN where there is no answer or the time is NaN."""
         when = column("time", time)

@@ -298,6 +298,52 @@ def test_a_track_gives_depth_and_toolface_by_time() -> None:
     np.testing.assert_allclose(found.caliper.toolface, 20.0 * time % 360)
 
 
+def test_what_closed_arms_leave_nothing_of_is_told() -> None:
+    rule = r"^f.csv: no row has depth, toolface and a radius \(400 dropped as closed\)$"
+    with pytest.raises(ValueError, match=rule):
+        prepare(rotating().readings(), Preparation(closed=0.3))
+
+
+def two_passes(backwards: bool, **columns: Any) -> tuple[LogSet, Any]:
+    """Down and up over 100 to 104 m, 20 s each, both by a clock that starts at 0; time as it went."""
+    time = np.tile(np.arange(100) * 0.2, 2)
+    depth = np.concatenate([100 + 0.2 * time[:100], 104 - 0.2 * time[100:]])
+    arms = {"time__s": time, "md__m": depth, "tf__deg": time * 30.0 % 360, "radius__m": np.full(200, 0.1)} | columns
+    return log(**{name: values[:: -1 if backwards else 1] for name, values in arms.items()}), time
+
+
+def test_a_clock_that_starts_anew_with_each_pass() -> None:
+    anew = ["f.csv: goes back, as by a clock that starts anew: read as 2 clocks"]
+    for columns, backwards, lines in (
+        ({"pass": np.repeat([3.0, 7.0], 100)}, False, []), ({}, False, anew), ({}, True, anew),
+    ):  # fmt: skip
+        one, time = two_passes(backwards, **columns)
+        found = prepare(one.readings(), Preparation(latency=1.0))
+        assert found.counts["no depth"] == 10
+        late = time[5:100] - 1.0
+        both = np.concatenate([100 + 0.2 * late, 104 - 0.2 * late])
+        np.testing.assert_allclose(np.sort(found.caliper.depth), np.sort(both))
+        assert [line for name, line in found.told if name == "time"] == lines
+
+
+def test_rows_of_one_clock_may_come_in_any_order() -> None:
+    time = np.random.default_rng(1).permutation(N).astype(float)
+    columns = {"time__s": time, "md__m": 100 + 0.01 * time, "tf__deg": time * 30 % 360}
+    found = prepare(log(**columns, radius__m=np.full(N, 0.1)).readings(), Preparation(latency=1.0))
+    np.testing.assert_allclose(np.sort(found.caliper.depth), 100 + 0.01 * np.arange(N - 1.0))
+    assert not [line for name, line in found.told if name == "time"]
+
+
+def test_a_toolface_too_fast_to_be_read_between_is_told() -> None:
+    time = np.arange(N, dtype=float)
+    columns = {"time__s": time, "md__m": 100 + 0.01 * time, "radius__m": np.full(N, 0.1)}
+    slow, fast = (prepare(log(**columns, tf__deg=time * turn % 360).readings(), Preparation(latency=0.5))
+                  for turn in (80.0, 110.0))  # fmt: skip
+    line = ("toolface", "f.csv: turns by 110 deg between half of its readings: too fast to be read between")
+    assert line in fast.told
+    assert not [told for told in slow.told if told[0] == "toolface"]
+
+
 def test_rows_without_a_time_are_left_out() -> None:
     time = np.where(np.arange(N) == 9, np.nan, np.arange(N))
     found = prepare(rotating(time__s=time).readings())
