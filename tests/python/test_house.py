@@ -88,3 +88,10 @@ def test_a_file_is_a_chapter(path: Path) -> None:
     lines = path.read_text().splitlines()
     assert len(lines) <= 440
     assert lines[0].startswith(("//", '"""', 'r"""'))
+
+
+def test_develop_speaks_to_the_pip_of_debian_12() -> None:
+    """Which is 23.0: it knows --config-settings, and -C only from 23.1 on."""
+    calls = [line for line in (ROOT / "develop").read_text().splitlines() if "pip install" in line or "pip wheel" in line]
+    assert calls
+    assert not [line for line in calls if re.search(r'[ "]-C', line)]
