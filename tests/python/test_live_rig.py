@@ -18,10 +18,13 @@ from helibore import Live
 from helibore.cli import cli
 from helibore.live import wits
 from helibore.live.configuration import parse
-from helibore.live.rig import Faults, Rig, play
+from helibore.live.rig import Faults, Rig, configuration, play
 from helibore.live.server import Server
 from helibore.live.snapshot import snapshot
 from helibore.live.status import Page, metrics
+from helibore.simulate import Lift
+
+EM = ("--telemetry", "em")
 
 
 def free_port():
@@ -73,7 +76,7 @@ def test_a_played_rig_with_a_lift_ends_with_the_bits_of_the_batch(tmp_path, faul
 def test_the_telemetry_sets_rate_and_delay():
     slow, fast = (Rig(name, 2000.0, 2001.0, lift=0.0) for name in ("mud-pulse", "wired-pipe"))
     assert len(fast.triples) > 1000 * len(slow.triples)
-    assert slow.frames[-1][0] > slow.run.time[-1] + 19
+    assert max(at for at, _ in slow.frames()) > slow.run.time[-1] + 19
     with pytest.raises(ValueError, match=r"^telemetry 'smoke': must be one of mud-pulse, em, wired-pipe, memory$"):
         Rig("smoke")
     with pytest.raises(ValueError, match=r"^late = 1: must be in \[0, 1\)$"):
@@ -126,7 +129,7 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
         stdout=subprocess.PIPE, stderr=subprocess.PIPE,
     ) as running:  # fmt: skip
         played = CliRunner().invoke(cli, ["simulate", "--wits", f"tcp://127.0.0.1:{port}", "--to", "2002m", "--speed",
-                                          "0", "--telemetry", "em"])  # fmt: skip
+                                          "0", *EM])  # fmt: skip
         assert played.exit_code == 0, played.output
         assert f"listen://127.0.0.1:{port}" in played.output
         text, due = "", threading.Event()
@@ -143,6 +146,45 @@ def test_the_command_line_reads_a_played_rig(tmp_path):
     assert b"samples drawn" in out
     assert (tmp_path / "now" / "main.wall").exists()
     assert Live.replay(tmp_path / "j").wall.sample_count > 100
+
+
+def test_the_configuration_is_there_before_the_rig_is_simulated(monkeypatch):
+    """Whoever pipes it to a file and starts the listening side at once must not find the file empty."""
+
+    def refuse(*_, **__):
+        raise ValueError("simulated")
+
+    monkeypatch.setattr("helibore.live.rig.simulate", refuse)
+    result = CliRunner().invoke(cli, ["simulate", "--wits", "tcp://127.0.0.1:1", "--from", "1800m", *EM])
+    assert result.stdout == configuration("listen://127.0.0.1:1", "em", 1800.0) + "\n"
+    assert parse(result.stdout).wall["bit_diameter"] == 0.216
+    assert result.stderr.splitlines()[0] == "# simulating 250 m of drilling"
+    assert "simulated" in result.stderr
+
+
+def test_the_tool_is_lifted_where_it_is_told_to_be():
+    rig = Rig("em", 2000.0, 2004.0, (Lift(2001.0, 0.5), Lift(2003.0, 1.0)))
+    back = np.flatnonzero(np.diff(rig.run.depth) < -0.1)
+    np.testing.assert_allclose(rig.run.depth[back], [2001.0, 2003.0], atol=0.01)
+    np.testing.assert_allclose(rig.run.depth[back + 1], [2000.5, 2002.0], atol=0.01)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["hole"], "FOLDER: has no say with --wits"),
+        (["--noise", "1mm"], "--noise: has no say with --wits"),
+        (["--format", "npz", "-q"], "--format: has no say with --wits"),
+        (["--wits", "127.0.0.1:9872"], "address '127.0.0.1:9872': must be tcp://HOST:PORT or listen://HOST:PORT"),
+    ],
+)
+def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatch, arguments, told):
+    monkeypatch.chdir(tmp_path)
+    result = CliRunner().invoke(cli, ["simulate", "--wits", "tcp://127.0.0.1:1", *arguments])
+    assert result.exit_code == 2
+    assert result.stdout == ""
+    assert told in result.stderr
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
@@ -167,9 +209,10 @@ def test_a_wrong_start_is_one_line_and_exit_code_2(tmp_path, monkeypatch, text, 
 def test_frames_of_the_rig_are_read_without_an_event():
     rig = Rig("wired-pipe", 2000.0, 2000.3, lift=0.1)
     parser = wits.Parser()
-    batch = parser.feed(b"".join(frame for _, frame in rig.frames))
+    frames = [frame for _, frame in rig.frames()]
+    batch = parser.feed(b"".join(frames))
     assert len(batch.events) == 0
-    assert len(batch.frames) == len(rig.frames)
+    assert len(batch.frames) == len(frames) > 0
 
 
 def test_a_snapshot_of_little_has_what_there_is(tmp_path):

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
+from click.core import ParameterSource
 
 from helibore.cli.quantities import LENGTH
 from helibore.cli.terminal import Terminal
@@ -24,6 +25,10 @@ if TYPE_CHECKING:
     from helibore.arrays import Floats
     from helibore.hole import Hole
     from helibore.simulate import Simulation
+
+
+PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "faults", "quiet")
+"""The options that a played rig heeds."""
 
 
 class LiftParameter(click.ParamType[tuple[float, float]]):
@@ -112,16 +117,25 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
 
 
 def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
-    """Play a rig; its configuration for the listening side goes to stdout first."""
-    from helibore.live.rig import Faults, Rig, connect, play
+    """Play a rig; its configuration for the listening side goes to stdout first, before anything takes time."""
+    from helibore.live.rig import Faults, Rig, configuration, connect, play, scheme_of
+    from helibore.simulate import Lift
 
-    lift = options["lifts"][0][1] if options["lifts"] else 0.0
-    rig = Rig(options["telemetry"], options["start"], options["stop"], lift, Faults(*options["faults"]), seed)
-    address = str(options["wits"])
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        name = str(parameter.name)
+        if name not in PLAYED and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
+            raise click.UsageError(f"{parameter.opts[0].replace('folder', 'FOLDER')}: has no say with --wits")
+    address, start, stop = str(options["wits"]), options["start"], options["stop"]
+    here = "listen" if scheme_of(address) == "tcp" else "tcp"
+    faults, lifts = Faults(*options["faults"]), tuple(Lift(*lift) for lift in options["lifts"])
     if not quiet:
-        there, here = ("tcp", "listen") if address.startswith("tcp") else ("listen", "tcp")
-        click.echo(rig.configuration(address.replace(there, here, 1)))
+        click.echo(configuration(here + address[address.index(":") :], options["telemetry"], start))
+        click.echo(f"# simulating {stop - start:g} m of drilling", err=True)
+    rig = Rig(options["telemetry"], start, stop, lifts, faults, seed)
     with connect(address) as link:
+        if not quiet:
+            click.echo(f"# connected; {len(rig.triples):,} triples to send", err=True)
         sent = play(rig, link, options["speed"])
     if not quiet:
         click.echo(f"# {sent:,} bytes, {len(rig.triples):,} triples sent", err=True)

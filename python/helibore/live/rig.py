@@ -29,6 +29,9 @@ TELEMETRY = {
 }
 """Triples a second, triples a frame, and seconds between measurement and arrival, of each telemetry."""
 
+BIT_DIAMETER = 0.216
+"""Of every rig, metres."""
+
 CONFIGURATION = """\
 [wall]
 bit_diameter = {bit_diameter}
@@ -42,6 +45,24 @@ caliper = {{ first = "5010", groups = {groups}, order = ["toolface", "depth", "r
 survey = {{}}
 image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin = "edge", reference = "high-side" }}
 """
+
+
+def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
+    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, at once: no rig is simulated for it.
+
+    Raises
+    ------
+    ValueError
+        If there is no such telemetry.
+    """
+    _, groups, _ = _usual(telemetry)
+    return CONFIGURATION.format(address=address, bit_diameter=BIT_DIAMETER, start=start, groups=groups)
+
+
+def _usual(telemetry: str) -> tuple[float, int, float]:
+    if telemetry not in TELEMETRY:
+        raise ValueError(f"telemetry '{telemetry}': must be one of {', '.join(TELEMETRY)}")
+    return TELEMETRY[telemetry]
 
 
 @dataclass(frozen=True)
@@ -68,7 +89,7 @@ class Rig:
     start, stop
         Depth drilled, metres.
     lift
-        Metres the tool is lifted half way, to scan them again; 0: not.
+        Metres the tool is lifted half way, to scan them again (0: not); or where it is lifted, and how far.
     faults, seed
         What goes wrong, and the seed of everything.
     rate
@@ -76,59 +97,60 @@ class Rig:
 
     Attributes
     ----------
-    frames
-        (drilling time s, frame) in the order they are sent.
     triples
         (n, 3) toolface deg, depth m, radius m of every triple sent at least once, to the digits sent.
     """
 
     def __init__(
-        self, telemetry: str = "wired-pipe", start: float = 2000.0, stop: float = 2010.0, lift: float = 2.0,
+        self, telemetry: str = "wired-pipe", start: float = 2000.0, stop: float = 2010.0,
+        lift: float | tuple[Lift, ...] = 2.0,
         faults: Faults | None = None, seed: int = 0, rate: float | None = None,
     ) -> None:  # fmt: skip
-        if telemetry not in TELEMETRY:
-            raise ValueError(f"telemetry '{telemetry}': must be one of {', '.join(TELEMETRY)}")
-        usual, self.groups, self.latency = TELEMETRY[telemetry]
-        self.start, self.bit_diameter = start, 0.216
+        usual, self.groups, self.latency = _usual(telemetry)
+        self._telemetry, self._start = telemetry, start
         self._draw = np.random.default_rng([seed, 11])
-        lifts = (Lift(start + (stop - start) / 2, lift),) if lift else ()
+        half_way = start + (stop - start) / 2
+        lifts = lift if isinstance(lift, tuple) else (Lift(half_way, lift),) if lift else ()
         tool = Tool(sample_rate=rate or usual, lifts=lifts)
-        self.run = simulate(Hole.example(start, stop, bit_diameter=self.bit_diameter, seed=seed), tool, seed=seed)
-        self.triples: Floats = self._rows(self.run)
-        self.frames = self._in_order(self.triples, faults or Faults())
+        self.run = simulate(Hole.example(start, stop, bit_diameter=BIT_DIAMETER, seed=seed), tool, seed=seed)
+        self._rows = self._written(self.run)
+        self.triples, self._order = self._in_order(faults or Faults())
+
+    def frames(self) -> Iterator[tuple[float, bytes]]:
+        """Yield (drilling time s, frame) in the order they are sent; those of calipers are written when asked for."""
+        for at, frame in self._order:
+            yield at, frame if isinstance(frame, bytes) else self._caliper(frame)
+
+    def configuration(self, address: str) -> str:
+        """Return the TOML that reads this rig."""
+        return configuration(address, self._telemetry, self._start)
 
     @staticmethod
-    def _rows(run: Simulation) -> Floats:
+    def _written(run: Simulation) -> Floats:
         """The triples as the wire carries them: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm."""
         toolface, radius = np.round(run.toolface, 2) % 360.0, np.round(run.radius * 1e3, 2) * 1e-3
         return np.column_stack([toolface, np.round(run.depth, 4), radius])
 
-    def configuration(self, address: str) -> str:
-        """Return the TOML that reads this rig."""
-        numbers = {"bit_diameter": self.bit_diameter, "start": self.start, "groups": self.groups}
-        return CONFIGURATION.format(address=address, **numbers)
-
-    def _in_order(self, rows: Floats, faults: Faults) -> list[tuple[float, bytes]]:
-        """Every frame with the drilling time at which it is sent."""
-        sent = [*self._surface(), *self._surveys(), *self._gamma()]
+    def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
+        """Return the triples that are sent, and each frame at its drilling time; of a caliper frame its number."""
+        rows = self._rows
+        sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._surveys(), *self._gamma()]
         kept = np.ones(len(rows), bool)
         starts = range(0, len(rows), self.groups)
         chance = self._draw.random((len(starts), 3))
         for number, first in enumerate(starts):
-            group = rows[first : first + self.groups]
             at = float(self.run.time[min(first + self.groups, len(rows)) - 1]) + self.latency
             if chance[number, 0] < faults.dropped:
                 kept[first : first + self.groups] = False
                 continue
             at += 5.0 if chance[number, 1] < faults.late else 0.0
-            frame = self._caliper(number, group)
-            sent.append((at, frame))
+            sent.append((at, number))
             if chance[number, 2] < faults.doubled:
-                sent.append((at + 0.5, frame))
-        self.triples = rows[kept]
-        return sorted(sent, key=lambda entry: entry[0])
+                sent.append((at + 0.5, number))
+        return rows[kept], sorted(sent, key=lambda entry: entry[0])
 
-    def _caliper(self, number: int, group: Floats) -> bytes:
+    def _caliper(self, number: int) -> bytes:
+        group = self._rows[number * self.groups : (number + 1) * self.groups]
         items = [(5004, str(number))]
         for place, (toolface, depth, radius) in enumerate(group.tolist()):
             first = 5010 + 3 * place
@@ -164,7 +186,7 @@ class Rig:
 def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
     """Send a rig's frames, ``speed`` times as fast as it drilled (0: as fast as they are taken); returns the bytes."""
     begin, sent, held = time.monotonic(), 0, bytearray()
-    first = rig.frames[0][0]
+    first = None
 
     def flush() -> None:
         nonlocal sent
@@ -172,7 +194,8 @@ def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) 
         sent += len(held)
         held.clear()
 
-    for at, frame in rig.frames:
+    for at, frame in rig.frames():
+        first = at if first is None else first
         wait = (at - first) / speed - (time.monotonic() - begin) if speed else 0.0
         if wait > 0 or len(held) + len(frame) > packet:
             flush()
@@ -181,6 +204,21 @@ def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) 
         held += frame
     flush()
     return sent
+
+
+def scheme_of(address: str) -> str:
+    """Return ``tcp`` or ``listen``.
+
+    Raises
+    ------
+    ValueError
+        If the address is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``.
+    """
+    scheme, _, rest = address.partition("://")
+    host, _, port = rest.rpartition(":")
+    if scheme not in ("tcp", "listen") or not host or not port.isdigit():
+        raise ValueError(f"address '{address}': must be tcp://HOST:PORT or listen://HOST:PORT")
+    return scheme
 
 
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
@@ -193,10 +231,8 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
     OSError
         If no link came within ``seconds``.
     """
-    scheme, _, rest = address.partition("://")
-    host, _, port = rest.rpartition(":")
-    if scheme not in ("tcp", "listen") or not host or not port.isdigit():
-        raise ValueError(f"address '{address}': must be tcp://HOST:PORT or listen://HOST:PORT")
+    scheme = scheme_of(address)
+    host, _, port = address.removeprefix(f"{scheme}://").rpartition(":")
     if scheme == "listen":
         with socket.create_server((host, int(port))) as listening:
             listening.settimeout(seconds)
