@@ -26,7 +26,7 @@ import numpy.typing as npt
 from helibore.arrays import Floats, column
 from helibore.survey import Path
 
-__all__ = ["from_high_side", "north_to_high_side", "onto_path"]
+__all__ = ["defined", "from_high_side", "north_to_high_side", "onto_path"]
 
 _LEAST_ANGLE = 1e-6  # radians between reference and tangent, as everywhere in helibore
 
@@ -91,6 +91,30 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
     decided[0] = True
     last = np.maximum.accumulate(np.where(decided, np.arange(inclined.size), 0))
     return steep[last]
+
+
+def defined(path: Path, depth: npt.ArrayLike, high_side: bool) -> npt.NDArray[np.bool_]:
+    """Where both references are defined: that of the path, and the high side, or north.
+
+    Parameters
+    ----------
+    path
+        A path.
+    depth
+        Metres on the path, (n,), finite.
+    high_side
+        True for the high side, False for north.
+
+    Returns
+    -------
+    ndarray
+        (n,) bool, new.
+    """
+    north, east, down = path.tangent(_finite("depth", column("depth", depth))).T
+    level = {"high-side": np.hypot(north, east), "north": np.hypot(east, down), "carried": np.ones(north.size)}
+    own = level["high-side" if high_side else "north"]
+    sure: npt.NDArray[np.bool_] = np.minimum(own, level[path.reference]) > 2.0 * _LEAST_ANGLE
+    return sure
 
 
 def onto_path(

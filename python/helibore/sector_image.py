@@ -26,11 +26,15 @@ from helibore.threads import thread_count
 
 if TYPE_CHECKING:
     from helibore.image_breakouts import ImageBreakouts, ImageCriteria
+    from helibore.survey import Path
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]
-Reference = Literal["high-side", "north"]
+Reference = Literal["high-side", "north", "carried"]
 Method = Literal["cell", "linear"]
+
+FINE = 360
+"""Least sectors of an image that was turned into another reference: no border moves by more than half a degree."""
 
 REACH = 0.75
 """Default reach of a row in median spacings: uneven rows meet, one absent row leaves a gap."""
@@ -51,8 +55,9 @@ class SectorImage:
         What of sector 1 lies at ``offset``: its ``"centre"``, or the ``"edge"`` where it starts. Tools differ, and a
         wrong choice turns the image by half a sector, so there is no default.
     reference
-        What toolface 0 is, ``"high-side"`` or ``"north"``. It must be what the wall's toolfaces count from; a wall
-        does not know, so this is not checked.
+        What toolface 0 is: ``"high-side"``, ``"north"``, or ``"carried"`` as by a path of that reference. On a wall
+        with a path of another reference the image is turned (`onto`); a wall without a path does not know, so there it
+        must be what the wall's toolfaces count from.
     direction
         The way sectors count, looking downhole.
     offset
@@ -139,13 +144,56 @@ class SectorImage:
 
         return find_breakouts(self, criteria)
 
+    def onto(self, path: Path, method: Method = "cell") -> SectorImage:
+        """Turn the image into the reference of a path, which is what the toolfaces of its wall count from.
+
+        Every row is turned by the angle between the two references at its depth, and cut into at least `FINE` sectors,
+        each with the value of the cell that holds its centre (``method="cell"``), or linear between centres of cells.
+
+        Returns
+        -------
+        SectorImage
+            New. Rows beyond the path, and where one of the references is undefined, are missing.
+
+        Raises
+        ------
+        ValueError
+            If no row is left, or the image itself is carried: by which path, it does not know.
+        """
+        from helibore.references import defined, onto_path
+
+        _one_of("method", method, get_args(Method))
+        if self.reference == "carried":
+            raise ValueError(f"image {self.name!r}: carried by a path of its own, it cannot be turned onto another")
+        high_side = self.reference == "high-side"
+        there = np.flatnonzero((self.depth >= path.start_depth) & (self.depth <= path.stop_depth))
+        there = there[defined(path, self.depth[there], high_side)]
+        if not there.size:
+            raise ValueError(
+                f"image {self.name!r}: from {self.reference} to {path.reference}: no row lies where the path has both"
+            )
+        turn = onto_path(np.zeros(there.size), self.depth[there], path, high_side)
+        sectors = self.sectors * math.ceil(FINE / self.sectors)
+        fine = (np.arange(sectors, dtype=np.float64) + 0.5) * (360 / sectors)
+        way = 1 if self.direction == "clockwise" else -1
+        place = (
+            (fine - turn[:, None] - self.offset) * way * self.sectors / 360
+        )  # in sectors from the first one's centre
+        place -= 0.5 if self.origin == "edge" else 0.0
+        values = np.full((self.depth.size, sectors), np.nan)
+        values[there] = _around(self.values[there], place, method)
+        return SectorImage(
+            self.depth, values, self.name, self.unit, origin="edge", reference=path.reference, reach=self.reach
+        )
+
     def on(self, wall: WallLike, method: Method = "cell") -> Floats:
         """Return one value for every quad the whole wall has room for.
 
         Parameters
         ----------
         wall
-            Whose helix the quads lie on; its radii play no part.
+            Whose helix the quads lie on; its radii play no part. Where it has a path that counts toolfaces from
+            something else, this is ``image.onto(wall.path)`` on it.
         method
             ``"cell"``: the cell that holds the quad's centre; a centre on a border takes the cell beyond it, deeper or
             next in number. ``"linear"``: linear in depth between rows and, periodically, in toolface between sector
@@ -162,6 +210,9 @@ class SectorImage:
             If no quad's centre lies within the image's depths, or the method is not known.
         """
         _one_of("method", method, get_args(Method))
+        path: Path | None = getattr(wall, "path", None)
+        if path is not None and path.reference != self.reference:
+            return self.onto(path, method).on(wall, method)
         K, pitch = wall.settings.sectors, wall.settings.pitch
         count = max(wall.radius.size - K - 1, 0)
         if not count:
@@ -207,9 +258,21 @@ class SectorImage:
         )
 
 
+def _around(rows: Floats, place: Floats, method: Method) -> Floats:
+    """The value of each row at places around it, in sectors from the centre of the first."""
+    low = np.floor(place + 0.5 if method == "cell" else place)
+    first = low.astype(np.int64) % rows.shape[1]
+    values: Floats = np.take_along_axis(rows, first, axis=1)
+    if method == "linear":
+        share = place - low
+        values = (1 - share) * values + share * np.take_along_axis(rows, (first + 1) % rows.shape[1], axis=1)
+    return values
+
+
 def _one_of(name: str, word: str, known: tuple[str, ...]) -> None:
     if word not in known:
-        raise ValueError(f"{name} = {word!r}: must be {' or '.join(repr(each) for each in known)}")
+        *others, last = (repr(each) for each in known)
+        raise ValueError(f"{name} = {word!r}: must be {', '.join(others)} or {last}")
 
 
 def _order(depths: Floats) -> Integers:

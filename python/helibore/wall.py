@@ -42,6 +42,7 @@ class _Moment(NamedTuple):
     radius: Floats
     basis: Basis
     made_from: dict[str, Any]
+    path: Path | None
 
     def quads(self) -> int:
         return _quad_room(self.radius.size, self.settings.sectors)
@@ -66,7 +67,7 @@ class Wall:
     path
         Where the hole goes, a `Path`, or None. Surfaces and volumes follow it unless they are given another, or None.
     images
-        `SectorImage` by name. Every surface has them as attributes.
+        `SectorImage` by name. Every surface has them as attributes, turned into the reference of the wall's path.
     attributes
         `WallAttributes`: other values, one for each quad of the wall. Every surface has them, too.
     made_from
@@ -340,7 +341,8 @@ class Wall:
 
     def _moment(self) -> _Moment:
         with self._growing:
-            return _Moment(self._settings, self._core.start_depth, self._core.radius(), self._basis, self.made_from)
+            radius = self._core.radius()
+            return _Moment(self._settings, self._core.start_depth, radius, self._basis, self.made_from, self.path)
 
     def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[Any], ...], float]:
         """Samples, vertices (radius, nearest, support, iterations) and start depth of one moment."""

@@ -167,6 +167,75 @@ def test_an_image_is_frozen_counted_and_says_what_it_is() -> None:
     )
 
 
+BUILD = hb.Survey([1000.0, 1002.0, 1010.0], [0.0, 0.0, 60.0], [70.0, 70.0, 95.0])
+
+
+def seen_from(path: hb.Path, depth: float, toolface: float, pole: tuple[float, float, float]) -> float:
+    """The angle from a pole to a point of the wall, by vectors: the pole less its part along the hole is at 0."""
+    ahead, right, tangent = path.frame(depth)
+    point = math.cos(math.radians(toolface)) * ahead + math.sin(math.radians(toolface)) * right
+    zero = np.array(pole) - np.dot(pole, tangent) * tangent
+    return math.degrees(math.atan2(np.dot(point, np.cross(tangent, zero)), np.dot(point, zero)))
+
+
+@pytest.mark.parametrize("reference", ["high-side", "north"])
+@pytest.mark.parametrize("wanted", ["high-side", "north", "carried"])
+@pytest.mark.parametrize("layout", [("edge", "clockwise"), ("centre", "counterclockwise")])
+def test_an_image_is_turned_into_the_reference_of_the_path(
+    reference: Any, wanted: Any, layout: tuple[Any, Any]
+) -> None:
+    path = BUILD.path(reference=wanted)
+    depth = np.arange(1000.05, 1011.0, 0.1)
+    values = np.random.default_rng(3).random((depth.size, 8))
+    image = SectorImage(depth, values, "GR", origin=layout[0], direction=layout[1], reference=reference, offset=17.0)
+    wall = hb.Wall(bit_diameter=0.2, sectors=12, start_depth=1000.0, stop_depth=1011.0)
+    wall.append([1000.0, 1011.0], [0.0, 0.0], [0.1, 0.1])
+    plain = image.on(wall)
+    wall.path = path
+    turned = image.on(wall)
+    if wanted == reference:
+        assert np.array_equal(turned, plain, equal_nan=True)
+        return
+    pole, checked = ((0.0, 0.0, -1.0), (1.0, 0.0, 0.0))[reference == "north"], 0
+    for k in range(0, turned.size, 7):
+        at, toolface = centre(wall, k)
+        row = int(np.argmin(np.abs(depth - at)))
+        if depth[row] > 1010.0 or ("high-side" in (reference, wanted) and depth[row] <= 1002.0):
+            assert math.isnan(turned[k])  # beyond the path, or without a high side
+            continue
+        angle = seen_from(path, depth[row], toolface, pole)
+        if min(apart(angle, border) for border in 17.0 + 45 * np.arange(8) + 22.5 * (layout[0] == "centre")) < 0.5:
+            continue
+        assert turned[k] == cell(image, at, angle)
+        checked += 1
+    assert checked > 100
+    wall.images["GR"] = image
+    surface = wall.surface(start=1003.0, stop=1009.0)
+    assert np.array_equal(surface.attributes["GR"], turned[surface.quad_index], equal_nan=True)
+
+
+def test_a_turned_image_is_linear_between_the_centres_of_its_own_cells() -> None:
+    path = hb.Survey([1000.0, 1010.0], [48.0, 48.0], [248.0, 248.0]).path()  # the high side lies at 254.87 from north
+    depth = np.arange(1000.0, 1010.0, 0.1)
+    slope = np.tile(np.abs(np.arange(36) * 10.0 - 180.0), (depth.size, 1))
+    image = SectorImage(depth, slope, "GR", origin="centre", reference="north")
+    turned = image.onto(path, "linear")
+    north = (turned.toolface + 254.87) % 360
+    np.testing.assert_allclose(turned.values[50], np.abs((north) - 180.0), atol=0.1)
+    assert (turned.reference, turned.reach, turned.sectors) == ("high-side", image.reach, 360)
+
+
+def test_an_image_that_cannot_be_turned_says_so() -> None:
+    image = SectorImage([1, 2], [[1, 2], [3, 4]], "GR", origin="edge", reference="north")
+    with pytest.raises(ValueError, match=r"^image 'GR': from north to carried: no row lies where the path has both$"):
+        image.onto(BUILD.path(reference="carried"))
+    carried = SectorImage([1000, 1001], [[1, 2], [3, 4]], "GR", origin="edge", reference="carried")
+    with pytest.raises(
+        ValueError, match="^image 'GR': carried by a path of its own, it cannot be turned onto another$"
+    ):
+        carried.onto(BUILD.path())
+
+
 def test_a_wall_without_quads_takes_no_values() -> None:
     image = SectorImage([1, 2], [[1, 2], [3, 4]], "GR", origin="edge", reference="north")
     assert image.on(hb.Wall(bit_diameter=0.2)).shape == (0,)
@@ -176,7 +245,7 @@ def test_a_wall_without_quads_takes_no_values() -> None:
     ("changed", "text"),
     [
         ({"origin": "center"}, "origin = 'center': must be 'centre' or 'edge'"),
-        ({"reference": "top"}, "reference = 'top': must be 'high-side' or 'north'"),
+        ({"reference": "top"}, "reference = 'top': must be 'high-side', 'north' or 'carried'"),
         ({"direction": "left"}, "direction = 'left': must be 'clockwise' or 'counterclockwise'"),
         ({"offset": math.nan}, "offset = nan: must be finite"),
         ({"depth": [1, math.nan]}, "depth[1] = nan: must be finite"),
