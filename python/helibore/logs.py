@@ -32,6 +32,7 @@ from helibore.threads import thread_count
 
 if TYPE_CHECKING:
     from helibore.caliper import Caliper
+    from helibore.survey import Path
 
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
@@ -89,6 +90,8 @@ class Logs:
         Metres.
     basis
         What the wall is made from, as in `Caliper`.
+    reference
+        What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"carried"``; "": it has none.
     """
 
     depth: Floats
@@ -123,6 +126,7 @@ class Logs:
     rugosity_window: float
     basis: Basis
     step: float | None = None
+    reference: str = ""
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -169,6 +173,7 @@ class Logs:
             "bit diameter": f"{self.bit_diameter:.6g} m",
             "sectors": str(self.sectors),
             "pitch": f"{self.pitch:.6g} m",
+            "toolface 0": TOOLFACE_0[self.reference],
             "row": "one full turn" if self.step is None else f"{self.step:.6g} m of depth",
             "rugosity window": f"{self.rugosity_window:.6g} m",
             "ovality": "OVAL_API = (max - min)/(max + min); OVAL_DNV = twice that",
@@ -199,6 +204,14 @@ class Logs:
         row = "turns" if self.step is None else f"steps of {self.step:g} m"
         return f"Logs({len(self)} {row}, {self.depth[0]:g} to {self.depth[-1]:g} m, {BASIS_TEXT[self.basis]})"
 
+
+TOOLFACE_0 = {
+    "high-side": "high side of the hole",
+    "north": "north",
+    "carried": "north at the top of the path, carried down it without twist",
+    "": "that of the samples; the wall has no path that says what it is",
+}
+"""What toolfaces count from, for files."""
 
 COLUMN_NAMES = tuple(field.name for field in fields(Logs) if field.type == "Floats")
 
@@ -237,6 +250,7 @@ def turn_logs(
     found: dict[str, Any] = _core.turn_columns(radius, K, wall.settings.start_toolface, window, thread_count(threads))
     square, turns = found.pop("mean_square"), radius.size // K
     depth = wall.start_depth + (np.arange(turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
+    path: Path | None = getattr(wall, "path", None)
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
     return Logs(
@@ -254,6 +268,7 @@ def turn_logs(
         pitch=pitch,
         rugosity_window=window * abs(pitch),
         basis=basis_of(wall),
+        reference=path.reference if path is not None else "",
         **found,
     )
 

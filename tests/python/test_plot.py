@@ -26,7 +26,7 @@ from helibore.plot.raster import Grid, at_points, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.sections import sections_at
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
-from helibore.plot.tracks import HEAD
+from helibore.plot.tracks import HEAD, ImageTrack
 from helibore.simulate import Hole, Tool, simulate
 
 DATA = Path(__file__).parents[3] / "shared" / "data"
@@ -386,7 +386,7 @@ def hb_washout(start: float, stop: float) -> Any:
     ("options", "message"),
     [
         ({"scale": 0}, "scale = 0: must be a whole number, 200 for 1:200"),
-        ({"reference": "up"}, "reference = 'up': must be one of high-side, north"),
+        ({"reference": "up"}, "reference = 'up': must be one of high-side, north, carried"),
         ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
         ({"curves": ("C3",)}, "curve 'C3': must be one of C1, C2, D0, D90"),
         ({"unit": "m"}, "unit = 'm': must be one of in, mm"),
@@ -426,6 +426,29 @@ def test_images_that_cannot_be_shown() -> None:
             plot.log(wall)
     constant = wall_with(depth, np.full_like(values, 7.0))
     assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
+
+
+@pytest.mark.parametrize("own", ["high-side", "north", "carried"])
+def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, BIT), bit_diameter=BIT, sectors=8)
+    wall.path = hb.Survey([1000.0, 1005.0], [48.0, 48.0], [248.0, 248.0]).path(reference=own)
+    rows = np.tile(np.arange(16.0), (50, 1))
+    wall.images["X"] = image_of(1000.0 + 0.1 * np.arange(50), rows, "X", reference="high-side")
+    content = content_of(wall, plot.Drawing())
+    assert content.reference == own
+    drawn = next(track.source[0] for track in content.tracks if isinstance(track, ImageTrack))
+    assert isinstance(drawn, hb.SectorImage)
+    # The high side lies at 254.87 from north here, and so it does where north is carried down a straight hole.
+    high = 0.0 if own == "high-side" else 254.87
+    cells = np.floor(((drawn.toolface - high) % 360) / 22.5)
+    assert (np.isclose(drawn.values[20], cells)).mean() > 0.99
+    words = [text.get_text() for text in texts(plot.log(wall, dpi=40, body=()))]
+    assert {"high-side": "T", "north": "E", "carried": "90°"}[own] in words
+    assert "16 sectors, static" in words
+    with pytest.raises(
+        ValueError, match=f"^reference = '{'north' if own != 'north' else 'high-side'}': the wall's path"
+    ):
+        plot.log(wall, reference="north" if own != "north" else "high-side")
 
 
 @pytest.mark.parametrize("ends", [(1000.0, 1010.0), (1045.0, 1060.0), (1000.0, 1060.0), (1020.0, 1022.0)])

@@ -231,7 +231,7 @@ def test_an_image_that_cannot_be_turned_says_so() -> None:
         image.onto(BUILD.path(reference="carried"))
     carried = SectorImage([1000, 1001], [[1, 2], [3, 4]], "GR", origin="edge", reference="carried")
     with pytest.raises(
-        ValueError, match="^image 'GR': carried by a path of its own, it cannot be turned onto another$"
+        ValueError, match=r"^image 'GR': carried by a path of its own, it cannot be turned onto another$"
     ):
         carried.onto(BUILD.path())
 

@@ -122,6 +122,10 @@ def _measured(wall: Wall, options: dict[str, Any]) -> _Measured:
         raise ValueError(f"zones need a shape that was measured; this wall: {BASIS_TEXT[wall.basis]}")
     criteria = _criteria(wall, options)
     every = wall.logs(rugosity_window=options["rugosity_window"])
+    if options["reference"] not in (None, every.reference):
+        if every.reference:
+            raise ValueError(f"--reference {options['reference']}: the wall's path counts from {every.reference}")
+        every = replace(every, reference=options["reference"])
     inside = every.rows_between(options["start_depth"], options["stop_depth"])
     if not inside.any():
         reach = f"they reach from {every.depth.min():g} to {every.depth.max():g} m" if len(every) else "there are none"

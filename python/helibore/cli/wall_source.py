@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from helibore.cli.terminal import Terminal
     from helibore.run import Run
     from helibore.sector_image import SectorImage
+    from helibore.survey import Path as WellPath
     from helibore.wall import Wall
 
 ARCHIVE, SETTINGS = ".wall", ".toml"
@@ -35,8 +36,9 @@ OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.option("--average", metavar="FILE:CHANNEL", help="Average caliper instead of SOURCE: shape assumed round."),
     click.option("--gauge", is_flag=True, help="Gauge hole instead of SOURCE: not measured, carries images only."),
     click.option(
-        "--image", "images", metavar="FILE:CHANNEL:ORIGIN", multiple=True,
-        help="An image; ORIGIN says what of sector 1 lies at toolface 0: its centre or its edge. Repeatable.",
+        "--image", "images", metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]", multiple=True,
+        help="An image; ORIGIN says what of sector 1 lies at toolface 0: its centre or its edge; REFERENCE what "
+        "toolface 0 of the image is, if it is not the wall's: north or high-side. Repeatable.",
     ),
     *COLUMNS,
     click.option("--from", "start_depth", type=LENGTH, help="Depth to start at.  [top of the wall]"),
@@ -45,8 +47,8 @@ OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.option("--pitch", type=LENGTH, default="100mm", show_default=True, help="Of the helix."),
     click.option("--max-distance", type=LENGTH_OR_NONE, default="1m", show_default=True, help="Reach of a sample."),
     click.option(
-        "--reference", type=click.Choice(["high-side", "north"]), default="high-side", show_default=True,
-        help="What toolface 0 is.",
+        "--reference", type=click.Choice(["high-side", "north"]),
+        help="What toolface 0 of a wall without a survey is.  [high-side]",
     ),
 )  # fmt: skip
 
@@ -88,10 +90,10 @@ def wall_from(options: dict[str, Any], terminal: Terminal) -> Sourced:
         found = _round(options, terminal)
     with terminal.stage("images", "Reading images"):
         for spelling in options["images"]:
-            image = _image(spelling, options)
+            image = _image(spelling, options, found.wall.path)
             found.wall.images[image.name] = image
             size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
-            found.told.append(("image", f"{Path(spelling).name}: {size}"))
+            found.told.append(("image", f"{Path(spelling).name}: {size}, from {image.reference}"))
     return found
 
 
@@ -195,17 +197,30 @@ def _gauge(options: dict[str, Any]) -> Caliper:
     return helibore.Caliper.gauge(ends[0], ends[1], options["bit_diameter"])
 
 
-def _image(spelling: str, options: dict[str, Any]) -> SectorImage:
-    """An image spelled FILE:CHANNEL:ORIGIN."""
+def _image(spelling: str, options: dict[str, Any], path: WellPath | None = None) -> SectorImage:
+    """An image spelled FILE:CHANNEL:ORIGIN[:REFERENCE]."""
     import helibore
 
-    parts = spelling.rsplit(":", 2)
+    reference = options["reference"] or (path.reference if path else "high-side")
+    text = spelling
+    for word in ("north", "high-side"):
+        if spelling.endswith(f":{word}"):
+            text, reference = spelling.removesuffix(f":{word}"), word
+    parts = text.rsplit(":", 2)
     if len(parts) != 3 or parts[2] not in ("centre", "edge"):
-        raise click.UsageError(f"--image {spelling}: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge")
+        raise click.UsageError(
+            f"--image {spelling}: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge, or that and :REFERENCE, north or "
+            "high-side"
+        )
+    if reference == "carried":
+        raise click.UsageError(
+            f"--image {spelling}: the wall's toolfaces are carried down its path, no image's are: end it with "
+            ":north or :high-side"
+        )
     file, name, origin = parts
     with helibore.open(file, nulls(options)) as opened, _named():
         found = opened.image(name)
     try:
-        return found.sector_image(origin, options["reference"])  # type: ignore[arg-type]
+        return found.sector_image(origin, reference)  # type: ignore[arg-type]
     except ValueError as error:
         raise ValueError(f"{file}: {error}") from error

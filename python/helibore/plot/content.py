@@ -29,6 +29,7 @@ from helibore.sector_image import SectorImage
 
 if TYPE_CHECKING:
     from helibore.plot.calipers import Diameters
+    from helibore.survey import Path, Reference
     from helibore.wall import Wall
 
 RADIUS = "Radius"
@@ -80,7 +81,8 @@ class Drawing:
     looks
         `Look` by name of an image; ``"Radius"`` is that of the radius.
     reference
-        What toolface 0 is: ``"high-side"`` or ``"north"``.
+        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"carried"``. None: what the wall's path says, else its
+        images, else the high side.
     left
         Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts the top in the middle.
     unit
@@ -103,7 +105,7 @@ class Drawing:
     scale: int | None = None
     images: Sequence[str] | None = None
     looks: Mapping[str, Look] = field(default_factory=dict)
-    reference: Literal["high-side", "north"] = "high-side"
+    reference: Reference | None = None
     left: float = 0.0
     unit: Literal["in", "mm"] = "in"
     curves: Sequence[str] = ("C1", "C2")
@@ -114,7 +116,7 @@ class Drawing:
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
             raise ValueError(f"scale = {self.scale}: must be a whole number, 200 for 1:200")
-        if self.reference not in SIDES:
+        if self.reference is not None and self.reference not in SIDES:
             raise ValueError(f"reference = {self.reference!r}: must be one of {', '.join(SIDES)}")
         if self.left not in (0, 90, 180, 270):
             raise ValueError(f"left = {self.left:g}: must be 0, 90, 180 or 270")
@@ -155,6 +157,7 @@ class Content:
     sections: list[Section]
     stretched: Stretched | None
     bodies: list[Body]
+    reference: str
 
     @property
     def letters(self) -> str:
@@ -173,27 +176,31 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_scale(bottom - top)
     turns = diameters(wall, wall.settings.bit_diameter)
-    images = _images(wall, drawing)
+    reference = _reference(wall, drawing)
+    images = _images(wall, drawing, reference)
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
+    turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
+    pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
     tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [DepthTrack(scale)]
-    tracks.append(_caliper(wall, turns, top, bottom, drawing))
+    tracks.append(_caliper(wall, turns, top, bottom, drawing, reference))
     count = len(images) + (wall.basis == "azimuthal")
     width = min(130.0, max(24.0, (190.0 - 14.0 - 40.0 - 2.0 * (count + 1)) / max(count, 1)))
     radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom)
     helix = (wall.settings, wall.start_depth)
     if wall.basis == "azimuthal":
-        tracks.append(ImageTrack(radius[0], (helix, radius[1]), drawing.reference, drawing.left, width))
-    for image, (how, values) in zip(images, shown, strict=True):
-        tracks.append(ImageTrack(how, (image, values), drawing.reference, drawing.left, width))
+        tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width))
+    for image, (how, values) in pairs:
+        tracks.append(ImageTrack(how, (image, values), reference, drawing.left, width))
     stretched = _stretched(wall, drawing, top, bottom, images)
     bodies = []
     if stretched is not None:
-        bodies = _bodies(wall, stretched, radius, list(zip(images, shown, strict=True)))
+        bodies = _bodies(wall, stretched, radius, pairs)
     polar = drawing.polar
     if polar is None:
         polar = telling_depths(turns, top, bottom) if wall.basis == "azimuthal" else []
     sections = sections_at(wall, sorted(polar)) if polar else []
-    return Content(wall, drawing, top, bottom, scale, Lines.of(scale), tracks, turns, sections, stretched, bodies)
+    lines = Lines.of(scale)
+    return Content(wall, drawing, top, bottom, scale, lines, tracks, turns, sections, stretched, bodies, reference)
 
 
 def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
@@ -207,7 +214,18 @@ def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
     return top, bottom
 
 
-def _images(wall: Wall, drawing: Drawing) -> list[SectorImage]:
+def _reference(wall: Wall, drawing: Drawing) -> str:
+    """What toolface 0 of the picture is."""
+    own = wall.path.reference if wall.path is not None else None
+    if drawing.reference is None:
+        images = {image.reference for image in wall.images.values()}
+        return own or (images.pop() if len(images) == 1 else "high-side")
+    if own not in (None, drawing.reference):
+        raise ValueError(f"reference = {drawing.reference!r}: the wall's path counts toolfaces from {own}")
+    return drawing.reference
+
+
+def _images(wall: Wall, drawing: Drawing, reference: str) -> list[SectorImage]:
     names = list(wall.images) if drawing.images is None else list(drawing.images)
     for name in [*names, *drawing.looks]:
         if name not in wall.images and name != RADIUS:
@@ -215,12 +233,21 @@ def _images(wall: Wall, drawing: Drawing) -> list[SectorImage]:
             raise ValueError(f"image {name!r}: the wall has none of this name; it has {there}")
     found = [wall.images[name] for name in names if name != RADIUS]
     for image in found:
-        if image.reference != drawing.reference:
+        if image.reference != reference and wall.path is None:
             raise ValueError(
-                f"image {image.name!r} counts toolfaces from {image.reference}, the picture from {drawing.reference}: "
-                "must be the same"
+                f"image {image.name!r} counts toolfaces from {image.reference}, the picture from {reference}: "
+                "must be the same where the wall has no path"
             )
     return found
+
+
+def _turned(image: SectorImage, values: Floats, path: Path | None, reference: str) -> SectorImage:
+    """The image with values, or what their colours stand for, in the reference of the picture."""
+    drawn = SectorImage(
+        image.depth, values, image.name, image.unit, origin=image.origin, reference=image.reference,
+        direction=image.direction, offset=image.offset, reach=image.reach,
+    )  # fmt: skip
+    return drawn if path is None or image.reference == reference else drawn.onto(path)
 
 
 def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
@@ -274,14 +301,14 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, F
     return Shown("Radius − bit/2", "mm", scale, remark, False, *_beyond(there, scale.low, scale.high)), over
 
 
-def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing) -> CaliperTrack:
+def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing, reference: str) -> CaliperTrack:
     bit, unit = wall.settings.bit_diameter, drawing.unit
     inside = (turns.depth >= top) & (turns.depth <= bottom)
     drawn = [turns.area[inside]]
     if wall.basis == "azimuthal":
         drawn += [turns.least[inside], turns.greatest[inside]]
     limits = nice_limits(np.concatenate(drawn) / LENGTHS[unit], bit / LENGTHS[unit], 0.01 / LENGTHS[unit])
-    return CaliperTrack(turns, wall.basis, bit, unit, limits, tuple(dict.fromkeys(drawing.curves)), drawing.reference)
+    return CaliperTrack(turns, wall.basis, bit, unit, limits, tuple(dict.fromkeys(drawing.curves)), reference)
 
 
 def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: list[SectorImage]) -> Stretched | None:

@@ -23,10 +23,12 @@ HEADER = 34.0
 REFERENCE_TEXT = {
     "high-side": "from the high side, clockwise looking downhole",
     "north": "from north, clockwise looking downhole",
+    "carried": "from north, carried down the hole; clockwise looking downhole",
 }
 SIDES_TEXT = {
     "high-side": "T top, R right, B bottom, L left of the hole, looking downhole",
     "north": "N, E, S, W: sides of the hole, clockwise looking downhole",
+    "carried": "0° to 270°: toolfaces from north at the top, carried down the hole without twist",
 }
 WARNING = "#b3261e"
 
@@ -42,7 +44,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Interval", f"{ends} ({content.bottom - content.top:,.1f} m)", False),
         ("Bit size", f"{length_text(bit / 0.0254, 'in')} ({bit * 1e3:.1f} mm)", False),
         ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre", False),
-        ("Toolface", REFERENCE_TEXT[content.drawing.reference], False),
+        ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),
         ("Samples", f"{wall.sample_count:,}", False),
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {len(wall):,} vertices", False),
@@ -71,7 +73,7 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
     """Explain the letters and the grey; say what drew it."""
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
     sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
-    words = f"missing: no value, or no sample in reach.   {SIDES_TEXT[content.drawing.reference]}"
+    words = f"missing: no value, or no sample in reach.   {SIDES_TEXT[content.reference]}"
     sheet.text(x + 5.2, y, words, SMALL, within=sheet.width - 2 * x - 52.0)
     made = f"helibore {__version__}" + (f", {page}" if page else "")
     sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)

@@ -177,7 +177,7 @@ def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
         sheet.text(MARGIN, y + 3.0, key_text(settings.bit_diameter, drawing.unit, settings.pitch), USUAL, within=room)
         across = max(int((room + 2.0) // WIDTH), 1)
         outer = largest_shown(content.sections, settings.bit_diameter)
-        look = (settings.bit_diameter, outer, drawing.unit, drawing.reference)
+        look = (settings.bit_diameter, outer, drawing.unit, content.reference)
         for index, (letter, section) in enumerate(zip(content.letters, content.sections, strict=True)):
             place = (MARGIN + index % across * WIDTH, y + 7.0 + index // across * HEIGHT)
             draw_section(sheet, *place, section, letter, look)

@@ -32,7 +32,11 @@ if TYPE_CHECKING:
 
 HEAD = 24.0
 """Millimetres of head over every track."""
-SIDES = {"high-side": ("T", "R", "B", "L"), "north": ("N", "E", "S", "W")}
+SIDES = {
+    "high-side": ("T", "R", "B", "L"),
+    "north": ("N", "E", "S", "W"),
+    "carried": ("0°", "90°", "180°", "270°"),
+}
 GREY = tuple(part / 255.0 for part in MISSING)
 WASHOUT, UNDERGAUGE, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 CURVES: dict[str, dict[str, Any]] = {
