@@ -252,7 +252,7 @@ void Parser::end_frame(std::size_t next, Batch& batch) {
     if (place_ == Place::inside) {
         const std::span items = std::span(batch.items).subspan(frame_first_);
         batch.frames.push_back({held_base_ + as_index(frame_start_), held_base_ + as_index(next),
-                                as_index(frame_first_), as_index(items.size())});
+                                as_index(frame_first_), as_index(items.size()), frame_line_});
         for (const Item& item : items) {
             counts_.nulls += (item.flags & null_value) != 0;
             counts_.not_numbers += (item.flags & not_a_number) != 0;

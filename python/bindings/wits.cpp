@@ -58,7 +58,7 @@ void register_wits(py::module_& m) {
     using wits::Frame;
     using wits::Item;
     PYBIND11_NUMPY_DTYPE(Item, frame, offset, value, length, code, flags);
-    PYBIND11_NUMPY_DTYPE(Frame, start, stop, first, items);
+    PYBIND11_NUMPY_DTYPE(Frame, start, stop, first, items, line);
     PYBIND11_NUMPY_DTYPE(Event, offset, line, length, rule, unused);
     py::class_<wits::Parser>(m, "WitsParser", "WITS level 0 text into rows of numbers; one stream each.")
         .def(py::init([](std::vector<double> nulls, Index line_limit, Index frame_limit, Index item_limit) {

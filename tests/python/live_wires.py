@@ -98,7 +98,8 @@ def sample(live, toolface=30.0, radius=110.0):
 
 
 def rules(live) -> list[str]:
-    return [event.rule for event in live.model.events.latest]
+    """The rules of the events since the last poll."""
+    return [event.rule for event in live.poll().events]
 
 
 def station(depth, inclination, azimuth):

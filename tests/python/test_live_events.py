@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import threading
+
 import numpy as np
 import pytest
 from live_wires import (
@@ -18,8 +20,10 @@ from live_wires import (
 )
 
 from helibore import Live
+from helibore.live import live as live_module
 from helibore.live import wits
 from helibore.live.configuration import parse
+from helibore.live.events import Event, EventBook
 
 
 def test_gaps_late_frames_repeats_and_duplicates():
@@ -50,7 +54,7 @@ def test_a_counter_that_is_reset_or_wraps_loses_nothing():
 
 
 def test_bad_values_are_flagged_told_and_cost_only_their_triple():
-    live = Live(parse(SENT))
+    live = Live(parse(SENT), clock=Clock())
     live.receive("mwd", b"hello\r\n" + wits.frame([
         (5010, "10"), (5011, "100.5"), (5012, "1.0.0"), (5013, "20"), (5014, "100.6"), (5015, "-999.25"),
         (5016, "30"), (5017, "100.7"), (5018, "4.3"), (5018, "110")]))  # fmt: skip
@@ -58,11 +62,11 @@ def test_bad_values_are_flagged_told_and_cost_only_their_triple():
     assert live.wall.sample_count == 1
     counts = live.model.counts
     assert [counts[f"flag {name}"] for name in ("INVALID", "NULL", "RANGE")] == [1, 2, 1]
-    texts = [str(event) for event in live.model.events.latest]
-    assert texts == [
-        "mwd connection 1 line 1: stray_text: b'hello': text between frames is not read",
-        "mwd connection 1: invalid: item 5012 = b'1.0.0': is not a number",
-        "mwd connection 1: twice: item 5018 = b'110': is there twice in a frame: the first counts",
+    assert [str(event) for event in live.poll().events] == [
+        "2023-11-14T22:13:20.000Z mwd connection 1 line 1: stray_text: b'hello': text between frames is not read",
+        "2023-11-14T22:13:20.000Z mwd connection 1 line 5: invalid: item 5012 = b'1.0.0': is not a number",
+        "2023-11-14T22:13:20.000Z mwd connection 1 line 12: twice: item 5018 = b'110': is there twice in a frame: "
+        "the first counts",
     ]
 
 
@@ -125,7 +129,7 @@ def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):
         walls.append(live.wall)
     assert same_bits(*walls)
     assert [str(e) for e in live.model.events.latest] == [
-        "helibore: clock: the wall clock was set by -3600.000 s: not followed"
+        "2023-11-14T21:13:35.500Z helibore: clock: the wall clock was set by -3600.000 s: not followed"
     ]
     clock = Clock()
     with Live(parse(SENT), tmp_path, clock=clock) as live:
@@ -137,7 +141,7 @@ def test_a_clock_set_back_an_hour_is_told_and_changes_nothing(tmp_path):
         now = live.model.clock.now
         live.receive("mwd", FRAMES[1])
         assert live.model.clock.now >= now
-        assert rules(live) == ["clock"]
+        assert [event.rule for event in live.model.events.latest] == ["clock"]
 
 
 def test_silence_and_uncovered_depth_are_told():
@@ -146,9 +150,11 @@ def test_silence_and_uncovered_depth_are_told():
     live.receive("mwd", FRAMES[0])
     clock.step(121)
     live.receive("mwd", wits.frame([(5010, "1"), (5011, "140"), (5012, "110")]))
+    last = live.wall.samples.depth[-2]
     assert [str(e) for e in live.model.events.latest] == [
-        "mwd connection 0: silence: nothing came for 121.0 s",
-        f"helibore: depth_gap: layer main: no samples from {live.wall.samples.depth[-2]:.3f} m to 140.000 m",
+        "2023-11-14T22:15:21.000Z mwd connection 1: silence: nothing came for 121.0 s",
+        "2023-11-14T22:15:21.000Z mwd connection 1 line 13: depth_gap: layer main: no samples "
+        f"from {last:.3f} m to 140.000 m",
     ]
 
 
@@ -157,3 +163,101 @@ def test_keep_alives_are_counted_and_hold_nothing():
     live.receive("mwd", wits.HEARTBEAT * 3)
     assert live.model.counts["keep_alives"] == 3
     assert live.model.counts["received"] == 0
+
+
+def key(event):
+    return event.source, event.rule
+
+
+def test_events_of_one_rule_are_joined_and_a_replay_tells_the_same_whatever_the_window(tmp_path, monkeypatch):
+    clock, draw = Clock(), np.random.default_rng(12)
+    bad = [b"stray\r\n", b"!!\r\n", wits.frame([(5010, "1"), (5011, "101"), (5012, "x")]), FRAMES[7], FRAMES[2],
+           b"&&\r\n50", wits.frame([(5004, "9"), (5010, "3"), (5011, "500"), (5012, "110")]),
+           station(60, 190, 0)]  # fmt: skip
+    stream = []
+    with Live(parse(SENT), tmp_path, clock=clock) as live:
+        for number in draw.integers(0, len(bad) + 1, 400).tolist():
+            piece = bad[number] if number < len(bad) else FRAMES[len(stream) % 200]
+            stream.append(piece)
+            clock.step(float(draw.choice([0.1, 0.5, 125.0], p=[0.5, 0.48, 0.02])))
+            clock.wall += int(draw.choice([0, 0, 0, -3 * SECOND]))
+            live.receive("mwd", piece)
+    told = {key(event): event for event in live.model.events.latest}
+    assert {"stray_text", "stray_end", "invalid", "unclosed", "gap", "duplicate", "station", "silence", "clock",
+            "depth_gap"} <= {rule for _, rule in told}  # fmt: skip
+    for (source, rule), event in told.items():
+        assert event.count == live.model.events.counts[source, rule]
+        assert event.newest.count == 1
+    for records, size in ((1, 1), (7, 1 << 20), (8192, 3000), (8192, 1 << 20)):
+        monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
+        monkeypatch.setattr(live_module, "WINDOW_BYTES", size)
+        assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == told
+    lines = b"".join(stream).split(b"\n")
+    assert lines[told["mwd", "stray_text"].line - 1] == b"stray\r"
+    assert lines[told["mwd", "invalid"].line - 1] == b"5012x\r"
+    assert lines[told["mwd", "invalid"].newest.line - 1] == b"5012x\r"
+    for rule in ("gap", "duplicate", "station", "depth_gap"):
+        assert lines[told["mwd", rule].line - 1] == b"&&\r"
+
+
+def test_a_frame_that_the_end_of_a_connection_completes_has_its_time_whatever_the_window(tmp_path, monkeypatch):
+    clock = Clock()
+    with Live(parse(SENT), tmp_path, clock=clock) as live:
+        for connection, closed in ((1, True), (2, False), (3, True), (4, False)):
+            for place, frame in enumerate(FRAMES[3 * connection : 3 * connection + 3]):
+                live.receive("mwd", frame.removesuffix(b"\r\n") if place == 2 else frame, connection)
+                clock.step(0.7)
+            if closed:
+                live.closed("mwd", connection)
+            clock.step(3)
+    assert live.wall.sample_count == 3 * 11
+    assert len(set(live.wall.samples.time)) == 10, "a frame that the next connection ends came with its first record"
+    for records in (1, 2, 8192):
+        monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
+        assert same_bits(Live.replay(tmp_path).wall, live.wall)
+        assert np.array_equal(Live.replay(tmp_path).wall.samples.time, live.wall.samples.time)
+
+
+def test_an_event_says_how_often_since_when():
+    clock = Clock()
+    live = Live(parse(SENT), clock=clock)
+    for _ in range(3):
+        clock.step(60)
+        live.receive("mwd", b"&&\r\n!!\r\n!!\r\n")
+    (event,) = live.model.events.latest
+    assert str(event) == (
+        "2023-11-14T22:16:20.000Z mwd connection 1 line 9: stray_end: b'!!': '!!' must follow '&&' "
+        "(3 times since 2023-11-14T22:14:20.000Z)"
+    )
+    assert event.time.isoformat() == "2023-11-14T22:14:20+00:00"
+    assert (event.line, event.newest.line, event.newest.time.minute) == (3, 9, 16)
+
+
+def test_a_flood_holds_no_more_than_a_trickle():
+    live = Live(parse(SENT), clock=Clock())
+    update = live.receive("mwd", b"!!\r\n" * 50_000 + b"&&\r\nbad\r\n!!\r\n" * 20_000)
+    listed = [(event.rule, event.count, event.line) for event in update.events]
+    assert listed == [
+        *(("stray_end", 1, line) for line in range(1, 8)),
+        ("stray_end", 50_000 - 7, 8),
+        *(("not_an_item", 1, 50_002 + 3 * n) for n in range(7)),
+        ("not_an_item", 20_000 - 7, 50_002 + 3 * 7),
+    ]
+    assert [event.newest.line for event in update.events[7::8]] == [50_000, 109_999]
+    for _ in range(50):
+        live.receive("mwd", b"!!\r\n" * 20)
+    news = live.poll().events
+    assert len(news) == 16
+    assert sum(event.count for event in news) == 71_000
+    assert len(live.model.events.latest) == 2
+
+
+def test_threads_that_tell_lose_no_count():
+    book = EventBook()
+    event = Event(0, "a", 1, 1, -1, "rule", "text")
+    threads = [threading.Thread(target=lambda: [book.tell(event) for _ in range(5000)]) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert book.counts["a", "rule"] == book.latest[0].count == sum(event.count for event in book.take()) == 20_000

@@ -35,7 +35,7 @@ def names(live):
 
 
 def told(live):
-    return [event.text for event in live.model.events.latest if event.rule == "pass"]
+    return [event.text for event in live.poll().events if event.rule == "pass"]
 
 
 def test_without_a_number_the_string_says_the_pass():

@@ -85,7 +85,7 @@ def test_the_telemetry_sets_rate_and_delay():
 
 def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     live, server = listened(Rig("memory", 2000.0, 2002.0, lift=0.5, rate=20.0), tmp_path / "j")
-    live.model.tell("test", 'quote " and \\ and\nline')
+    live.tell("test", 'quote " and \\ and\nline')
     text = metrics(server)
     for line in text.splitlines():
         assert re.fullmatch(r'# (HELP|TYPE) \w+ .+|\w+(\{(\w+="([^"\\\n]|\\.)*",?)+\})? [-+0-9.e]+(inf)?', line), line

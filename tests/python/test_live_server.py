@@ -106,7 +106,7 @@ def test_a_client_comes_back_when_the_server_does(tmp_path, monkeypatch):
     monkeypatch.setattr(server_module, "FIRST_WAIT", 0.05)
     port = free_port()
     with Running(tmp_path, f"tcp://127.0.0.1:{port}") as running:
-        until(lambda: running.live.model.events.counts["", "link"] > 0)
+        until(lambda: running.live.model.events.counts["mwd", "link"] > 0)
         for i in range(3):
             with socket.create_server(("127.0.0.1", port)) as rig:
                 connection, _ = rig.accept()
@@ -136,8 +136,8 @@ def test_who_is_not_allowed_is_turned_away(tmp_path):
         for _ in range(50):
             with socket.create_connection(("127.0.0.1", port)) as sender:
                 assert sender.recv(1) == b""
-        until(lambda: running.live.model.events.counts["", "refused"] == 50)
-        assert running.live.model.events.latest[-1].text == "mwd: 127.0.0.1: is not in allow"
+        until(lambda: running.live.model.events.counts["mwd", "refused"] == 50)
+        assert running.live.model.events.latest[-1].text == "127.0.0.1: is not in allow"
     assert received(tmp_path) == b""
 
 

@@ -10,7 +10,7 @@ from live_wires import (
     FRAMES,
     RUN,
     SENT,
-    rules,
+    Clock,
     same_bits,
 )
 
@@ -82,16 +82,19 @@ def test_a_journal_is_not_continued_with_another_meaning(tmp_path):
 
 
 def test_damage_in_the_journal_is_told(tmp_path):
-    with Live(parse(SENT), tmp_path) as live:
+    clock = Clock()
+    with Live(parse(SENT), tmp_path, clock=clock) as live:
         for frame in FRAMES[:5]:
+            clock.wall += 1
             live.receive("mwd", frame)
     path = tmp_path / "000001.hbj"
     text = bytearray(path.read_bytes())
     text[-200] ^= 1
     path.write_bytes(text)
     again = Live.replay(tmp_path)
-    assert rules(again)[0] == "journal"
+    assert again.model.events.latest[0].rule == "journal"
     assert "hold no intact record" in again.model.events.latest[0].text
+    assert again.model.events.latest[0].wall == clock.wall - 2, "the time of the record before the damage"
     assert again.wall.sample_count == 12
 
 

@@ -81,8 +81,11 @@ def read(stream: bytes, cuts=(), **limits):
         assert batch.base == at
         at += len(batch.text)
         text += batch.text
-        for frame in batch.frames:
+        for place, frame in enumerate(batch.frames):
             rows = range(frame["first"], frame["first"] + frame["items"])
+            assert frame["line"] == 1 + stream[: frame["start"]].count(b"\n")
+            for row in rows:
+                assert batch.line_of(row, place) == 1 + stream[: batch.items["offset"][row]].count(b"\n")
             assert all(batch.items["frame"][row] == len(frames) for row in rows)
             frames.append(
                 [(*batch.items[["code", "value", "flags"]][row].tolist(), batch.text_of(row)) for row in rows]

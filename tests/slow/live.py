@@ -152,7 +152,7 @@ def disk() -> None:
                 sender = threading.Thread(target=_send, args=(port, stream))
                 sender.start()
                 while running.live.wall.sample_count < 60_000:
-                    if running.live.model.events.counts["", "disk"] > fills:  # told once each time it fills
+                    if running.live.model.events.counts["mwd", "disk"] > fills:  # told once each time it fills
                         fills, size = fills + 1, size + 1
                         subprocess.run(["mount", "-o", f"remount,size={size}m", name], check=True)
                     assert running.server.failure is None

@@ -49,11 +49,11 @@ class ModelClock:
         self.now = int(times[-1])
         return times
 
-    def jump(self, wall: int, time: int) -> int:
-        """Return by how many ns the wall clock was set since it was last looked at, or 0."""
-        drift = wall - time
-        moved = drift - self._drift
-        if abs(moved) < JUMP:
-            return 0
-        self._drift = drift
-        return moved
+    def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
+        """Return (record, ns) of each record before which the wall clock was set, and by how much."""
+        drift, found, start = wall - times, [], 0
+        while len(late := np.flatnonzero(np.abs(drift[start:] - self._drift) >= JUMP)):
+            start += int(late[0])
+            found.append((start, int(drift[start]) - self._drift))
+            self._drift = int(drift[start])
+        return found

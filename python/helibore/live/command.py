@@ -141,7 +141,7 @@ def _show(window: Window, server: Server) -> bool:
     try:
         window.refresh(server.states)
     except (OSError, ValueError) as error:
-        server.live.model.tell("view", str(error))
+        server.live.tell("view", str(error))
         window.tell(str(error))
         return False
     return True
@@ -154,7 +154,7 @@ def _snapshot(running: Live, target: Path) -> None:
     try:
         snapshot(running, target)
     except (OSError, ValueError) as error:
-        running.model.tell("snapshot", str(error))
+        running.tell("snapshot", str(error))
 
 
 def _serve_metrics(server: Server, port: int) -> http.server.ThreadingHTTPServer:

@@ -1,13 +1,25 @@
-"""What went wrong, or changed, on the way from a wire to a wall: events that name source, place and rule, and flags.
+"""What went wrong, or changed, on the way from a wire to a wall: events with source, time, place and rule, and flags.
 
-An event is told once; every occurrence is counted. Bad bytes stay in the journal at the place the event names.
+    gap at 10:02:11    gap at 10:02:12    ...    gap at 14:55:02     ->    one event: 37 times, the first, the last
+
+Every occurrence is counted, and events of one rule of one source are joined, so that a flood holds no more than a
+trickle. Times are those at which the bytes were received, so a replay tells the same. Bad bytes stay in the journal at
+the place the event names.
 """
 
 from __future__ import annotations
 
+import datetime
 import enum
-from collections import Counter, deque
-from dataclasses import dataclass
+import threading
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from helibore.live.clock import utc
+
+LISTED = 8
+"""Events of one rule of one source that an update lists one by one; the last of them stands for those that follow."""
 
 
 class Flag(enum.IntFlag):
@@ -29,20 +41,24 @@ NEVER_DRAWN = Flag.NULL | Flag.INVALID | Flag.RANGE | Flag.DUPLICATE | Flag.NOT_
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing worth telling.
+    """One thing worth telling, or several of one rule of one source.
 
     Attributes
     ----------
     wall
-        Receive time, ns since 1970.
+        When its bytes were received, ns since 1970 (UTC); for what no bytes caused (a disk, a link), when it was.
     source, connection
         Whose bytes; ``""`` and 0 for the journal and the host.
     line, offset
-        Place in the connection's stream; 0 and -1 when the event has none.
+        Line in the connection's stream, from 1 (of a store: row of the answer), and byte; 0 and -1 where it has none.
     rule
-        Its kind, and the key of its counter.
+        Its kind, and with the source the key of its counter.
     text
         What happened, in words: place, value, rule.
+    count
+        How often it happened.
+    last
+        The last time it happened, an event itself; None where that is this one.
     """
 
     wall: int
@@ -52,29 +68,87 @@ class Event:
     offset: int
     rule: str
     text: str
+    count: int = 1
+    last: Event | None = None
+
+    @property
+    def time(self) -> datetime.datetime:
+        """``wall`` as a UTC time."""
+        return datetime.datetime.fromtimestamp(self.wall / 1e9, datetime.UTC)
+
+    @property
+    def newest(self) -> Event:
+        """The last time it happened."""
+        return self.last or self
+
+    def and_then(self, more: Event) -> Event:
+        """Return one event for this and one that followed."""
+        return replace(self, count=self.count + more.count, last=more.newest)
 
     def __str__(self) -> str:
-        place = f"{self.source} connection {self.connection}" if self.source else "helibore"
-        return f"{place}{f' line {self.line}' if self.line else ''}: {self.rule}: {self.text}"
+        last = self.newest
+        place = f"{last.source} connection {last.connection}" if last.source and last.connection else last.source
+        line = f" line {last.line}" if last.line else ""
+        times = f" ({self.count} times since {utc(self.wall)})" if self.count > 1 else ""
+        return f"{utc(last.wall)} {place or 'helibore'}{line}: {self.rule}: {last.text}{times}"
+
+
+def gather(events: list[Event], more: Iterable[Event]) -> None:
+    """Add events to a list; of one rule of one source it holds LISTED at most, the last stands for all that follow."""
+    places: dict[tuple[str, str], list[int]] = {}
+    for place, event in enumerate(events):
+        places.setdefault((event.source, event.rule), []).append(place)
+    for event in more:
+        _add(events, places, event)
+
+
+def _add(events: list[Event], places: dict[tuple[str, str], list[int]], event: Event) -> None:
+    there = places.setdefault((event.source, event.rule), [])
+    if len(there) < LISTED:
+        there.append(len(events))
+        events.append(event)
+    else:
+        events[there[-1]] = events[there[-1]].and_then(event)
 
 
 class EventBook:
-    """Counts every event, keeps the latest ``kept`` and hands out new ones once."""
+    """Counts every event, joins those of one rule of one source, and hands out new ones once.
 
-    def __init__(self, kept: int = 1000, at_once: int = 100) -> None:
+    May be used from several threads.
+    """
+
+    def __init__(self) -> None:
         self.counts: Counter[tuple[str, str]] = Counter()
-        self.latest: deque[Event] = deque(maxlen=kept)
+        self._joined: dict[tuple[str, str], Event] = {}
         self._new: list[Event] = []
-        self._at_once = at_once
+        self._places: dict[tuple[str, str], list[int]] = {}
+        self._lock = threading.Lock()
 
-    def tell(self, event: Event, times: int = 1) -> None:
-        """Count ``event``; of a flood between two calls of :meth:`take`, only the first ones are kept as texts."""
-        self.counts[event.source, event.rule] += times
-        if len(self._new) < self._at_once:
-            self._new.append(event)
-            self.latest.append(event)
+    @property
+    def latest(self) -> list[Event]:
+        """Everything told so far, one event for each rule of each source, the one that happened last at the end."""
+        with self._lock:
+            return list(self._joined.values())
+
+    def tell(self, event: Event) -> None:
+        """Count ``event`` and join it to those before it."""
+        key = event.source, event.rule
+        with self._lock:
+            self.counts[key] += event.count
+            before = self._joined.pop(key, None)
+            self._joined[key] = event if before is None else before.and_then(event)
+            _add(self._new, self._places, event)
+
+    def tell_rows(self, rows: Sequence[int], describe: Callable[[int], Event]) -> None:
+        """Tell an event for each of many rows; only those that are listed, and the last, are described."""
+        for row in rows[: LISTED - 1]:
+            self.tell(describe(row))
+        if len(rest := rows[LISTED - 1 :]):
+            last = describe(rest[-1]) if len(rest) > 1 else None
+            self.tell(replace(describe(rest[0]), count=len(rest), last=last))
 
     def take(self) -> list[Event]:
         """Return what was told since the last call."""
-        new, self._new = self._new, []
-        return new
+        with self._lock:
+            new, self._new, self._places = self._new, [], {}
+            return new

@@ -72,6 +72,11 @@ class Segment:
         start = int(self.records["offset"][row])
         return self.text[start : start + int(self.records["length"][row])]
 
+    def wall_before(self, offset: int) -> int:
+        """Return when the last intact record before ``offset`` came, else the first after it; 0 where there is none."""
+        at = int(np.searchsorted(self.records["offset"], offset)) - 1
+        return int(self.records["wall"][max(at, 0)]) if len(self.records) else 0
+
     def damage_texts(self) -> list[str]:
         """Return one line for each damaged range."""
         return [

@@ -39,7 +39,6 @@ RECORD = np.dtype(
 )  # fmt: skip
 WINDOW_BYTES = 1 << 20
 WINDOW_RECORDS = 8192
-LONGEST_NEWS = 100
 
 
 class Stored(NamedTuple):
@@ -103,7 +102,7 @@ class Live:
             clock=clock,
         )
         for note in self.journal.recovery.notes:
-            self.model.tell("journal", note)
+            self.tell("journal", note)
         for _ in read_into(self.model, FilePath(journal)):
             pass
 
@@ -261,17 +260,20 @@ class Live:
 
     def _told(self, update: Update) -> Update:
         merge(self._news, update)
-        del self._news.events[LONGEST_NEWS:]
         return update
 
     def poll(self) -> Update:
-        """Return everything that changed since the last poll, in one; of events the first hundred.
+        """Return everything that changed since the last poll, in one.
 
         For a host whose screen has a pace of its own: one thread pushes, another polls.
         """
         with self._lock:
             news, self._news = self._news, Update()
             return news
+
+    def tell(self, rule: str, text: str, source: str = "") -> None:
+        """Tell an event that no record caused, of the host or of a source's link; it is not in the journal."""
+        self.model.tell(self._clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
         """Journal only; :meth:`draw` must be given what this returns, in the order of the calls.
@@ -323,8 +325,8 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 def read_into(model: Model, folder: FilePath) -> Iterator[Update]:
     """Give a journal's records to ``model``, a window at a time; damage becomes events."""
     for segment in segments(folder):
-        for text in segment.damage_texts():
-            model.tell("journal", text)
+        for (start, _), text in zip(segment.damage, segment.damage_texts(), strict=True):
+            model.tell(segment.wall_before(start), "journal", text)
         for start, stop in windows(segment.records):
             payloads = [segment.payload(row) for row in range(start, stop)]
             yield model.take(segment.records[start:stop], payloads)

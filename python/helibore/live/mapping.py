@@ -9,6 +9,7 @@ measurement: it carries a sequence number or the sensor's own depth.
 
 from __future__ import annotations
 
+import bisect
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
@@ -26,7 +27,6 @@ Values = npt.NDArray[np.float64]
 
 ABSENT, VALUE, NULL, INVALID = range(4)
 REMEMBERED = 4096
-LISTED = 32
 
 
 @dataclass(slots=True)
@@ -51,12 +51,15 @@ class Reading:
     time: Integers
     order: Integers
     wall: Integers
+    line: Integers
+    connection: int = 0
     rig: dict[str, Values] = field(default_factory=dict)
     triple_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     triples: Values = field(default_factory=lambda: np.empty((0, 3)))
     triple_flags: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     images: list[tuple[ImageItems, Integers, Values, Values, Integers]] = field(default_factory=list)
     stations: Values = field(default_factory=lambda: np.empty((0, 3)))
+    station_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     pass_number: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     keep_alives: int = 0
 
@@ -86,6 +89,9 @@ class SourceReader:
         self._told_apart = np.array([self._column[code] for code in told_apart], np.int64)
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
+        self._held = bytearray()  # what the parser holds; where its records end in the stream, and when they came
+        self._ends: list[int] = []
+        self._walls: list[int] = []
 
     def _new_parser(self) -> wits.Parser:
         return wits.Parser(self.source.nulls, *self.source.limits)
@@ -115,16 +121,28 @@ class SourceReader:
         readings = []
         if chunk.connection != self._connection:
             if self._connection >= 0:
-                readings.append(self._columns(self._parser.finish(), chunk, np.zeros(1, np.int64)))
-            self._add_counts()
+                readings.append(self._finish(chunk))
             self._parser, self._connection = self._new_parser(), chunk.connection
         if chunk.payloads:
             ends = self._parser.counts["bytes"] + np.cumsum([len(payload) for payload in chunk.payloads])
-            batch = self._parser.feed(b"".join(chunk.payloads))
+            piece = b"".join(chunk.payloads)
+            self._held += piece
+            batch = self._parser.feed(piece)
+            self._ends += ends.tolist()
+            self._walls += chunk.wall.tolist()
             readings.append(self._columns(batch, chunk, ends))
+            held = bisect.bisect_right(self._ends, batch.base + len(batch.text))
+            del self._ends[:held], self._walls[:held], self._held[: len(batch.text)]
         if chunk.closes:
-            readings.append(self._columns(self._parser.finish(), chunk, np.zeros(1, np.int64)))
+            readings.append(self._finish(chunk))
         return readings
+
+    def _finish(self, chunk: Chunk) -> Reading:
+        """What the end of the connection completes; it ended when the first record of ``chunk`` came."""
+        reading = self._columns(self._parser.finish(), chunk, np.array([np.iinfo(np.int64).max]))
+        self._add_counts()
+        self._parser, self._ends, self._walls, self._held = self._new_parser(), [], [], bytearray()
+        return reading
 
     @property
     def connection(self) -> int:
@@ -143,8 +161,9 @@ class SourceReader:
         """Columns of a batch; ``ends`` are the stream offsets where the chunk's records end."""
         at = np.minimum(np.searchsorted(ends, batch.frames["stop"]), len(chunk.time) - 1)
         within = np.arange(len(at)) - np.searchsorted(at, at)
-        reading = Reading(chunk.time[at], (chunk.order[at] << 20) + within, chunk.wall[at])
-        self._tell_bad_text(batch, chunk, ends)
+        order = (chunk.order[at] << 20) + within
+        reading = Reading(chunk.time[at], order, chunk.wall[at], batch.frames["line"], self._connection)
+        self._tell_bad_text(batch, int(chunk.wall[0]))
         if not len(batch.frames):
             return reading
         values, states = self._table(batch, reading)
@@ -157,7 +176,8 @@ class SourceReader:
         if self.source.survey:
             columns = [self._value(values, item) for item in self.source.survey]
             stations = np.column_stack(columns)
-            reading.stations = stations[np.isfinite(stations).all(axis=1) & (repeated == 0)]
+            reading.station_frame = np.flatnonzero(np.isfinite(stations).all(axis=1) & (repeated == 0))
+            reading.stations = stations[reading.station_frame]
         return reading
 
     def _table(self, batch: wits.Batch, reading: Reading) -> tuple[Values, npt.NDArray[np.uint8]]:
@@ -190,30 +210,40 @@ class SourceReader:
         return alone
 
     def _tell_items(self, rows: Integers, batch: wits.Batch, reading: Reading, rule: str, words: str) -> None:
-        """One event for each of the first few items, counted all."""
-        for place, row in enumerate(rows[:LISTED].tolist()):
+        def describe(row: int) -> Event:
             item = batch.items[row]
             frame = int(np.searchsorted(batch.frames["first"], row, side="right")) - 1
             text = f"item {item['code']:04d} = {batch.text_of(row)[:60]!r}: {words}"
-            times = 1 + max(len(rows) - LISTED, 0) if place == 0 else 1
-            self._tell(int(reading.wall[frame]), rule, text, offset=int(item["offset"]), times=times)
+            line = batch.line_of(row, frame)
+            return self._event(int(reading.wall[frame]), rule, text, line, int(item["offset"]))
 
-    def _tell_bad_text(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> None:
+        self._events.tell_rows(rows.tolist(), describe)
+
+    def _tell_bad_text(self, batch: wits.Batch, wall: int) -> None:
+        """Events of bad text, each at the time its first byte came; ``wall``: the end of the connection."""
         rules = batch.events["rule"]
-        for rule in np.unique(rules).tolist():
-            name = wits.RULE_NAMES[rule]
-            rows = np.flatnonzero(rules == rule)
-            for place, row in enumerate(rows[:LISTED].tolist()):
-                event = batch.events[row]
-                start = int(event["offset"]) - batch.base
-                raw = batch.text[max(start, 0) : start + min(int(event["length"]), 60)]
-                at = min(int(np.searchsorted(ends, event["offset"], side="right")), len(chunk.wall) - 1)
-                times = 1 + max(len(rows) - LISTED, 0) if place == 0 else 1
-                self._tell(int(chunk.wall[at]), name, f"{raw!r}: {wits.RULES[name]}",
-                           int(event["line"]), int(event["offset"]), times)  # fmt: skip
 
-    def _tell(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1, times: int = 1) -> None:
-        self._events.tell(Event(wall, self.source.name, self._connection, line, offset, rule, text), times)
+        def describe(row: int) -> Event:
+            event = batch.events[row]
+            start = int(event["offset"]) - batch.base
+            raw = bytes(self._held[max(start, 0) : start + min(int(event["length"]), 60)])
+            at = bisect.bisect_right(self._ends, int(event["offset"]))
+            name = wits.RULE_NAMES[event["rule"]]
+            text = f"{raw!r}: {wits.RULES[name]}"
+            came = self._walls[at] if at < len(self._walls) else wall
+            return self._event(came, name, text, int(event["line"]), int(event["offset"]))
+
+        for rule in np.unique(rules).tolist():
+            self._events.tell_rows(np.flatnonzero(rules == rule).tolist(), describe)
+
+    def _event(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> Event:
+        return Event(wall, self.source.name, self._connection, line, offset, rule, text)
+
+    def _tell(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> None:
+        self._events.tell(self._event(wall, rule, text, line, offset))
+
+    def _tell_frame(self, reading: Reading, row: int, rule: str, text: str) -> None:
+        self._tell(int(reading.wall[row]), rule, text, int(reading.line[row]))
 
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
         """DUPLICATE for frames with measurements whose text was there before."""
@@ -229,7 +259,8 @@ class SourceReader:
             words = text[start:stop]
             if words in recent:
                 flags[row] = Flag.DUPLICATE
-                self._tell(int(reading.wall[row]), "duplicate", "a frame was sent twice", offset=start + batch.base)
+                self._tell(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),
+                           start + batch.base)  # fmt: skip
                 continue
             recent[words] = None
             if len(recent) > REMEMBERED:
@@ -245,7 +276,7 @@ class SourceReader:
             found, told = watch.take(numbers)
             flags |= found
             for index, rule, text in told:
-                self._tell(int(reading.wall[index]), rule, f"record {code // 100:02d}: {text}")
+                self._tell_frame(reading, index, rule, f"record {code // 100:02d}: {text}")
         return flags
 
     def _value(self, values: Values, item: Item) -> Values:
@@ -267,7 +298,7 @@ class SourceReader:
         whole = (number >= 0) & (number <= LARGEST) & (np.floor(number) == number)
         for row in np.flatnonzero(~np.isnan(number) & ~whole).tolist():
             text = f"pass number {number[row]:g}: must be a whole number from 0 to {LARGEST}"
-            self._tell(int(reading.wall[row]), "invalid", text)
+            self._tell_frame(reading, row, "invalid", text)
         own = np.where(whole, number, NO_NUMBER).astype(np.int64)
         counts = said & ((flags & (Flag.LATE | Flag.DUPLICATE)) == 0)
         last = np.maximum.accumulate(np.where(counts, np.arange(len(own)), -1))

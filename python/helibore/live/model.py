@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -32,7 +33,7 @@ Rows = npt.NDArray[np.void]
 PENDING = np.dtype(
     [("time", "i8"), ("order", "i8"), ("received", "i8"), ("depth", "f8"), ("offset", "f8"), ("toolface", "f8"),
      ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8"), ("wall", "i8"),
-     ("source", "i4"), ("number", "i4")]
+     ("source", "i4"), ("number", "i4"), ("connection", "i4"), ("line", "i8")]
 )  # fmt: skip
 
 
@@ -126,9 +127,9 @@ class Model:
         update.events = self.events.take()
         return update
 
-    def tell(self, rule: str, text: str) -> None:
-        """Tell an event that belongs to no record."""
-        self.events.tell(Event(0, "", 0, 0, -1, rule, text))
+    def tell(self, wall: int, rule: str, text: str, source: str = "") -> None:
+        """Tell an event that belongs to no record, at ``wall``, ns since 1970."""
+        self.events.tell(Event(wall, source, 0, 0, -1, rule, text))
 
     def _open(self, record: np.void, payload: bytes) -> None:
         session = json.loads(payload or b"{}").get("session", "")
@@ -146,9 +147,8 @@ class Model:
 
     def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
         times = self.clock.times(records["monotonic"])
-        jumped = self.clock.jump(int(records["wall"][-1]), int(times[-1]))
-        if jumped:
-            self._tell(records[-1], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
+        for row, jumped in self.clock.jumps(records["wall"], times):
+            self._tell(records[row], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
         found: list[Rows] = []
         for number in np.unique(records["source"]).tolist():
             rows = np.flatnonzero(records["source"] == number)
@@ -164,11 +164,11 @@ class Model:
         self.rig.forget(min(oldest, int(times[-1]) - self._longest_latency))
 
     def _read(
-        self, number: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
+        self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
         times: npt.NDArray[np.int64], update: Update,
     ) -> list[Rows]:  # fmt: skip
         """Feed one source's records to its reader, a run of one connection at a time."""
-        reader = self.readers[number]
+        reader = self.readers[source]
         name = reader.source.name
         found: list[Rows] = []
         self._watch_silence(name, rows, records, times)
@@ -177,24 +177,18 @@ class Model:
         cuts = np.flatnonzero((np.diff(connection) != 0) | closed[:-1]) + 1
         for run in np.split(rows, cuts):
             kinds = records["kind"][run]
-            got = run[kinds == journal.BYTES]
-            closes = bool((kinds == journal.CLOSED).any())
+            number = int(records["connection"][run[0]])
             for row in run[kinds == journal.CONNECTED].tolist():
                 self.counts[f"connections {name}"] += 1
-                self._tell(
-                    records[row],
-                    "connected",
-                    payloads[row].decode(errors="replace"),
-                    name,
-                    int(records["connection"][row]),
-                )
-            if not len(got) and not closes:
-                continue
-            stamps = got if len(got) else run[-1:]
-            chunk = Chunk(int(records["connection"][run[0]]), [payloads[row] for row in got.tolist()], times[stamps],
-                          records["sequence"][stamps].astype(np.int64), records["wall"][stamps], closes)  # fmt: skip
-            for reading in reader.read(chunk):
-                found += self._use(reading, reader, update)
+                self._tell(records[row], "connected", payloads[row].decode(errors="replace"), name, number)
+            for some, closing in ((run[kinds == journal.BYTES], False), (run[kinds == journal.CLOSED], True)):
+                if not len(some):
+                    continue
+                texts = [] if closing else [payloads[row] for row in some.tolist()]
+                order = records["sequence"][some].astype(np.int64)
+                chunk = Chunk(number, texts, times[some], order, records["wall"][some], closing)
+                for reading in reader.read(chunk):
+                    found += self._use(reading, reader, update)
         return found
 
     def _watch_silence(
@@ -207,7 +201,8 @@ class Model:
         before = np.concatenate([[self.last_seen.get(name, int(times[heard[0]]))], times[heard]])
         for index in np.flatnonzero(np.diff(before) > silence).tolist():
             quiet = (int(before[index + 1]) - int(before[index])) / SECOND
-            self._tell(records[heard[index]], "silence", f"nothing came for {quiet:.1f} s", name)
+            record = records[heard[index]]
+            self._tell(record, "silence", f"nothing came for {quiet:.1f} s", name, int(record["connection"]))
         self.last_seen[name] = int(times[heard[-1]])
 
     def _use(self, reading: Reading, reader: SourceReader, update: Update) -> list[Rows]:
@@ -215,15 +210,18 @@ class Model:
         self.counts["keep_alives"] += reading.keep_alives
         for name, values in reading.rig.items():
             self.rig.tracks[name].append(reading.time, reading.order, values)
-        for station in reading.stations.tolist():
-            self._station(station, reader.source.name, int(reading.wall[-1]), update)
+        name = reader.source.name
+        for station, frame in zip(reading.stations.tolist(), reading.station_frame.tolist(), strict=True):
+            wall, line = int(reading.wall[frame]), int(reading.line[frame])
+            event = Event(wall, name, reading.connection, line, -1, "station", "")
+            self._station(station, event, update)
         found = []
         caliper = reader.source.caliper
         if caliper and len(reading.triple_frame):
             rows = self._pending_rows(reading, reading.triple_frame, caliper.latency, caliper.offset)
             rows["depth"], rows["toolface"], rows["radius"] = reading.triples.T
             rows["flags"], rows["image"] = reading.triple_flags, -1
-            rows["source"], rows["number"] = self.numbers[reader.source.name], reading.pass_number[reading.triple_frame]
+            rows["source"], rows["number"] = self.numbers[name], reading.pass_number[reading.triple_frame]
             found.append(rows)
         for image, frame, depth, values, flags in reading.images:
             rows = self._pending_rows(reading, frame, image.latency, image.offset)
@@ -241,13 +239,14 @@ class Model:
         rows["time"] = reading.time[frame] - int(latency * SECOND)
         rows["order"] = reading.order[frame] if latency == 0 else -1
         rows["offset"] = offset
-        rows["wall"] = reading.wall[frame]
+        rows["wall"], rows["line"], rows["connection"] = reading.wall[frame], reading.line[frame], reading.connection
         return rows
 
-    def _station(self, station: list[float], source: str, wall: int, update: Update) -> None:
+    def _station(self, station: list[float], event: Event, update: Update) -> None:
+        """Take a station; ``event`` has the place, should it be refused."""
         moved, refused = self.stations.take(*station)
         if refused:
-            self.events.tell(Event(wall, source, 0, 0, -1, "station", refused))
+            self.events.tell(replace(event, text=refused))
         if moved is not None:
             update.path_from = moved if update.path_from is None else min(moved, update.path_from)
 
@@ -270,7 +269,7 @@ class Model:
                 found.append(pending)
             elif kind == journal.STATIONS:
                 for station in np.frombuffer(payload).reshape(3, -1).T.tolist():
-                    self._station(station, "", int(records["wall"][row]), update)
+                    self._station(station, Event(int(records["wall"][row]), "", 0, 0, -1, "station", ""), update)
             elif kind == journal.IMAGE:
                 head, _, values = payload.partition(b"\n")
                 name, sectors, unit = json.loads(head)
@@ -309,7 +308,7 @@ class Model:
         if not good.any():
             return
         rows, depth = rows[good], depth[good]
-        kind = self.passes.decide(rows["source"], rows["number"], kind[good], rows["wall"])
+        kind = self.passes.decide(rows, kind[good])
         self.passes.add(rows["source"], rows["number"], kind, rows["time"], depth)
         for index, name in enumerate(PASSES):
             self.counts[f"pass {name}"] += int(np.count_nonzero(kind == index))
@@ -323,18 +322,21 @@ class Model:
             drawn |= chosen
             update.changes[name] = joined(update.changes.get(name), layer.append(
                 depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
-            self._watch_depth(name, depth[chosen], rows["wall"][chosen])
+            self._watch_depth(name, depth[chosen], rows[chosen])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
-    def _watch_depth(self, name: str, depth: npt.NDArray[np.float64], wall: npt.NDArray[np.int64]) -> None:
+    def _watch_depth(self, name: str, depth: npt.NDArray[np.float64], rows: Rows) -> None:
         """An event where the wall jumps over more depth than its samples reach."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
-        for index in np.flatnonzero(np.diff(deepest) > limit)[:10].tolist():
-            if np.isfinite(deepest[index]):
-                text = f"layer {name}: no samples from {deepest[index]:.3f} m to {depth[index]:.3f} m"
-                self.events.tell(Event(int(wall[index]), "", 0, 0, -1, "depth_gap", text))
+        jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit)).tolist()
+
+        def describe(row: int) -> Event:
+            text = f"layer {name}: no samples from {deepest[row]:.3f} m to {depth[row]:.3f} m"
+            return self.passes.event(rows[row], "depth_gap", text)
+
+        self.events.tell_rows(jumps, describe)
         self._deepest[name] = float(deepest[-1])
 
     def _draw_image(

@@ -21,6 +21,7 @@ from helibore.live.events import Event, EventBook
 from helibore.live.pass_rules import NO_NUMBER, PASSES, UNKNOWN, PassNumbers
 
 Integers = npt.NDArray[np.int64]
+Rows = npt.NDArray[np.void]
 KEPT = 10_000
 
 
@@ -73,39 +74,46 @@ class PassLog:
         """The runs, by the time they began."""
         return sorted([*self._over, *self.latest.values()], key=lambda run: (run.start, run.source))
 
-    def decide(self, source: Integers, number: Integers, kind: Integers, wall: Integers) -> Integers:
+    def decide(self, samples: Rows, kind: Integers) -> Integers:
         """Return the pass of each sample: what its source's number means, else ``kind``, the string's own.
 
         Parameters
         ----------
-        source, number
-            Whose sample, and the pass number its source had said by then (NO_NUMBER: none).
+        samples
+            With ``source``, ``number`` of the pass (NO_NUMBER: none said), ``wall``, ``connection`` and ``line``.
         kind
             What the string did, as an index into PASSES.
-        wall
-            When the sample was received, ns.
         """
+        source, number = samples["source"], samples["number"]
         if not (number != NO_NUMBER).any():
             return kind
         decided = kind.copy()
         for who, said in np.unique(np.stack([source, number])[:, number != NO_NUMBER], axis=1).T.tolist():
-            name, meaning = self._meanings[who]
+            meaning = self._meanings[who][1]
             means = meaning.kind(said)
             if means is None:
                 continue
             rows = np.flatnonzero((source == who) & (number == said))
             decided[rows] = means
             if means == UNKNOWN:
-                self._tell(rows, wall, name, f"pass number {said}: is not listed in pass_numbers: unknown")
+                self._tell(samples[rows], f"pass number {said}: is not listed in pass_numbers: unknown")
             for own in np.unique(kind[rows]).tolist():
                 if UNKNOWN not in (own, means) and own != means:
                     differ = rows[kind[rows] == own]
                     text = f"pass number {said} means {PASSES[means]}, the string's motion {PASSES[own]}"
-                    self._tell(differ, wall, name, f"{text}: the number counts")
+                    self._tell(samples[differ], f"{text}: the number counts")
         return decided
 
-    def _tell(self, rows: Integers, wall: Integers, source: str, text: str) -> None:
-        self._events.tell(Event(int(wall[rows[0]]), source, 0, 0, -1, "pass", text), len(rows))
+    def _tell(self, samples: Rows, text: str) -> None:
+        self._events.tell_rows(range(len(samples)), lambda row: self.event(samples[row], "pass", text))
+
+    def event(self, sample: np.void, rule: str, text: str) -> Event:
+        """Return an event at the place a sample came from."""
+        name = self._name(int(sample["source"]))
+        return Event(int(sample["wall"]), name, int(sample["connection"]), int(sample["line"]), -1, rule, text)
+
+    def _name(self, source: int) -> str:
+        return self._meanings[source][0] if source in self._meanings else ""
 
     def add(
         self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
@@ -118,9 +126,9 @@ class PassLog:
                 self._extend(who, int(number[run[0]]), int(kind[run[0]]), time[run], depth[run])
 
     def _extend(self, who: int, number: int, kind: int, time: Integers, depth: npt.NDArray[np.float64]) -> None:
-        name = self._meanings[who][0] if who in self._meanings else ""
-        more = Pass(name, PASSES[kind], None if number == NO_NUMBER else number, int(time.min()), int(time.max()),
-                    float(depth.min()), float(depth.max()), len(time))  # fmt: skip
+        said = None if number == NO_NUMBER else number
+        more = Pass(self._name(who), PASSES[kind], said, int(time.min()), int(time.max()), float(depth.min()),
+                    float(depth.max()), len(time))  # fmt: skip
         now = self.latest.get(who)
         if now is None or (now.name, now.number) != (more.name, more.number):
             if now is not None:

@@ -173,7 +173,7 @@ class Server:
         return len(self._queue)
 
     def _tell(self, source: str, rule: str, text: str) -> None:
-        self.live.model.tell(rule, f"{source}: {text}")
+        self.live.tell(rule, text, source)
 
     def _position(self, source: str) -> Position:
         """Where the log of a store stands, as far as it is drawn: what is asked for twice is read once."""
@@ -276,5 +276,5 @@ class Server:
                 told = False
             except JournalFullError as error:
                 if not told:
-                    self.live.model.tell("disk", str(error))
+                    self.live.tell("disk", str(error))
                 told = True

@@ -49,8 +49,12 @@ def metrics(server: Server) -> str:
     family("samples_flagged_total", "counter", "Samples with a flag.", flags)
     passes = [(_label(**{"pass": name}), float(model.counts[f"pass {name}"])) for name in PASSES]
     family("samples_of_pass_total", "counter", "Samples by the pass they belong to.", passes)
-    events = [(_label(source=source, rule=rule), float(n)) for (source, rule), n in sorted(model.events.counts.items())]
-    family("events_total", "counter", "Events by source and rule.", events)
+    told = sorted((_label(source=event.source, rule=event.rule), event) for event in model.events.latest)
+    family("events_total", "counter", "Events by source and rule.", [(label, event.count) for label, event in told])
+    first = [(label, event.wall / 1e9) for label, event in told]
+    family("event_first_timestamp_seconds", "gauge", "When an event of this source and rule was first.", first)
+    last = [(label, event.newest.wall / 1e9) for label, event in told]
+    family("event_last_timestamp_seconds", "gauge", "When an event of this source and rule was last.", last)
     vertices = [(_label(layer=name), float(len(wall))) for name, wall in live.layers.items()]
     family("wall_vertices", "gauge", "Vertices of each layer.", vertices)
     if live.journal:
@@ -103,8 +107,7 @@ class Page:
         from rich.text import Text
 
         events = [
-            Text(str(event), overflow="ellipsis", no_wrap=True)
-            for event in list(self._server.live.model.events.latest)[-8:]
+            Text(str(event), overflow="ellipsis", no_wrap=True) for event in self._server.live.model.events.latest[-8:]
         ]
         return Group(
             Panel(self._sources(), title="sources", title_align="left"),

@@ -86,7 +86,7 @@ class StoreReader(SourceReader):
         if not rows:
             return None
         time, order, wall = (np.full(len(rows), value, np.int64) for value in stamp)
-        reading = Reading(time, order + np.arange(len(rows)), wall)
+        reading = Reading(time, order + np.arange(len(rows)), wall, np.arange(1, len(rows) + 1), self._connection)
         values = np.full((len(rows), len(self._codes)), np.nan)
         states = np.zeros(values.shape, np.uint8)
         curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if store.index == "depth" else {}
@@ -114,7 +114,7 @@ class StoreReader(SourceReader):
         for row in log.rows:
             key = _index(row[0], index)
             if key is None:
-                self._tell(wall, "invalid", f"index {row[0][:60]!r}: is not a {index}: the row was not read")
+                self._tell(wall, "index", f"index {row[0][:60]!r}: is not a {index}: the row was not read")
             elif key > self._last_key:
                 self._last_key = key
                 self.last = row[0], log.units[0] if index == "depth" else ""
@@ -154,17 +154,18 @@ class StoreReader(SourceReader):
     def _trajectory(
         self, stations: list[tuple[tuple[str, str], ...]], stamp: tuple[int, int, int]
     ) -> Reading | None:  # fmt: skip
-        rows = []
-        for number, station in enumerate(stations):
+        rows, numbers = [], []
+        for number, station in enumerate(stations, 1):
             try:
                 rows.append([_quantity(*cell, kind) for cell, kind in zip(station, _STATION_KINDS, strict=True)])
+                numbers.append(number)
             except ValueError as error:
-                self._tell(stamp[2], "station", f"station {number}: {error}: left out")
+                self._tell(stamp[2], "station", f"{error}: left out", number)
         if not rows:
             return None
-        time, order, wall = (np.full(1, value, np.int64) for value in stamp)
-        reading = Reading(time, order, wall)
-        reading.stations = np.array(rows)
+        time, order, wall = (np.full(len(rows), value, np.int64) for value in stamp)
+        reading = Reading(time, order, wall, np.array(numbers), self._connection)
+        reading.stations, reading.station_frame = np.array(rows), np.arange(len(rows))
         return reading
 
 

@@ -14,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.changes import Change
-from helibore.live.events import Event
+from helibore.live.events import Event, gather
 
 MOST_RANGES = 1024
 
@@ -32,7 +32,7 @@ class Update:
     path_from
         Depth below which the path moved, metres; None when it did not.
     events
-        What is worth telling.
+        What is worth telling; of one rule of one source eight at most, the last of which counts all that follow.
     """
 
     changes: dict[str, Change] = field(default_factory=dict)
@@ -90,4 +90,4 @@ def merge(update: Update, more: Update) -> None:
         update.images[name] = (update.images.get(name, (start, 0))[0], stop)
     if more.path_from is not None:
         update.path_from = more.path_from if update.path_from is None else min(update.path_from, more.path_from)
-    update.events += more.events
+    gather(update.events, more.events)

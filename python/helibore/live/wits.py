@@ -53,7 +53,8 @@ class Batch:
         item 08), ``value`` (float64, NaN when flagged), ``flags`` (NULL, INVALID), ``offset`` and ``length`` of the
         value's text in the stream.
     frames
-        Structured (m,): ``start``, ``stop`` (stream offsets), ``first``, ``items`` (its rows in ``items``).
+        Structured (m,): ``start``, ``stop`` (stream offsets), ``first``, ``items`` (its rows in ``items``), ``line``
+        (that of its ``&&``, from 1).
     events
         Structured (e,): bad text, with ``offset``, ``line`` (from 1), ``length`` and ``rule`` (index into RULES).
     """
@@ -63,6 +64,11 @@ class Batch:
     items: Rows
     frames: Rows
     events: Rows
+
+    def line_of(self, item: int, frame: int) -> int:
+        """Return the line in the stream of row ``item`` of ``items``, which is in row ``frame`` of ``frames``."""
+        start, stop = int(self.frames["start"][frame]) - self.base, int(self.items["offset"][item]) - self.base
+        return int(self.frames["line"][frame]) + self.text.count(b"\n", start, stop)
 
     def text_of(self, item: int) -> bytes:
         """Return the raw text of row ``item`` of ``items``, as received."""
