@@ -315,7 +315,7 @@ def test_a_message_too_long_ends_that_page_and_the_server_lives() -> None:
     with hb.view(MadeWall(5000)) as viewer:
         address = viewer.url.replace("http", "ws") + "ws"
         for said, code, reason in (
-            ("x" * (1 << 20), 1009, ""),
+            ("x" * 20_000, 1009, ""),
             ("x" * 9000, 4400, "a page sends text of at most 8192 bytes"),
             (b"1234", 4400, "a page sends text of at most 8192 bytes"),
         ):
@@ -323,6 +323,8 @@ def test_a_message_too_long_ends_that_page_and_the_server_lives() -> None:
                 answers(socket, said)
             assert closed.value.rcvd is not None
             assert (closed.value.rcvd.code, closed.value.rcvd.reason[: len(reason)]) == (code, reason)
+        with connect(address) as socket, pytest.raises(ConnectionClosed):
+            answers(socket, "x" * (1 << 24))  # the server need not read all of it to close, so the code may get lost
         with connect(address) as socket:
             assert json.loads(socket.recv(20))["vertices"] == 5000
 

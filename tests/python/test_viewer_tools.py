@@ -203,13 +203,38 @@ def test_a_snapshot_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
         assert text in refused.value.read().decode()
 
 
+def test_what_the_server_cannot_write_is_said_on_the_page(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=20")
+    screen.settle()
+    for query, text in (
+        ("start=1000", "The section was not written: stop: missing; ask for ?start=DEPTH&stop=DEPTH in metres."),
+        (
+            "start=5000&stop=6000",
+            "The section was not written: start = 5000, stop = 6000: the wall does not reach there.",
+        ),
+    ):
+        screen.evaluate(f"document.getElementById('snapshot').href = 'api/snapshot.html?{query}'")
+        screen.evaluate("document.getElementById('snapshot').click()")
+        screen.until(f"document.getElementById('notice').textContent === {json.dumps(text)}")
+        assert screen.is_visible("#notice")
+    assert screen.url.startswith(viewer.url), "the page is still there"
+    with screen.expect_download() as saved:
+        screen.evaluate("window.__wall.app.redraw()")
+        screen.settle()
+        screen.click("#csv")
+    assert saved.value.suggested_filename == "section-1002.0-1022.0.csv"
+    assert Path(saved.value.path()).read_text().startswith("vertex,depth [m],")
+    screen.until("document.getElementById('notice').hidden")
+    screen.close()
+
+
 def test_text_of_a_snapshot_cannot_end_its_script() -> None:
     from helibore.viewer.snapshot import _scripts
 
-    text = _scripts({"well": "</script><script>alert(1)</script><!--"}, 'x = "</script>";')
+    text = "".join(_scripts({"well": "</script><script>alert(1)</script><!--"}, [b"\xff\xee", b""], 'x = "</script>";'))
     assert text.count("</script>") == 2
     enclosed = text.split(">", 1)[1].split("</script>")[0]
-    assert json.loads(enclosed) == {"well": "</script><script>alert(1)</script><!--"}
+    assert json.loads(enclosed) == {"well": "</script><script>alert(1)</script><!--", "messages": ["/+4=", ""]}
 
 
 def test_fingers_move_and_zoom_the_tracks(browser: Any, viewer: Any) -> None:

@@ -11,7 +11,7 @@ from helibore.viewer.scene import Scene
 
 MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: depths beyond are beyond any wall, and their vertices have numbers
-ROWS_A_PIECE = 4096
+ROWS_A_PIECE = 256
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:
@@ -49,7 +49,7 @@ def ends(query: Mapping[str, str]) -> tuple[float, float]:
 
 
 def section(scene: Scene, start: float, stop: float) -> Iterator[str]:
-    """Return the vertices between two depths as lines of CSV, in pieces.
+    """Return the vertices between two depths as lines of CSV, in pieces, all as they are now.
 
     Raises
     ------
@@ -59,13 +59,14 @@ def section(scene: Scene, start: float, stop: float) -> Iterator[str]:
     if not (math.isfinite(start) and math.isfinite(stop)):
         raise ValueError(f"start = {start}, stop = {stop}: must be finite")
     start, stop = (max(-FARTHEST, min(depth, FARTHEST)) for depth in (start, stop))
-    helix = scene.helix
-    ends = [(depth - helix.start_depth) / helix.pitch * helix.sectors for depth in (start, stop)]
-    first = max(0, math.ceil(min(ends)))
-    last = min(scene.levels[0].size, math.floor(max(ends)) + 1)
-    if last - first > MOST_ROWS:
-        raise ValueError(f"{last - first} vertices: a section holds at most {MOST_ROWS}; ask for less depth")
-    return _lines(scene, first, last)
+    with scene.lock:
+        helix = scene.helix
+        ends = [(depth - helix.start_depth) / helix.pitch * helix.sectors for depth in (start, stop)]
+        first = max(0, math.ceil(min(ends)))
+        last = min(scene.levels[0].size, math.floor(max(ends)) + 1)
+        if last - first > MOST_ROWS:
+            raise ValueError(f"{last - first} vertices: a section holds at most {MOST_ROWS}; ask for less depth")
+        return _lines(scene.still(first, last), first, last)
 
 
 def _lines(scene: Scene, first: int, last: int) -> Iterator[str]:
@@ -73,9 +74,7 @@ def _lines(scene: Scene, first: int, last: int) -> Iterator[str]:
     names = "".join(f',"{a.name} [{a.unit}]"'.replace("\n", " ") for a in attributes)
     yield f"vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support{names}\r\n"
     for start in range(first, last, ROWS_A_PIECE):
-        with scene.lock:
-            rows = [vertex(scene, k) for k in range(start, min(start + ROWS_A_PIECE, last))]
-        yield "".join(_line(row) for row in rows)
+        yield "".join(_line(vertex(scene, k)) for k in range(start, min(start + ROWS_A_PIECE, last)))
 
 
 def _line(row: dict[str, Any]) -> str:

@@ -32,6 +32,12 @@ class History:
             self._points = points = [*points[:-1:2], points[-1]]
             self._apart = max(2 * self._apart, (points[-1][0] - points[0][0]) / len(points))
 
+    def copy(self) -> History:
+        """Return one that notes nothing of what is noted here from now on."""
+        other = History()
+        other._points, other._apart = list(self._points), self._apart
+        return other
+
     def as_columns(self) -> dict[str, list[Any]]:
         """Return the points as columns for JSON: seconds since 1970, counts, metres or None."""
         return {

@@ -134,6 +134,17 @@ class Level:
         """Tiles that show a vertex of [start, stop), their halo included."""
         return range(max(0, (start - self.halo) // self.tile_size), (max(start, stop - 1)) // self.tile_size + 1)
 
+    def still(self, start: int, stop: int) -> Level:
+        """Return a copy that holds [start, stop) as they are now; the rest is empty, and costs no memory."""
+        kept = Level(self.sectors, self.rows, 0)
+        kept.size, part = self.size, slice(start, stop)
+        kept.texels = np.zeros((self.size, messages.TEXEL), np.uint16)
+        kept.texels[part] = self.texels[part]
+        for column in self.columns:
+            kept.columns.append(np.zeros(self.size, np.float32))
+            kept.columns[-1][part] = column[part]
+        return kept
+
     def reserve(self, size: int) -> None:
         """Grow to `size` vertices. What is not written is a gap: radius 0, attribute NaN."""
         capacity = len(self.texels)
@@ -244,6 +255,21 @@ class Scene:
         """Change the well's name on the page."""
         with self.lock:
             self.helix = replace(self.helix, well=well)
+
+    def still(self, start: int, stop: int) -> Scene:
+        """Return a scene of its own that stays as this one is now: vertices [start, stop) and all of the overview.
+
+        For what takes long to write: this scene is held up for a copy of the section, not for the writing.
+        """
+        kept = Scene()
+        with self.lock:
+            wall, over = self.levels
+            kept.levels = wall.still(max(0, start), min(stop, wall.size)), over.still(0, over.size)
+            kept.helix, kept.session, kept.frames, kept.settled = self.helix, self.session, self.frames, self.settled
+            kept.history = self.history.copy()
+            kept.newest, kept.bit_depth, kept.ended, kept.feed = self.newest, self.bit_depth, self.ended, self.feed
+        kept.begun = True
+        return kept
 
     def _keep_first_pass(self, old: Texels, new: Texels, first: int) -> None:
         """Carry the first pass over where it had settled, and mark what changed since as re-scanned."""

@@ -17,22 +17,23 @@ import asyncio
 import contextlib
 import json
 import math
-import time
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Iterator, Mapping
 from importlib import resources
 from typing import Any
 
 from starlette.applications import Starlette
 from starlette.requests import Request
-from starlette.responses import JSONResponse, PlainTextResponse, Response, StreamingResponse
+from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from helibore.viewer import exports, messages
+from helibore.viewer import exports
 from helibore.viewer.client import BadMessageError, Client, read_subscription
+from helibore.viewer.greeting import greeting, state
 from helibore.viewer.guard import LOOPBACK, Guard
-from helibore.viewer.scene import Attribute, Scene
+from helibore.viewer.long_answers import LongAnswers
+from helibore.viewer.scene import Scene
 from helibore.viewer.snapshot import snapshot
 
 TICK = 0.05  # seconds between two sends of news: at most 20 a second for a growing wall, the first one at once
@@ -65,18 +66,18 @@ def no_page() -> str:
 
 def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] = LOOPBACK) -> ASGIApp:
     """Return the ASGI application that shows `scene`."""
-    hub = Hub(scene)
+    hub, answers = Hub(scene), LongAnswers()
     routes = [
         Route("/", _page_file("index.html")),
         *(Route(f"/{name}", _page_file(name)) for name in ("app.js", "app.css", "licences.txt")),
         Route("/healthz", _health(scene, hub)),
         *(
-            Route(f"/api/{name}", _once_begun(scene, answer(scene)))
+            Route(f"/api/{name}", _once_begun(scene, answer))
             for name, answer in (
-                ("vertex/{k:int}", _vertex),
-                ("section.csv", _section),
-                ("history", _history),
-                ("snapshot.html", _snapshot),
+                ("vertex/{k:int}", _vertex(scene)),
+                ("section.csv", _section(answers, scene)),
+                ("history", _history(scene)),
+                ("snapshot.html", _snapshot(answers, scene)),
             )
         ),
         WebSocketRoute("/ws", hub.serve),
@@ -216,55 +217,6 @@ class _Page:
                 raise BadMessageError("neither ack nor subscribe")
 
 
-def greeting(scene: Scene) -> dict[str, Any]:
-    """Return what a page must know before any value."""
-    helix = scene.helix
-    wall, over = scene.levels
-    return {
-        "type": "hello",
-        "version": 1,
-        "session": scene.session,
-        "well": helix.well,
-        "bit_diameter": helix.bit_diameter,
-        "start_depth": helix.start_depth,
-        "start_toolface": helix.start_toolface,
-        "vertices": wall.size,
-        "radius_unit": helix.radius_unit,
-        "nearest_unit": messages.NEAREST_UNIT,
-        "levels": [
-            {"sectors": wall.sectors, "rows": wall.rows, "pitch": helix.pitch},
-            {"sectors": over.sectors, "rows": over.rows, "pitch": helix.pitch * 16},
-        ],
-        "frame_step": math.copysign(messages.FRAME_STEP, helix.pitch),
-        "attributes": [_described(attribute) for attribute in helix.attributes],
-    }
-
-
-def _described(attribute: Attribute) -> dict[str, Any]:
-    return {
-        "name": attribute.name,
-        "unit": attribute.unit,
-        "low": attribute.low,
-        "high": attribute.high,
-        "log": attribute.log,
-        "colours": attribute.colours,
-    }
-
-
-def state(scene: Scene) -> dict[str, Any]:
-    """Return where the bit is, how old the newest sample is by the server's clock, and what the sources are doing."""
-    bit, newest = scene.bit_depth, scene.newest
-    return {
-        "type": "state",
-        "begun": scene.begun,
-        "feed": scene.feed,
-        "bit_depth": bit if math.isfinite(bit) else None,
-        "newest": newest if math.isfinite(newest) else None,
-        "now": round(time.time(), 1) if math.isfinite(newest) else None,
-        "ended": scene.ended,
-    }
-
-
 Endpoint = Callable[[Request], Any]
 
 
@@ -315,37 +267,35 @@ def _history(scene: Scene) -> Endpoint:
     return answer
 
 
-def _snapshot(scene: Scene) -> Endpoint:
-    def made(start: float, stop: float, address: str) -> str:
-        files = {name: (page(name) or b"").decode() for name in TYPES}
-        with scene.lock:
-            return snapshot(scene, {"hello": greeting(scene), "state": state(scene)}, files, start, stop, address)
-
+def _snapshot(answers: LongAnswers, scene: Scene) -> Endpoint:
     async def answer(request: Request) -> Response:
         if page("app.js") is None:
             return PlainTextResponse(no_page() + "\n", 503)
-        try:
-            start, stop = exports.ends(request.query_params)
-            text = await asyncio.to_thread(made, start, stop, request.query_params.get("address", ""))
-        except ValueError as error:
-            return PlainTextResponse(f"{error}\n", 400)
-        name = f"wall-{start:.1f}-{stop:.1f}.html"
-        return Response(
-            text, media_type=TYPES["index.html"], headers={"content-disposition": f"attachment; filename={name}"}
+
+        def write() -> Iterator[str]:
+            files = {name: (page(name) or b"").decode() for name in TYPES}
+            start, stop = exports.ends(query)
+            return snapshot(scene, files, start, stop, query.get("address", ""))
+
+        query = request.query_params
+        return await answers.give(write, TYPES["index.html"], _named("wall", query, "html"), at_once=True)
+
+    return answer
+
+
+def _section(answers: LongAnswers, scene: Scene) -> Endpoint:
+    async def answer(request: Request) -> Response:
+        query = request.query_params
+        return await answers.give(
+            lambda: exports.section(scene, *exports.ends(query)), "text/csv", _named("section", query, "csv")
         )
 
     return answer
 
 
-def _section(scene: Scene) -> Endpoint:
-    async def answer(request: Request) -> Response:
-        try:
-            start, stop = exports.ends(request.query_params)
-            rows = exports.section(scene, start, stop)
-        except ValueError as error:
-            return PlainTextResponse(f"{error}\n", 400)
-        name = f"section-{start:.1f}-{stop:.1f}.csv"
-        disposition = {"content-disposition": f"attachment; filename={name}"}
-        return StreamingResponse(rows, media_type="text/csv", headers=disposition)
-
-    return answer
+def _named(what: str, query: Mapping[str, str], ending: str) -> str:
+    """Return a file's name, with the depths of its section where they are numbers."""
+    try:
+        return f"{what}-{'-'.join(f'{depth:.1f}' for depth in exports.ends(query))}.{ending}"
+    except ValueError:
+        return f"{what}.{ending}"

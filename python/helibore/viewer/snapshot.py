@@ -10,31 +10,31 @@ from __future__ import annotations
 
 import base64
 import html
+import itertools
 import json
 import math
 import time
+from collections.abc import Iterable, Iterator
 from typing import Any
 
 from helibore.viewer.client import Client, Subscription
 from helibore.viewer.exports import FARTHEST
+from helibore.viewer.greeting import greeting, state
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
 MOST_ADDRESS = 4096  # characters
+SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
 
 
-def snapshot(
-    scene: Scene, said: dict[str, Any], files: dict[str, str], start: float, stop: float, address: str = ""
-) -> str:
-    """Return the file.
+def snapshot(scene: Scene, files: dict[str, str], start: float, stop: float, address: str = "") -> Iterator[str]:
+    """Return the file, in pieces, as the scene is now: it is copied here, and written as the pieces are asked for.
 
     Parameters
     ----------
     scene
         What is shown.
-    said
-        What the server tells a page in text: ``hello`` and ``state``.
     files
         The built page: name to text.
     start, stop
@@ -47,14 +47,23 @@ def snapshot(
     ValueError
         If the depths are not finite or not of this wall, or hold more than `MOST_VERTICES` vertices.
     """
-    tiles = tiles_between(scene, start, stop)
-    enclosed = {
-        **said,
+    with scene.lock:
+        tiles = tiles_between(scene, start, stop)
+        level = scene.levels[0]
+        still = scene.still(tiles[0] * level.tile_size, tiles[1] * level.tile_size + level.halo)
+    told = {
+        "hello": greeting(still),
+        "state": state(still),
         "made": round(time.time(), 1),
         "address": address[:MOST_ADDRESS],
-        "history": scene.history.as_columns(),
-        "messages": [base64.b64encode(message).decode() for message in messages_of(scene, tiles)],
+        "history": still.history.as_columns(),
     }
+    before, after = _page(files)
+    return itertools.chain([before], _scripts(told, messages_of(still, tiles), files["app.js"]), [after])
+
+
+def _page(files: dict[str, str]) -> tuple[str, str]:
+    """Return what stands before and after the page's script, with all it needs in it."""
     licences = f"<pre hidden>{html.escape(files['licences.txt'])}</pre>"
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     page = files["index.html"]
@@ -63,12 +72,13 @@ def snapshot(
         ('<link rel="stylesheet" href="app.css">', f"<style>\n{files['app.css']}</style>"),
         ('<a href="licences.txt" target="_blank" rel="noopener">', "<a>"),
         ('<form method="dialog">', f'{licences}\n  <form method="dialog">'),
-        ('<script type="module" src="app.js"></script>', _scripts(enclosed, files["app.js"])),
+        (SCRIPT, SCRIPT),
     ):
         if page.count(old) != 1:
             raise RuntimeError(f"the page has no {old}: this is a bug in helibore")
         page = page.replace(old, new)
-    return page
+    before, after = page.split(SCRIPT)
+    return before, after
 
 
 def tiles_between(scene: Scene, start: float, stop: float) -> tuple[int, int]:
@@ -88,20 +98,20 @@ def tiles_between(scene: Scene, start: float, stop: float) -> tuple[int, int]:
     return tiles
 
 
-def messages_of(scene: Scene, tiles: tuple[int, int]) -> list[bytes]:
-    """Return what a page that asks for these tiles would be sent."""
-    found: list[bytes] = []
-    with scene.lock:
-        client = Client(scene)
-        client.subscribe(Subscription((tiles,), tiles[0], (1 << len(scene.helix.attributes)) - 1))
-        while (message := client.take()) is not None:
-            client.acknowledge(client.sequence)
-            found.append(bytes(message))
-    return found
+def messages_of(scene: Scene, tiles: tuple[int, int]) -> Iterator[bytes]:
+    """Yield what a page that asks for these tiles would be sent."""
+    client = Client(scene)
+    client.subscribe(Subscription((tiles,), tiles[0], (1 << len(scene.helix.attributes)) - 1))
+    while (message := client.take()) is not None:
+        client.acknowledge(client.sequence)
+        yield message
 
 
-def _scripts(enclosed: dict[str, Any], app: str) -> str:
-    """Two scripts; nothing in them may end them early."""
-    told = json.dumps(enclosed, separators=(",", ":")).replace("<", "\\u003c")
+def _scripts(told: dict[str, Any], messages: Iterable[bytes], app: str) -> Iterator[str]:
+    """Yield two scripts; nothing in them may end them early. Base64 has no character that a script or JSON minds."""
+    opened = json.dumps(told, separators=(",", ":")).replace("<", "\\u003c").removesuffix("}")
+    yield f'<script type="application/json" id="enclosed">{opened},"messages":['
+    for i, message in enumerate(messages):
+        yield f'{"," if i else ""}"{base64.b64encode(message).decode()}"'
     code = app.replace("</script", "<\\/script").replace("<!--", "<\\!--")
-    return f'<script type="application/json" id="enclosed">{told}</script>\n<script type="module">\n{code}</script>'
+    yield f']}}</script>\n<script type="module">\n{code}</script>'

@@ -21,6 +21,7 @@ import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
 import { rangeOnce, rangeSaved } from './ranges.js';
 import { Replay } from './replay.js';
+import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
@@ -47,6 +48,7 @@ class App {
     bindTracks(this);
     bindControls(this);
     bindKeys(this);
+    bindSaving(this);
     this.replay = new Replay(this);
     this.picking = new Picking(this);
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
@@ -81,7 +83,8 @@ class App {
   notice(text, seconds = 0) {
     byId('notice').textContent = text;
     byId('notice').hidden = !text;
-    if (seconds) setTimeout(() => (byId('notice').hidden = true), 1000 * seconds);
+    clearTimeout(this.noticed);
+    if (seconds) this.noticed = setTimeout(() => (byId('notice').hidden = true), 1000 * seconds);
   }
 
   begin(hello) {

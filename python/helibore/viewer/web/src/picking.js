@@ -3,6 +3,7 @@
 
 import { fitPlane } from './dips.js';
 import { byId } from './panel.js';
+import { save } from './saving.js';
 import { showAngle, showDepth, showLength } from './units.js';
 
 const MOST = 200;
@@ -74,7 +75,7 @@ export class Picking {
     const { units } = this.app.view;
     byId('dipKeep').disabled = open || !current;
     byId('dipSave').disabled = kept.length === 0;
-    const lines = kept.map((plane) => `${showDepth(plane.depth)}   ${inWords(plane)}`);
+    const lines = kept.map((plane) => `${showDepth(plane.depth)}   ${inWords(plane)}${assumed(plane)}`);
     if (current) lines.push(`${showDepth(current.depth)}   ${inWords(current)}`, `misfit ${showLength(current.misfit, units, units === 'mm' ? 0 : 1)} along the hole${assumed(current)}`);
     else lines.push(['Click three points or more of a bed, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     const text = lines.slice(-9).join('\n');
@@ -83,22 +84,25 @@ export class Picking {
 
   save() {
     const { kept } = this.planes();
-    const link = document.createElement('a');
-    link.href = URL.createObjectURL(new Blob([asTable(kept)], { type: 'text/csv' }));
-    link.download = 'dips.csv';
-    link.click();
-    URL.revokeObjectURL(link.href);
+    save(new Blob([asTable(kept)], { type: 'text/csv' }), 'dips.csv');
   }
 
   toAddress() {
-    return this.kept.map((points) => points.map((p) => [p.depth.toFixed(3), p.toolface.toFixed(1), (1000 * p.radius).toFixed(1)].join('_')).join('~')).join('!');
+    return this.kept.map((points) => points.map((p) => [p.depth.toFixed(3), p.toolface.toFixed(1), (1000 * p.radius).toFixed(1), ...(p.measured ? [] : ['bit'])].join('_')).join('~')).join('!');
   }
 
   fromAddress(text) {
-    const planes = (text ?? '').split('!').slice(0, MOST).map((plane) => plane.split('~').map((point) => point.split('_').map(Number)));
-    const sound = planes.filter((plane) => plane.length >= 3 && plane.every((point) => point.length === 3 && point.every(Number.isFinite)));
-    this.kept = sound.map((plane) => plane.map(([depth, toolface, radius]) => ({ depth, toolface, radius: radius / 1000, measured: true })));
+    const planes = (text ?? '').split('!').slice(0, MOST).map((plane) => plane.split('~').map(pointFrom));
+    this.kept = planes.filter((plane) => plane.length >= 3 && plane.every(Boolean));
   }
+}
+
+// depth_toolface_radius in metres, degrees, millimetres; `_bit` where the radius is the bit's, for want of a measured one.
+function pointFrom(text) {
+  const [depth, toolface, radius, bit, ...rest] = text.split('_');
+  const numbers = [depth, toolface, radius].map((part) => (part ? Number(part) : NaN));
+  if (!numbers.every(Number.isFinite) || rest.length || (bit !== undefined && bit !== 'bit')) return null;
+  return { depth: numbers[0], toolface: numbers[1], radius: numbers[2] / 1000, measured: bit === undefined };
 }
 
 const assumed = ({ points }) => (points.some(({ measured }) => !measured) ? '; bit size where nothing is measured' : '');
@@ -107,5 +111,5 @@ const inWords = ({ dip, azimuth, apparent, deepest }) =>
 
 const cell = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '');
 export const asTable = (planes) =>
-  ['depth_m,dip_deg,dip_azimuth_deg,apparent_dip_deg,toolface_of_deepest_deg,misfit_m,points', ...planes.map((plane) =>
-    [[plane.depth, 3], [plane.dip, 2], [plane.azimuth, 2], [plane.apparent, 2], [plane.deepest, 2], [plane.misfit, 4], [plane.points.length, 0]].map((pair) => cell(...pair)).join(','))].join('\r\n') + '\r\n';
+  ['depth_m,dip_deg,dip_azimuth_deg,apparent_dip_deg,toolface_of_deepest_deg,misfit_m,points,points_at_bit_size', ...planes.map((plane) =>
+    [[plane.depth, 3], [plane.dip, 2], [plane.azimuth, 2], [plane.apparent, 2], [plane.deepest, 2], [plane.misfit, 4], [plane.points.length, 0], [plane.points.filter(({ measured }) => !measured).length, 0]].map((pair) => cell(...pair)).join(','))].join('\r\n') + '\r\n';

@@ -1,0 +1,154 @@
+"""Sections that are written while they are sent: of one moment, a few at a time, and the wall goes on meanwhile."""
+
+from __future__ import annotations
+
+import asyncio
+import base64
+import json
+import re
+import threading
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+import pytest
+
+pytest.importorskip("starlette", reason='the viewer needs the extra: pip install "helibore[view]"')
+
+from made_wall import MadeWall, curved_path, gamma
+from starlette.requests import ClientDisconnect
+
+from helibore.viewer import exports, messages, snapshot
+from helibore.viewer.feed import Feed
+from helibore.viewer.long_answers import LongAnswers
+from helibore.viewer.scene import Scene
+
+FILES = {
+    "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
+    '<a href="licences.txt" target="_blank" rel="noopener"><form method="dialog">'
+    '<script type="module" src="app.js"></script>',
+    "app.css": "",
+    "app.js": "",
+    "licences.txt": "",
+}
+
+
+@pytest.fixture
+def wall() -> MadeWall:
+    return MadeWall(40_000)
+
+
+@pytest.fixture
+def scene(wall: MadeWall) -> Scene:
+    values = {"GR": gamma(wall.depth, wall.toolface)}
+    return Feed(wall, path=curved_path(), attributes=values, well="A-1").scene
+
+
+def grow_and_patch(scene: Scene) -> None:
+    """Change every vertex, add more, and begin anew: all that a section being written must not notice."""
+    texels = scene.levels[0].texels
+    other = np.full(scene.levels[0].size + 20_000, 0.2)
+    scene.write(0, messages.Vertices(other), {"GR": np.zeros(len(other))})
+    assert not np.shares_memory(texels, scene.levels[0].texels)
+    scene.begin(scene.helix)
+
+
+def test_a_table_is_of_the_moment_it_was_asked_for(scene: Scene) -> None:
+    whole = "".join(exports.section(scene, 1005.0, 1030.0))
+    pieces = exports.section(scene, 1005.0, 1030.0)
+    first = next(pieces)
+    grow_and_patch(scene)
+    assert first + "".join(pieces) == whole
+    assert whole.count("\n") == 1 + 250 * 64 + 1
+
+
+def test_a_snapshot_is_of_the_moment_it_was_asked_for(scene: Scene, wall: MadeWall) -> None:
+    pieces = snapshot.snapshot(scene, FILES, 1026.0, 1030.0)
+    grow_and_patch(scene)
+    text = "".join(pieces)
+    enclosed = json.loads(re.search(r'id="enclosed">(.*?)</script>', text)[1])  # type: ignore[index]
+    assert enclosed["hello"]["vertices"] == 40_000
+    found = [messages.unpack(base64.b64decode(one)) for one in enclosed["messages"]]
+    assert {(one.kind, one.level, one.tile) for one in found} >= {(1, 0, 1), (1, 1, 0), (3, 255, 0)}
+    tile = next(one for one in found if (one.level, one.tile) == (0, 1))
+    part = slice(16384, 16384 + 16384 + 65)
+    np.testing.assert_allclose(messages.radius_of(tile.texels, 1e-5), wall.radius[part], atol=5.1e-6)
+    np.testing.assert_array_equal(tile.columns[0], gamma(wall.depth, wall.toolface)[part].astype(np.float32))
+
+
+def test_the_scene_is_free_while_a_snapshot_is_written(scene: Scene) -> None:
+    pieces = snapshot.snapshot(scene, FILES, 1000.0, 1060.0)
+    next(pieces)
+    free = []
+
+    def other_thread() -> None:
+        free.append(scene.lock.acquire(timeout=0.0))
+        scene.lock.release()
+
+    for _ in pieces:
+        thread = threading.Thread(target=other_thread)
+        thread.start()
+        thread.join()
+    assert len(free) >= 5
+    assert all(free)
+
+
+class Reader:
+    """A browser's half of an answer: hears the head and the body, or stops reading."""
+
+    def __init__(self, reads: bool) -> None:
+        self.reads, self.said = reads, bytearray()
+        self.closed = asyncio.Event()
+
+    async def send(self, message: Any) -> None:
+        if message["type"] == "http.response.body":
+            if not self.reads:
+                await self.closed.wait()
+            self.said += message["body"]
+
+    async def receive(self) -> Any:
+        await self.closed.wait()
+        return {"type": "http.disconnect"}
+
+
+def written(count: int = 3) -> Iterator[str]:
+    return (f"piece {i}\n" for i in range(count))
+
+
+SCOPE = {"type": "http", "asgi": {"spec_version": "2.4"}}
+
+
+def test_a_few_at_a_time_and_the_next_is_told_to_wait() -> None:
+    async def run() -> None:
+        answers = LongAnswers(most=2, stalled=0.2)
+        slow = [await answers.give(written, "text/csv", "a.csv", at_once=way) for way in (False, True)]
+        refused = await answers.give(written, "text/csv", "a.csv")
+        assert (refused.status_code, refused.headers["retry-after"]) == (503, "5")
+        assert bytes(refused.body) == b"2 sections are being written already: try again when one of them is done\n"
+        reader, stalled = Reader(True), Reader(False)
+        await slow[0](SCOPE, reader.receive, reader.send)
+        assert reader.said == b"piece 0\npiece 1\npiece 2\n"
+        assert answers.taken == 1
+        with pytest.raises(ClientDisconnect):  # nobody read for 0.2 s
+            await slow[1](SCOPE, stalled.receive, stalled.send)
+        assert answers.taken == 0
+
+    asyncio.run(run())
+
+
+def test_what_cannot_be_written_takes_no_place() -> None:
+    def wrong() -> Iterator[str]:
+        raise ValueError("start = 1: too shallow")
+
+    def broken() -> Iterator[str]:
+        raise RuntimeError("a bug")
+
+    async def run() -> None:
+        answers = LongAnswers(most=1)
+        refused = await answers.give(wrong, "text/csv", "a.csv")
+        assert (refused.status_code, bytes(refused.body)) == (400, b"start = 1: too shallow\n")
+        with pytest.raises(RuntimeError):
+            await answers.give(broken, "text/csv", "a.csv")
+        assert answers.taken == 0
+
+    asyncio.run(run())
