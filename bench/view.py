@@ -1,6 +1,6 @@
 """Measures the live viewer in a real browser: first picture, append to pixels, bytes, memory, many clients.
 
-    python bench/view.py [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60]
+    python bench/view.py [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--snapshots]
 
 Needs Debian's chromium and playwright; the browser draws with software GL, as a weak rig's would. The wall's values
 are those of tests/python/made_wall.py, checked against the page's read-back before anything is timed. Prints one
@@ -230,7 +230,61 @@ def with_clients(pages: int) -> tuple[float, float, float]:
     readers = spawn.Process(target=read, args=(viewer.url, pages, stop, started))
     readers.start()
     started.wait(60)
-    times, before = [], own_memory()
+    before = own_memory()
+    times = append_steadily(wall, viewer, rng)
+    grown = own_memory() - before
+    stop.set()
+    readers.join()
+    viewer.close()
+    return float(np.percentile(times, 50)) * 1e3, float(np.percentile(times, 99)) * 1e3, grown
+
+
+def while_saving(rounds: int = 3) -> None:
+    """The producer's append alone and while snapshots of 500 m are fetched without a pause, in turn: p50, p99, ms."""
+    found: dict[bool, list[tuple[float, float, float]]] = {False: [], True: []}
+    for _ in range(rounds):
+        for fetching, figures in found.items():
+            figures.append(with_snapshots(fetching))
+    for figures in found.values():
+        p50, p99, count = (float(np.median(column)) for column in zip(*figures, strict=True))
+        name = f"append of 1,000 samples while {count:.0f} snapshots are made"
+        say(f"{name}, p50", p50, "ms")
+        say(f"{name}, p99", p99, "ms")
+
+
+def with_snapshots(fetching: bool) -> tuple[float, float, float]:
+    """Append 300 times below 500 m of wall: p50 and p99 in ms, and how many snapshots were made meanwhile."""
+    wall = hb.Wall(bit_diameter=BIT, start_depth=500.0)
+    rng = np.random.default_rng(1)
+    wall.append(500 + np.sort(rng.uniform(0, 500, 300_000)), rng.uniform(0, 360, 300_000), np.full(300_000, 0.11))
+    with hb.view(wall) as viewer:
+        spawn = multiprocessing.get_context("spawn")
+        stop, started, made = spawn.Event(), spawn.Event(), spawn.Value("i", 0)
+        fetcher = spawn.Process(target=fetch, args=(viewer.url, stop, started, made))
+        if fetching:
+            fetcher.start()
+            started.wait(60)
+        times = append_steadily(wall, viewer, rng)
+        stop.set()
+        if fetching:
+            fetcher.join()
+    return float(np.percentile(times, 50)) * 1e3, float(np.percentile(times, 99)) * 1e3, made.value
+
+
+def fetch(url: str, stop: Any, started: Any, made: Any) -> None:
+    """Fetch snapshots until told to stop."""
+    import urllib.request
+
+    while not stop.is_set():
+        with urllib.request.urlopen(f"{url}api/snapshot.html?start=500&stop=1000") as answer:
+            assert len(answer.read()) > 3e6, "a snapshot of 300,000 vertices"
+        made.value += 1
+        started.set()
+
+
+def append_steadily(wall: hb.Wall, viewer: Viewer, rng: np.random.Generator) -> list[float]:
+    """Append 300 times, fifty a second at most; the seconds each took."""
+    times = []
     for step in range(1, 301):
         batch = samples(rng, step)
         began = time.perf_counter()
@@ -238,11 +292,7 @@ def with_clients(pages: int) -> tuple[float, float, float]:
         viewer.update(change)
         times.append(time.perf_counter() - began)
         time.sleep(0.02)
-    grown = own_memory() - before
-    stop.set()
-    readers.join()
-    viewer.close()
-    return float(np.percentile(times, 50)) * 1e3, float(np.percentile(times, 99)) * 1e3, grown
+    return times
 
 
 def own_memory() -> float:
@@ -293,6 +343,7 @@ def main() -> None:
     parser.add_argument("--appends", type=int, default=9)
     parser.add_argument("--clients", type=int, default=10)
     parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0: not measured")
+    parser.add_argument("--snapshots", action="store_true", help="measure appends while snapshots are made, too")
     options = parser.parse_args()
     print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")
     in_the_browser(options.quads, options.appends)
@@ -300,6 +351,8 @@ def main() -> None:
         hidden(options.hidden)
     if options.clients:
         many_clients(options.clients)
+    if options.snapshots:
+        while_saving()
     print(f"load {load()}")
 
 

@@ -32,11 +32,11 @@ export function profile({ store, view, imagePieces, rects }) {
   return { min, max, seen };
 }
 
-// Ends of the scale: round numbers about the tightest and the widest turn in view, and a tenth of bit size at least.
-export function scaleFor(bit, { min, max }) {
+// Ends of the scale: round numbers, `per` a metre, about the tightest and the widest turn in view, and a tenth of bit size at least.
+export function scaleFor(bit, { min, max }, per = 1000) {
   const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);
   const tightest = min.reduce((least, value) => (value < least ? value : least), bit * 0.96);
-  const step = niceStep((widest - tightest) / 8);
+  const step = niceStep(((widest - tightest) / 8) * per) / per;
   return [Math.floor(tightest / step) * step, Math.ceil(widest / step) * step];
 }
 
@@ -47,7 +47,7 @@ export function drawCaliper(ink, look) {
   const bit = 2 * store.bitRadius;
   const found = profile(look);
   const { min, max, seen } = found;
-  const [low, high] = scaleFor(bit, found);
+  const [low, high] = scaleFor(bit, found, LENGTHS[view.units].scale);
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
   ink.fillStyle = palette.panel;
   ink.fillRect(rect.left, rect.top, rect.width, rect.height);
@@ -103,7 +103,7 @@ function curve(ink, rect, values, x, colour) {
 
 function head(ink, { view }, { left, width }, [low, bit, high], x, palette) {
   const { scale, unit } = LENGTHS[view.units];
-  const show = (v) => (view.units === 'mm' ? (v * scale).toFixed(0) : (v * scale).toFixed(2));
+  const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
   label(ink, `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
   label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
   label(ink, 'Cmax', left + width - 2, 29, { colour: palette.max, align: 'right', font: BOLD });

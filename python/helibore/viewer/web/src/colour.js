@@ -35,7 +35,7 @@ export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [
 export function quantities(store) {
   const R = store.bitRadius;
   const fixed = [
-    { id: 'over', name: 'Over bit size', mode: Q_OVER, length: true, low: -0.002, high: 0.02, map: 'viridis' },
+    { id: 'over', name: 'Over bit radius', mode: Q_OVER, length: true, low: -0.002, high: 0.02, map: 'viridis' },
     { id: 'radius', name: 'Radius', mode: Q_RADIUS, length: true, low: R - 0.002, high: R + 0.02, map: 'image' },
     { id: 'nearest', name: 'Nearest sample', mode: Q_NEAREST, length: true, low: 0, high: 0.1, map: 'cividis' },
     { id: 'support', name: 'Samples used', mode: Q_SUPPORT, unit: '', low: 0, high: 8, map: 'cividis' },

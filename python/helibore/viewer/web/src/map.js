@@ -1,13 +1,14 @@
 // The map: the whole well from the overview, in the colours of the current quantity, with the enlargement beside it, the
-// section as a window to drag, the cursor and the bit.
+// section as a window to drag, the cursor and the bit. Grey at its left edge: something there is not measured.
 
-import { MAPS, valueAt } from './colour.js';
+import { lookup } from './colour.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
-import { RADIUS, TEXEL } from './protocol.js';
+import { rowOf } from './map_rows.js';
 import { line } from './tracks.js';
 
 const WIDE = 24; // pixels of colour; the rest of the track is the enlargement
+const EDGE = 3; // pixels of grey at the left where something is missing
 const FULL = 0.03; // metres over bit radius that fill the enlargement's width
 
 export class DepthMap {
@@ -57,47 +58,45 @@ export class DepthMap {
     label(ink, b.toFixed(0), rect.left + rect.width / 2, rect.top + rect.height - 8, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
   }
 
-  // Redraw the picture of the well only when the overview, the colours or the ends changed.
+  // Make the picture of the well anew only when the overview, the colours or the ends changed.
   refresh({ store, view, quantity, rects }, a, b) {
     const over = store.levels[1];
     const versions = [...over.tiles.values()].reduce((sum, tile) => sum + tile.version, 0);
     const { id, low, high, map, log } = quantity;
-    const key = [store.session, versions, id, low, high, map, log, view.pass, view.theme, a, b, rects.map.height].join();
+    const key = [store.session, versions, over.shown, id, low, high, map, log, view.pass, view.theme, a, b, rects.map.height].join();
     if (key === this.key) return;
     this.key = key;
-    const { width, height } = rects.map;
-    this.canvas.width = width - 4;
-    this.canvas.height = Math.ceil(height);
+    const [width, height] = [rects.map.width - 4, Math.ceil(rects.map.height)];
+    Object.assign(this.canvas, { width, height });
     const ink = pen(this.canvas);
-    const { anchors } = MAPS[map];
+    const picture = ink.createImageData(width, height);
     const palette = PALETTES[view.theme];
-    for (let y = 0; y < height; y++) this.row(ink, store, over, quantity, view, a + ((y + 0.5) / height) * (b - a), y, anchors, palette);
-  }
-
-  row(ink, store, over, quantity, view, depth, y, anchors, palette) {
-    const C = over.sectors;
-    const row = Math.round((depth - over.startDepth) / over.pitch);
-    let most = 0;
-    for (let c = 0; c < C; c++) {
-      const k = row * C + c;
-      const { tile, at } = over.locate(k);
-      if (!tile || k < 0 || k >= over.shown) continue;
-      const value = valueAt(store, quantity, tile, at, view.pass);
-      ink.fillStyle = Number.isFinite(value) ? colourFor(quantity, value, anchors) : palette.hatch;
-      ink.fillRect((c * WIDE) / C, y, WIDE / C + 0.5, 1);
-      const steps = tile.texels[TEXEL * at + RADIUS];
-      if (steps) most = Math.max(most, steps * store.radiusUnit - store.bitRadius);
-    }
-    ink.fillStyle = palette.max;
-    ink.fillRect(WIDE + 2, y, Math.min(1, most / FULL) * (this.canvas.width - WIDE - 2), 1);
+    const paint = {
+      pixels: new Uint32Array(picture.data.buffer),
+      width,
+      colours: new Uint32Array(lookup(map).buffer),
+      missing: packed(palette.hatch),
+      bar: packed(palette.max),
+    };
+    const place = (y) => (a + (y / height) * (b - a) - over.startDepth) / over.pitch; // in turns of the overview
+    for (let y = 0; y < height; y++) paintRow(paint, y, rowOf(store, quantity, view.pass, place(y), place(y + 1)), quantity);
+    ink.putImageData(picture, 0, 0);
   }
 }
 
-export function colourFor({ low, high, log }, value, anchors) {
-  const f = log ? Math.log : (x) => x;
-  const share = Math.min(1, Math.max(0, (f(value) - f(low)) / (f(high) - f(low)))) || 0;
-  const place = share * (anchors.length - 1);
-  const i = Math.min(Math.floor(place), anchors.length - 2);
-  const mixed = anchors[i].map((c, j) => Math.round(c + (place - i) * (anchors[i + 1][j] - c)));
-  return `rgb(${mixed.join(' ')})`;
+function paintRow({ pixels, width, colours, missing, bar }, y, { means, most, lacks }, { low, high, log }) {
+  const f = log ? Math.log : (v) => v;
+  const [a, b] = [f(low), f(high)];
+  const line = y * width;
+  means.forEach((mean, c) => {
+    if (mean === undefined) return;
+    const share = Math.min(1, Math.max(0, (f(mean) - a) / (b - a)));
+    const colour = Number.isNaN(share) ? missing : colours[Math.round(255 * share)];
+    pixels.fill(colour, line + Math.round((c * WIDE) / means.length), line + Math.round(((c + 1) * WIDE) / means.length));
+  });
+  if (lacks) pixels.fill(missing, line, line + EDGE);
+  pixels.fill(bar, line + WIDE + 2, line + WIDE + 2 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 2)));
 }
+
+// A colour of the palette as one pixel, alpha last in memory.
+const packed = (hex) => new Uint32Array(Uint8Array.from([1, 3, 5, 7].map((i) => (i < 7 ? parseInt(hex.slice(i, i + 2), 16) : 255))).buffer)[0];

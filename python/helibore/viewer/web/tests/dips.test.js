@@ -1,5 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
+import { asTable, Picking } from '../src/picking.js';
 import { fitPlane, planeDepth, wallPoint } from '../src/dips.js';
 import { Path } from '../src/path.js';
 
@@ -92,4 +93,16 @@ test('points that say no plane give none, and no survey no true dip', () => {
   const blind = fitPlane(path(0, 0, { surveyed: false }), [point(0), point(120), point(240, 1010.1)]);
   assert.ok(Number.isNaN(blind.dip) && Number.isNaN(blind.azimuth) && blind.apparent > 10);
   assert.ok(Number.isNaN(fitPlane(path(0, 0), [point(0), point(120), point(240)]).azimuth), 'level beds lean nowhere');
+});
+
+test('picks in an address say which radius was measured and which is the bit’s', () => {
+  globalThis.document = { getElementById: () => ({ addEventListener() {} }) };
+  const picking = new Picking({});
+  const text = '1009.300_10.0_108.0~1009.600_130.0_108.0_bit~1008.700_250.0_108.2';
+  picking.fromAddress(`${text}!1_2_3~1_2_3~1_2_x!1_2_3~1_2_3~1_2_3_rig!1_2_3_bit_4~1_2_3~1_2_3!1_2_3~1_2_3!1__3~1_2_3~1_2_3`);
+  assert.equal(picking.kept.length, 1, 'the rest is not taken');
+  assert.deepEqual(picking.kept[0].map(({ measured }) => measured), [true, false, true]);
+  assert.equal(picking.toAddress(), text);
+  const table = asTable([{ depth: 1, dip: 2, azimuth: 3, apparent: 4, deepest: 5, misfit: 0, points: picking.kept[0] }]);
+  assert.match(table, /,points,points_at_bit_size\r\n.*,3,1\r\n$/);
 });
