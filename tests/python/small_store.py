@@ -36,7 +36,7 @@ class Store:
         self.most, self.null = 100_000, "-999.25"
         self.trouble: list[str] = []
         self.questions: list[str] = []
-        self.user = None
+        self.user, self.page = None, b"broken"
         self.authority = trustme.CA()
         self.ca = folder / "ca.pem"
         self.authority.cert_pem.write_to_path(self.ca)
@@ -74,7 +74,7 @@ class Store:
         if self.user is not None and page.headers.get("Authorization") != self.user:
             return self.send(page, b"who are you", 401)
         if trouble == "500":
-            return self.send(page, b"broken", 500)
+            return self.send(page, self.page, 500)
         if trouble == "redirect":
             return self.send(page, b"", 302)
         body = enveloped(self.trajectory() if "<trajectorys" in asked else self.log(asked), self.result(asked))

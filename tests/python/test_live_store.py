@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from small_store import LONG_AGO, Store, enveloped
@@ -11,6 +13,7 @@ import helibore as hb
 from helibore.live import server as server_module
 from helibore.live import witsml
 from helibore.live.configuration import parse
+from helibore.live.journal import BYTES, segments
 from helibore.live.server import Server
 
 pytest.importorskip("httpx2", reason="WITSML stores need httpx2")
@@ -200,6 +203,129 @@ def test_a_curve_without_a_length_is_told_once_and_never_drawn(store, tmp_path):
         until(lambda: polled.live.model.counts["flag INVALID"] == 6)
         assert sum("curve RAD: unit 'furlong': not known" in line for line in polled.told()) == 1
         assert polled.live.model.counts["drawn"] == 0
+
+
+def stored(folder):
+    """(kind, state, body) of every answer in a journal."""
+    frames, found = witsml.Frames(), []
+    for payload in (s.payload(r) for s in segments(folder) for r in np.flatnonzero(s.records["kind"] == BYTES)):
+        found += frames.feed(payload)[0]
+    return found
+
+
+DEEP = "99999.00,10,110,1,1,100"
+
+
+@pytest.mark.parametrize("place", ["first", "between", "last", "twice"])
+def test_an_index_that_jumps_alone_hides_nothing_and_is_told(store, tmp_path, place):
+    store.rows = grown(60)
+    if place == "twice":
+        store.rows += [DEEP, DEEP]
+    else:
+        store.rows.insert({"first": 0, "between": 30, "last": 60}[place], DEEP)
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 60)
+        store.rows = sorted(store.rows + grown(40, 60), key=lambda row: float(row.split(",")[0]))  # as stores do
+        until(lambda: polled.live.wall.sample_count == 100)
+        until(lambda: '<startIndex uom="m">100.99</startIndex>' in store.questions[-1] + store.questions[-2])
+        jumps = [event for event in polled.live.model.events.latest if event.rule == "jump"]
+    assert [event.count for event in jumps] == [1]
+    far = "the first" if place == "first" else "99898.7 m behind the last" if place == "between" else "99898.4 m behind"
+    assert f"index 99999.00: {far}" in jumps[0].text
+    assert jumps[0].text.endswith(", and no row goes on from it within 30 m: not read")
+    assert polled.live.wall.depth[-1] < 101
+
+
+def test_a_jump_that_goes_on_is_read_when_its_next_row_comes(store, tmp_path):
+    store.rows = grown(20)
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 20)
+        store.rows += grown(1, 10_000)
+        until(lambda: polled.live.model.events.counts["store", "jump"] == 1)
+        assert polled.live.wall.sample_count == 20
+        store.rows += grown(1, 10_001)
+        until(lambda: polled.live.wall.sample_count == 22)
+    again = hb.Live.replay(tmp_path / "j")
+    assert np.array_equal(again.wall.radius, polled.live.wall.radius, equal_nan=True)
+
+
+def test_the_unit_of_an_image_is_the_one_of_the_configuration_or_it_is_not_read(store, tmp_path):
+    store.rows, store.units = grown(20), "m,dega,mm,GAPI,ohm.m,m"
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: len(polled.live.images["GR"]) == 20)
+        assert any("curve GR2: unit 'ohm.m': the configuration says 'gAPI': not read" in e for e in polled.told())
+    values = polled.live.images["GR"].arrays()[1]
+    assert np.isnan(values[:, 1]).all()
+    assert values[:, 0].tolist() == list(range(20))
+
+
+def test_an_index_in_another_unit_is_the_same_depth_and_without_one_nothing_is_read(store, tmp_path):
+    store.rows = grown(20)
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 20)
+        store.units = store.units.replace("m,", "furlong,", 1)
+        store.rows += grown(5, 20)
+        until(lambda: any("curve DEPT: unit 'furlong'" in line for line in polled.told()))
+        assert polled.live.wall.sample_count == 20
+        store.behind = lambda _: store.rows
+        store.rows = [f"{float(row.split(',')[0]) / 0.3048:.6f},{row.partition(',')[2]}" for row in grown(25)]
+        store.units = store.units.replace("furlong", "ft")
+        until(lambda: polled.live.wall.samples.depth.max() > 100.239)
+    depth = np.sort(polled.live.wall.samples.depth)
+    np.testing.assert_allclose(np.unique(np.round(depth, 4)), 100 + 0.01 * np.arange(25), atol=1e-4)
+
+
+@pytest.mark.parametrize("trouble", ["500", "huge", "compressed", "redirect"])
+def test_what_is_refused_is_in_the_journal_once_and_at_a_replay(store, tmp_path, trouble):
+    store.rows, store.trouble = grown(50), [trouble] * 3
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 50)
+    refused = [body for _, state, body in stored(tmp_path / "j") if state == "refused"]
+    whole = enveloped(store.log(""))
+    expected = {"500": b"broken", "huge": (whole + b" " * (2 << 20))[: 1 << 20], "compressed": whole, "redirect": b""}
+    assert refused == [expected[trouble], b"", b""]
+    again = hb.Live.replay(tmp_path / "j")
+    assert again.model.events.counts["store", "refused"] == 3
+    assert again.wall.sample_count == 50
+
+
+def test_an_error_page_that_repeats_the_password_is_stored_without_it(store, tmp_path, monkeypatch):
+    monkeypatch.setenv("STORE_PASSWORD", "secret&47")
+    token = "cmlnNzpzZWNyZXQmNDc="
+    store.page = f"who is rig7 with secret&47, secret&amp;47, Basic {token}?".encode()
+    store.rows, store.trouble = grown(5), ["500"]
+    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
+    with Polled(store, tmp_path / "j", named) as polled:
+        until(lambda: polled.live.wall.sample_count == 5)
+    (refused,) = [body for _, state, body in stored(tmp_path / "j") if state == "refused"]
+    assert refused == f"who is rig7 with {'*' * 9}, {'*' * 13}, Basic {'*' * len(token)}?".encode()
+
+
+def test_an_answer_is_stored_before_anything_looks_into_it(store, tmp_path, monkeypatch):
+    store.rows, seen = grown(5), []
+    real = witsml.read_answer
+
+    def read_answer(body):
+        seen.append(any(body == answer for _, _, answer in stored(tmp_path / "j")))
+        return real(body)
+
+    monkeypatch.setattr(witsml, "read_answer", read_answer)
+    with Polled(store, tmp_path / "j") as polled:
+        until(lambda: polled.live.wall.sample_count == 5 and len(seen) > 5)
+    assert all(seen)
+
+
+def test_a_parsed_answer_takes_a_small_multiple_of_its_size():
+    rows = "".join(f"<data>{100 + 0.01 * i:.2f},{i % 360},110.25,60.5,61.5,100.00</data>" for i in range(30_000))
+    document = f"<logs><log><logData><mnemonicList>A,B,C,D,E,F</mnemonicList>{rows}</logData></log></logs>"
+    tracemalloc.start()
+    try:
+        log = witsml.read_log(document)
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert len(log.rows) == 30_000
+    assert peak < 4 * len(document)
 
 
 def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):

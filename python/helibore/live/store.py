@@ -4,13 +4,17 @@
                               ^------------- every so many seconds, from the reader's last index on
 
 Certificates are always verified, against the system's authorities and those of ``ca``. No redirect is followed, no
-proxy or netrc asked, no compressed answer taken. Credentials are read from the environment and are in no text. An
-answer that fails ends the link with an OSError; when to try again is the server's business.
+proxy or netrc asked, no compressed answer taken. What comes is in the journal before anything looks into it, also what
+is refused. Credentials are read from the environment and are in no text. An answer that fails ends the link with an
+OSError; when to try again is the server's business.
 """
 
 from __future__ import annotations
 
+import base64
 import contextlib
+import hashlib
+import html
 import os
 import queue
 import ssl
@@ -57,6 +61,7 @@ class StoreClient:
             except OSError as error:
                 raise ValueError(f"{place}.ca = {access.ca!r}: is no file of certificates: {error}") from None
         self._auth: tuple[str, str] | None = None
+        self._refused: dict[str, bytes] = {}
         if access.user:
             if access.password_env not in os.environ:
                 raise ValueError(f"{place}.password_env = {access.password_env!r}: is not set in the environment")
@@ -65,21 +70,29 @@ class StoreClient:
     def open(self, seconds: float) -> StoreLink | None:  # noqa: ARG002 (the first question is asked by the link)
         """Begin polling."""
         client = self._http.Client(verify=self._trust, auth=self._auth, trust_env=False, follow_redirects=False)
-        return StoreLink(client, self._http, self._source, self._position)
+        return StoreLink(client, self._http, self._source, self._position, self._refused, _secrets(self._auth))
 
     def close(self) -> None:
         """Nothing is held."""
 
 
 class StoreLink:
-    """Polls until closed or an answer fails."""
+    """Polls until closed or an answer fails.
 
-    def __init__(self, client: Any, http: Any, source: Source, position: Position) -> None:
+    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that the same one again
+    costs the journal a line; ``secrets`` are not stored, should a refused answer repeat them.
+    """
+
+    def __init__(
+        self, client: Any, http: Any, source: Source, position: Position, refused: dict[str, bytes],
+        secrets: tuple[bytes, ...],
+    ) -> None:  # fmt: skip
         assert source.store is not None
         self.peer = source.address.url
         self._client, self._http, self._source, self._store = client, http, source, source.store
         self._position = position
-        self._pieces: queue.SimpleQueue[bytes | OSError] = queue.SimpleQueue()
+        self._refused, self._secrets = refused, secrets
+        self._pieces: queue.SimpleQueue[bytes | OSError | threading.Event] = queue.SimpleQueue()
         self._closed = threading.Event()
         self._before: dict[str, bytes] = {}
         threading.Thread(target=self._poll, name=f"poll {source.name}", daemon=True).start()
@@ -92,6 +105,9 @@ class StoreLink:
             return b""
         if isinstance(piece, OSError):
             raise piece
+        if isinstance(piece, threading.Event):  # whoever asks for more has stored what came before
+            piece.set()
+            return b""
         return piece
 
     def write(self, payload: bytes) -> None:
@@ -108,8 +124,6 @@ class StoreLink:
                 if self._store.trajectory and not partial:
                     self._ask("trajectory", witsml.trajectory_query(self._store.trajectory), "returnElements=all")
                 self._closed.wait(SOON if partial else self._source.every)
-                while not self._pieces.empty() and not self._closed.is_set():
-                    self._closed.wait(SOON)  # a disk that is full stops the asking, too
         except OSError as error:
             self._pieces.put(error)
         except self._http.TransportError as error:
@@ -127,16 +141,19 @@ class StoreLink:
         return self._ask("log", witsml.log_query(self._store.log, self._position()), options)
 
     def _ask(self, kind: str, query: str, options: str) -> bool:
-        """Ask, hand on the bytes, and look whether the store is content; returns whether the answer is partial."""
-        body, failure = self._answer(witsml.envelope(kind, query, options))
-        same = failure is None and body == self._before.get(kind)
-        state = "same" if same else "whole" if failure is None else "cut"
-        framed = witsml.framed(kind, state, b"" if same else body)
-        if body or failure is None:
+        """Ask, have the bytes stored, and look whether the store is content; returns whether the answer is partial."""
+        body, state, failure = self._answer(witsml.envelope(kind, query, options))
+        same = state == "whole" and body == self._before.get(kind)
+        if state == "refused":
+            body = self._refusal(kind, body)
+        if body or state != "cut":
+            framed = witsml.framed(kind, "same" if same else state, b"" if same else body)
             for start in range(0, len(framed), PIECE):
                 self._pieces.put(framed[start : start + PIECE])
         if failure is not None:
             raise failure
+        if not self._stored():
+            return False
         self._before[kind] = body
         try:
             answer = witsml.read_answer(body)
@@ -146,27 +163,58 @@ class StoreLink:
             raise OSError(f"{self._source.address.host}: {kind}: error {answer.result}: {answer.message}")
         return answer.result == witsml.PARTIAL and not same
 
-    def _answer(self, question: bytes) -> tuple[bytes, OSError | None]:
-        """Return the body as far as it came, and why it did not come whole."""
+    def _stored(self) -> bool:
+        """Wait until what was handed on is in the journal, however long its disk is full; False: closed meanwhile."""
+        mark = threading.Event()
+        self._pieces.put(mark)
+        while not mark.wait(SOON):
+            if self._closed.is_set():
+                return False
+        return True
+
+    def _refusal(self, kind: str, body: bytes) -> bytes:
+        """A refused answer as it is stored: without secrets, and empty where it is the one before."""
+        for secret in self._secrets:
+            body = body.replace(secret, b"*" * len(secret))
+        checksum = hashlib.blake2b(body).digest()
+        if self._refused.get(kind) == checksum:
+            return b""
+        self._refused[kind] = checksum
+        return body
+
+    def _answer(self, question: bytes) -> tuple[bytes, str, OSError | None]:
+        """Return the body as far as it came; whether it is whole, cut or refused; and why it is not whole."""
         access, host = self._store.access, self._source.address.host
         end = time.monotonic() + access.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
-        body = bytearray()
+        body, refused = bytearray(), ""
         try:
             with self._client.stream(
                 "POST", self._source.address.url, content=question, headers=headers, timeout=access.timeout
             ) as response:
                 if response.status_code != 200:
-                    return b"", OSError(f"{host}: answered {response.status_code} {response.reason_phrase}")
-                if response.headers.get("content-encoding", "identity") != "identity":
-                    return b"", OSError(f"{host}: sent a compressed answer, which was not asked for")
+                    refused = f"answered {response.status_code} {response.reason_phrase}"
+                elif response.headers.get("content-encoding", "identity") != "identity":
+                    refused = "sent a compressed answer, which was not asked for"
                 for piece in response.iter_raw():
                     body += piece
                     if len(body) > access.answer_bytes:
-                        return b"", OSError(f"{host}: an answer of more than {access.answer_bytes >> 20} MB: refused")
+                        del body[access.answer_bytes :]
+                        refused = refused or f"an answer of more than {access.answer_bytes >> 20} MB: refused"
+                        break
                     if time.monotonic() > end or self._closed.is_set():
-                        return bytes(body), OSError(f"{host}: the answer took longer than {access.timeout:g} s")
+                        slow = OSError(f"{host}: {refused or f'the answer took longer than {access.timeout:g} s'}")
+                        return bytes(body), "refused" if refused else "cut", slow
         except self._http.TransportError as error:
-            return bytes(body), OSError(f"{host}: {error or type(error).__name__}")
-        return bytes(body), None
+            broken = OSError(f"{host}: {refused or error or type(error).__name__}")
+            return bytes(body), "refused" if refused else "cut", broken
+        return bytes(body), "refused" if refused else "whole", OSError(f"{host}: {refused}") if refused else None
+
+
+def _secrets(auth: tuple[str, str] | None) -> tuple[bytes, ...]:
+    """What a store may echo of the credentials: the password, as HTML too, and the header's token."""
+    if auth is None:
+        return ()
+    token = base64.b64encode(":".join(auth).encode())
+    return tuple({auth[1].encode(), html.escape(auth[1]).encode(), token} - {b""})

@@ -3,7 +3,7 @@
     journal bytes -> answers -> rows behind the last index -> cells by unit -> triples, image rows, rig, stations
 
 A row whose index is not behind the last one is a row that is there already: a store sends the row at ``startIndex``
-again. A curve whose unit is not sent, not known or of another quantity is INVALID, and told.
+again. A curve whose unit is not sent, not known, of another quantity or not the image's is INVALID, and told.
 """
 
 from __future__ import annotations
@@ -13,16 +13,19 @@ import math
 import re
 
 import numpy as np
+import numpy.typing as npt
 
 from helibore import units
 from helibore.live import witsml
 from helibore.live.configuration import Source
-from helibore.live.events import EventBook
+from helibore.live.events import Event, EventBook
 from helibore.live.mapping import ABSENT, INVALID, NULL, VALUE, Chunk, Integers, Reading, SourceReader, Values
-from helibore.live.store_settings import INDEX, Curve
+from helibore.live.store_settings import INDEX, Curve, Store
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
-LISTED = 32
+BLOCK = 1024
+"""Rows whose cells are texts of their own at a time."""
+MOST_UNITS = 1000
 
 
 class StoreReader(SourceReader):
@@ -40,7 +43,8 @@ class StoreReader(SourceReader):
         self.last: tuple[str, str] | None = None
         self._last_key = -np.inf
         self._nulls = source.nulls
-        self._bad_units: set[str] = set()
+        self._bad_units: set[tuple[str, str]] = set()
+        self._told_jump = -np.inf
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the answers that ``chunk`` completes."""
@@ -60,6 +64,9 @@ class StoreReader(SourceReader):
         """Columns of one answer; None where there is nothing to read in it."""
         if state == "cut":
             self._tell(stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes: not read")
+        if state == "refused":
+            kept = f"{len(body)} bytes of it are kept" if body else "it was empty, or as the one before"
+            self._tell(stamp[2], "refused", f"an answer about the {kind} must not be read: {kept}")
         if state != "whole":
             return None
         self.counts["frames"] += 1
@@ -82,69 +89,120 @@ class StoreReader(SourceReader):
             raise ValueError("direction = 'decreasing': must be increasing")
         if log.null and NUMBER.fullmatch(log.null):
             self._nulls = (*self.source.nulls, float(log.null))
-        rows = self._new_rows(log, store.index, stamp[2])
-        if not rows:
+        numbers = self._new_rows(log, store, stamp[2])
+        if not numbers:
             return None
-        time, order, wall = (np.full(len(rows), value, np.int64) for value in stamp)
-        reading = Reading(time, order + np.arange(len(rows)), wall, np.arange(1, len(rows) + 1), self._connection)
-        values = np.full((len(rows), len(self._codes)), np.nan)
+        time, order, wall = (np.full(len(numbers), value, np.int64) for value in stamp)
+        reading = Reading(time, order + np.arange(len(numbers)), wall, np.array(numbers), self._connection)
+        values = np.full((len(numbers), len(self._codes)), np.nan)
         states = np.zeros(values.shape, np.uint8)
-        curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if store.index == "depth" else {}
-        curves |= dict(enumerate(store.curves, INDEX + 1))
-        for code, curve in curves.items():
-            place = self._column[code]
-            if place >= 0 and curve.mnemonic in log.mnemonics:
-                at = log.mnemonics.index(curve.mnemonic)
-                cells = [row[at] for row in rows]
-                values[:, place], states[:, place] = self._cells(curve, log.units[at], cells, stamp[2])
+        self._fill(log, numbers, values, states, stamp[2])
         self._unmeasured(states)
         self.counts["items"] += int(np.count_nonzero(states == VALUE))
         self.counts["nulls"] += int(np.count_nonzero(states == NULL))
         self.counts["not_numbers"] += int(np.count_nonzero(states == INVALID))
-        flags = np.zeros(len(rows), np.int64)
+        flags = np.zeros(len(numbers), np.int64)
         reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
         reading.pass_number = self._pass_numbers(reading, values, states, flags)
         self._triples(reading, values, states, flags)
         self._images(reading, values, states, flags)
         return reading
 
-    def _new_rows(self, log: witsml.LogRows, index: str, wall: int) -> list[list[str]]:
-        """Rows behind the last index; each moves it on."""
+    def _new_rows(self, log: witsml.LogRows, store: Store, wall: int) -> list[int]:
+        """Numbers, from 1, of the rows behind the last index; each moves it on.
+
+        A row that is there already is passed over: a store sends the row at ``startIndex`` again. One that jumps moves
+        nothing on unless the row after it goes on from there, so that a glitch does not hide the rows to come.
+        """
+        scale = 1.0
+        if store.index == "depth" and log.rows:
+            found = self._scale(Curve(log.mnemonics[0], units.LENGTH), log.units[0], wall)
+            if found is None:
+                return []
+            scale = found
+        texts = [row.partition(",")[0].strip() for row in log.rows]
+        keys = [_index(text, store.index, scale) for text in texts]
         new = []
-        for row in log.rows:
-            key = _index(row[0], index)
+        for place, key in enumerate(keys):
             if key is None:
-                self._tell(wall, "index", f"index {row[0][:60]!r}: is not a {index}: the row was not read")
+                text = f"index {texts[place][:60]!r}: is not a {store.index}: the row was not read"
+                self._tell(wall, "index", text, place + 1)
             elif key > self._last_key:
+                after = next((other for other in keys[place + 1 :] if other is not None), None)
+                if key - self._last_key > store.jump and not (after is not None and key < after <= key + store.jump):
+                    self._tell_jump(texts[place], key, store, wall, place + 1)
+                    continue
                 self._last_key = key
-                self.last = row[0], log.units[0] if index == "depth" else ""
-                new.append(row)
+                self.last = texts[place], log.units[0] if store.index == "depth" else ""
+                new.append(place + 1)
         return new
 
-    def _cells(self, curve: Curve, unit: str, cells: list[str], wall: int) -> tuple[Values, Integers]:
-        values, states = np.full(len(cells), np.nan), np.full(len(cells), INVALID, np.int64)
+    def _tell_jump(self, text: str, key: float, store: Store, wall: int, line: int) -> None:
+        if key == self._told_jump:  # the store sends it again with every answer
+            return
+        self._told_jump = key
+        unit = "m" if store.index == "depth" else "s"
+        far = f"{key - self._last_key:.6g} {unit} behind the last" if np.isfinite(self._last_key) else "the first"
+        rule = f"no row goes on from it within {store.jump:g} {unit}: not read"
+        self._tell(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
+
+    def _fill(
+        self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
+    ) -> None:
+        """Take the cells of the mapped curves out of their rows, a block of rows at a time."""
+        store = self.source.store
+        assert store is not None
+        curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if store.index == "depth" else {}
+        curves |= dict(enumerate(store.curves, INDEX + 1))
+        places = []
+        for code, curve in curves.items():
+            if self._column[code] >= 0 and curve.mnemonic in log.mnemonics:
+                at = log.mnemonics.index(curve.mnemonic)
+                places.append((self._column[code], at, curve.mnemonic, self._scale(curve, log.units[at], wall)))
+        for start in range(0, len(numbers), BLOCK):
+            block = slice(start, start + BLOCK)
+            rows = [log.rows[number - 1].split(",") for number in numbers[block]]
+            for column, at, mnemonic, scale in places:
+                cells = [row[at].strip() for row in rows]
+                values[block, column], states[block, column] = self._cells(mnemonic, scale, cells, numbers[block], wall)
+
+    def _scale(self, curve: Curve, unit: str, wall: int) -> float | None:
+        """What a curve's values are multiplied by; None, and told once, where its unit is not what it must be."""
         try:
-            scale = units.factor(unit, curve.kind) if curve.kind else 1.0
+            if curve.unit and unit.strip() and unit.strip().casefold() != curve.unit.casefold():
+                raise ValueError(f"unit '{unit}': the configuration says '{curve.unit}'")
+            return units.factor(unit, curve.kind) if curve.kind else 1.0
         except ValueError as error:
-            if curve.mnemonic not in self._bad_units:
-                self._bad_units.add(curve.mnemonic)
+            if (curve.mnemonic, unit) not in self._bad_units and len(self._bad_units) < MOST_UNITS:
+                self._bad_units.add((curve.mnemonic, unit))
                 self._tell(wall, "unit", f"curve {curve.mnemonic}: {error}: not read")
+            return None
+
+    def _cells(
+        self, mnemonic: str, scale: float | None, cells: list[str], numbers: list[int], wall: int
+    ) -> tuple[Values, Integers]:
+        values, states = np.full(len(cells), np.nan), np.full(len(cells), INVALID, np.int64)
+        if scale is None:
             return values, states
-        told = 0
+        bad = []
         for row, cell in enumerate(cells):
             if not cell:
                 states[row] = ABSENT
             elif not NUMBER.fullmatch(cell) or not np.isfinite(number := float(cell)):
-                told += 1
-                if told <= LISTED:
-                    self._tell(wall, "invalid", f"curve {curve.mnemonic} = {cell[:60]!r}: is not a number")
+                bad.append(row)
             elif number in self._nulls:
                 states[row] = NULL
             else:
                 values[row], states[row] = number * scale, VALUE
+
+        def describe(row: int) -> Event:
+            text = f"curve {mnemonic} = {cells[row][:60]!r}: is not a number"
+            return self._event(wall, "invalid", text, numbers[row])
+
+        self._events.tell_rows(bad, describe)
         return values, states
 
-    def _unmeasured(self, states: np.ndarray[tuple[int, int], np.dtype[np.uint8]]) -> None:
+    def _unmeasured(self, states: npt.NDArray[np.uint8]) -> None:
         """A row in which no caliper speaks is no triple, though it has an index."""
         caliper, place = self.source.caliper, self._column[INDEX]
         if caliper and place >= 0:
@@ -183,10 +241,10 @@ def _quantity(text: str, unit: str, kind: str) -> float:
     return float(text) * units.factor(unit, kind)
 
 
-def _index(text: str, index: str) -> float | None:
-    """A depth as a number, a time as seconds since 1970; None where it is neither."""
+def _index(text: str, index: str, scale: float) -> float | None:
+    """A depth in metres, a time as seconds since 1970; None where it is neither."""
     if index == "depth":
-        depth = float(text) if NUMBER.fullmatch(text) else math.nan
+        depth = float(text) * scale if NUMBER.fullmatch(text) else math.nan
         return depth if math.isfinite(depth) else None
     try:
         when = datetime.datetime.fromisoformat(text)

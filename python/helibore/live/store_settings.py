@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from helibore.live.configuration import Source
 
 NULLS = (-999.25, -9999.0)
+JUMPS = {"depth": 30.0, "time": 3600.0}
 INDEX = 1
 """The number of the index curve, whatever its mnemonic."""
 KINDS = {"bit_depth": units.LENGTH, "hole_depth": units.LENGTH, "rotation": units.ROTATION, "activity": ""}
@@ -43,25 +44,35 @@ class Access:
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve of the log: its mnemonic, and what its unit must measure ("": any)."""
+    """A curve of the log: its mnemonic, what its unit must measure or how it must be written ("": any)."""
 
     mnemonic: str
     kind: str
+    unit: str = ""
 
 
 @dataclass(frozen=True)
 class Store:
-    """What is polled: uids of well, wellbore and object; ``curves[n]`` has the number n + 2."""
+    """What is polled: uids of well, wellbore and object; ``curves[n]`` has the number n + 2.
+
+    A row more than ``jump`` (m or s) behind the one before it counts when the next row lies within ``jump`` of it.
+    """
 
     access: Access
     log: tuple[str, str, str] | None
     index: str
+    jump: float
     trajectory: tuple[str, str, str] | None
     curves: tuple[Curve, ...]
 
     def meaning(self) -> dict[str, Any]:
         """Return what decides the wall, without how the store is reached."""
-        return {key: value for key, value in asdict(self).items() if key != "access"}
+        meaning = {key: value for key, value in asdict(self).items() if key != "access"}
+        for curve in meaning["curves"]:
+            del curve["unit"]  # the image's
+        if self.jump == JUMPS[self.index]:
+            del meaning["jump"]
+        return meaning
 
 
 class Numbers:
@@ -70,16 +81,16 @@ class Numbers:
     def __init__(self) -> None:
         self.curves: list[Curve] = []
 
-    def number(self, table: Table, name: str, mnemonic: Any, kind: str) -> int:
+    def number(self, table: Table, name: str, mnemonic: Any, kind: str, unit: str = "") -> int:
         """Return the number of ``mnemonic``."""
         if not isinstance(mnemonic, str) or not mnemonic.strip():
             raise table.fail(name, mnemonic, "must be the mnemonic of a curve")
         for place, curve in enumerate(self.curves):
             if curve.mnemonic == mnemonic:
-                if curve.kind != kind:
+                if (curve.kind, curve.unit) != (kind, unit):
                     raise table.fail(name, mnemonic, "is mapped to another quantity too")
                 return place + 2
-        self.curves.append(Curve(mnemonic, kind))
+        self.curves.append(Curve(mnemonic, kind, unit))
         return len(self.curves) + 1
 
 
@@ -90,7 +101,7 @@ def read_store(name: str, table: Table, bit_diameter: float, reference: Referenc
 
     address = read_address(table)
     access = _access(table)
-    log, index = _log(table.table("log")) if table.has("log") else (None, "depth")
+    log, index, jump = _log(table.table("log")) if table.has("log") else (None, "depth", JUMPS["depth"])
     trajectory = _uids(table.table("trajectory"), "trajectory") if table.has("trajectory") else None
     if log is None and trajectory is None:
         raise ValueError(f"source.{name}: log or trajectory must be set: what is polled")
@@ -122,7 +133,7 @@ def read_store(name: str, table: Table, bit_diameter: float, reference: Referenc
         survey=None,
         pass_number=pass_number,
         pass_numbers=read_pass_numbers(table.table("pass_numbers")),
-        store=Store(access, log, index, trajectory, tuple(numbers.curves)),
+        store=Store(access, log, index, jump, trajectory, tuple(numbers.curves)),
     )
     table.close()
     return source
@@ -150,9 +161,10 @@ def _uids(table: Table, last: str) -> tuple[str, str, str]:
     return uids
 
 
-def _log(table: Table) -> tuple[tuple[str, str, str], str]:
-    index = table.choice("index", ("depth", "time"))
-    return _uids(table, "log"), index
+def _log(table: Table) -> tuple[tuple[str, str, str], str, float]:
+    index = table.choice("index", tuple(JUMPS))
+    jump = table.number("jump", JUMPS[index], least=0.001, why="metres or seconds")
+    return _uids(table, "log"), index, jump
 
 
 def _caliper(table: Table, numbers: Numbers, index: str, bit_diameter: float) -> Any:
@@ -190,11 +202,11 @@ def _caliper(table: Table, numbers: Numbers, index: str, bit_diameter: float) ->
 def _image(name: str, table: Table, numbers: Numbers, index: str, reference: Reference) -> Any:
     from helibore.live.configuration import ImageItems, Item
 
-    sectors = tuple(Item(numbers.number(table, "sectors", text, ""))
+    unit = table.text("unit", why="the unit of its values, which the store must send")
+    sectors = tuple(Item(numbers.number(table, "sectors", text, "", unit))
                     for text in table.array("sectors", str, why="mnemonics, one for each sector"))  # fmt: skip
     if len(sectors) < 2:
         raise table.fail("sectors", len(sectors), "must be 2 mnemonics or more")
-    unit = table.text("unit", why="the unit of its values, for display")
     depth = Item(INDEX) if index == "depth" else None
     image = ImageItems(name, unit, sectors, depth, table.number("offset", 0.0), 0.0, read_layout(table, reference))
     table.close()

@@ -4,18 +4,19 @@
 
     journal:   "WITSML log whole 1234\\n" + 1234 bytes as they came   |   "WITSML trajectory same 0\\n"   |   ...
 
-An answer that is byte for byte the one before is noted ("same"), one that was cut off is kept ("cut") and not read.
+An answer that is byte for byte the one before is noted ("same"); one that was cut off ("cut") or must not be read
+("refused": not 200, compressed, too long) is kept as far as it came, and not read.
 Document types and entities are refused before any parser sees them; nesting is bounded here, size where bytes arrive.
 What the curves mean is not known here.
 """
 
 from __future__ import annotations
 
-import io
 import re
 import xml.etree.ElementTree as ET
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from typing import Any, cast
 from xml.sax.saxutils import escape, quoteattr
 
 ACTION = "http://www.witsml.org/action/120/Store.WMLS_GetFromStore"
@@ -23,9 +24,10 @@ SERIES = 'xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"'
 PARTIAL = 2
 """The Result of an answer that the store cut short: ask again for the rest."""
 NESTING = 32
+BLOCK = 1 << 16
 
 FORBIDDEN = re.compile(r"<!\s*(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)", re.IGNORECASE)
-HEAD = re.compile(rb"WITSML (log|trajectory) (whole|cut|same) (\d{1,9})\n")
+HEAD = re.compile(rb"WITSML (log|trajectory) (whole|cut|same|refused) (\d{1,9})\n")
 LONGEST_HEAD = 40
 HEAD_START = b"WITSML "
 
@@ -41,11 +43,11 @@ class Answer:
 
 @dataclass
 class LogRows:
-    """The rows of a log's answer; curves without rows where nothing has grown."""
+    """The rows of a log's answer, each the text of its cells; curves without rows where nothing has grown."""
 
     mnemonics: list[str] = field(default_factory=list)
     units: list[str] = field(default_factory=list)
-    rows: list[list[str]] = field(default_factory=list)
+    rows: list[str] = field(default_factory=list)
     null: str = ""
     direction: str = ""
 
@@ -110,27 +112,39 @@ def _short(text: str) -> str:
     return " ".join(text.split())[:200]
 
 
-def _elements(text: str) -> Iterator[tuple[list[str], ET.Element]]:
-    """Yield (path of local names, element) at every end tag."""
+def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
+    """Yield (path of local names, element) at every end tag.
+
+    An element is let go after that, unless it is in one named ``whole``: kept, a log takes 24 times its size.
+    """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")
     path: list[str] = []
-    declared = re.sub(r"^\s*<\?xml[^>]*\?>", "", text, count=1)  # it is text by now, whatever it says it was
+    opened: list[ET.Element] = []
+    parser: ET.XMLPullParser[Any] = ET.XMLPullParser(("start", "end"))
+    text = text.lstrip()
     try:
-        for event, element in ET.iterparse(io.BytesIO(declared.encode()), events=("start", "end")):
-            if event == "start":
-                path.append(element.tag.rpartition("}")[2])
-                if len(path) > NESTING:
-                    raise ValueError(f"elements nested deeper than {NESTING}")
-            else:
+        for start in range(0, len(text) + 1, BLOCK):
+            parser.feed(text[start : start + BLOCK])  # it is text by now, whatever encoding it says it has
+            for event, element in cast("Iterator[tuple[str, ET.Element]]", parser.read_events()):
+                if event == "start":
+                    path.append(element.tag.rpartition("}")[2])
+                    opened.append(element)
+                    if len(path) > NESTING:
+                        raise ValueError(f"elements nested deeper than {NESTING}")
+                    continue
                 yield path, element
                 path.pop()
+                opened.pop()
+                if opened and whole not in path:
+                    del opened[-1][-1]
+        parser.close()
     except ET.ParseError as error:
         raise ValueError(f"is not XML: {error}") from None
 
 
 def read_log(document: str) -> LogRows:
-    """Return the rows of the log in ``document``; cells as they were written, stripped.
+    """Return the rows of the log in ``document``, as they were written.
 
     Raises
     ------
@@ -141,12 +155,12 @@ def read_log(document: str) -> LogRows:
     described: list[tuple[str, str]] = []
     if not document.strip():
         return log
-    for path, element in _elements(document):
+    for path, element in _elements(document, "logCurveInfo"):
         name, text = path[-1], (element.text or "").strip()
         if len(path) == 1 and name != "logs":
             raise ValueError(f"<{name}>: must be <logs>")
         if name == "data":
-            log.rows.append([cell.strip() for cell in text.split(",")])
+            log.rows.append(text)
         elif name == "mnemonicList":
             log.mnemonics = [cell.strip() for cell in text.split(",")]
         elif name == "unitList":
@@ -163,9 +177,9 @@ def read_log(document: str) -> LogRows:
     log.units = log.units or [dict(described).get(name, "") for name in log.mnemonics]
     if len(log.units) != len(log.mnemonics):
         raise ValueError(f"{len(log.units)} units for {len(log.mnemonics)} mnemonics")
-    for number, row in enumerate(log.rows):
-        if len(row) != len(log.mnemonics):
-            raise ValueError(f"row {number}: {len(row)} values for {len(log.mnemonics)} mnemonics")
+    for number, row in enumerate(log.rows, 1):
+        if (cells := row.count(",") + 1) != len(log.mnemonics):
+            raise ValueError(f"row {number}: {cells} values for {len(log.mnemonics)} mnemonics")
     return log
 
 
@@ -174,7 +188,7 @@ def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
     stations: list[tuple[tuple[str, str], ...]] = []
     if not document.strip():
         return stations
-    for path, element in _elements(document):
+    for path, element in _elements(document, "trajectoryStation"):
         if len(path) == 1 and path[-1] != "trajectorys":
             raise ValueError(f"<{path[-1]}>: must be <trajectorys>")
         if path[-1] == "trajectoryStation":
