@@ -27,7 +27,7 @@ from typing import Any
 from helibore import units
 from helibore.live import wits
 from helibore.live.address import Address, check_allowed, read_address
-from helibore.live.layout import Layout, read_layout
+from helibore.live.layout import REFERENCES, Layout, read_layout
 from helibore.live.pass_rules import PassNumbers, PassRules, read_layers, read_pass_numbers, read_passes
 from helibore.live.store_settings import Store, read_store
 from helibore.live.tables import Table
@@ -208,7 +208,7 @@ def _path(table: Table) -> dict[str, Any]:
         raise table.fail("head", head, "must be three numbers: north, east, down in metres")
     path = {
         "method": table.choice("method", ("minimum-curvature", "radius-of-curvature"), "minimum-curvature"),
-        "reference": table.choice("reference", ("high-side", "north"), "high-side"),
+        "reference": table.choice("reference", REFERENCES, "high-side"),
         "head": head,
         "extend": table.number("extend", 100.0, least=0),
     }

@@ -17,6 +17,9 @@ import numpy.typing as npt
 from helibore.live.tables import Table
 from helibore.sector_image import Direction, Origin, Reference, SectorImage
 
+REFERENCES = ("high-side", "north")
+"""What toolface 0 is, on a path that grows with its survey; a carried reference depends on how far it was carried."""
+
 
 @dataclass(frozen=True)
 class Layout:
@@ -40,7 +43,7 @@ class Layout:
 def read_layout(table: Table, reference: Reference) -> Layout:
     """Take the layout out of the table of an image; ``reference`` is what the wall's toolfaces count from."""
     origin = table.choice("origin", get_args(Origin), why=": what of sector 1 lies at toolface_offset; tools differ")
-    given = table.choice("reference", get_args(Reference), why=": what toolface 0 is")
+    given = table.choice("reference", REFERENCES, why=": what toolface 0 is")
     if given != reference:
         rule = f'must be the path\'s reference, "{reference}": an image is not turned on its way to the wall'
         raise table.fail("reference", given, rule)
