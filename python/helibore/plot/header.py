@@ -23,7 +23,7 @@ HEADER = 34.0
 REFERENCE_TEXT = {
     "high-side": "from the high side, clockwise looking downhole",
     "north": "from north, clockwise looking downhole",
-    "carried": "from north, carried down the hole; clockwise looking downhole",
+    "carried": "from north, carried down the hole, clockwise",
 }
 SIDES_TEXT = {
     "high-side": "T top, R right, B bottom, L left of the hole, looking downhole",

@@ -119,6 +119,8 @@ def draw_section(
     for side, (right, up) in zip(SIDES[reference], ((0, 1), (1, 0), (0, -1), (-1, 0)), strict=True):
         centre = y + 7.5 + 0.5 * size
         place = (middle + right * (0.5 * size + 1.8), centre - up * (0.5 * size + 1.8))
+        if right and len(side) > 1:  # degrees: no room for them between two sections
+            place = (middle + right * 0.3 * size, centre - 1.2)
         sheet.text(*place, side, SMALL, ha="center")
     there = np.isfinite(section.radius)
     words = f"rings each {step:g} {unit}" + ("" if there.all() else f"; {100 * (1 - there.mean()):.0f} % missing")
