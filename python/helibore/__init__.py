@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Any
 from helibore._core import __version__
 from helibore.caliper import Caliper
 from helibore.changes import Change
+from helibore.reconstruction import reconstruct
 from helibore.sector_image import SectorImage
 from helibore.settings import Settings
 from helibore.surface import Surface
 from helibore.survey import Path, Survey
 from helibore.volume import Volume
-from helibore.wall import Wall, reconstruct
+from helibore.wall import Wall
 
 if TYPE_CHECKING:
     from helibore import plot as plot

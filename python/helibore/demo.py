@@ -12,10 +12,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.caliper import Caliper
+from helibore.reconstruction import reconstruct
 from helibore.sector_image import SectorImage
 from helibore.simulate import Hole, Simulation, Tool, simulate
 from helibore.survey import Path, Survey
-from helibore.wall import Wall, reconstruct
+from helibore.wall import Wall
 
 
 @dataclass(frozen=True)

@@ -20,12 +20,12 @@ from pathlib import Path
 import numpy as np
 
 from helibore.archive import ENDING as ARCHIVE
-from helibore.arrays import Floats
 from helibore.files import open as open_file
 from helibore.files.channel import LogFile, LogSet
 from helibore.files.depth_remarks import depth_remarks
 from helibore.files.readings import Readings, note, readings
 from helibore.preparation import Prepared, Track, prepare
+from helibore.reconstruction import compare, reconstruct
 from helibore.roles import RoleMap
 from helibore.run_settings import Input, RunSettings, checksum, read_settings, settings_file, write_settings
 from helibore.sensors import TimeSeries
@@ -35,9 +35,6 @@ from helibore.survey import Survey
 from helibore.wall import Wall
 
 __all__ = ["Opened", "Run", "opened", "place", "read", "rebuild", "repeat", "save"]
-
-DIFFERENCE = "difference"
-"""The attribute that tells how much larger the wall is than that of the earlier passes, metres."""
 
 
 class Checksum(threading.Thread):
@@ -161,11 +158,9 @@ def rebuild(run: Run, threads: int | None = None) -> Wall:
     if not (depth.min() >= top and depth.max() <= bottom) and not ((depth >= top) & (depth <= bottom)).any():
         name, there = run.readings[0].name, f"it has {depth.min():g} to {depth.max():g} m"
         raise ValueError(f"{name}: no samples between {top:g} and {bottom:g} m; {there}")
-    run.wall = _reconstructed(run, run.prepared, threads)
+    run.wall = reconstruct(run.prepared.caliper, threads=threads, **vars(run.settings.wall))
     if run.prepared.earlier is not None:
-        run.earlier = Wall(threads=threads, **vars(run.settings.wall))
-        one = run.prepared.earlier
-        run.earlier.append(one.depth, one.toolface, one.radius, one.time)
+        run.earlier = reconstruct(run.prepared.earlier, threads=threads, **vars(run.settings.wall))
     return run.wall
 
 
@@ -174,12 +169,6 @@ def interval(settings: RunSettings) -> tuple[float, float]:
     ends = (settings.wall.start_depth, settings.wall.stop_depth)
     top, bottom = ends if settings.wall.pitch > 0 else ends[::-1]
     return -np.inf if top is None else top, np.inf if bottom is None else bottom
-
-
-def _reconstructed(run: Run, prepared: Prepared, threads: int | None) -> Wall:
-    import helibore
-
-    return helibore.reconstruct(prepared.caliper, threads=threads, **vars(run.settings.wall))
 
 
 def place(run: Run) -> Surface:
@@ -192,10 +181,7 @@ def place(run: Run) -> Surface:
     run.wall.path = run.path
     run.wall.made_from = {"files": [{"name": each.file.name, "blake2b": each.blake2b.known()} for each in run.caliper]}
     if run.earlier is not None:
-        from helibore.passes import difference
-
-        run.wall.attributes[DIFFERENCE] = of_quads(difference(run.earlier, run.wall), run.wall.settings.sectors)
-        run.wall.attributes.units[DIFFERENCE] = "m"
+        compare(run.wall, run.earlier)
     run.surface = run.wall.surface()
     if not len(run.surface.quads):
         low, high = run.wall.depth.min(initial=np.inf), run.wall.depth.max(initial=-np.inf)
@@ -203,14 +189,6 @@ def place(run: Run) -> Surface:
         rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
         raise ValueError(f"{run.readings[0].name}: no quads: {rule}")
     return run.surface
-
-
-def of_quads(vertices: Floats, sectors: int) -> Floats:
-    """Mean of the four corners of every quad of a whole helix, (n - sectors - 1,); NaN where one is missing."""
-    count = max(vertices.size - sectors - 1, 0)
-    first, next_turn = vertices[: count + 1], vertices[sectors : sectors + count + 1]
-    mean: Floats = 0.25 * (first[:-1] + first[1:] + next_turn[:-1] + next_turn[1:])
-    return mean
 
 
 def save(run: Run, output: str | os.PathLike[str]) -> RunSettings:

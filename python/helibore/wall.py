@@ -373,34 +373,3 @@ class Wall:
 def _quad_room(vertices: int, sectors: int) -> int:
     """The quads that so many vertices have room for."""
     return max(vertices - sectors - 1, 0)
-
-
-def reconstruct(caliper: Caliper, *, bit_diameter: float, threads: int | None = None, **settings: Any) -> Wall:
-    """Rebuild the wall of a hole from its samples: an empty `Wall` and one append.
-
-    Parameters
-    ----------
-    caliper
-        The samples; the wall takes over their basis.
-    bit_diameter, threads, **settings
-        As in `Wall` and `Settings`.
-
-    Returns
-    -------
-    Wall
-        Which takes more samples by `Wall.append`.
-
-    Raises
-    ------
-    ValueError
-        On a setting that breaks its rule.
-
-    Examples
-    --------
-    >>> wall = reconstruct(Caliper([0.0, 0.1], [0.0, 180.0], [0.1, 0.1]), bit_diameter=0.2, sectors=4)
-    >>> wall.radius
-    array([0.1, 0.1, 0.1, 0.1, 0.1])
-    """
-    wall = Wall(bit_diameter=bit_diameter, threads=threads, basis=caliper.basis, **settings)
-    wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time)
-    return wall

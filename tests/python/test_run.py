@@ -14,7 +14,8 @@ from click.testing import CliRunner, Result
 import helibore as hb
 from helibore.cli import cli
 from helibore.passes import difference
-from helibore.run import of_quads, repeat
+from helibore.reconstruction import of_quads
+from helibore.run import repeat
 from helibore.run_settings import checksum, read_settings, settings_file, write_settings
 from helibore.simulate import Hole, Lift, Tool, simulate
 from helibore.table_writing import write_table

@@ -1,0 +1,68 @@
+"""`hb.reconstruct` of readings and of what was prepared: the same as one step after the other."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+
+BIT = 0.216
+STEPS = hb.Preparation(greatest_radius=0.12, spikes=6, toolface_from="north", passes=(1, 2), earlier=(1,))
+SETTINGS: dict[str, Any] = {"bit_diameter": BIT, "sectors": 16, "pitch": 0.05}
+
+
+@pytest.fixture
+def path() -> hb.Path:
+    return hb.Survey([0.0, 2000.0], [48.0, 48.0], [248.0, 248.0]).path()
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    k = np.arange(4000)
+    rng = np.random.default_rng(5)
+    radius = 0.108 + 0.001 * (k >= 2000) + 0.0002 * rng.standard_normal(k.size)
+    radius[rng.integers(0, k.size, 20)] = 0.2
+    columns = (1000 + (k % 2000) * 0.0005, k * 37.0 % 360, radius, 1 + k // 2000)
+    name = tmp_path / "caliper.csv"
+    np.savetxt(name, np.column_stack(columns), delimiter=",", header="md_m,tf_deg,radius_m,pass", comments="")
+    return name
+
+
+def same(one: hb.Wall, other: hb.Wall) -> bool:
+    return all(
+        getattr(one, name).tobytes() == getattr(other, name).tobytes() for name in ("depth", "radius", "support")
+    )
+
+
+def test_readings_are_prepared_on_the_way(file: Path, path: hb.Path) -> None:
+    readings = hb.open(file).readings()
+    wall = hb.reconstruct(readings, preparation=STEPS, path=path, **SETTINGS)
+    prepared = hb.prepare(readings, STEPS, path)
+    assert prepared.counts["range"] == 20
+    assert same(wall, hb.reconstruct(prepared, path=path, **SETTINGS))
+    assert same(wall, hb.reconstruct(prepared.caliper, **SETTINGS))
+    assert wall.path is path
+    known = wall.attributes["difference"][np.isfinite(wall.attributes["difference"])]
+    assert known.size > 250
+    np.testing.assert_allclose(known.mean(), 0.0, atol=1e-3)
+    assert wall.attributes.units["difference"] == "m"
+    assert same(hb.reconstruct(readings, **(SETTINGS | {"path": None})), hb.reconstruct([readings], **SETTINGS))
+
+
+def test_the_difference_is_that_of_the_passes(file: Path, path: hb.Path) -> None:
+    steps = hb.Preparation(greatest_radius=0.12, passes=(2,), earlier=(1,))
+    wall = hb.reconstruct(hb.open(file).readings(), preparation=steps, path=path, **SETTINGS)
+    known = wall.attributes["difference"][np.isfinite(wall.attributes["difference"])]
+    np.testing.assert_allclose(known, 0.001, atol=4e-4)  # noise of 0.2 mm, eight neighbours, four corners
+    assert "difference" in wall.surface().attributes
+
+
+def test_what_is_prepared_is_not_prepared_again(file: Path) -> None:
+    prepared = hb.prepare(hb.open(file).readings(), hb.Preparation(greatest_radius=0.12))
+    for samples, name in ((prepared, "Prepared"), (prepared.caliper, "Caliper")):
+        with pytest.raises(ValueError, match=f"^preparation: is for readings; a {name} is prepared$"):
+            hb.reconstruct(samples, preparation=STEPS, **SETTINGS)
