@@ -285,6 +285,31 @@ def test_track_and_travel_times_on_the_command_line(tmp_path: Path) -> None:
     assert "--mud-velocity and --tool-radius: travel times need both" in half.stderr
 
 
+def test_maps_of_survey_and_track(folder: Path, tmp_path: Path) -> None:
+    samples = np.load(folder / "c.npz")
+    np.savetxt(tmp_path / "c.csv", np.column_stack([samples["time"], samples["radius"]]), delimiter=",",
+               header="time_s,radius_m", comments="")  # fmt: skip
+    np.savetxt(tmp_path / "t.csv", np.column_stack([samples[n] for n in ("time", "depth", "toolface")]), delimiter=",",
+               header="when,how deep,which way", comments="")  # fmt: skip
+    (tmp_path / "s.csv").write_text("at,tilt,heading\n6500,5,40\n6700,7,50\n")
+    maps = {
+        "s": {"at": ("depth", "ft"), "tilt": ("inclination", "deg"), "heading": ("azimuth", "deg")},
+        "t": {"when": ("time", "s"), "how deep": ("depth", "m"), "which way": ("toolface", "deg")},
+    }
+    for name, roles in maps.items():
+        entries = [f'[channels."{key}"]\nrole = "{role}"\nunit = "{unit}"\n' for key, (role, unit) in roles.items()]
+        (tmp_path / f"{name}.toml").write_text("\n".join(entries))
+    base = ("reconstruct", tmp_path / "c.csv", "--track", tmp_path / "t.csv", "--survey", tmp_path / "s.csv")
+    maps_of = ("--track-map", tmp_path / "t.toml", "--survey-map", tmp_path / "s.toml", "--bit-diameter", "216mm")
+    result = run(*base, *maps_of, "-o", tmp_path / "w.vtu")
+    assert result.exit_code == 0, result.output
+    assert "at is depth in ft: the map" in result.output
+    assert "how deep is depth in m: the map" in result.output
+    again = run("reconstruct", "--from-settings", tmp_path / "w.vtu.toml", "-o", tmp_path / "again.vtu", "-q")
+    assert again.exit_code == 0, again.output
+    assert (tmp_path / "again.vtu").read_bytes() == (tmp_path / "w.vtu").read_bytes()
+
+
 def test_the_settings_of_another_version_are_read(folder: Path, tmp_path: Path) -> None:
     assert (
         run("reconstruct", folder / "c.npz", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "-q").exit_code == 0

@@ -40,6 +40,7 @@ COLUMNS: tuple[Callable[[Command], Command], ...] = (
 
 SURVEY: tuple[Callable[[Command], Command], ...] = (
     click.option("--survey", type=FILE, help="Survey file; without one the hole is straight and vertical."),
+    click.option("--survey-map", type=FILE, help="Roles of the survey file as TOML (see inspect)."),
     click.option("--survey-set", metavar="NAME", help="Set of the survey file, where it holds several."),
     click.option("--survey-depth", metavar="COLUMN", help="NAME[:UNIT] of the stations' depth."),
     click.option("--inclination", metavar="COLUMN", help="NAME[:UNIT] of the inclination."),
@@ -96,7 +97,8 @@ def open_survey(options: dict[str, Any]) -> Opened | None:
     from helibore.run import opened
 
     columns = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
-    return opened(options["survey"], nulls(options), lambda log: _roles(log, options["survey_set"], None, columns, {}))
+    name, file = options["survey_set"], options.get("survey_map")
+    return opened(options["survey"], nulls(options), lambda log: _roles(log, name, file, columns, {}))
 
 
 def open_track(options: dict[str, Any]) -> Opened | None:
@@ -105,7 +107,7 @@ def open_track(options: dict[str, Any]) -> Opened | None:
         return None
     from helibore.run import opened
 
-    return opened(options["track"], nulls(options), lambda log: _roles(log, None, None, {}, {}))
+    return opened(options["track"], nulls(options), lambda log: _roles(log, None, options["track_map"], {}, {}))
 
 
 def _roles(

@@ -82,6 +82,7 @@ class Reconstruct(Sectioned):
 @taking(*COLUMNS)
 @click.option("--travel-time", metavar="COLUMN", multiple=True, help="NAME[@ANGLE][:UNIT] of an echo's travel time.")
 @click.option("--track", type=FILE, help="File with depth (and toolface) by time, for a caliper that has only a time.")
+@click.option("--track-map", type=FILE, help="Roles of that file as TOML (see inspect).")
 @click.option("--sensor-offset", type=LENGTH, default="0m", show_default=True, help="From the depth up to all sensors.")
 @click.option("--latency", type=TIME, default="0s", show_default=True, help="Of all sensors: measurement to stamp.")
 @click.option("--mud-velocity", type=float, help="Of sound, m/s, for travel times.")
