@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 import re
+import textwrap
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -34,9 +35,12 @@ ANGLES, PLACE = ("angle", "first", "step"), ("offset", "latency")
 SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit>[^:]+))?")
 
 
-def write_map(roles: RoleMap, with_set: bool = True) -> str:
-    """Return roles as a TOML map, reasons as comments; channels without a role are left out."""
-    lines = []
+def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
+    """Return roles as a TOML map, reasons as comments, and the channels without a role as comments to be edited.
+
+    ``warning`` says, as the first comment, why the file is refused as it stands.
+    """
+    lines = [f"# Refused as it stands: {warning}".replace("\n", " "), ""] if warning else []
     if roles.set_name and with_set:
         lines += [f"set = {quoted(roles.set_name)}", ""]
     for role in roles:
@@ -52,7 +56,23 @@ def write_map(roles: RoleMap, with_set: bool = True) -> str:
         if role.reference:
             lines.append(f"reference = {quoted(role.reference)}")
         lines.append("")
-    return "\n".join(lines)
+    return "\n".join([*lines, *_without_role(roles)])
+
+
+def _without_role(roles: RoleMap) -> list[str]:
+    """Channels without a role: as entries to fill in where the set cannot be used without them, else by name."""
+    rest = [role for role in roles if role.role == "none"]
+    if not rest:
+        return []
+    if roles.one("depth") and roles.all(*WALL, "image", "mean-diameter", "inclination"):
+        names = ", ".join(quoted(role.channel) for role in rest)
+        return [*textwrap.wrap(f"Without a role: {names}", 116, initial_indent="# ", subsequent_indent="# "), ""]
+    about = f"Without a role; take the # away and fill in. Roles: {', '.join(ROLES)}"
+    lines = [*textwrap.wrap(about, 116, initial_indent="# ", subsequent_indent="# "), ""]
+    for role in rest:
+        entry = [f"[channels.{quoted(role.channel)}]", f'role = ""   # {role.reason}', f"unit = {quoted(role.unit)}"]
+        lines += [*(f"# {line}".replace("\n", " ") for line in entry), ""]
+    return lines
 
 
 def quoted(text: str) -> str:

@@ -337,6 +337,41 @@ def test_bad_maps(tmp_path: Path, text: str, rule: str) -> None:
         read_map(tmp_path / "m.toml", file)
 
 
+def test_a_map_of_strange_names_is_ready_to_edit(tmp_path: Path) -> None:
+    path = tmp_path / "s.csv"
+    path.write_text("at,tilt,heading\n6500,5,40\n6700,7,50\n")
+    text = write_map(guess(hb.open(path).set()))
+    roles = {"at": ("depth", "ft"), "tilt": ("inclination", "deg"), "heading": ("azimuth", "deg")}
+    for name, (role, unit) in roles.items():
+        entry = f'# [channels."{name}"]\n# role = ""   # no rule fits\n# unit = ""\n'
+        assert entry in text
+        text = text.replace(entry, f'[channels."{name}"]\nrole = "{role}"   # no rule fits\nunit = "{unit}"\n')
+    (tmp_path / "m.toml").write_text(text)
+    found = read_map(tmp_path / "m.toml", hb.open(path))
+    assert {name: (found[name].role, found[name].unit) for name in roles} == roles
+    assert hb.open(path).survey(found).depth[0] == pytest.approx(6500 * 0.3048)
+    whole = write_map(guess(hb.open(xy_file(tmp_path)).set()))
+    assert "# Without a role" not in whole
+    log = tmp_path / "l.csv"
+    log.write_text("md_m,rb_deg,cal_x_in,cal_y_in,x1,x2x\n" + "".join(f"{n},{n * 9 % 360},8,8,1,1\n" for n in range(9)))
+    assert write_map(guess(hb.open(log).set())).endswith('# Without a role: "x1", "x2x"\n')
+
+
+def test_inspect_tells_what_would_be_refused(tmp_path: Path) -> None:
+    from helibore.cli.inspect import inspect
+
+    path = tmp_path / "r.csv"
+    path.write_text("md_m,tf_deg,radius_m\n" + "".join(f"{n},{n % 6}.2,0.108\n" for n in range(40)))
+    shown = CliRunner().invoke(inspect, [str(path)], env={"COLUMNS": "240"})
+    rule = "r.csv, column tf_deg: values between 0.2 and 5.2 deg: looks like radians; state the unit in a map or as"
+    assert f"refused as it stands: {rule}" in shown.output
+    assert f"# Refused as it stands: {rule}" in shown.output
+    bare = CliRunner().invoke(inspect, [str(path), "--toml"])
+    assert bare.output.startswith(f"# Refused as it stands: {rule}")
+    fine = CliRunner().invoke(inspect, [str(xy_file(tmp_path))])
+    assert "efused" not in fine.output
+
+
 def test_mapping_a_role_takes_it_from_the_guess(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
     one = hb.open(xy_file(tmp_path)).set()

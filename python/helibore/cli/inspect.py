@@ -41,7 +41,8 @@ def inspect(file: Path, map_file: Path | None, set_name: str | None, toml: bool)
             set_name = _same_set(set_name, mapped)
         if toml:
             one = opened.set(set_name)
-            click.echo(write_map(mapped or guess(one), len(opened.sets) > 1))
+            roles = mapped or guess(one)
+            click.echo(write_map(roles, len(opened.sets) > 1, refusal(one, roles)))
             return
         chosen = [opened.set(set_name)] if set_name is not None else list(opened.sets)
         show(Console(), opened, chosen, mapped)
@@ -68,9 +69,24 @@ def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap 
                     )
         for remark in [*one.remarks, *depth_remarks(one, roles)]:
             console.print(f"  - {escape(remark)}", highlight=False)
+        warning = refusal(one, roles)
+        if warning:
+            console.print(f"  - [red]refused as it stands[/]: {escape(warning)}", highlight=False)
         console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
         # Printed bare: neither wrapped nor coloured, so that it can be copied.
-        click.echo(write_map(roles, len(opened.sets) > 1))
+        click.echo(write_map(roles, len(opened.sets) > 1, warning))
+
+
+def refusal(one: LogSet, roles: RoleMap) -> str:
+    """Why the samples or the survey of a set, taken for what they are taken for, would be refused; "" where not."""
+    try:
+        if roles.all("radius", "diameter", "radius-image"):
+            one.readings(roles)
+        elif roles.one("inclination") and roles.one("azimuth"):
+            one.survey(roles)
+    except ValueError as error:
+        return str(error)
+    return ""
 
 
 def table(one: LogSet, roles: RoleMap, reasons: bool) -> Table:
