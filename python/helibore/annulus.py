@@ -19,6 +19,7 @@ import numpy as np
 from helibore.arrays import Floats
 from helibore.log_table import LogColumn
 from helibore.logs import Logs
+from helibore.units import INCH
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,8 +114,8 @@ def annulus(logs: Logs, outer_diameter: float) -> Annulus:
     Raises
     ------
     ValueError
-        ``outer_diameter = 0: must be finite and above 0``; ``outer_diameter = 0.34: the casing is larger than the hole
-        at 2010.4 m, 0.311 m`` where its area is more than the hole's.
+        ``outer_diameter = 0: must be finite and above 0``; ``outer_diameter = 0.34: a casing of 13.39 in is larger than
+        the hole at 2010.4 m, 12.25 in`` where its area is more than the hole's.
     """
     if not (math.isfinite(outer_diameter) and outer_diameter > 0):
         raise ValueError(f"outer_diameter = {outer_diameter:g}: must be finite and above 0")
@@ -123,8 +124,8 @@ def annulus(logs: Logs, outer_diameter: float) -> Annulus:
     if smaller.size:
         first = smaller[0]
         raise ValueError(
-            f"outer_diameter = {outer_diameter:g}: the casing is larger than the hole at {logs.depth[first]:g} m, "
-            f"{logs.equivalent_diameter[first]:.4g} m"
+            f"outer_diameter = {outer_diameter:g}: a casing of {outer_diameter / INCH:.4g} in is larger than the hole "
+            f"at {logs.depth[first]:g} m, {logs.equivalent_diameter[first] / INCH:.4g} in"
         )
     volume = area * logs.height
     upwards = np.argsort(logs.depth, kind="stable")[::-1]

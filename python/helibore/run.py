@@ -157,7 +157,10 @@ def rebuild(run: Run, threads: int | None = None) -> Wall:
     depth = run.prepared.caliper.depth
     if not (depth.min() >= top and depth.max() <= bottom) and not ((depth >= top) & (depth <= bottom)).any():
         name, there = run.readings[0].name, f"it has {depth.min():g} to {depth.max():g} m"
-        raise ValueError(f"{name}: no samples between {top:g} and {bottom:g} m; {there}")
+        asked = f"between {top:g} and {bottom:g} m"
+        if np.isinf(top) or np.isinf(bottom):
+            asked = f"below {top:g} m" if np.isfinite(top) else f"above {bottom:g} m"
+        raise ValueError(f"{name}: no samples {asked}; {there}")
     run.wall = reconstruct(run.prepared.caliper, threads=threads, **vars(run.settings.wall))
     if run.prepared.earlier is not None:
         run.earlier = reconstruct(run.prepared.earlier, threads=threads, **vars(run.settings.wall))

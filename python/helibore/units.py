@@ -13,6 +13,8 @@ import re
 from fractions import Fraction
 
 LENGTH, ANGLE, TIME, ROTATION = "length", "angle", "time", "rotation"
+INCH = 0.0254
+"""In metres: bits and casings are sold in inches."""
 
 _TABLE: dict[str, tuple[str, float, str]] = {
     "m": (LENGTH, 1.0, "metre metres meter meters"),
@@ -20,7 +22,7 @@ _TABLE: dict[str, tuple[str, float, str]] = {
     "mm": (LENGTH, 0.001, "millimetre millimetres millimeter millimeters"),
     "ft": (LENGTH, 0.3048, "f foot feet '"),
     "ftUS": (LENGTH, 1200.0 / 3937.0, "ftus ft[us] usft us-ft usfoot"),
-    "in": (LENGTH, 0.0254, 'inch inches ins "'),
+    "in": (LENGTH, INCH, 'inch inches ins "'),
     "0.1in": (LENGTH, 0.00254, ".1in 0.1inch 0.1inches 1/10in"),
     "deg": (ANGLE, 1.0, "dega degree degrees ° dgr"),
     "rad": (ANGLE, 180.0 / math.pi, "rada radian radians"),

@@ -31,13 +31,13 @@ from helibore.breakouts import Axes, Lobe, axial_mean, lobes_of
 from helibore.helix import WallLike
 from helibore.log_table import LogColumn, LogTable
 from helibore.logs import Logs, turn_logs
+from helibore.units import INCH
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 """Kinds by their code in files, from 0."""
 
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
-INCH = 0.0254
 CRITERIA_BIT = 8.5 * INCH
 """The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
 

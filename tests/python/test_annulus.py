@@ -63,7 +63,7 @@ def test_columns_name_the_casing(logs: Logs) -> None:
         (lambda logs: annulus(logs, 0), "outer_diameter = 0: must be finite and above 0"),
         (
             lambda logs: annulus(logs, 0.34),
-            r"outer_diameter = 0.34: the casing is larger than the hole at 0.0492\d* m, 0.311\d* m",
+            r"outer_diameter = 0.34: a casing of 13.39 in is larger than the hole at 0.0492\d* m, 12.2\d* in",
         ),
         (lambda logs: annulus(logs, OD).cement(100, 200), "cement: no row between 100 and 200 m"),
         (lambda logs: annulus(logs, OD).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),

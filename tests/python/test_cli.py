@@ -17,7 +17,7 @@ import trimesh
 from click.testing import CliRunner, Result
 
 import helibore
-from helibore.cli import cli
+from helibore.cli import VERBS, cli
 from helibore.cli.reconstruct import ENDINGS
 from helibore.cli.wall_lines import diameters
 from helibore.simulate import Hole, simulate
@@ -179,7 +179,9 @@ def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
         ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
         ("", [], "c.csv: empty: 0 bytes"),
         ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--from", "5"],
-         "c.csv: no samples between 5 and inf m; it has 1 to 2 m"),
+         "c.csv: no samples below 5 m; it has 1 to 2 m"),
+        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--to", "0.5"],
+         "c.csv: no samples above 0.5 m; it has 1 to 2 m"),
     ],
 )  # fmt: skip
 def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str) -> None:
@@ -200,6 +202,13 @@ def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str
         (["--pitch", "5lightyears"], r"Invalid value for '--pitch': unit 'lightyears': not known; known are m, .*"),
         (["--neighbors", "0"], r"neighbors = 0: .*"),
         (["--bit-diameter", "0"], r"bit_diameter = 0: .*"),
+        (
+            ["--bit-diameter", "8.5"],
+            r"Invalid value for '--bit-diameter': '8.5': must be at most 4 m; a number without "
+            r"a unit is metres: 8.5in\? \(see .*",
+        ),
+        (["--bit-diameter", "216"], r".*metres: 216mm\? \(see .*"),
+        (["--bit-diameter", "18ft"], r"Invalid value for '--bit-diameter': '18ft': must be at most 4 m \(see .*"),
         (["--from", "2003", "--to", "2001"], r"--to 2001 m: must be deeper than --from 2003 m"),
         (["--survey", "none.csv"], r"none.csv: No such file or directory"),
         (["-o", "wall.xyz"], r"wall.xyz: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf, .wall"),
@@ -309,3 +318,18 @@ def test_f12(tmp_path: Path) -> None:
     points = scene.to_geometry().vertices  # east, up, -north of a straight vertical hole
     assert abs(2 * np.hypot(points[:, 0], points[:, 2]).mean() / 0.0254 - of_the_file) < 0.05
     assert np.ptp(points[:, 1]) == pytest.approx(160.0, abs=0.01)
+
+
+def test_helibore_alone_shows_its_help() -> None:
+    result = real()
+    shown = result.stdout + result.stderr  # the latter, with exit code 2, from click 8.2 on
+    assert shown.strip() == run("--help").output.replace("Usage: cli", "Usage: helibore").strip()
+
+
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_the_help_of_every_verb_has_an_example_and_one_line_that_fits(verb: str) -> None:
+    text = run(verb, "--help").output
+    assert re.search(rf"^  helibore {verb}\b", text, re.MULTILINE)
+    (line,) = re.findall(rf"^  {verb} +(.+)$", run("--help").output, re.MULTILINE)
+    assert line.endswith("."), "not cut short"
+    assert "..." not in line

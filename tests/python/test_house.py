@@ -95,3 +95,10 @@ def test_develop_speaks_to_the_pip_of_debian_12() -> None:
     calls = re.findall(r"^.*pip (?:install|wheel).*$", (ROOT / "develop").read_text(), re.MULTILINE)
     assert calls
     assert not [line for line in calls if re.search(r'[ "]-C', line)]
+
+
+@pytest.mark.parametrize(
+    ("newer", "pattern"), [("NumPy 2.0", r"\bcopy=None\b"), ("click 8.4", r"\(click\.ParamType\[")]
+)
+def test_the_oldest_versions_that_pyproject_allows_will_do(newer: str, pattern: str) -> None:
+    assert not list(lines_with(pattern, PYTHON)), f"only from {newer} on"

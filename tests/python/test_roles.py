@@ -132,7 +132,11 @@ def radius(metres: float) -> Channel:
         ),
         ((DEPTH, radius(0.1)), "column radius: no toolface: name the toolface channel"),
         ((TURN, radius(0.1)), "no channel has the role depth"),
-        ((DEPTH, TURN), "no channel has the role radius, diameter or radius-image"),
+        (
+            (DEPTH, TURN),
+            "no channel has the role radius, diameter or radius-image: name one by an option or in a map, such "
+            "as --radius NAME:in; the channels are MD, TF",
+        ),
         ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(--average of helibore plot and logs, or hb.Caliper.from_"),
         ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole with --gauge --image of"),
         (

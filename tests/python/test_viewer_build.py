@@ -26,7 +26,7 @@ def install(folder: Path, *defines: str) -> Path:
     (folder / "CMakeLists.txt").write_text(PROJECT)
     build, prefix = folder / "build", folder / "installed"
     for command in (
-        [cmake, "-S", folder, "-B", build, *(f"-D{define}" for define in defines)],
+        [cmake, "-S", folder, "-B", build, "-G", "Ninja", *(f"-D{define}" for define in defines)],
         [cmake, "--build", build],
         [cmake, "--install", build, "--prefix", prefix],
     ):

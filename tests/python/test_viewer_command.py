@@ -152,12 +152,12 @@ def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch,
     from helibore.viewer import command, server
 
     monkeypatch.setattr(server, "page", lambda _: None)
+    monkeypatch.setattr(server.resources, "files", lambda _: tmp_path)
     with pytest.raises(
         ValueError, match=r"^This helibore was built without its page: its files are missing\. .* npm, "
     ):
         command.check_page()
     (tmp_path / "no-page.txt").write_text("Node.js 18 or newer and npm were not there\n")
-    monkeypatch.setattr(server.resources, "files", lambda _: tmp_path)
     with pytest.raises(
         ValueError, match=r"^This helibore was built without its page: Node\.js 18 or newer and npm were "
     ):

@@ -46,6 +46,8 @@ def _one_line_errors() -> Iterator[None]:
     try:
         yield
     except click.UsageError as error:
+        if type(error).__name__ == "NoArgsIsHelpError":  # helibore alone: its help; no error for a click before 8.2
+            raise
         hint = f" (see {error.ctx.command_path} --help)" if error.ctx else ""
         raise BadInput(error.format_message() + hint) from error
     except BrokenPipeError:

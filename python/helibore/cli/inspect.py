@@ -26,7 +26,7 @@ WIDE = 120
 """Columns a terminal needs for the reasons to stand in the table; else they follow it, one a line."""
 
 
-@click.command()
+@click.command(short_help="What a file holds, and the map of it.")
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option(
     "--map", "map_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), help="TOML map of roles."
@@ -34,7 +34,12 @@ WIDE = 120
 @click.option("--set", "set_name", help="Look at this set only (a file may hold several).")
 @click.option("--toml", is_flag=True, help="Print the role map alone, for a file.")
 def inspect(file: Path, map_file: Path | None, set_name: str | None, toml: bool) -> None:
-    """List the channels of FILE, their units, ranges and gaps, and what each is taken for."""
+    """List the channels of FILE, their units, ranges and gaps, and what each is taken for.
+
+    \b
+    helibore inspect well.las
+    helibore inspect well.las --toml > map.toml      # change it, then: helibore reconstruct well.las --map map.toml
+    """
     with helibore.open(file) as opened:
         mapped = read_map(map_file, opened) if map_file else None
         if mapped:

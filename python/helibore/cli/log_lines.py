@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from helibore.caliper import BASIS_TEXT
+from helibore.units import INCH
 
 if TYPE_CHECKING:
     from helibore.annulus import Annulus
@@ -17,7 +18,6 @@ if TYPE_CHECKING:
     from helibore.logs import Logs
     from helibore.zones import Classification
 
-INCH = 0.0254
 BARREL = 0.158987294928
 """Cubic metres in an oilfield barrel, 42 US gallons."""
 

@@ -2,12 +2,22 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING, Generic, TypeVar
+
 import click
 
 from helibore import units
 
+if TYPE_CHECKING:
+    Parameter = click.ParamType
+else:
+    Read = TypeVar("Read")
 
-class Quantity(click.ParamType[float | None]):
+    class Parameter(click.ParamType, Generic[Read]):
+        """What an option's text is read to; click says so itself only from 8.4 on."""
+
+
+class Quantity(Parameter[float | None]):
     """A number with a unit of one kind, read to metres, degrees or seconds."""
 
     def __init__(self, kind: str, none: bool = False) -> None:
@@ -25,7 +35,30 @@ class Quantity(click.ParamType[float | None]):
             self.fail(str(error), param, ctx)
 
 
+class BitDiameter(Quantity):
+    """A length no larger than a bit; inches without their unit are the usual mistake."""
+
+    LARGEST = 4.0
+
+    def __init__(self) -> None:
+        super().__init__(units.LENGTH)
+
+    def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
+        """Read the text of an option."""
+        metres = super().convert(value, param, ctx)
+        if metres is not None and metres > self.LARGEST:
+            unit = "mm" if metres > 100 else "in"
+            meant = f"; a number without a unit is metres: {value}{unit}?" if _bare(value) else ""
+            self.fail(f"'{value}': must be at most {self.LARGEST:g} m{meant}", param, ctx)
+        return metres
+
+
+def _bare(value: str | float) -> bool:
+    return str(value).strip()[-1:].isdigit()
+
+
 LENGTH = Quantity(units.LENGTH)
 LENGTH_OR_NONE = Quantity(units.LENGTH, none=True)
 ANGLE = Quantity(units.ANGLE)
 TIME = Quantity(units.TIME)
+BIT = BitDiameter()

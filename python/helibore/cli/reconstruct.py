@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from helibore.cli.quantities import ANGLE, LENGTH, LENGTH_OR_NONE, TIME
+from helibore.cli.quantities import ANGLE, BIT, LENGTH, LENGTH_OR_NONE, TIME, Parameter
 from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, open_track, taking
 from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
@@ -30,7 +30,7 @@ REPEATABLE = {"output", "quiet", "threads", "from_settings"}
 """What may stand beside --from-settings: nothing that changes the mesh."""
 
 
-class Numbers(click.ParamType[tuple[int, ...]]):
+class Numbers(Parameter[tuple[int, ...]]):
     """``2,3,5``."""
 
     name = "numbers"
@@ -45,7 +45,7 @@ class Numbers(click.ParamType[tuple[int, ...]]):
             self.fail(f"'{value}': must be pass numbers, such as 2,3", param, ctx)
 
 
-class Shift(click.ParamType[tuple[int, float]]):
+class Shift(Parameter[tuple[int, float]]):
     """``PASS=LENGTH``."""
 
     name = "pass=length"
@@ -76,7 +76,7 @@ class Reconstruct(Sectioned):
 @click.option(
     "-o", "--output", type=FILE, help="To write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl, or .wall, which reopens."
 )
-@click.option("--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")
+@click.option("--bit-diameter", type=BIT, help="Bit size, as 8.5in or '8 1/2in' or 0.216m.")
 @click.option("--from-settings", type=FILE, help="Repeat the run of a wall.glb.toml, to the last bit.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 @taking(*COLUMNS)

@@ -18,7 +18,7 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from helibore.cli.quantities import LENGTH
+from helibore.cli.quantities import BIT, LENGTH, Parameter
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -31,7 +31,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
 """The options that a played rig heeds."""
 
 
-class LiftParameter(click.ParamType[tuple[float, float]]):
+class LiftParameter(Parameter[tuple[float, float]]):
     """``DEPTH:LENGTH`` in metres."""
 
     name = "depth:length"
@@ -49,7 +49,7 @@ class LiftParameter(click.ParamType[tuple[float, float]]):
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
 @click.option("--from", "start", type=LENGTH, default="2000m", show_default=True, help="Depth to start at.")
 @click.option("--to", "stop", type=LENGTH, default="2050m", show_default=True, help="Depth to stop at.")
-@click.option("--bit-diameter", type=LENGTH, default="0.216m", show_default=True)
+@click.option("--bit-diameter", type=BIT, default="0.216m", show_default=True)
 @click.option("--plain", is_flag=True, help="A smooth round hole in one rock: no relief but noise.")
 @click.option("--samples", type=int, help="How many.  [as many as --sample-rate gives]")
 @click.option("--sample-rate", type=float, default=20.0, show_default=True, help="Samples a second.")

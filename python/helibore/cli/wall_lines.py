@@ -6,11 +6,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from helibore.units import INCH
+
 if TYPE_CHECKING:
     import helibore
     from helibore.arrays import Floats
-
-INCH = 0.0254
 
 
 def diameters(wall: helibore.Wall) -> Floats:

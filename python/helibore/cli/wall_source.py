@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from helibore.cli.quantities import LENGTH, LENGTH_OR_NONE
+from helibore.cli.quantities import BIT, LENGTH, LENGTH_OR_NONE
 from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking
 
 if TYPE_CHECKING:
@@ -32,7 +32,7 @@ ARCHIVE, SETTINGS = ".wall", ".toml"
 
 OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.argument("source", type=FILE, required=False),
-    click.option("--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in'; archives and settings have it."),
+    click.option("--bit-diameter", type=BIT, help="Bit size, as 8.5in or '8 1/2in'; archives and settings have it."),
     click.option("--average", metavar="FILE:CHANNEL", help="Average caliper instead of SOURCE: shape assumed round."),
     click.option("--gauge", is_flag=True, help="Gauge hole instead of SOURCE: not measured, carries images only."),
     click.option(

@@ -150,7 +150,7 @@ def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) 
         return np.array(values), 0, None
     width = np.float32 if values.dtype == np.float32 else np.float64
     empty = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
-    numbers = np.array(np.ma.getdata(values), dtype=width, order="C", copy=None)
+    numbers = np.ma.getdata(values).astype(width, order="C", copy=False)
     if empty is None and numbers.size and numbers.min() > max(nulls, default=-np.inf) and numbers.max() < np.inf:
         return numbers.view(), 0, None
     infinite = ~np.isfinite(numbers)

@@ -156,7 +156,7 @@ def readings(
     roles = roles or guess(one)
     arms = roles.all(*WALL)
     if not arms:
-        raise complaint(one.path, _no_arms(roles))
+        raise complaint(one.path, _no_arms(one, roles))
     depth = np.full(one.rows, np.nan)
     if not tracked or roles.one("depth"):
         depth = _depth(one, needed(one, roles, "depth"))
@@ -208,7 +208,7 @@ def _depth(one: LogSet, role: Role) -> Floats:
     return depth
 
 
-def _no_arms(roles: RoleMap) -> str:
+def _no_arms(one: LogSet, roles: RoleMap) -> str:
     """What is missing, and what the set can be used for instead."""
     means = [each.channel for each in roles.all("mean-diameter")]
     if means:
@@ -222,7 +222,7 @@ def _no_arms(roles: RoleMap) -> str:
         return f"{rule} (its images {', '.join(images)} lie on a gauge hole with --gauge --image of helibore plot)"
     if roles.one("inclination") is not None and roles.one("azimuth") is not None:
         return f"{rule} (it holds a survey, which --survey takes)"
-    return rule
+    return f"{rule}, such as --radius NAME:in; the channels are {', '.join(one.names)}"
 
 
 def _radius(one: LogSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:

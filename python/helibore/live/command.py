@@ -21,7 +21,7 @@ TICK = 0.25
 """Seconds between two looks at the server."""
 
 
-@click.command()
+@click.command(short_help="A wall that grows while a hole is drilled.")
 @click.argument("configuration", type=click.Path(path_type=Path, dir_okay=False))
 @click.option(
     "--journal", type=click.Path(path_type=Path, file_okay=False), help="Folder of the journal.  [journal.folder]"

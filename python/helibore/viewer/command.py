@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from helibore.cli.quantities import LENGTH
+from helibore.cli.quantities import BIT, LENGTH
 from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, taking
 from helibore.cli.terminal import Terminal
 
@@ -28,10 +28,12 @@ ARCHIVE, SETTINGS = ".wall", ".toml"
 SERVING = ("host", "port", "token", "browser")  # options that say where, not what; they go to `helibore.view`
 
 
-@click.command()
+@click.command(short_help="A wall in the browser.")
 @click.argument("file", type=FILE)
 @click.option(
-    "--bit-diameter", type=LENGTH, help="Bit size, as 8.5in or '8 1/2in' or 0.216m; walls and settings have their own."
+    "--bit-diameter",
+    type=BIT,
+    help="Bit size, as 8.5in or '8 1/2in' or 0.216m; walls and settings have their own.",
 )
 @taking(*COLUMNS)
 @click.option("--from", "start_depth", type=LENGTH, help="Depth to start at.  [shallowest sample]")
@@ -47,7 +49,13 @@ SERVING = ("host", "port", "token", "browser")  # options that say where, not wh
 @click.option("-q", "--quiet", is_flag=True, help="Print the address and errors only.")
 @click.pass_context
 def view(context: click.Context, /, file: Path, quiet: bool, **options: Any) -> None:
-    """Show a wall in the browser: FILE is a saved .wall, a mesh's .toml, or calipers `helibore inspect` reads."""
+    """Show a wall in the browser: FILE is a saved .wall, a mesh's .toml, or calipers `helibore inspect` reads.
+
+    \b
+    helibore view well.wall
+    helibore view wall.glb.toml
+    helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
+    """
     terminal = Terminal(quiet)
     check_page()
     ending = file.suffix.lower()
