@@ -17,6 +17,7 @@ pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "
 
 from helibore.viewer.server import page
 
+BIT = ("--bit-diameter", "8.5in")
 HELIBORE = [sys.executable, "-c", "from helibore.cli import main; main()"]
 
 
@@ -30,8 +31,9 @@ def caliper(tmp_path: Path) -> Path:
     return path
 
 
-def run(*arguments: str) -> subprocess.CompletedProcess[str]:
-    return subprocess.run([*HELIBORE, "view", *arguments], capture_output=True, text=True, timeout=60, check=False)
+def run(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [*HELIBORE, "view", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, cwd=folder)
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
@@ -54,19 +56,44 @@ def test_it_serves_until_interrupted(caliper: Path) -> None:
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
 def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path: Path) -> None:
-    foreign = tmp_path / "picture.png"
-    foreign.write_bytes(b"\x89PNG\r\n\x1a\n" + bytes(100))
+    for name, held in {
+        "picture.png": b"\x89PNG\r\n\x1a\n" + bytes(100),
+        "empty.csv": b"",
+        "nocaliper.csv": b"depth,gr\n1,2\n3,4\n",
+        "empty.wall": b"",
+        "foreign.wall": b"%PDF-1.7" + bytes(3000),
+        "notes.toml": b"not toml [",
+        "hole.glb": b"glTF",
+    }.items():
+        (tmp_path / name).write_bytes(held)
     for arguments, text in (
-        ((str(foreign), "--bit-diameter", "8.5in"), "picture.png"),
+        (("picture.png", *BIT), "picture.png: binary, and none of the formats read (DLIS, Parquet, NPZ)"),
+        (("empty.csv", *BIT), "empty.csv: empty: 0 bytes"),
         (
-            (str(caliper), "--bit-diameter", "8.5in", "--host", "0.0.0.0"),
-            "is open to other machines, so it needs a token",
+            ("nocaliper.csv", *BIT),
+            "nocaliper.csv: no channel has the role radius, diameter or radius-image: name one by an option or in a "
+            "map",
         ),
-        ((str(tmp_path / "none.csv"), "--bit-diameter", "8.5in"), "none.csv"),
+        ((".", *BIT), ".: is a directory"),
+        (("none.csv", *BIT), "none.csv: No such file or directory"),
+        (("empty.wall",), "empty.wall: an empty file, not the archive of a wall"),
+        (("foreign.wall",), "foreign.wall: not the archive of a wall (it begins with b'%PDF')"),
+        (
+            ("notes.toml",),
+            "notes.toml: not TOML: Expected '=' after a key in a key/value pair (at line 1, column 5)",
+        ),
+        (
+            ("hole.glb",),
+            "hole.glb: a mesh has no samples to go with it; view its settings (hole.glb.toml), a saved .wall, or the "
+            "caliper file",
+        ),
+        (
+            (str(caliper), *BIT, "--host", "0.0.0.0"),
+            "host 0.0.0.0: is open to other machines, so it needs a token",
+        ),
     ):
-        done = run(*arguments, "--no-browser")
-        assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
-        assert text in done.stderr
+        done = run(*arguments, "--no-browser", folder=tmp_path)
+        assert (done.returncode, done.stderr) == (2, f"helibore: {text}\n")
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
@@ -127,7 +154,8 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
                 urllib.request.urlopen(f"{url}api/vertex/500?token=a")
             taken = run(str(settings), "--no-browser", "--port", url.strip("/").rsplit(":", 1)[1])
             assert (taken.returncode, taken.stderr.count("\n")) == (2, 1), taken.stderr
-            assert "Address already in use; give another port, or 0" in taken.stderr
+            port = url.strip("/").rsplit(":", 1)[1]
+            assert f"127.0.0.1 port {port}: Address already in use; give another port, or 0\n" in taken.stderr
         finally:
             shown.send_signal(signal.SIGINT)
         assert shown.wait(20) == 0

@@ -81,7 +81,7 @@ export function lamp(app) {
   if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
 }
 
-function lampWords({ status, words, store, bitDepth, newest, ended, feed, lastWrite, replay, contents }) {
+export function lampWords({ status, words, store, bitDepth, newest, ended, feed, lastWrite, replay, contents }) {
   if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
@@ -91,10 +91,16 @@ function lampWords({ status, words, store, bitDepth, newest, ended, feed, lastWr
   if (ended) parts.push('run ended');
   if (Number.isFinite(seconds)) parts.push(`newest sample ${showAge(seconds)} ago`);
   else parts.push('saved wall');
-  if (bitDepth !== null) parts.push(`${Math.abs(bitDepth - store.end).toFixed(1)} m behind bit`);
+  if (bitDepth !== null) parts.push(behind(store, bitDepth));
   const late = !ended && seconds > LATE;
   parts.push(late && feed ? feed : `${showCount(store.levels[0].size)} vertices`); // why nothing comes matters more then
   return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
+}
+
+// A bit that was lifted is not ahead of the wall, but in it.
+function behind(store, bitDepth) {
+  const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
+  return ahead > -0.05 ? `${Math.max(0, ahead).toFixed(1)} m behind bit` : `bit back ${(-ahead).toFixed(1)} m in the wall`;
 }
 
 // The read-out of a quad: name and text in pairs; what is not known is a dash.

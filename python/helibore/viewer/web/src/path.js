@@ -51,9 +51,10 @@ export class Path {
     return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
   }
 
-  // True vertical depth; NaN without a survey.
+  // True vertical depth; NaN without a survey, and where no frame says how the hole runs.
   tvd(depth) {
-    return this.surveyed && this.count > 1 ? this.at(depth).centre[2] : NaN;
+    const place = (depth - this.startDepth) / this.step;
+    return this.surveyed && this.count > 1 && place >= 0 && place <= this.count - 1 ? this.at(depth).centre[2] : NaN;
   }
 
   // Toolface of up and of north at a depth, degrees; null where undefined.

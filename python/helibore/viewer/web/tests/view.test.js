@@ -4,6 +4,7 @@ import { Glow } from '../src/glow.js';
 import { depthAt, layout, yOf } from '../src/layout.js';
 import { gridIndices, niceStep, pickStride, rowsShown, steps, tubeFor } from '../src/lod.js';
 import { leftEdge, Path } from '../src/path.js';
+import { lampWords } from '../src/panel.js';
 import { showLength, showSigned, showValue } from '../src/units.js';
 import { ticks, View } from '../src/view.js';
 
@@ -41,6 +42,27 @@ test('frames between stations are on the path', () => {
   const frame = straight(30, 90).at(1011);
   assert.ok(Math.abs(frame.centre[2] - 11 * Math.cos(Math.PI / 6)) < 1e-9);
   assert.ok(Math.abs(frame.tangent[1] - 0.5) < 1e-6);
+});
+
+test('true depth is said where the hole is known to run, and nowhere else', () => {
+  const path = straight(60, 90, 11);
+  assert.ok(Math.abs(path.tvd(1020) - 10) < 1e-4, 'the last frame');
+  assert.equal(path.tvd(1000), 0);
+  for (const depth of [999.9, 1020.1]) assert.ok(Number.isNaN(path.tvd(depth)), `${depth}`);
+});
+
+test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
+  const words = (bitDepth, pitch, more = {}) => lampWords({
+    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, feed: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null,
+    store: { end: 1050, levels: [{ size: 12345, pitch }] }, ...more,
+  });
+  assert.deepEqual(words(1052.5, 0.1), ['live', 'newest sample 5 s ago · 2.5 m behind bit · 12\u2009345 vertices']);
+  assert.equal(words(1047.5, 0.1)[1].split(' · ')[1], 'bit back 2.5 m in the wall');
+  assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
+  assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
+  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', 'newest sample 3 min ago · 0.0 m behind bit · mwd: waiting to connect']);
+  assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['late', 'waiting for the first samples']);
+  assert.deepEqual(words(1050, 0.1, { status: 'lost', words: 'Connection lost, trying again' }), ['lost', 'Connection lost, trying again']);
 });
 
 test('a coarse grid uses the fine grid’s corners and covers all of it', () => {
