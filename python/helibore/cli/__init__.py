@@ -22,6 +22,7 @@ VERBS = {
     "inspect": "helibore.cli.inspect:inspect",
     "live": "helibore.live.command:live",
     "logs": "helibore.cli.logs:logs",
+    "mesh": "helibore.cli.mesh:mesh",
     "plot": "helibore.cli.plot:plot",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
     "report": "helibore.cli.report:report",

@@ -38,18 +38,23 @@ COLUMNS: tuple[Callable[[Command], Command], ...] = (
     ),
 )  # fmt: skip
 
-SURVEY: tuple[Callable[[Command], Command], ...] = (
+SURVEY_FILE: tuple[Callable[[Command], Command], ...] = (
     click.option("--survey", type=FILE, help="Survey file; without one the hole is straight and vertical."),
     click.option("--survey-map", type=FILE, help="Roles of the survey file as TOML (see inspect)."),
     click.option("--survey-set", metavar="NAME", help="Set of the survey file, where it holds several."),
     click.option("--survey-depth", metavar="COLUMN", help="NAME[:UNIT] of the stations' depth."),
     click.option("--inclination", metavar="COLUMN", help="NAME[:UNIT] of the inclination."),
     click.option("--azimuth", metavar="COLUMN", help="NAME[:UNIT] of the azimuth."),
+    click.option("--extend", type=LENGTH, default="0m", show_default=True, help="Straight on past the last station."),
+)  # fmt: skip
+
+SURVEY: tuple[Callable[[Command], Command], ...] = (
+    *SURVEY_FILE[:-1],
     click.option(
         "--reference", type=click.Choice(["high-side", "north", "carried"]), default="high-side", show_default=True,
         help="What toolface 0 of the wall is; carried: north at the top, then without twist.",
     ),
-    click.option("--extend", type=LENGTH, default="0m", show_default=True, help="Straight on past the last station."),
+    SURVEY_FILE[-1],
 )  # fmt: skip
 
 

@@ -66,8 +66,8 @@ class Sourced:
     told: list[tuple[str, str]]
 
 
-def wall_from(options: dict[str, Any], terminal: Terminal) -> Sourced:
-    """Take the options of `takes_a_wall` and return the wall they stand for."""
+def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None = None) -> Sourced:
+    """Take the options of `takes_a_wall`, and a path for a wall without one; return the wall they stand for."""
     source = options["source"]
     if (source is not None) + (options["average"] is not None) + options["gauge"] != 1:
         raise click.UsageError("one of SOURCE, --average and --gauge must say what the wall is made from")
@@ -88,6 +88,10 @@ def wall_from(options: dict[str, Any], terminal: Terminal) -> Sourced:
         found = _azimuthal(source, options, terminal)
     else:
         found = _round(options, terminal)
+    if path is not None:
+        if found.wall.path is not None:
+            raise click.UsageError(f"--survey: {source.name} has a path of its own")
+        found.wall.path = path
     with terminal.stage("images", "Reading images"):
         for spelling in options["images"]:
             image = _image(spelling, options, found.wall.path)

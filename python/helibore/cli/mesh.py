@@ -1,0 +1,116 @@
+"""``helibore mesh``: a wall with its images as a mesh, or thickened into hexahedra: also of a hole without a caliper.
+
+    SOURCE, --average or --gauge --> wall --images, survey--> surface, or volume by --shell --> file
+
+What samples are made of is the business of ``reconstruct``; this writes what is a wall already, or no measured shape.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+
+from helibore.cli.plot import check_folder
+from helibore.cli.quantities import LENGTH
+from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, taking
+from helibore.cli.terminal import Terminal
+from helibore.cli.wall_source import Sourced, takes_a_wall, wall_from
+from helibore.surface import SURFACE_ENDINGS, Surface
+from helibore.survey import Path as WellPath
+from helibore.survey import Reference
+from helibore.volume import VOLUME_ENDINGS, Volume
+from helibore.wall import Wall
+
+ARCHIVE = ".wall"
+
+
+@click.command()
+@click.option("-o", "--output", type=FILE, required=True, help=f"To write: {', '.join(SURFACE_ENDINGS)}, or .wall.")
+@click.option(
+    "--shell", "shells", type=LENGTH, multiple=True,
+    help=f"Thickness beyond the wall, rising: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}); repeatable.",
+)  # fmt: skip
+@click.option("--color-by", metavar="NAME", help="An image, or radius.  [the first image, else the radius]")
+@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+@takes_a_wall
+@taking(*SURVEY_FILE)
+def mesh(output: Path, shells: tuple[float, ...], color_by: str | None, quiet: bool, **options: Any) -> None:
+    """Write a wall with its images as a mesh; of a hole without a caliper, too.
+
+    \b
+    helibore mesh --gauge --bit-diameter 8.5in --image mem.las:ABDC:edge --survey survey.csv -o well.glb
+    helibore mesh --average log.json:CALCM --bit-diameter 8.5in --image log.json:GRCS:edge -o well.vtu
+    helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
+
+    SOURCE and what makes the wall of it are those of `helibore plot`. Every shell has the values of the images.
+    """
+    endings = (*VOLUME_ENDINGS,) if shells else (*SURFACE_ENDINGS, ARCHIVE)
+    if output.suffix.lower() not in endings:
+        raise ValueError(f"{output}: the ending must be one of {', '.join(endings)}")
+    check_folder(output)
+    terminal = Terminal(quiet)
+    path, told = _path(options)
+    found = wall_from(options, terminal, path)
+    ends = (options["start_depth"], options["stop_depth"])
+    with terminal.stage("place", "Placing"):
+        made = _volume(found.wall, shells, *ends) if shells else found.wall.surface("own", *ends)
+    with terminal.stage("save", f"Writing {output.name}"):
+        _save(found.wall, made, output, color_by)
+    terminal.summary([*told, *found.told, *_lines(found, made), ("time", terminal.times()), _wrote(output)])
+
+
+def _path(options: dict[str, Any]) -> tuple[WellPath | None, list[tuple[str, str]]]:
+    """The path of the survey, where there is one."""
+    file = open_survey(options)
+    if file is None:
+        return None, []
+    survey = file.one.survey(file.roles)
+    stations = f"{file.file.name}: {survey.depth.size} stations, {survey.depth[0]:g} to {survey.depth[-1]:g} m"
+    reference: Reference = options["reference"] or "high-side"
+    return survey.path(reference=reference, extend=options["extend"]), [("survey", stations)]
+
+
+def _volume(wall: Wall, shells: tuple[float, ...], start: float | None, stop: float | None) -> Volume:
+    volume = wall.volume("own", list(shells), start, stop)
+    for name, image in wall.images.items():
+        volume.hang(name, [image.on(wall)] * len(shells), image.unit)
+    return volume
+
+
+def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None) -> None:
+    """Write it, coloured as is customary for what it is coloured by."""
+    from helibore.colors import customary_map
+    from helibore.normalization import percentile_limits
+
+    if output.suffix.lower() == ARCHIVE:
+        wall.save(output)
+    elif isinstance(made, Volume):
+        made.save(output)
+    else:
+        name = color_by or next(iter(wall.images), None)
+        if name not in wall.images:
+            made.save(output, color_by=None if name in (None, "radius") else name)
+            return
+        image = wall.images[name]
+        color_map = customary_map(image.name, image.unit)
+        log = color_map == "resistivity"
+        limits = percentile_limits(made.attributes[name], log=log)
+        made.save(output, color_by=name, limits=limits, color_map=color_map, log=log)
+
+
+def _lines(found: Sourced, made: Surface | Volume) -> list[tuple[str, str]]:
+    from helibore.caliper import BASIS_TEXT
+
+    cells = f"{len(made.hexes):,} hexahedra" if isinstance(made, Volume) else f"{len(made.quads):,} quads"
+    lines = [("wall", f"{BASIS_TEXT[found.wall.basis]}; {cells}")]
+    for name, values in made.attributes.items():
+        missing = int(np.count_nonzero(np.isnan(values)))
+        lines.append(("missing", f"{missing:,} of {values.size:,} cells have no {name}"))
+    return lines
+
+
+def _wrote(output: Path) -> tuple[str, str]:
+    return "wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB)"
