@@ -38,14 +38,15 @@ ARCHIVE = ".wall"
 @takes_a_wall
 @taking(*SURVEY_FILE)
 def mesh(output: Path, shells: tuple[float, ...], color_by: str | None, quiet: bool, **options: Any) -> None:
-    """Write a wall with its images as a mesh; of a hole without a caliper, too.
+    """A wall with its images as a mesh.
 
     \b
     helibore mesh --gauge --bit-diameter 8.5in --image mem.las:ABDC:edge --survey survey.csv -o well.glb
     helibore mesh --average log.json:CALCM --bit-diameter 8.5in --image log.json:GRCS:edge -o well.vtu
     helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
 
-    SOURCE and what makes the wall of it are those of `helibore plot`. Every shell has the values of the images.
+    SOURCE and what makes the wall of it are those of `helibore plot`: a hole without a caliper will do. Every shell has
+    the values of the images.
     """
     endings = (*VOLUME_ENDINGS,) if shells else (*SURFACE_ENDINGS, ARCHIVE)
     if output.suffix.lower() not in endings:
