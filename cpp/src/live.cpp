@@ -17,7 +17,27 @@ namespace {
 
 constexpr std::size_t most_events = 100;
 
-// Sorted, those that touch made one.
+// Ranges less the narrowest gaps between them, of equal gaps the deepest, so that most_ranges are left.
+std::vector<Range> widened(const std::vector<Range>& ranges) {
+    std::vector<std::size_t> gaps(ranges.size() - 1);  // gap i lies before range i + 1
+    std::iota(gaps.begin(), gaps.end(), std::size_t{0});
+    const auto wider = [&](std::size_t a, std::size_t b) {
+        return ranges[a + 1].start - ranges[a].stop > ranges[b + 1].start - ranges[b].stop;
+    };
+    std::stable_sort(gaps.begin(), gaps.end(), wider);
+    gaps.resize(Update::most_ranges - 1);
+    std::sort(gaps.begin(), gaps.end());
+    std::vector<Range> found;
+    Index start = ranges.front().start;
+    for (const std::size_t gap : gaps) {
+        found.push_back({start, ranges[gap].stop});
+        start = ranges[gap + 1].start;
+    }
+    found.push_back({start, ranges.back().stop});
+    return found;
+}
+
+// Sorted, those that touch made one, most_ranges at most.
 std::vector<Range> joined(std::vector<Range> ranges) {
     std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.start < b.start; });
     std::vector<Range> found;
@@ -26,7 +46,7 @@ std::vector<Range> joined(std::vector<Range> ranges) {
             found.back().stop = std::max(found.back().stop, range.stop);
         else
             found.push_back(range);
-    return found;
+    return found.size() <= Update::most_ranges ? found : widened(found);
 }
 
 void join(Update& all, const Update& more) {
@@ -209,11 +229,29 @@ std::vector<std::string> Live::images() const {
     return names;
 }
 
-ImageArrays Live::image(const std::string& name) const {
-    const std::lock_guard guard(lock_);
+const Live::ArrivedRows& Live::arrived(const std::string& name) const {
     const auto place = images_.find(name);
     if (place == images_.end()) throw InputError("image '" + name + "': is not there");
-    const ArrivedRows& rows = place->second;
+    return place->second;
+}
+
+ImageArrays Live::rows(const std::string& name, Range some) const {
+    const std::lock_guard guard(lock_);
+    const ArrivedRows& rows = arrived(name);
+    const auto count = static_cast<Index>(rows.depth.size());
+    if (some.start < 0 || some.start > some.stop || some.stop > count)
+        throw InputError("rows = [" + std::to_string(some.start) + ", " + std::to_string(some.stop) +
+                         "): must lie within the " + std::to_string(count) + " rows of image '" + name + "'");
+    const auto depth = rows.depth.begin(), values = rows.values.begin();
+    return {{depth + some.start, depth + some.stop},
+            {values + some.start * rows.sectors, values + some.stop * rows.sectors},
+            rows.sectors,
+            rows.unit};
+}
+
+ImageArrays Live::image(const std::string& name) const {
+    const std::lock_guard guard(lock_);
+    const ArrivedRows& rows = arrived(name);
     std::vector<std::size_t> order(rows.depth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),

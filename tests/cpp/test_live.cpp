@@ -72,6 +72,27 @@ void quads_of_a_change() {
     CHECK(both.change->accepted == 2001 && both.change->ranges == (std::vector<Range>{{0, live.wall().size()}}));
 }
 
+// A host that never polls: samples 4 m apart, each with a reach of 1 m, all over the hole and in any order.
+void news_is_bounded() {
+    Live live({.wall = {.bit_diameter = 0.216, .sectors = 16, .start_depth = 1000.0}});
+    std::vector<Range> every;
+    const double deepest[] = {20000.0}, angle[] = {0.0}, radius[] = {0.11};
+    live.append_samples({deepest, angle, radius});
+    live.poll();
+    for (int i = 0; i < 3000; ++i) {
+        const double depth[] = {1000.0 + 4.0 * (i * 1237 % 3000) + 0.1 * (i % 7)};
+        const Update update = live.append_samples({depth, angle, radius});
+        every.insert(every.end(), update.change->ranges.begin(), update.change->ranges.end());
+    }
+    const Update news = live.poll();
+    const std::vector<Range>& told = news.change->ranges;
+    CHECK(told.size() == Update::most_ranges && news.change->accepted == 3000);
+    for (std::size_t i = 1; i < told.size(); ++i) CHECK(told[i - 1].stop < told[i].start);
+    for (const Range range : every)
+        CHECK(std::any_of(told.begin(), told.end(),
+                          [range](Range one) { return one.start <= range.start && range.stop <= one.stop; }));
+}
+
 void stations() {
     Live live(settings);
     const double depth[] = {0.0, 50.0, 130.0}, inclination[] = {0.0, 5.0, 9.0}, azimuth[] = {0.0, 10.0, 20.0};
@@ -107,6 +128,12 @@ void image_rows() {
     CHECK(image.depth == (std::vector<double>{1001.0, 1002.0}) && image.sectors == 3 && image.unit == "gAPI");
     CHECK(image.values == (std::vector<double>{4, 5, 6, 7, 8, 9}));
     CHECK(live.images() == std::vector<std::string>{"GR"});
+    const helibore::ImageArrays came = live.rows("GR", {1, 3}), nothing = live.rows("GR", {3, 3});
+    CHECK(came.depth == (std::vector<double>{1001.0, 1002.0}) && came.sectors == 3 && came.unit == "gAPI");
+    CHECK(came.values == (std::vector<double>{4, 5, 6, 7, 8, 9}) && nothing.depth.empty() && nothing.values.empty());
+    CHECK_THROWS(InputError, "rows = [2, 4): must lie within the 3 rows of image 'GR'", live.rows("GR", {2, 4}));
+    CHECK_THROWS(InputError, "rows = [-1, 2): must lie within the 3 rows of image 'GR'", live.rows("GR", {-1, 2}));
+    CHECK_THROWS(InputError, "image 'X': is not there", live.rows("X", {0, 0}));
     const double low[] = {1000.5, 1001.5}, high[] = {1001.5, 1002.5}, sector[] = {0.5, 1.5, 2.5};
     const auto quads = helibore::cell_values({image.depth, image.values, image.sectors}, low, high,
                                              {.start_depth = 1001.0, .pitch = 0.3, .count = 3, .sector = sector});
@@ -137,6 +164,7 @@ void refusals() {
 int main() {
     parts_threads_and_polls();
     quads_of_a_change();
+    news_is_bounded();
     stations();
     image_rows();
     refusals();

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import itertools
 import threading
 
 import live_pushes
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 import helibore as hb
 from helibore import Live
+from helibore.live import update as update_module
 from helibore.live.configuration import parse
+from helibore.live.snapshot import snapshot
 
 
 def test_a_poll_tells_everything_since_the_last():
@@ -50,3 +55,94 @@ def test_a_depth_that_is_no_number_costs_only_itself():
     assert [event.text for event in update.events] == ["station at nan m: depth must be finite"]
     assert live.path is not None
     assert live.images == {}
+
+
+LIES = {"origin": "edge", "reference": "high-side", "toolface_offset": 30.0}
+
+
+def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
+    with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
+        live.append_image("RES", [101.0], np.ones((1, 4)), "ohm.m")
+        with pytest.raises(ValueError, match=r"^image 'RES': no source brings it, and no origin came with its rows"):
+            live.image("RES")
+        live.append_image("RES", [102.0, 101.5], np.arange(8.0).reshape(2, 4), **LIES)
+        live.append_image("RES", [103.0], np.zeros((1, 4)))
+        live.append_samples(np.linspace(100, 104, 200), np.arange(200) * 37.0 % 360, np.full(200, 0.11))
+        image = live.image("RES")
+        expected = hb.SectorImage([101, 101.5, 102, 103], image.values, "RES", "ohm.m", origin="edge",
+                                  reference="high-side", offset=30.0)  # fmt: skip
+        assert image.on(live.wall).tobytes() == expected.on(live.wall).tobytes()
+        snapshot(live, tmp_path / "now")
+    assert hb.load(tmp_path / "now" / "main.wall").images["RES"].offset == 30.0
+    assert Live.replay(tmp_path).image("RES").on(live.wall).tobytes() == expected.on(live.wall).tobytes()
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"origin": "edge"}, 'reference = None: must be "high-side" or "north"'),
+        ({**LIES, "origin": "middle"}, "origin = 'middle': must be \"centre\" or \"edge\""),
+        ({**LIES, "reference": "north"}, "reference = 'north': must be the path's reference, \"high-side\": "
+         "an image is not turned on its way to the wall"),
+        ({**LIES, "toolface_offset": np.inf}, "toolface_offset = inf: must be a finite number"),
+        ({**LIES, "direction": "left"}, "direction = 'left': must be \"clockwise\" or \"counterclockwise\""),
+        ({**LIES, "toolface_offset": 31}, "image 'RES': lies otherwise: Layout(origin='edge', reference='high-side', "
+         "direction='clockwise', offset=30.0)"),
+        ({"unit": "gAPI"}, "unit = 'gAPI': image 'RES' has 'ohm.m'"),
+    ],
+)  # fmt: skip
+def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, told):
+    live = Live(parse(live_pushes.CONFIGURATION))
+    live.append_image("RES", [101.0], np.ones((1, 4)), "ohm.m", **LIES)
+    with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
+        live.append_image("RES", [102.0], np.ones((1, 4)), **given)
+    assert str(raised.value) == told
+    assert len(live.images["RES"]) == 1
+
+
+def test_the_rows_that_are_told_are_those_that_came_and_sorted_they_are_the_image():
+    live = Live(parse(live_pushes.CONFIGURATION))
+    draw, came = np.random.default_rng(3), []
+    for _ in range(30):
+        depth, values = draw.choice(np.arange(100, 110, 0.5), 3), draw.normal(size=(3, 4))
+        live.append_image("GR", depth, values)
+        came += zip(depth.tolist(), values.tolist(), strict=True)
+        if draw.random() < 0.4:
+            start, stop = live.poll().images["GR"]
+            told = live.images["GR"].rows(start, stop)
+            assert (told[0].tolist(), told[1].tolist()) == tuple(map(list, zip(*came[start:stop], strict=True)))
+    latest = dict(came)
+    depth, values = live.images["GR"].arrays()
+    assert depth.tolist() == sorted(latest)
+    assert values.tolist() == [latest[at] for at in depth.tolist()]
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 9)), max_size=120), st.integers(1, 40))
+def test_joined_ranges_cover_all_and_close_the_narrowest_gaps(found, most):
+    ranges = np.array([(start, start + length) for start, length in found], np.int64).reshape(-1, 2)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(update_module, "MOST_RANGES", most)
+        joint = update_module.joined_ranges(ranges).tolist()
+    covered = {k for start, stop in ranges.tolist() for k in range(start, stop)}
+    told = {k for start, stop in joint for k in range(start, stop)}
+    assert covered <= told
+    assert len(joint) <= most
+    gaps = [b[0] - a[1] for a, b in itertools.pairwise(joint)]
+    assert all(gap > 0 for gap in gaps)
+    holes = [len(list(group)) for _, group in itertools.groupby(
+        range(min(covered), max(covered)), key=lambda k: k in covered) if not _] if covered else []  # fmt: skip
+    assert sorted(gaps) == sorted(holes)[max(len(holes) - most + 1, 0) :]
+
+
+def test_a_host_that_never_polls_holds_little():
+    live = Live(parse(live_pushes.CONFIGURATION))
+    live.append_samples([20_000.0], [0.0], [0.11])
+    live.poll()
+    for i in range(1500):
+        live.append_samples([100.0 + 4.0 * (i * 1237 % 3000)], [0.0], [0.11])
+        live.append_stations([float("nan")], [0.0], [0.0])
+    news = live.poll()
+    assert len(news.changes["main"].ranges) == update_module.MOST_RANGES
+    assert news.changes["main"].accepted == 1500
+    assert (len(news.events), sum(event.count for event in news.events if event.rule == "station")) == (8, 1500)

@@ -103,7 +103,8 @@ def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     assert f"{live.wall.sample_count:,}" in page
     console.file.close()
     names = {path.name for path in snapshot(live, tmp_path / "now")}
-    assert names == {"main.wall", "main.las", "main.glb", "image-GR.csv", "survey.csv", "passes.csv"}
+    tables = {"image-GR.csv", "survey.csv", "passes.csv", "events.csv"}
+    assert names == {"main.wall", "main.las", "main.glb", "snapshot.json", *tables}
     assert names == {path.name for path in (tmp_path / "now").iterdir()}, "nothing half-written lies about"
     saved = hb.load(tmp_path / "now" / "main.wall")
     assert np.array_equal(saved.radius, live.wall.radius, equal_nan=True)
@@ -218,12 +219,12 @@ def test_frames_of_the_rig_are_read_without_an_event():
 def test_a_snapshot_of_little_has_what_there_is(tmp_path):
     text = '[wall]\nbit_diameter = 0.216\nstart_depth = 100.0\n[snapshot]\nlogs = "csv"\n[source.a]\naddress = "host"\n'
     live = Live(parse(text + 'units = "metric"\n'))
-    assert snapshot(live, tmp_path) == []
+    assert [path.name for path in snapshot(live, tmp_path)] == ["snapshot.json"]
     live.append_samples([100.0, 100.02], [0.0, 90.0], [0.11, 0.112])
     names = {path.name for path in snapshot(live, tmp_path)}
-    assert names == {"main.wall", "passes.csv"}, "not one turn yet: no logs, no mesh"
+    assert names == {"main.wall", "passes.csv", "snapshot.json"}, "not one turn yet: no logs, no mesh"
     live.append_stations([0.0, 10.0], [0.0, 0.0], [0.0, 0.0])
     live.append_samples(np.linspace(100.05, 112.0, 2000), np.arange(2000) * 37.0 % 360, np.full(2000, 0.11))
     names = {path.name for path in snapshot(live, tmp_path)}
-    assert names == {"main.wall", "main.csv", "survey.csv", "passes.csv"}, "the path ends at 110 m"
+    assert names == {"main.wall", "main.csv", "survey.csv", "passes.csv", "snapshot.json"}, "the path ends at 110 m"
     assert len(hb.load(tmp_path / "main.wall")) == len(live.wall)

@@ -33,9 +33,13 @@ struct LiveSettings {
 // What one call changed, or all calls since the last poll.
 struct Update {
     std::optional<Change> change;         // of the wall; none when no samples came
-    std::map<std::string, Range> images;  // of each image that grew, how many rows had arrived before and after
+    std::map<std::string, Range> images;  // of each image that grew, its new rows in order of arrival: Live::rows
     std::optional<double> path_from;      // stations changed below this depth, metres; the path, once it has two
     std::vector<std::string> events;      // stations that were left out, and why: the first hundred of a poll
+
+    // Ranges are sorted and apart, most_ranges at most: beyond that the narrowest gaps between them are closed, so that
+    // a host that never polls holds little.
+    static constexpr std::size_t most_ranges = 1024;
 
     // The quads with a vertex that is new or changed. Quad k has the vertices k, k + 1, k + 1 + K and k + K, K =
     // `sectors`; those past the end of the wall are to be cut off by the caller.
@@ -77,6 +81,10 @@ class Live {
     std::vector<std::string> images() const;           // the names
     ImageArrays image(const std::string& name) const;  // throws InputError for a name that is not there
 
+    // Some rows as they arrived, such as those that Update::images tells. All of them, sorted by depth, of rows at one
+    // depth the latest, are image(name). Throws InputError for rows that have not come.
+    ImageArrays rows(const std::string& name, Range arrived) const;
+
   private:
     struct ArrivedRows {
         std::vector<double> depth, values;
@@ -87,6 +95,7 @@ class Live {
     void take_stations(std::span<const double> depth, std::span<const double> inclination,
                        std::span<const double> azimuth, Update& update);
     Update told(Update update);
+    const ArrivedRows& arrived(const std::string& name) const;
 
     mutable std::mutex lock_;
     PathSettings path_settings_;

@@ -40,6 +40,17 @@ class Layout:
         )  # fmt: skip
 
 
+def given_layout(
+    origin: str | None, reference: str | None, direction: str, toolface_offset: float, of_path: str
+) -> Layout | None:
+    """Return the layout a host gives with an image; None where it gives neither origin nor reference."""
+    if origin is None and reference is None:
+        return None
+    table = Table("", {"origin": origin, "reference": reference, "direction": direction,
+                       "toolface_offset": toolface_offset})  # fmt: skip
+    return read_layout(table, cast("Reference", of_path))
+
+
 def read_layout(table: Table, reference: Reference) -> Layout:
     """Take the layout out of the table of an image; ``reference`` is what the wall's toolfaces count from."""
     origin = table.choice("origin", get_args(Origin), why=": what of sector 1 lies at toolface_offset; tools differ")

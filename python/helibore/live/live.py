@@ -16,17 +16,20 @@ import secrets
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import astuple
 from pathlib import Path as FilePath
-from typing import NamedTuple
+from typing import NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore.arrays import column
 from helibore.live import journal as journals
-from helibore.live.configuration import Configuration, load, parse
-from helibore.live.journal import Journal, Segment, segments
+from helibore.live.configuration import Configuration, load
+from helibore.live.journal import Journal, segments
+from helibore.live.layout import given_layout
 from helibore.live.model import ImageRows, Model, Rows
+from helibore.live.openings import check_meaning, recorded_configuration
 from helibore.live.pass_log import Pass
 from helibore.live.update import Update, merge
 from helibore.sector_image import SectorImage
@@ -37,6 +40,7 @@ RECORD = np.dtype(
     [("sequence", "u8"), ("wall", "i8"), ("monotonic", "i8"), ("offset", "i8"), ("length", "u4"), ("connection", "u4"),
      ("source", "u2"), ("kind", "u2"), ("unused", "u4")]
 )  # fmt: skip
+Read = TypeVar("Read")
 WINDOW_BYTES = 1 << 20
 WINDOW_RECORDS = 8192
 
@@ -93,7 +97,7 @@ class Live:
             self._store(0, 0, opening, journals.OPENED)
             return
         if journals.paths(FilePath(journal)):
-            _check_meaning(FilePath(journal), self.configuration)
+            check_meaning(FilePath(journal), self.configuration)
         self.journal = Journal(
             journal,
             opening,
@@ -131,25 +135,25 @@ class Live:
         return self.model.images
 
     def image(self, name: str, reach: float | None = None) -> SectorImage:
-        """Return a sector image of the configuration as it is now: its rows, laid around the hole.
+        """Return a sector image as it is now: its rows, laid around the hole.
 
         Parameters
         ----------
         name
-            X of ``[source.NAME.image.X]``.
+            X of ``[source.NAME.image.X]``, or of an image appended with its origin.
         reach
             As in `SectorImage`; needed while the image has one row.
 
         Raises
         ------
         ValueError
-            If no source brings this image, and as `SectorImage`: no row has come yet.
+            If how this image lies is not known, and as `SectorImage`: no row has come yet.
         """
-        for source in self.configuration.sources.values():
-            for items in source.images:
-                if items.name == name:
-                    return items.layout.image(name, items.unit, self.images[name].arrays(), reach)
-        raise ValueError(f"image '{name}': no source brings it, so how its sectors lie is not known")
+        if name not in self.model.layouts:
+            rule = "no source brings it, and no origin came with its rows, so how its sectors lie is not known"
+            raise ValueError(f"image '{name}': {rule}")
+        rows = self.images[name]
+        return self.model.layouts[name].image(name, rows.unit, rows.arrays(), reach)
 
     @property
     def passes(self) -> list[Pass]:
@@ -233,8 +237,28 @@ class Live:
                  column("azimuth", azimuth, depths.size, "depth")]  # fmt: skip
         return self._store(0, 0, np.vstack(table).tobytes(), journals.STATIONS)
 
-    def append_image(self, name: str, depth: npt.ArrayLike, values: npt.NDArray[np.float64], unit: str = "") -> Update:
-        """Store and take rows of a sector image: depth (r,) in metres, values (r, sectors)."""
+    def append_image(
+        self, name: str, depth: npt.ArrayLike, values: npt.NDArray[np.float64], unit: str = "", *,
+        origin: str | None = None, reference: str | None = None, direction: str = "clockwise",
+        toolface_offset: float = 0.0,
+    ) -> Update:  # fmt: skip
+        """Store and take rows of a sector image.
+
+        Parameters
+        ----------
+        name, unit
+            Of the image.
+        depth, values
+            (r,) in metres, and (r, sectors).
+        origin, reference, direction, toolface_offset
+            How the sectors lie, as for the images of a source: both origin and reference, or neither. Once said it
+            holds for all rows of the image, and :meth:`image` can lay them around the hole.
+
+        Raises
+        ------
+        ValueError
+            On other sectors, unit or layout than before, or one that is none; nothing was stored then.
+        """
         depths = column("depth", depth)
         if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
             raise ValueError(f"image '{name}': comes from a source already")
@@ -243,8 +267,14 @@ class Live:
         sectors = values.shape[1]
         if name in self.images and self.images[name].sectors != sectors:
             raise ValueError(f"values has {sectors} sectors: image '{name}' has {self.images[name].sectors}")
+        if name in self.images and unit not in ("", self.images[name].unit):
+            raise ValueError(f"unit = '{unit}': image '{name}' has '{self.images[name].unit}'")
+        layout = given_layout(origin, reference, direction, toolface_offset, self.configuration.path["reference"])
+        if layout and self.model.layouts.get(name, layout) != layout:
+            raise ValueError(f"image '{name}': lies otherwise: {self.model.layouts[name]}")
         _require_finite("depth", depths)
-        head = json.dumps([name, sectors, unit]).encode() + b"\n"
+        lies = astuple(layout) if layout else ()
+        head = json.dumps([name, sectors, unit, *lies]).encode() + b"\n"
         table = np.column_stack([depths, values]).astype(np.float64)
         return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
 
@@ -261,6 +291,11 @@ class Live:
     def _told(self, update: Update) -> Update:
         merge(self._news, update)
         return update
+
+    def at_one_moment(self, read: Callable[[], Read]) -> Read:
+        """Return what ``read`` returns; meanwhile nothing is drawn, so it should only copy."""
+        with self._lock:
+            return read()
 
     def poll(self) -> Update:
         """Return everything that changed since the last poll, in one.
@@ -342,34 +377,3 @@ def windows(records: Rows) -> Iterator[tuple[int, int]]:
         stop = max(start + 1, min(stop, start + WINDOW_RECORDS))
         yield start, stop
         start = stop
-
-
-def _openings(folder: FilePath) -> Iterator[dict[str, str]]:
-    for segment in segments(folder):
-        opened: Segment = segment
-        for row in np.flatnonzero(opened.records["kind"] == journals.OPENED).tolist():
-            yield json.loads(opened.payload(row))
-
-
-def recorded_configuration(folder: FilePath) -> Configuration:
-    """Return the configuration a journal was begun with.
-
-    Raises
-    ------
-    ValueError
-        If it holds none.
-    """
-    for opening in _openings(folder):
-        if opening.get("configuration"):
-            return parse(opening["configuration"])
-    raise ValueError(f"{folder}: holds no configuration; give one")
-
-
-def _check_meaning(folder: FilePath, configuration: Configuration) -> None:
-    for opening in _openings(folder):
-        if opening.get("meaning") != configuration.meaning():
-            raise ValueError(
-                f"{folder}: was begun with another configuration of walls, units or items: give the old one, or begin "
-                "another journal"
-            )
-        return

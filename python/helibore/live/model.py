@@ -21,6 +21,7 @@ from helibore.live.clock import SECOND, ModelClock
 from helibore.live.configuration import Configuration
 from helibore.live.depth import Rig
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
+from helibore.live.layout import Layout
 from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.pass_log import PassLog
 from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
@@ -56,9 +57,21 @@ class ImageRows:
     def __len__(self) -> int:
         return self._count
 
+    def rows(self, start: int, stop: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
+        """Return (depth (r,), values (r, sectors)) of the rows [start, stop) in order of arrival; copies.
+
+        What `Update.images` tells are such rows. All of them, sorted by depth, of those at one depth the latest, are
+        :meth:`arrays`.
+        """
+        self._join()
+        return self._depth[0][start:stop].copy(), self._values[0][start:stop].copy()
+
+    def _join(self) -> None:
+        self._depth, self._values = [np.concatenate(self._depth)], [np.concatenate(self._values)]
+
     def arrays(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
         """Return (depth (r,), values (r, sectors)) sorted by depth; of rows at one depth only the latest."""
-        self._depth, self._values = [np.concatenate(self._depth)], [np.concatenate(self._values)]
+        self._join()
         depth, values = self._depth[0], self._values[0]
         order = np.lexsort((np.arange(len(depth)), depth))
         latest = np.append(np.diff(depth[order]) > 0, True)[: len(order)]
@@ -74,6 +87,10 @@ class Model:
         A wall for each layer of the configuration; ``layers["main"]`` is the wall.
     images, stations
         What came beside the caliper.
+    layouts
+        How the sectors of images lie, of those where it is known.
+    records, wall_time
+        How many records were taken, and when the last one was received, ns since 1970.
     passes
         Which pass samples belong to, and the passes so far.
     events, counts
@@ -92,6 +109,7 @@ class Model:
             for number, name in enumerate(sorted(configuration.sources), 1)
         }
         self.numbers = {name: number for number, name in enumerate(sorted(configuration.sources), 1)}
+        self.layouts = {image.name: image.layout for one in configuration.sources.values() for image in one.images}
         self._image_list = [image for source in configuration.sources.values() for image in source.images]
         for image in self._image_list:
             self.images[image.name] = ImageRows(len(image.sectors), image.unit)
@@ -109,6 +127,7 @@ class Model:
         self._longest_latency = int(max(latencies, default=0.0) * SECOND)
         self._deepest = dict.fromkeys(self.layers, -np.inf)
         self.last_seen: dict[str, int] = {}
+        self.records = self.wall_time = 0
 
     @property
     def waiting(self) -> int:
@@ -118,6 +137,8 @@ class Model:
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
         """Take records in order; any grouping of the same records ends in the same walls."""
         update = Update()
+        if len(records):
+            self.records, self.wall_time = self.records + len(records), int(records["wall"][-1])
         opened = np.flatnonzero(records["kind"] == journal.OPENED).tolist()
         for start, stop in zip([0, *opened], [*opened, len(records)], strict=True):
             if start in opened and start < stop:
@@ -272,7 +293,9 @@ class Model:
                     self._station(station, Event(int(records["wall"][row]), "", 0, 0, -1, "station", ""), update)
             elif kind == journal.IMAGE:
                 head, _, values = payload.partition(b"\n")
-                name, sectors, unit = json.loads(head)
+                name, sectors, unit, *layout = json.loads(head)
+                if layout:
+                    self.layouts[name] = Layout(*layout)
                 table = np.frombuffer(values).reshape(-1, sectors + 1)
                 image = self.images.setdefault(name, ImageRows(sectors, unit))
                 start, stop = image.append(table[:, 0], table[:, 1:])

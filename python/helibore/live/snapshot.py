@@ -1,4 +1,4 @@
-"""The state of a live wall as files, each whole or not there: walls, mesh, logs, images, survey.
+"""The state of a live wall as files of one instant: walls, mesh, logs, images, survey, passes, events.
 
     main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
     main.las        every turn measured, or main.csv                                  one file a layer of a turn or more
@@ -6,100 +6,126 @@
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
     survey.csv      depth_m, inclination_deg, azimuth_deg
     passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: which samples are of which pass
+    events.csv      source, rule, count, first and last: utc, connection, line, text
+    snapshot.json   number, utc, records, complete, files
 
-A file is written beside and renamed. The files are those of one call, not of one instant: samples may come between two.
+Everything is copied at one moment (``still.py``), written beside, in the folder ``.new``, and then put in place, file
+by file. Meanwhile ``snapshot.json`` says ``"complete": false``: who reads it before and after the files, and finds the
+same number, complete, has the files of one instant. If anything cannot be written, the files of before stay, all.
 """
 
 from __future__ import annotations
 
+import csv
+import io
+import json
+import shutil
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-import numpy as np
-
 from helibore.atomic_file import write_whole
 from helibore.live.clock import utc
+from helibore.live.events import Event
 from helibore.live.live import Live
-from helibore.sector_image import SectorImage
-from helibore.wall import Wall
+from helibore.live.still import Still, StillWall, still
+
+MANIFEST = "snapshot.json"
+Cells = Sequence[float | str | None]
 
 
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
-    """Write the files; returns those written. A wall that the path does not reach yet has no mesh.
+    """Write the files; returns those written, ``snapshot.json`` last. A wall that the path does not reach has no mesh.
 
     Raises
     ------
     OSError
-        If the folder cannot be written.
+        If the folder cannot be written; the files of the snapshot before are then as they were.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
-    logs = live.configuration.snapshot["logs"]
-    written: list[Path] = []
-    path, images = live.path, _images(live)
-    for name, wall in live.layers.items():
-        if not len(wall):
-            continue
-        wall.path, wall.images = path, {image.name: image for image in images if _meets(image, wall)}
-        written.append(target / f"{name}.wall")
-        wall.save(written[-1])
+    beside = target / ".new"
+    shutil.rmtree(beside, ignore_errors=True)  # of a run that was killed
+    beside.mkdir()
+    try:
+        of = still(live)
+        _write(of, beside, str(live.configuration.snapshot["logs"]))
+        return _put_in_place(beside, target, of)
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+
+
+def _put_in_place(beside: Path, target: Path, of: Still) -> list[Path]:
+    """Move the files of ``beside`` to ``target``, and let those go that were of the snapshot before only."""
+    number, there = _manifest(target)
+    sizes = {path.name: path.stat().st_size for path in sorted(beside.iterdir())}
+    facts = {"number": number + 1, "utc": utc(of.wall_time), "records": of.records}
+    _write_manifest(target, {**facts, "complete": False, "files": {**there, **sizes}})
+    for name in {**there, **sizes}:
+        if name in sizes:
+            (beside / name).replace(target / name)
+        else:
+            (target / name).unlink(missing_ok=True)
+    _write_manifest(target, {**facts, "complete": True, "files": sizes})
+    return [*(target / name for name in sizes), target / MANIFEST]
+
+
+def _manifest(target: Path) -> tuple[int, dict[str, int]]:
+    """Number and files of the snapshot that is there; names that lead out of its folder are none of its files."""
+    try:
+        found = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
+        files = {name: int(size) for name, size in found["files"].items() if name == Path(name).name}
+        return int(found["number"]), files
+    except (OSError, ValueError, KeyError, TypeError, AttributeError):
+        return 0, {}
+
+
+def _write_manifest(target: Path, manifest: dict[str, object]) -> None:
+    text = json.dumps(manifest, indent=1) + "\n"
+    write_whole(target / MANIFEST, lambda whole: whole.write(text.encode()))
+
+
+def _write(of: Still, target: Path, logs: str) -> None:
+    for name, wall in of.walls.items():
+        wall.save(target / f"{name}.wall")
         if logs != "none" and len(wall) > wall.settings.sectors:
-            written.append(target / f"{name}.{logs}")
-            wall.logs().save(written[-1])
-    for name, image in live.images.items():
-        if len(image):
-            depth, values = image.arrays()
-            heads = ["depth_m", *(f"{name}[{number}]" for number in range(1, image.sectors + 1))]
-            rows = ([d, *row] for d, row in zip(depth.tolist(), values.tolist(), strict=True))
-            written.append(_table(target / f"image-{name}.csv", heads, rows))
-    stations = live.model.stations.rows()
-    if len(stations):
-        heads = ["depth_m", "inclination_deg", "azimuth_deg"]
-        written.append(_table(target / "survey.csv", heads, stations.tolist()))
-    if passes := live.passes:
+            wall.logs().save(target / f"{name}.{logs}")
+    for name, (depth, values) in of.images.items():
+        heads = ["depth_m", *(f"{name}[{number}]" for number in range(1, values.shape[1] + 1))]
+        rows = ([d, *row] for d, row in zip(depth.tolist(), values.tolist(), strict=True))
+        _table(target / f"image-{name}.csv", heads, rows)
+    if len(of.stations):
+        _table(target / "survey.csv", ["depth_m", "inclination_deg", "azimuth_deg"], of.stations.tolist())
+    if of.passes:
         heads = ["source", "pass", "number", "start_utc", "stop_utc", "top_m", "bottom_m", "samples"]
-        rows = ([run.source, run.name, run.number, utc(run.start), utc(run.stop), run.top, run.bottom, run.samples]
-                for run in passes)  # fmt: skip
-        written.append(_table(target / "passes.csv", heads, rows))
-    wall = live.wall
-    if len(wall) > wall.settings.sectors + 1:
-        deepest = float(wall.vertices(len(wall) - 1, len(wall)).depth[0])
-        top, bottom = min(wall.start_depth, deepest), max(wall.start_depth, deepest)
-        if path is None or (path.start_depth <= top and path.stop_depth >= bottom):
-            wall.surface(path, stop=deepest).save(target / "main.glb")
-            written.append(target / "main.glb")
-    return written
+        runs = ([run.source, run.name, run.number, utc(run.start), utc(run.stop), run.top, run.bottom, run.samples]
+                for run in of.passes)  # fmt: skip
+        _table(target / "passes.csv", heads, runs)
+    if of.events:
+        place = ("utc", "connection", "line", "text")
+        heads = ["source", "rule", "count", *(f"{when}_{name}" for when in ("first", "last") for name in place)]
+        _table(target / "events.csv", heads, (
+            [event.source, event.rule, event.count, *_place(event), *_place(event.newest)] for event in of.events
+        ))  # fmt: skip
+    if "main" in of.walls:
+        _mesh(of.walls["main"], of, target)
 
 
-def _images(live: Live) -> list[SectorImage]:
-    """The images of the sources, as soon as they have two rows and a value."""
-    found = []
-    for source in live.configuration.sources.values():
-        for items in source.images:
-            depth, values = live.images[items.name].arrays()
-            if len(depth) > 1 and not np.isnan(values).all():
-                found.append(live.image(items.name))
-    return found
+def _mesh(wall: StillWall, of: Still, target: Path) -> None:
+    if len(wall) <= wall.settings.sectors + 1:
+        return
+    top, bottom = sorted((wall.start_depth, wall.stop_depth))
+    if of.path is None or (of.path.start_depth <= top and of.path.stop_depth >= bottom):
+        wall.surface(of.path, stop=wall.stop_depth).save(target / "main.glb")
 
 
-def _meets(image: SectorImage, wall: Wall) -> bool:
-    """Whether they share a turn or more: elsewhere an image has no quad of the wall to lie on, and says so."""
-    pitch = wall.settings.pitch
-    ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
-    top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach
-    shared = min(ends[1] - abs(pitch), bottom) - max(ends[0] + abs(pitch), top)
-    return bool(shared > abs(pitch))
+def _place(event: Event) -> Cells:
+    return [utc(event.wall), event.connection, event.line or None, event.text]
 
 
-def _table(file: Path, heads: list[str], rows: Iterable[Sequence[float | str | None]]) -> Path:
+def _table(file: Path, heads: list[str], rows: Iterable[Cells]) -> None:
     """Write a table, of numbers every digit; a missing one is an empty cell."""
-    lines = (",".join(_cell(value) for value in row) for row in rows)
-    text = "\n".join([",".join(heads), *lines, ""])
-    write_whole(file, lambda whole: whole.write(text.encode()))
-    return file
-
-
-def _cell(value: float | str | None) -> str:
-    if isinstance(value, str):
-        return value
-    return "" if value is None or value != value else repr(value)
+    text = io.StringIO()
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(heads)
+    table.writerows([None if value != value else value for value in row] for row in rows)
+    write_whole(file, lambda whole: whole.write(text.getvalue().encode()))

@@ -28,7 +28,7 @@ class Update:
     changes
         For each layer that took samples, the wall's Change: ``ranges`` of vertices, ``settled``.
     images
-        For each image that grew, its new rows [start, stop) in order of arrival.
+        For each image that grew, its new rows [start, stop) in order of arrival: those of ``ImageRows.rows``.
     path_from
         Depth below which the path moved, metres; None when it did not.
     events

@@ -1,0 +1,158 @@
+"""Snapshots: files of one instant, all of them or those of before."""
+
+from __future__ import annotations
+
+import csv
+import json
+import threading
+
+import numpy as np
+import pytest
+from live_wires import FRAMES, SENT, Clock, same_bits
+
+import helibore as hb
+from helibore import Live
+from helibore.live import wits
+from helibore.live.configuration import parse
+from helibore.live.snapshot import snapshot
+from helibore.live.still import StillWall, still
+
+
+def both(number):
+    """A frame with a triple and an image row."""
+    items = [
+        (5010, f"{number * 37 % 360}"),
+        (5011, f"{100 + 0.01 * number:.2f}"),
+        (5012, "110"),
+        (821, f"{100 + number}"),
+    ]
+    return wits.frame([*items, (5110, "1"), (5111, "2"), (5112, "3"), (5113, "4")])
+
+
+def table(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def contents(folder):
+    return {path.name: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+
+
+def test_the_files_are_of_one_instant_while_the_wall_grows(tmp_path):
+    live = Live(parse(SENT))
+    stop = threading.Event()
+
+    def push():
+        for number in range(1, 100_000):
+            if stop.is_set():
+                return
+            live.receive("mwd", both(number))
+
+    live.receive("mwd", both(0))
+    live.receive("mwd", both(1000))
+    pushing = threading.Thread(target=push)
+    pushing.start()
+    seen = []
+    try:
+        for number in range(1, 9):
+            snapshot(live, tmp_path)
+            manifest = json.loads((tmp_path / "snapshot.json").read_text())
+            saved = hb.load(tmp_path / "main.wall")
+            rows = len(table(tmp_path / "image-GR.csv"))
+            assert saved.sample_count == rows
+            assert sum(int(row["samples"]) for row in table(tmp_path / "passes.csv")) == rows
+            assert manifest["records"] == rows + 1  # and the one that opened the session
+            assert (manifest["number"], manifest["complete"]) == (number, True)
+            assert manifest["files"] == {n: len(b) for n, b in contents(tmp_path).items() if n != "snapshot.json"}
+            assert len(saved.images["GR"].depth) == rows - (live.images["GR"].rows(0, 2)[0][0] != 100)
+            seen.append(rows)
+    finally:
+        stop.set()
+        pushing.join()
+    assert seen[-1] > seen[0] + 20
+
+
+def test_what_is_still_reads_as_the_wall_did():
+    live = Live(parse(SENT), clock=Clock())
+    live.append_stations([0.0, 130.0], [0.0, 9.0], [0.0, 40.0])
+    for frame in FRAMES[:100]:
+        live.receive("mwd", frame)
+    kept, surface, logs = still(live).walls["main"], live.wall.surface(live.path), live.wall.logs()
+    before = hb.reconstruct(live.wall.samples, bit_diameter=0.216, start_depth=100.0, sectors=16)
+    for frame in FRAMES[100:]:
+        live.receive("mwd", frame)
+    assert len(kept) == len(before) < len(live.wall)
+    assert np.array_equal(kept.radius, before.radius, equal_nan=True)
+    assert kept.stop_depth == before.depth[-1]
+    assert np.array_equal(kept.surface(kept.path).vertices, surface.vertices)
+    assert np.array_equal(kept.logs().equivalent_diameter, logs.equivalent_diameter, equal_nan=True)
+    assert np.array_equal(kept.logs().age, logs.age, equal_nan=True)
+
+
+def test_the_saved_wall_goes_on_with_the_bits_of_the_live_one(tmp_path):
+    live = Live(parse(SENT), clock=Clock())
+    for frame in FRAMES:
+        live.receive("mwd", frame)
+    snapshot(live, tmp_path)
+    assert same_bits(hb.load(tmp_path / "main.wall"), live.wall)
+
+
+def test_what_cannot_be_written_leaves_the_snapshot_before(tmp_path, monkeypatch):
+    live = Live(parse(SENT), clock=Clock())
+    live.receive("mwd", FRAMES[0])
+    snapshot(live, tmp_path)
+    before = contents(tmp_path)
+    live.receive("mwd", FRAMES[1] + both(3))
+
+    def refuse(*_):
+        raise OSError(28, "No space left on device")
+
+    for name in ("save", "logs"):
+        with monkeypatch.context() as patch:
+            patch.setattr(StillWall, name, refuse)
+            for frame in FRAMES[2:60]:
+                live.receive("mwd", frame)
+            with pytest.raises(OSError, match="No space left"):
+                snapshot(live, tmp_path)
+        assert contents(tmp_path) == before
+        assert not (tmp_path / ".new").exists()
+    snapshot(live, tmp_path)
+    assert json.loads((tmp_path / "snapshot.json").read_text())["number"] == 2
+
+
+def test_files_of_before_go_and_those_of_others_stay(tmp_path):
+    live = Live(parse(SENT), clock=Clock())
+    live.receive("mwd", FRAMES[0])
+    snapshot(live, tmp_path)
+    (tmp_path / "mine.csv").write_text("x")
+    (tmp_path.parent / "precious.csv").write_text("y")
+    manifest = json.loads((tmp_path / "snapshot.json").read_text())
+    manifest |= {"number": 6, "complete": False}  # as a run that was killed between two files leaves it
+    manifest["files"] |= {"old.las": 5, "../precious.csv": 1, "/etc/passwd": 2}
+    (tmp_path / "old.las").write_text("old")
+    (tmp_path / "snapshot.json").write_text(json.dumps(manifest))
+    (tmp_path / ".new").mkdir()
+    (tmp_path / ".new" / "half").write_text("z")
+    snapshot(live, tmp_path)
+    assert set(contents(tmp_path)) == {"main.wall", "passes.csv", "snapshot.json", "mine.csv"}
+    assert (tmp_path.parent / "precious.csv").exists()
+    assert json.loads((tmp_path / "snapshot.json").read_text())["number"] == 7
+    for damaged in ("", "[]", '{"number": "x", "files": {}}', '{"number": 3, "files": 7}'):
+        (tmp_path / "snapshot.json").write_text(damaged)
+        snapshot(live, tmp_path)
+        assert json.loads((tmp_path / "snapshot.json").read_text())["number"] == 1
+
+
+def test_events_are_in_the_snapshot(tmp_path):
+    clock = Clock()
+    live = Live(parse(SENT), clock=clock)
+    for text in (b'a,"b"\r\n', b"&&\r\n!!\r\n", b"late\r\n"):
+        clock.step(60)
+        live.receive("mwd", text)
+    snapshot(live, tmp_path)
+    assert table(tmp_path / "events.csv") == [
+        {"source": "mwd", "rule": "stray_text", "count": "2", "first_utc": "2023-11-14T22:14:20.000Z",
+         "first_connection": "1", "first_line": "1", "first_text": "b'a,\"b\"': text between frames is not read",
+         "last_utc": "2023-11-14T22:16:20.000Z", "last_connection": "1", "last_line": "4",
+         "last_text": "b'late': text between frames is not read"}
+    ]  # fmt: skip
