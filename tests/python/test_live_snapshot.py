@@ -143,6 +143,17 @@ def test_files_of_before_go_and_those_of_others_stay(tmp_path):
         assert json.loads((tmp_path / "snapshot.json").read_text())["number"] == 1
 
 
+def test_no_name_leads_out_of_the_folder(tmp_path):
+    live = Live(parse(SENT), clock=Clock())
+    for name in ("../../x", "a/b", "a%2Fb", "..\\x"):
+        live.append_image(name, [101.0], np.ones((1, 4)))
+    (tmp_path / "now").mkdir()
+    written = snapshot(live, tmp_path / "now")
+    assert {path.name for path in written} == {"image-..%2F..%2Fx.csv", "image-a%2Fb.csv", "image-a%252Fb.csv",
+                                               "image-..%5Cx.csv", "snapshot.json"}  # fmt: skip
+    assert [path.name for path in tmp_path.iterdir()] == ["now"]
+
+
 def test_events_are_in_the_snapshot(tmp_path):
     clock = Clock()
     live = Live(parse(SENT), clock=clock)

@@ -86,13 +86,13 @@ def _write_manifest(target: Path, manifest: dict[str, object]) -> None:
 
 def _write(of: Still, target: Path, logs: str) -> None:
     for name, wall in of.walls.items():
-        wall.save(target / f"{name}.wall")
+        wall.save(target / f"{_safe(name)}.wall")
         if logs != "none" and len(wall) > wall.settings.sectors:
-            wall.logs().save(target / f"{name}.{logs}")
+            wall.logs().save(target / f"{_safe(name)}.{logs}")
     for name, (depth, values) in of.images.items():
         heads = ["depth_m", *(f"{name}[{number}]" for number in range(1, values.shape[1] + 1))]
         rows = ([d, *row] for d, row in zip(depth.tolist(), values.tolist(), strict=True))
-        _table(target / f"image-{name}.csv", heads, rows)
+        _table(target / f"image-{_safe(name)}.csv", heads, rows)
     if len(of.stations):
         _table(target / "survey.csv", ["depth_m", "inclination_deg", "azimuth_deg"], of.stations.tolist())
     if of.passes:
@@ -108,6 +108,13 @@ def _write(of: Still, target: Path, logs: str) -> None:
         ))  # fmt: skip
     if "main" in of.walls:
         _mesh(of.walls["main"], of, target)
+
+
+def _safe(name: str) -> str:
+    """A name that leads into no other folder, and is another for another name."""
+    for character in "%/\\":
+        name = name.replace(character, f"%{ord(character):02X}")
+    return name
 
 
 def _mesh(wall: StillWall, of: Still, target: Path) -> None:

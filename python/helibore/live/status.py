@@ -140,7 +140,7 @@ class Page:
         table.add_row("bit", f"{bit[0]:,.2f} m" if bit else "-", "hole", f"{hole[0]:,.2f} m" if hole else "-")
         for name, wall in server.live.layers.items():
             table.add_row(name, f"{len(wall):,} vertices", "samples", f"{wall.sample_count:,}")
-        for run in model.passes.latest.values():
+        for run in list(model.passes.latest.values()):  # it grows meanwhile
             called = "" if run.number is None else f", number {run.number}"
             table.add_row("pass", f"{run.name}{called}", run.source or "host", f"{run.samples:,} samples")
         drawn = model.counts["drawn"]
