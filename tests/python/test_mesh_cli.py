@@ -81,6 +81,17 @@ def test_shells_carry_the_images(folder: Path) -> None:
     assert f"{len(volume.hexes):,} hexahedra" in result.output
 
 
+def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> None:
+    rows = "".join(f"{depth:g},7,7,7,7,-2,3,3,3\n" for depth in np.arange(1000.0, 1010.0, 0.1))
+    (folder / "c.csv").write_text("md_m,C1,C2,C3,C4,RES1 [ohm.m],RES2 [ohm.m],RES3 [ohm.m],RES4 [ohm.m]\n" + rows)
+    for name in ("C", "RES"):
+        image = ("--image", f"{folder}/c.csv:{name}:edge")
+        assert run(folder / "w.wall", *image, "-o", folder / f"{name}.vtu", "-q").exit_code == 0
+    assert run(folder / "w.wall", "--image", f"{folder}/c.csv:C:edge", "-o", folder / "c.glb", "-q").exit_code == 0
+    refused = run(folder / "w.wall", *image, "-o", folder / "r.glb")
+    assert "must be above 0 on a log scale" in refused.stderr
+
+
 @pytest.mark.parametrize(
     ("arguments", "rule"),
     [

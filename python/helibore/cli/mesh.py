@@ -24,7 +24,7 @@ from helibore.survey import Reference
 from helibore.volume import VOLUME_ENDINGS, Volume
 from helibore.wall import Wall
 
-ARCHIVE = ".wall"
+ARCHIVE, COLORED = ".wall", (".glb", ".ply")
 
 
 @click.command()
@@ -82,24 +82,29 @@ def _volume(wall: Wall, shells: tuple[float, ...], start: float | None, stop: fl
 
 
 def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None) -> None:
-    """Write it, coloured as is customary for what it is coloured by."""
-    from helibore.colors import customary_map
-    from helibore.normalization import percentile_limits
-
+    """Write it; where the file has colours, as is customary for what it is coloured by."""
     if output.suffix.lower() == ARCHIVE:
         wall.save(output)
     elif isinstance(made, Volume):
         made.save(output)
     else:
-        name = color_by or next(iter(wall.images), None)
-        if name not in wall.images:
-            made.save(output, color_by=None if name in (None, "radius") else name)
-            return
-        image = wall.images[name]
-        color_map = customary_map(image.name, image.unit)
-        log = color_map == "resistivity"
-        limits = percentile_limits(made.attributes[name], log=log)
-        made.save(output, color_by=name, limits=limits, color_map=color_map, log=log)
+        name = color_by or next(iter(wall.images), "radius")
+        made.save(output, color_by=None if name == "radius" else name, **_colors(wall, made, output, name))
+
+
+def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
+    """The colours of an image: its customary map, between percentiles where it has a range."""
+    from helibore.colors import customary_map
+    from helibore.normalization import PERCENTILES
+
+    values = made.attributes[name] if name in wall.images else np.empty(0)
+    there = values[np.isfinite(values)]
+    if output.suffix.lower() not in COLORED or not there.size:
+        return {}
+    color_map = customary_map(wall.images[name].name, wall.images[name].unit)
+    low, high = np.percentile(there, PERCENTILES)
+    limits = (float(low), float(high)) if low < high else None
+    return {"limits": limits, "color_map": color_map, "log": color_map == "resistivity"}
 
 
 def _lines(found: Sourced, made: Surface | Volume) -> list[tuple[str, str]]:
