@@ -168,6 +168,47 @@ def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any
     second.close()
 
 
+def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1010&sec=20")
+    screen.settle()
+    for depth, text in ((1006.0, "tight, reamed twice"), (1013.0, "wash & <b>out</b> " + "x" * 70)):
+        screen.mouse.move(*place(screen, 90, depth))
+        screen.until(f"Math.abs(window.__wall.app.view.cursor?.depth - {depth}) < 0.1")
+        screen.keyboard.press("b")
+        assert screen.inner_text("#noteTitle").startswith(f"Note at {depth:.0f}"[:10])
+        screen.keyboard.type(text)
+        screen.keyboard.press("Enter")
+        screen.until(f"window.__wall.app.notes.kept.some(({{ depth }}) => Math.abs(depth - {depth}) < 0.1)")
+    screen.settle()
+    texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+    assert "tight, reamed twice" in texts
+    assert any(text.startswith("wash & <b>out</b>") and text.endswith("…") for text in texts), (
+        "cut to the track's width"
+    )
+    screen.settle()
+    screen.wait_for_timeout(600)
+    again = Screen(browser, viewer.url, screen.evaluate("location.hash"))
+    again.settle()
+    kept = "window.__wall.app.notes.kept.map(({ depth, text }) => [depth.toFixed(3), text])"
+    assert again.evaluate(kept) == screen.evaluate(kept)
+    assert len(again.evaluate(kept)[1][1]) == 80
+    again.mouse.move(*place(again, 200, 1006.0))
+    again.until("Math.abs(window.__wall.app.view.cursor?.depth - 1006) < 0.1")
+    again.keyboard.press("b")
+    assert again.evaluate("document.getElementById('noteText').value") == "tight, reamed twice"
+    again.keyboard.press("Escape")
+    again.until("!document.getElementById('note').open")
+    assert len(again.evaluate(kept)) == 2, "Escape changes nothing"
+    again.until("document.activeElement === document.body")
+    again.mouse.move(*place(again, 210, 1006.0))
+    again.until("Math.abs(window.__wall.app.view.cursor?.depth - 1006) < 0.1")
+    again.keyboard.press("b")
+    again.click("#note button[value=remove]")
+    again.until("window.__wall.app.notes.kept.length === 1")
+    again.close()
+    screen.close()
+
+
 def test_a_snapshot_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, tmp_path: Path) -> None:
     live = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=GR")
     live.settle()

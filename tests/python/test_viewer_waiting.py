@@ -91,7 +91,7 @@ def test_a_page_with_the_token_of_before_says_so_and_lives_again_with_the_right_
     with hb.view(MadeWall(20_000), port=port, token="first") as viewer:
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", SIZE)
         screen.settle()
-    screen.until("document.getElementById('lampText').textContent === 'Connection lost, trying again'")
+    screen.until("document.getElementById('lampText').textContent === 'The server was stopped, trying again'")
     assert not screen.is_visible("#connection")
     with hb.view(MadeWall(20_000), port=port, token="second") as viewer:
         screen.until("document.getElementById('lampText').textContent.startsWith('The server refused')")

@@ -24,6 +24,7 @@ from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
 MOST_ADDRESS = 4096  # characters
+CLOSING = '<form method="dialog"><button>Close</button></form>'
 SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
 
@@ -71,7 +72,7 @@ def _page(files: dict[str, str]) -> tuple[str, str]:
         ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
         ('<link rel="stylesheet" href="app.css">', f"<style>\n{files['app.css']}</style>"),
         ('<a href="licences.txt" target="_blank" rel="noopener">', "<a>"),
-        ('<form method="dialog">', f'{licences}\n  <form method="dialog">'),
+        (CLOSING, f"{licences}\n  {CLOSING}"),
         (SCRIPT, SCRIPT),
     ):
         if page.count(old) != 1:

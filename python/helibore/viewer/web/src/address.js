@@ -1,9 +1,9 @@
 // The address after #: all that a colleague needs to see the same picture. The view writes its own part (view.js); here are
-// the colours of the current quantity, the held cursor, the kept sections and the picked dips.
+// the colours of the current quantity, the held cursor, the kept sections, the picked dips and the notes.
 
 const short = (value) => String(Number(value.toPrecision(5)));
 
-export function toAddress({ view, quantity, picking }) {
+export function toAddress({ view, quantity, picking, notes }) {
   const parts = new URLSearchParams(view.toAddress().slice(1));
   if (quantity && Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) {
     parts.set('range', `${short(quantity.low)}_${short(quantity.high)}`);
@@ -13,6 +13,7 @@ export function toAddress({ view, quantity, picking }) {
   if (view.pinned && view.cursor) parts.set('at', [view.cursor.depth.toFixed(3), ...(Number.isFinite(view.cursor.toolface) ? [view.cursor.toolface.toFixed(1)] : [])].join('_'));
   if (view.pins.length) parts.set('sections', view.pins.map((depth) => depth.toFixed(3)).join('_'));
   if (picking.kept.length) parts.set('dips', picking.toAddress());
+  if (notes.kept.length) parts.set('notes', notes.toAddress());
   return `#${parts}`;
 }
 
@@ -20,12 +21,13 @@ const numbers = (text) => (text ? text.split('_').map(Number).filter(Number.isFi
 
 // Take what is valid; the colours wait in `app.colours` for the wall's quantities. True when a depth is named.
 export function fromAddress(app, hash, maps) {
-  const { view, picking } = app;
+  const { view, picking, notes } = app;
   const said = new URLSearchParams(hash.replace(/^#/, ''));
   const [depth, toolface = null] = numbers(said.get('at'));
   if (depth !== undefined) view.set({ cursor: { depth, toolface }, pinned: true });
   view.set({ pins: numbers(said.get('sections')).slice(0, 3) });
   picking.fromAddress(said.get('dips'));
+  notes.fromAddress(said.get('notes'));
   const [low, high] = numbers(said.get('range'));
   app.colours = low < high ? { low, high, log: said.get('log') === '1', dynamic: said.get('dynamic') === '1', ...(maps[said.get('map')] ? { map: said.get('map') } : {}) } : null;
   return view.fromAddress(hash);

@@ -3,7 +3,7 @@
 
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
-import { hatched, line } from './tracks.js';
+import { hatched, line } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
 

@@ -6,6 +6,7 @@ import { decode, encodeAck, encodeSubscribe, FRAMES, toRanges } from './protocol
 
 const SLOWEST = 8000;
 export const LOST = 'Connection lost, trying again';
+export const STOPPED = 'The server was stopped, trying again';
 
 // What the server's closing codes mean to the user.
 const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages are open', 4400: 'The page broke the protocol' };
@@ -33,7 +34,7 @@ export class Connection {
 
   closed(event) {
     const refusal = REFUSALS[event.code];
-    const words = refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : LOST;
+    const words = event.code === 1012 ? STOPPED : refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : LOST;
     this.on.status('lost', this.fault || words);
     this.session = null;
     this.asked = '';

@@ -5,7 +5,7 @@
 import { planeDepth, wallPoint } from './dips.js';
 import { BOLD, HEAD, label, PALETTES, SMALL, yOf } from './layout.js';
 import { leftEdge } from './path.js';
-import { line } from './tracks.js';
+import { line } from './strokes.js';
 
 export function drawDips(ink, look, planes, gpu) {
   const palette = PALETTES[look.view.theme];

@@ -165,7 +165,7 @@ function bindHistogram(app) {
 
 export function bindKeys(app) {
   window.addEventListener('keydown', (event) => {
-    const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || byId('help').open;
+    const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || byId('help').open || byId('note').open;
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
     const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[event.key - 1]?.id) : null);
     if (!act || (event.key === 'Enter' && event.target.tagName === 'BUTTON')) return;
@@ -192,6 +192,7 @@ const KEYS = {
   p: (app) => app.keepSection(),
   r: (app) => app.replay.toggle(),
   d: (app) => app.picking.toggle(),
+  b: (app) => app.notes.open(),
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => app.picking.undo(),
   Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.set({ cursor: null, pinned: false })),

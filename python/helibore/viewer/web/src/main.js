@@ -5,7 +5,7 @@
 // Nothing is drawn unless something changed; a page at rest costs nothing.
 
 import { fromAddress, toAddress } from './address.js';
-import { Connection, LOST } from './connection.js';
+import { Connection, LOST, STOPPED } from './connection.js';
 import { MAPS, quantities } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Enclosed, enclosed } from './enclosed.js';
@@ -15,6 +15,7 @@ import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
+import { drawNotes, Notes } from './notes.js';
 import { byId, dress, fillSelects, Histogram, lamp, links, options, readout, reflect, rest, sectionText, write } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
@@ -51,6 +52,7 @@ class App {
     bindSaving(this);
     this.replay = new Replay(this);
     this.picking = new Picking(this);
+    this.notes = new Notes(this);
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
     this.resize();
     this.contents = enclosed();
@@ -159,7 +161,7 @@ class App {
     this.words = words;
     const told = byId('connection'); // where more is to say than the lamp has room for
     told.textContent = words;
-    told.hidden = !words || words === LOST;
+    told.hidden = !words || words === LOST || words === STOPPED;
     lamp(this);
     this.redraw();
   }
@@ -209,6 +211,7 @@ class App {
       wallRect: rects.wall,
       background: PALETTES[view.theme].background,
       dark: view.theme === 'dark',
+      notes: this.notes.kept,
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
   }
@@ -265,6 +268,7 @@ class App {
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
+    drawNotes(ink, look);
     if (this.picking.on) drawPoints(ink, look, this.picking.points);
     this.picking.write(planes);
     drawCursor(ink, look);

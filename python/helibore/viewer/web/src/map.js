@@ -5,7 +5,7 @@ import { lookup } from './colour.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';
-import { line } from './tracks.js';
+import { line } from './strokes.js';
 
 const WIDE = 24; // pixels of colour; the rest of the track is the enlargement
 const EDGE = 3; // pixels of grey at the left where something is missing
@@ -31,7 +31,7 @@ export class DepthMap {
   }
 
   draw(ink, look) {
-    const { view, rects, bitDepth } = look;
+    const { view, rects, bitDepth, notes } = look;
     const palette = PALETTES[view.theme];
     const rect = rects.map;
     const [a, b] = this.ends(look);
@@ -53,6 +53,7 @@ export class DepthMap {
     ink.strokeStyle = palette.ink;
     ink.lineWidth = 2;
     ink.strokeRect(rect.left + 1, upper, rect.width - 2, tall);
+    for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.cursor);
     if (bitDepth !== null) label(ink, '◀', rect.left + rect.width, y(bitDepth), { colour: palette.ink, align: 'right', font: SMALL });
     label(ink, b.toFixed(0), rect.left + rect.width / 2, rect.top + rect.height - 8, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });

@@ -87,6 +87,8 @@ test('a lost connection says so; a refusal says why', () => {
     const { heard, socket } = connected();
     socket.onclose({ code: 1006, reason: '' });
     assert.deepEqual(heard.status.at(-1), ['lost', 'Connection lost, trying again']);
+    socket.onclose({ code: 1012, reason: '' });
+    assert.deepEqual(heard.status.at(-1), ['lost', 'The server was stopped, trying again']);
     socket.onclose({ code: 4403, reason: 'token: missing or wrong.' });
     assert.deepEqual(heard.status.at(-1), ['lost', 'The server refused this page: token: missing or wrong.']);
   } finally {

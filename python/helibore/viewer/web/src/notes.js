@@ -1,0 +1,77 @@
+// Notes at a depth: B writes one at the cursor, or opens the one that is there. They are in the address, and so in what a
+// colleague is sent and in snapshots; the server knows nothing of them.
+
+import { BOLD, label, PALETTES, yOf } from './layout.js';
+import { byId } from './panel.js';
+import { line } from './strokes.js';
+import { showDepth } from './units.js';
+
+const MOST = 50;
+const LONGEST = 80; // characters
+const NEAR = 8; // pixels within which a note is the one that is there
+
+export class Notes {
+  constructor(app) {
+    Object.assign(this, { app, kept: [], at: null });
+    const card = byId('note');
+    card.addEventListener('close', () => this.close(card.returnValue));
+  }
+
+  open() {
+    const { view, rects } = this.app;
+    const depth = view.cursor?.depth ?? view.middle;
+    const near = (NEAR / rects.image.height) * view.length;
+    this.at = this.kept.find((note) => Math.abs(note.depth - depth) < near) ?? { depth, text: '' };
+    byId('noteTitle').textContent = `Note at ${showDepth(this.at.depth)}`;
+    byId('noteText').value = this.at.text;
+    const card = byId('note');
+    card.returnValue = '';
+    card.showModal();
+  }
+
+  close(said) {
+    const text = byId('noteText').value.trim().slice(0, LONGEST);
+    const others = this.kept.filter((note) => note !== this.at);
+    if (said === 'keep' && text) this.kept = [...others, { depth: this.at.depth, text }].sort((a, b) => a.depth - b.depth).slice(0, MOST);
+    else if (said) this.kept = others; // removed, or kept without a word
+    this.app.redraw();
+  }
+
+  toAddress() {
+    return this.kept.map(({ depth, text }) => `${depth.toFixed(3)}_${encodeURIComponent(text).replaceAll('~', '%7E')}`).join('~');
+  }
+
+  fromAddress(said) {
+    this.kept = (said ?? '').split('~').map(noteFrom).filter(Boolean).slice(0, MOST);
+  }
+}
+
+function noteFrom(said) {
+  const at = said.indexOf('_');
+  const depth = at > 0 ? Number(said.slice(0, at)) : NaN;
+  try {
+    const text = decodeURIComponent(said.slice(at + 1)).trim().slice(0, LONGEST);
+    return Number.isFinite(depth) && text ? { depth, text } : null;
+  } catch {
+    return null; // not an address that this page wrote
+  }
+}
+
+// On the image: a line at the depth, the text over it, as much as the track has room for.
+export function drawNotes(ink, { view, rects, notes }) {
+  const palette = PALETTES[view.theme];
+  const { left, width } = rects.image;
+  for (const { depth, text } of notes) {
+    if (depth < view.top || depth > view.bottom) continue;
+    const y = Math.round(yOf(view, rects.image, depth)) + 0.5;
+    line(ink, left, y, left + width, y, palette.pin);
+    ink.font = BOLD;
+    label(ink, fitting(ink, text, width - 12), left + 6, y - 9, { colour: palette.pin, halo: palette.paper, font: BOLD, yields: true });
+  }
+}
+
+function fitting(ink, text, room) {
+  let shown = text;
+  while (shown.length > 1 && ink.measureText(shown).width > room) shown = `${shown.slice(0, shown.endsWith('…') ? -2 : -1)}…`;
+  return shown;
+}

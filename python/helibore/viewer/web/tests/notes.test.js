@@ -1,0 +1,28 @@
+// Notes in an address: what was written comes back, whatever its characters; what was not written by a page is left out.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Notes } from '../src/notes.js';
+
+globalThis.document = { getElementById: () => ({ addEventListener() {} }) };
+
+test('notes come back from the address as they were written', () => {
+  const notes = new Notes({});
+  notes.kept = [{ depth: 1012.5, text: 'tight_spot ~ 50 % & <b>“reamed”</b>' }, { depth: 2000, text: 'Schuh 9⅝"' }];
+  const parts = new URLSearchParams();
+  parts.set('notes', notes.toAddress());
+  const other = new Notes({});
+  other.fromAddress(new URLSearchParams(parts.toString()).get('notes'));
+  assert.deepEqual(other.kept, notes.kept);
+});
+
+test('what no page wrote is left out, and there is an end to it', () => {
+  const notes = new Notes({});
+  notes.fromAddress('x_y~_a~5~5_~5_%E0%A4~7_good~nan_a~1e400_a');
+  assert.deepEqual(notes.kept, [{ depth: 7, text: 'good' }]);
+  notes.fromAddress(Array.from({ length: 90 }, (_, i) => `${i}_${'x'.repeat(200)}`).join('~'));
+  assert.equal(notes.kept.length, 50);
+  assert.equal(notes.kept[0].text.length, 80);
+  notes.fromAddress(null);
+  assert.deepEqual(notes.kept, []);
+});
