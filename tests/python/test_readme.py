@@ -15,6 +15,8 @@ README = (ROOT / "README.md").read_text()
 IMAGES = ROOT.parent / "shared/data/lwd-images"
 F12 = ROOT.parent / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
+REAL = {F12.name: F12, "P11-A-02.las": IMAGES / "P11-A-02_Composite_MEM_Image_NF.las"}
+
 
 def block(language: str, having: str) -> str:
     blocks = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
@@ -46,20 +48,38 @@ def test_python_images_from_files(tmp_path: Path) -> None:
 
 
 def test_cpp(tmp_path: Path) -> None:
+    live = (
+        "#include <helibore/live.hpp>\nusing Column = std::vector<double>;\ntemplate <class T> void draw(const T&) {}\n"
+    )
+    columns = "depth, toolface, radius, time, station_depth, inclination, azimuth"
+    live += f"void host(Column {columns.replace(', ', ', Column ')}) {{\n{block('cpp', 'Live live')}}}\n"
     source = tmp_path / "main.cpp"
-    source.write_text(block("cpp", "int main"))
+    source.write_text(block("cpp", "int main") + live)
     warnings = ("-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-std=c++20")
     subprocess.run(["c++", *warnings, "-I", ROOT / "cpp/include", source], check=True)
 
 
+def commands(having: str, folder: Path) -> None:
+    """Run the lines of a block in a folder, on the real files they name; the pictures of a long well on 5 m of it."""
+    text = block("sh", having).replace("\\\n", " ")
+    for short, whole in REAL.items():
+        text = text.replace(short, str(whole))
+    for command in text.replace("&&", "\n").splitlines():
+        words = shlex.split(command, comments=True)
+        if words[1] in ("plot", "report"):
+            words += ["--to", "3085" if "f12.wall" in words else "1955" if "--gauge" in words else "2005"]
+        subprocess.run([sys.executable, "-m", *words], cwd=folder, check=True, capture_output=True)
+
+
 def test_real_hole(tmp_path: Path) -> None:
-    if not F12.exists():
-        pytest.skip("shared/data/calipers is not beside the project: no Volve F-12 caliper")
-    for having in ("-o f12.glb", "--from-settings"):
-        for line in block("sh", having).replace("\\\n", " ").replace(F12.name, str(F12)).splitlines():
-            subprocess.run([sys.executable, "-m", *shlex.split(line)], cwd=tmp_path, check=True, capture_output=True)
-    assert (tmp_path / "f12.glb").read_bytes()[:4] == b"glTF"
-    assert (tmp_path / "again.glb").read_bytes() == (tmp_path / "f12-larger.glb").read_bytes()
+    if not F12.exists() or not IMAGES.is_dir():
+        pytest.skip("shared/data is not beside the project: no Volve F-12 caliper, no images")
+    for having in ("-o f12.glb", "-o f12-larger.glb", "helibore logs", "helibore report", "-o helibore-log.png"):
+        commands(having, tmp_path)
+    made = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
+    assert made["f12.glb"][:4] == b"glTF"
+    assert made["again.glb"] == made["f12-larger.glb"]
+    assert {"f12.las", "hole.csv", "zones.csv", "f12.pdf", "images.pdf", "f12.html", "helibore-log.png"} < made.keys()
 
 
 def test_every_place_named_is_there() -> None:
