@@ -312,7 +312,10 @@ class Model:
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
         flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known
         triples = ready & (rows["image"] < 0)
-        self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
+        if not triples.all():  # copies of what is mostly all are dear
+            self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
+        else:
+            self._draw(rows, depth, kind, flags, update)
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
@@ -327,29 +330,31 @@ class Model:
             for flag in Flag:
                 self.counts[f"flag {flag.name}"] += int(np.count_nonzero(flags & flag))
         good = (flags & int(NEVER_DRAWN)) == 0
-        self.counts["not drawn"] += int(np.count_nonzero(~good))
-        if not good.any():
+        if not good.all():
+            self.counts["not drawn"] += int(np.count_nonzero(~good))
+            rows, depth, kind = rows[good], depth[good], kind[good]
+        if not len(rows):
             return
-        rows, depth = rows[good], depth[good]
-        kind = self.passes.decide(rows, kind[good])
+        kind = self.passes.decide(rows, kind)
         self.passes.add(rows["source"], rows["number"], kind, rows["time"], depth)
-        for index, name in enumerate(PASSES):
-            self.counts[f"pass {name}"] += int(np.count_nonzero(kind == index))
+        for name, count in zip(PASSES, np.bincount(kind, minlength=len(PASSES)).tolist(), strict=True):
+            self.counts[f"pass {name}"] += count
         time = (rows["time"] - self.clock.began) / SECOND
         drawn = np.zeros(len(rows), bool)
         for name, layer in self.layers.items():
-            takes = self._takes[name]
-            chosen = np.isin(kind, takes.kinds) | np.isin(rows["number"], takes.numbers)
+            chosen = self._takes[name].chosen(kind, rows["number"])
             if not chosen.any():
                 continue
             drawn |= chosen
             update.changes[name] = joined(update.changes.get(name), layer.append(
                 depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
-            self._watch_depth(name, depth[chosen], rows[chosen])
+            self._watch_depth(name, depth[chosen], rows, chosen)
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
-    def _watch_depth(self, name: str, depth: npt.NDArray[np.float64], rows: Rows) -> None:
+    def _watch_depth(
+        self, name: str, depth: npt.NDArray[np.float64], rows: Rows, chosen: npt.NDArray[np.bool_]
+    ) -> None:
         """An event where the wall jumps over more depth than its samples reach."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
@@ -357,7 +362,7 @@ class Model:
 
         def describe(row: int) -> Event:
             text = f"layer {name}: no samples from {deepest[row]:.3f} m to {depth[row]:.3f} m"
-            return self.passes.event(rows[row], "depth_gap", text)
+            return self.passes.event(rows[np.flatnonzero(chosen)[row]], "depth_gap", text)
 
         self.events.tell_rows(jumps, describe)
         self._deepest[name] = float(deepest[-1])

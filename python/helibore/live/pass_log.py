@@ -11,6 +11,7 @@ kept.
 
 from __future__ import annotations
 
+import itertools
 from collections import deque
 from dataclasses import dataclass, replace
 
@@ -120,10 +121,18 @@ class PassLog:
     ) -> None:
         """Count samples whose pass is decided."""
         for who in np.unique(source).tolist():
-            rows = np.flatnonzero(source == who)
-            changes = (np.diff(kind[rows]) != 0) | (np.diff(number[rows]) != 0)
-            for run in np.split(rows, np.flatnonzero(changes) + 1):
-                self._extend(who, int(number[run[0]]), int(kind[run[0]]), time[run], depth[run])
+            if not (source == source[0]).all():
+                rows = np.flatnonzero(source == who)
+                self._add_of(who, number[rows], kind[rows], time[rows], depth[rows])
+            else:
+                self._add_of(who, number, kind, time, depth)
+
+    def _add_of(
+        self, who: int, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
+    ) -> None:
+        changes = np.flatnonzero((kind[1:] != kind[:-1]) | (number[1:] != number[:-1])) + 1
+        for start, stop in itertools.pairwise([0, *changes.tolist(), len(kind)]):
+            self._extend(who, int(number[start]), int(kind[start]), time[start:stop], depth[start:stop])
 
     def _extend(self, who: int, number: int, kind: int, time: Integers, depth: npt.NDArray[np.float64]) -> None:
         said = None if number == NO_NUMBER else number

@@ -18,7 +18,12 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+import numpy as np
+import numpy.typing as npt
+
 from helibore.live.tables import Table
+
+Integers = npt.NDArray[np.int64]
 
 PASSES = ("drill", "ream", "rescan", "trip", "unknown")
 DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
@@ -60,6 +65,12 @@ class Layer:
 
     kinds: tuple[int, ...]
     numbers: tuple[int, ...]
+
+    def chosen(self, kind: Integers, number: Integers) -> npt.NDArray[np.bool_]:
+        """Return which samples, of these passes and numbers, the layer takes."""
+        of_kind = np.zeros(len(PASSES), bool)
+        of_kind[list(self.kinds)] = True
+        return of_kind[kind] | np.isin(number, self.numbers) if self.numbers else of_kind[kind]
 
 
 def layer_of(names: tuple[str, ...]) -> Layer:
