@@ -16,6 +16,9 @@ from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+import numpy.typing as npt
+
 from helibore.live.clock import utc
 
 LISTED = 8
@@ -139,13 +142,13 @@ class EventBook:
             self._joined[key] = event if before is None else before.and_then(event)
             _add(self._new, self._places, event)
 
-    def tell_rows(self, rows: Sequence[int], describe: Callable[[int], Event]) -> None:
+    def tell_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:
         """Tell an event for each of many rows; only those that are listed, and the last, are described."""
         for row in rows[: LISTED - 1]:
-            self.tell(describe(row))
+            self.tell(describe(int(row)))
         if len(rest := rows[LISTED - 1 :]):
-            last = describe(rest[-1]) if len(rest) > 1 else None
-            self.tell(replace(describe(rest[0]), count=len(rest), last=last))
+            last = describe(int(rest[-1])) if len(rest) > 1 else None
+            self.tell(replace(describe(int(rest[0])), count=len(rest), last=last))
 
     def take(self) -> list[Event]:
         """Return what was told since the last call."""

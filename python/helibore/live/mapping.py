@@ -217,7 +217,7 @@ class SourceReader:
             line = batch.line_of(row, frame)
             return self._event(int(reading.wall[frame]), rule, text, line, int(item["offset"]))
 
-        self._events.tell_rows(rows.tolist(), describe)
+        self._events.tell_rows(rows, describe)
 
     def _tell_bad_text(self, batch: wits.Batch, wall: int) -> None:
         """Events of bad text, each at the time its first byte came; ``wall``: the end of the connection."""
@@ -234,7 +234,7 @@ class SourceReader:
             return self._event(came, name, text, int(event["line"]), int(event["offset"]))
 
         for rule in np.unique(rules).tolist():
-            self._events.tell_rows(np.flatnonzero(rules == rule).tolist(), describe)
+            self._events.tell_rows(np.flatnonzero(rules == rule), describe)
 
     def _event(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> Event:
         return Event(wall, self.source.name, self._connection, line, offset, rule, text)

@@ -358,7 +358,7 @@ class Model:
         """An event where the wall jumps over more depth than its samples reach."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
-        jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit)).tolist()
+        jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))
 
         def describe(row: int) -> Event:
             text = f"layer {name}: no samples from {deepest[row]:.3f} m to {depth[row]:.3f} m"
