@@ -72,7 +72,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path
         (
             ("nocaliper.csv", *BIT),
             "nocaliper.csv: no channel has the role radius, diameter or radius-image: name one by an option or in a "
-            "map",
+            "map, such as --radius NAME:in; the channels are depth, gr",
         ),
         ((".", *BIT), ".: is a directory"),
         (("none.csv", *BIT), "none.csv: No such file or directory"),
