@@ -163,7 +163,7 @@ def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
     [
         ("md_m,rb_deg\n1,2\n", [], "c.csv: column 'r': not in the file, which has md_m, rb_deg"),
         ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
-         '([channels."r"] unit = ...), or as r:UNIT; radius is length'),
+         '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
         ("md_m,rb_deg,r\n1,2,0.1\n", ["--radius", "r:parsec"],
          "c.csv: r: unit = 'parsec': must be a unit of length for a radius"),
         ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv, line 3, column r: 'big' is not a number"),

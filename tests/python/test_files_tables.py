@@ -114,7 +114,7 @@ def test_a_word_far_down_is_named_with_its_line(tmp_path: Path) -> None:
         ("md,r\n1,2\n3,x\n", "line 3, column r: 'x' is not a number"),
         ('md,r\n1,"2\n3,4\n', "line 2: a quote is opened and not closed"),
         ('md,note\n1,a\n2,"b\n3,c\n', "line 3: a quote is opened and not closed"),
-        ("md;r\n1,5;2,5\n", "line 2, column md: '1,5' is not a number"),
+        ("md;r\n1,5;2,5\n", "line 2, column md: '1,5' is not a number: a decimal comma?"),
         ("hello\nworld\n", "line 1: not a table: no comma, tab, semicolon or | separates columns"),
         (b"md,r\n1,2\n\x00\x00\x00\n", "binary, and none of the formats read"),
         (b"\xff\xfem\x00d\x00", "UTF-16 text: save it as UTF-8"),

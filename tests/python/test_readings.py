@@ -272,7 +272,7 @@ HEADER = "md_m,tf_deg,radius_m\n"
         (HEADER + "1,2,3\n", {"radius": ["cal:in"]},
          "c.csv: column 'cal': not in the file, which has md_m, tf_deg, radius_m"),
         ("md,tf_deg,radius_m\n1,2,3\n", {}, "c.csv, column md: unit missing: state it in a map "
-         '([channels."md"] unit = ...), or as md:UNIT; depth is length'),
+         '([channels."md"] unit = ...), or as md:UNIT in its option; depth is length'),
         (HEADER + "1,2,3\n", {"radius": ["radius_m:furlong"]},
          "c.csv: radius_m: unit = 'furlong': must be a unit of length for a radius"),
         (HEADER + "1,2,3\n", {"toolface": "tf_deg:in"},

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .headings import to_float
+from .headings import not_a_number, to_float
 from .source import complaint
 
 if TYPE_CHECKING:
@@ -262,7 +262,7 @@ class LogSet:
                     to_float(cell or "nan")
                 except ValueError:
                     place = self.place(row // max(1, channel.values[:1].size))
-                    raise complaint(self.path, f"{str(cell)[:40]!r} is not a number", place, name) from None
+                    raise complaint(self.path, not_a_number(str(cell)), place, name) from None
         return channel.values.astype(np.float64, copy=False)
 
     def readings(

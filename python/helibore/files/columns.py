@@ -105,7 +105,9 @@ def column(one: LogSet, role: Role) -> Floats:
     if not role.unit and role.role != "time":
         inferred = suspect.unstated_angle(values) if kind == units.ANGLE else ""
         if not inferred:
-            stated = f'state it in a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT'
+            stated = (
+                f'state it in a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in its option'
+            )
             rule = f"unit missing: {stated}; {role.role} is {kind}"
             raise complaint(one.path, rule, column=role.channel)
         return values

@@ -17,7 +17,7 @@ from pathlib import Path
 import numpy as np
 
 from .channel import Array
-from .headings import to_float
+from .headings import not_a_number, to_float
 from .source import complaint
 
 NULL_WORDS = frozenset({"", "-", "--", "nan", "null", "(null)", "n/a", "#n/a", "na", "none", "-nan"})
@@ -153,8 +153,7 @@ def _column(path: Path, cells: list[str], name: str, line_of: Callable[[int], in
         except ValueError:
             if not seen:
                 return np.array(cells, dtype=np.str_)
-            comma = ": a decimal comma?" if re.fullmatch(r"-?\d+,\d+", cell) else ""
-            raise complaint(path, f"{cell[:40]!r} is not a number{comma}", line_of(row), name) from None
+            raise complaint(path, not_a_number(cell), line_of(row), name) from None
     return numbers
 
 
