@@ -129,7 +129,8 @@ Samples::Undo Samples::append(const SortedBatch& batch) {
         undo.tail_count = chunks_.back()->count;
     }
     const Index room = chunks_.empty() ? 0 : chunks_.back()->free_room();
-    const bool adopts = room == 0 && batch.count >= Chunk::full;
+    // Not over a last chunk that is more than half empty: many such would waste memory.
+    const bool adopts = batch.count >= Chunk::least_adopted && (chunks_.empty() || room <= chunks_.back()->count);
     Chunks fresh = adopts ? batch.chunks : Chunks{};
     for (Index left = batch.count - room; left > 0 && !adopts; left -= Chunk::full)
         fresh.push_back(std::make_shared<Chunk>(Chunk::full, timed_));

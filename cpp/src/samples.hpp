@@ -1,9 +1,11 @@
-// The samples of a hole in canonical order (depth, time or arrival, toolface, radius), in chunks of a few thousand:
+// The samples of a hole in canonical order (depth, time or arrival, toolface, radius), in chunks of up to a few
+// thousand:
 //
 //     | chunk 0: depth.. toolface.. radius.. time.. | chunk 1 ... | last chunk: room to grow |
 //
-// A batch that lies below everything goes into the last chunk's free room and costs nothing elsewhere; a batch in the
-// middle (a re-scan, late data) rewrites only the chunks it falls into. An insertion can be undone until it is kept.
+// A batch that lies below everything costs nothing elsewhere: its chunks are adopted, or, where it is small, its rows
+// go into the last chunk's free room. A batch in the middle (a re-scan, late data) rewrites only the chunks it falls
+// into. An insertion can be undone until it is kept.
 #pragma once
 
 #include <memory>
@@ -19,6 +21,7 @@ namespace helibore {
 class Chunk {
   public:
     static constexpr Index full = 4096;
+    static constexpr Index least_adopted = 512;  // samples; fewer are copied into the chunk before
 
     // Doubles that the columns of a chunk take.
     static Index size(Index capacity, bool timed) { return capacity * (timed ? 4 : 3); }
