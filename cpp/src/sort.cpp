@@ -26,7 +26,7 @@ namespace helibore {
 namespace {
 
 constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is refused, not guessed
-constexpr Index small_batch = 65536;    // not worth a second thread
+constexpr Index rows_to_start = 32768, rows_to_wake = 256;  // that are worth a thread
 
 [[noreturn]] void refuse(const char* column, Index row, double value, const char* rule) {
     throw InputError(std::string(column) + "[" + std::to_string(row) + "] = " + number_text(value) + ": " + rule);
@@ -93,7 +93,7 @@ bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& 
     return true;
 }
 
-// A small batch is copied by whoever takes it; the chunks of a large one are adopted and share large pages.
+// One chunk of exact size for a small batch; those of a large one share large pages.
 Chunks empty_chunks(Index count, bool timed) {
     Chunks chunks;
     if (count < Chunk::full) return {std::make_shared<Chunk>(count, timed)};
@@ -115,16 +115,17 @@ void set_counts(Chunks& chunks, Index count) {
         chunks[i]->count = std::min(Chunk::full, count - static_cast<Index>(i) * Chunk::full);
 }
 
-void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::Functions& f) {
+// Rows into a chunk, the first of them to place `to`.
+void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, Index to, const kernel::Functions& f) {
     const auto n = static_cast<std::size_t>(rows.stop - rows.start);
     const double* toolface = c.toolface.data() + rows.start;
-    std::memcpy(chunk.depth(), c.depth.data() + rows.start, n * sizeof(double));
-    std::memcpy(chunk.radius(), c.radius.data() + rows.start, n * sizeof(double));
-    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + rows.start, n * sizeof(double));
+    std::memcpy(chunk.depth() + to, c.depth.data() + rows.start, n * sizeof(double));
+    std::memcpy(chunk.radius() + to, c.radius.data() + rows.start, n * sizeof(double));
+    if (!c.time.empty()) std::memcpy(chunk.time() + to, c.time.data() + rows.start, n * sizeof(double));
     if (f.all_within(toolface, rows.stop - rows.start, 0.0, std::nextafter(360.0, 0.0)))
-        std::memcpy(chunk.toolface(), toolface, n * sizeof(double));
+        std::memcpy(chunk.toolface() + to, toolface, n * sizeof(double));
     else
-        std::transform(toolface, toolface + n, chunk.toolface(), wrap_toolface);
+        std::transform(toolface, toolface + n, chunk.toolface() + to, wrap_toolface);
 }
 
 // Copies rows that are in order already, checking them while they are in cache; false as soon as some are not. Each
@@ -132,15 +133,17 @@ void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::F
 bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
     crew.run(threads, [&](int w) {
-        const Range chunks = part(static_cast<Index>(batch.chunks.size()), threads, w);
-        for (Index i = chunks.start; i < chunks.stop && in_order && valid; ++i) {
-            const Range rows{i * Chunk::full, std::min(batch.count, (i + 1) * Chunk::full)};
+        const Range stretch = part(batch.count, threads, w);
+        for (Index first = stretch.start; first < stretch.stop && in_order && valid;) {
+            const Index chunk = first / Chunk::full;
+            const Range rows{first, std::min(stretch.stop, (chunk + 1) * Chunk::full)};
             if (!rows_valid(c, rows, f))
                 valid = false;
             else if (!rows_in_order(c, rows, f))
                 in_order = false;
             else
-                copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(i)], f);
+                copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(chunk)], first % Chunk::full, f);
+            first = rows.stop;
         }
     });
     if (!valid) check_rows(c);
@@ -291,7 +294,7 @@ void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<
         const auto i = static_cast<std::size_t>(b);
         sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
     };
-    crew.for_each_part(buckets.count, sort_bucket, threads == 1 ? buckets.count : 1);
+    crew.for_each_part(threads, buckets.count, sort_bucket);
 }
 
 // Where a worker's rows of one bucket go. Eight of them are collected before they are written, a line of memory a
@@ -401,8 +404,8 @@ void SampleColumns::validate(int threads) const {
     const auto n = static_cast<Index>(depth.size());
     const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);
     std::atomic<bool> valid{true};
-    for_each_part((n + small_batch - 1) / small_batch, threads, [&](int, Index i) {
-        if (!rows_valid(*this, {i * small_batch, std::min(n, (i + 1) * small_batch)}, f)) valid = false;
+    for_each_part((n + rows_to_start - 1) / rows_to_start, threads, [&](int, Index i) {
+        if (!rows_valid(*this, {i * rows_to_start, std::min(n, (i + 1) * rows_to_start)}, f)) valid = false;
     });
     if (!valid) check_rows(*this);
 }
@@ -413,7 +416,7 @@ SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::F
     batch.count = static_cast<Index>(columns.depth.size());
     batch.timed = !columns.time.empty();
     if (batch.count == 0) return batch;
-    const int threads = batch.count < small_batch ? 1 : crew.threads();
+    const int threads = crew.shares_worth(batch.count, rows_to_start, rows_to_wake);
 
     batch.chunks = empty_chunks(batch.count, batch.timed);
     set_counts(batch.chunks, batch.count);

@@ -19,7 +19,8 @@
 namespace helibore {
 namespace {
 
-constexpr Index parts_a_thread = 4;  // less is not worth starting one
+// Groups that are worth a thread, and its share is cut into parts small enough that all end together.
+constexpr Index groups_to_start = 256, groups_to_wake = 4;
 constexpr double most_vertices = 2147483648.0;
 
 // Merges [start, stop) into sorted ranges that never touch.
@@ -65,14 +66,14 @@ std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>&
 Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
     const StandardArithmetic standard;
-    Crew crew(settings.threads);
+    const Crew::Shift shift(crew);
     SortedBatch batch = sort_batch(columns, crew, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
         throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
                                      : "time: missing, but the samples before carry one; give it for all or none");
     Samples::Undo undo = samples.insert(batch);
     try {
-        return update(batch, crew);
+        return update(batch);
     } catch (...) {
         samples.undo(std::move(undo));
         throw;
@@ -97,7 +98,7 @@ Index Wall::State::count_now(const Helix& next) const {
 }
 
 // A wall has vertices from its first sample on.
-Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
+Change Wall::State::update(const SortedBatch& batch) {
     if (samples.size() == 0) return {};
     const Helix next = helix_now();
     const Index new_count = count_now(next);
@@ -112,7 +113,7 @@ Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
         old.push_back(kept / lanes);  // the last group gains vertices
     const Range fresh{groups_of(kept), groups_of(new_count)};
     std::vector<GroupResult> staged(old.size());
-    search_groups(next, old, fresh, new_count, into, staged, crew);
+    search_groups(next, old, fresh, new_count, into, staged);
 
     Change change;
     change.accepted = batch.count;
@@ -165,15 +166,17 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch) const {
 
 // Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
 void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
-                                Vertices& into, std::vector<GroupResult>& staged, Crew& crew) {
+                                Vertices& into, std::vector<GroupResult>& staged) {
     const auto old_count = static_cast<Index>(old.size());
     const Index total = old_count + fresh.stop - fresh.start;
-    const Index parts = (total + groups_a_part - 1) / groups_a_part;
+    const int shares = crew.shares_worth(total, groups_to_start, groups_to_wake);
+    const Index a_part = std::clamp<Index>(total / (4 * shares), 1, groups_a_part);
+    const Index parts = (total + a_part - 1) / a_part;
     const auto search_part = [&](int worker, Index part_index) {
         Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
         GroupResult result;
-        const Index stop = std::min(total, (part_index + 1) * groups_a_part);
-        for (Index i = part_index * groups_a_part; i < stop; ++i) {
+        const Index stop = std::min(total, (part_index + 1) * a_part);
+        for (Index i = part_index * a_part; i < stop; ++i) {
             const auto at = static_cast<std::size_t>(i);
             if (i < old_count) {
                 search.run(samples, on, old[at], vertex_count, scratch, staged[at]);
@@ -184,7 +187,7 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
             }
         }
     };
-    crew.for_each_part(parts, search_part, parts_a_thread);
+    crew.for_each_part(shares, parts, search_part);
 }
 
 // The vertices of searched groups that differ in any bit from what is there, or are not there yet.

@@ -23,18 +23,18 @@ inline Index groups_of(Index vertices) {
 }
 
 struct Wall::State {
-    explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
+    explicit State(const Settings& s) : settings(s), search((s.validate(), s)), crew(s.threads) {
         if (s.start_depth) helix.start_depth = *s.start_depth;
         scratches.resize(static_cast<std::size_t>(s.threads));
     }
 
     Change append(const SampleColumns& columns);
-    Change update(const SortedBatch& batch, Crew& crew);
+    Change update(const SortedBatch& batch);
     Helix helix_now() const;
     Index count_now(const Helix& next) const;
     std::vector<Index> touched_groups(const SortedBatch& batch) const;
     void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
-                       std::vector<GroupResult>& staged, Crew& crew);
+                       std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count, const DirectRadii& next_direct) const;
     Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
@@ -59,6 +59,7 @@ struct Wall::State {
     Index settled = 0;
     DirectRadii direct;
     std::vector<Search::Scratch> scratches;
+    Crew crew;  // of append; last: its helpers end before what they use
 };
 
 }  // namespace helibore
