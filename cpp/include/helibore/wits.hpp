@@ -59,7 +59,7 @@ struct Frame {
     Index stop = 0;   // stream offset behind the end of the "!!" line
     Index first = 0;  // its items are batch.items[first, first + items)
     Index items = 0;
-    Index line = 0;   // number of the "&&" line in the stream, from 1
+    Index line = 0;  // number of the "&&" line in the stream, from 1
 };
 
 struct Event {
