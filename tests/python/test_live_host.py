@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import itertools
+import sys
 import threading
+import tracemalloc
 
 import live_pushes
 import numpy as np
@@ -15,6 +17,7 @@ import helibore as hb
 from helibore import Live
 from helibore.live import update as update_module
 from helibore.live.configuration import parse
+from helibore.live.image_rows import ImageRows
 from helibore.live.snapshot import snapshot
 
 
@@ -115,6 +118,41 @@ def test_the_rows_that_are_told_are_those_that_came_and_sorted_they_are_the_imag
     depth, values = live.images["GR"].arrays()
     assert depth.tolist() == sorted(latest)
     assert values.tolist() == [latest[at] for at in depth.tolist()]
+
+
+def test_rows_that_come_while_others_are_read_are_all_there():
+    rows, count, waits = ImageRows(2, "gAPI"), 20_000, sys.getswitchinterval()
+    numbers = np.arange(float(count))
+    sys.setswitchinterval(1e-6)  # a thread is stopped at nearly every instant of an append
+    try:
+        pushing = threading.Thread(
+            target=lambda: [rows.append(numbers[i : i + 1], np.full((1, 2), float(i))) for i in range(count)]
+        )
+        pushing.start()
+        while pushing.is_alive():
+            seen = len(rows)
+            depth, values = rows.rows(0, seen)
+            assert depth.tolist() == values[:, 1].tolist() == numbers[:seen].tolist()
+            assert len(rows.arrays()[0]) >= seen
+        pushing.join()
+    finally:
+        sys.setswitchinterval(waits)
+    assert rows.arrays()[0].tolist() == rows.rows(0, count)[0].tolist() == numbers.tolist()
+
+
+def test_a_poll_of_a_few_rows_copies_a_few_rows():
+    rows = ImageRows(1000, "gAPI")
+    rows.append(np.arange(4000.0), np.ones((4000, 1000)))  # 32 MB
+    tracemalloc.start()
+    for i in range(4000, 4010):
+        start, stop = rows.append(np.array([float(i)]), np.ones((1, 1000)))
+        if i == 4000:
+            tracemalloc.reset_peak()  # the buffer has grown, once
+        before = tracemalloc.get_traced_memory()[0]
+        assert rows.rows(start, stop)[0].tolist() == [i]
+        assert tracemalloc.get_traced_memory()[1] - before < 100_000
+        tracemalloc.reset_peak()
+    tracemalloc.stop()
 
 
 @settings(max_examples=60, deadline=None)

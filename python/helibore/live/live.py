@@ -26,9 +26,10 @@ import numpy.typing as npt
 from helibore.arrays import column
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load
+from helibore.live.image_rows import ImageRows
 from helibore.live.journal import Journal, segments
 from helibore.live.layout import given_layout
-from helibore.live.model import ImageRows, Model, Rows
+from helibore.live.model import Model, Rows
 from helibore.live.openings import check_meaning, recorded_configuration
 from helibore.live.pass_log import Pass
 from helibore.live.update import Update, merge

@@ -21,6 +21,7 @@ from helibore.live.clock import SECOND, ModelClock
 from helibore.live.configuration import Configuration
 from helibore.live.depth import Rig
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
+from helibore.live.image_rows import ImageRows
 from helibore.live.layout import Layout
 from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.pass_log import PassLog
@@ -36,46 +37,6 @@ PENDING = np.dtype(
      ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8"), ("wall", "i8"),
      ("source", "i4"), ("number", "i4"), ("connection", "i4"), ("line", "i8")]
 )  # fmt: skip
-
-
-class ImageRows:
-    """Rows of one sector image in order of arrival: depth m, values, time s."""
-
-    def __init__(self, sectors: int, unit: str) -> None:
-        self.sectors, self.unit = sectors, unit
-        self._depth: list[npt.NDArray[np.float64]] = [np.empty(0)]
-        self._values: list[npt.NDArray[np.float64]] = [np.empty((0, sectors))]
-        self._count = 0
-
-    def append(self, depth: npt.NDArray[np.float64], values: npt.NDArray[np.float64]) -> tuple[int, int]:
-        """Take rows; returns their range."""
-        self._depth.append(depth)
-        self._values.append(values)
-        start, self._count = self._count, self._count + len(depth)
-        return start, self._count
-
-    def __len__(self) -> int:
-        return self._count
-
-    def rows(self, start: int, stop: int) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Return (depth (r,), values (r, sectors)) of the rows [start, stop) in order of arrival; copies.
-
-        What `Update.images` tells are such rows. All of them, sorted by depth, of those at one depth the latest, are
-        :meth:`arrays`.
-        """
-        self._join()
-        return self._depth[0][start:stop].copy(), self._values[0][start:stop].copy()
-
-    def _join(self) -> None:
-        self._depth, self._values = [np.concatenate(self._depth)], [np.concatenate(self._values)]
-
-    def arrays(self) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]]:
-        """Return (depth (r,), values (r, sectors)) sorted by depth; of rows at one depth only the latest."""
-        self._join()
-        depth, values = self._depth[0], self._values[0]
-        order = np.lexsort((np.arange(len(depth)), depth))
-        latest = np.append(np.diff(depth[order]) > 0, True)[: len(order)]
-        return depth[order][latest], values[order][latest]
 
 
 class Model:

@@ -1,0 +1,71 @@
+"""The rows of one live image, in order of arrival, while one thread appends and others read.
+
+    buffer  | row 0 | row 1 | ... | row count-1 | free, to be filled ... |      doubled when it is full
+
+A row that is there never changes, so a reader notes buffers and count in one instant and copies at leisure. What a row
+means, and how its sectors lie, is not here (``mapping.py``, ``layout.py``).
+"""
+
+from __future__ import annotations
+
+import threading
+
+import numpy as np
+
+from helibore.arrays import Floats
+
+
+class ImageRows:
+    """Rows of one sector image in order of arrival: depth m, values. May be used from several threads."""
+
+    def __init__(self, sectors: int, unit: str) -> None:
+        self.sectors, self.unit = sectors, unit
+        self._depth: Floats = np.empty(0)
+        self._values: Floats = np.empty((0, sectors))
+        self._count = 0
+        self._lock = threading.Lock()
+
+    def append(self, depth: Floats, values: Floats) -> tuple[int, int]:
+        """Take rows; returns their range."""
+        with self._lock:
+            start, stop = self._count, self._count + len(depth)
+            if stop > len(self._depth):
+                self._depth = _longer(self._depth, start, max(stop, 2 * start))
+                self._values = _longer(self._values, start, max(stop, 2 * start))
+            self._depth[start:stop], self._values[start:stop] = depth, values
+            self._count = stop
+            return start, stop
+
+    def __len__(self) -> int:
+        return self._count
+
+    def so_far(self) -> tuple[Floats, Floats]:
+        """Return (depth (r,), values (r, sectors)) in order of arrival; not copies, and not to be written."""
+        with self._lock:
+            return self._depth[: self._count], self._values[: self._count]
+
+    def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
+        """Return (depth (r,), values (r, sectors)) of the rows [start, stop) in order of arrival; copies.
+
+        What `Update.images` tells are such rows. All of them, sorted by depth, of those at one depth the latest, are
+        :meth:`arrays`.
+        """
+        depth, values = self.so_far()
+        return depth[start:stop].copy(), values[start:stop].copy()
+
+    def arrays(self) -> tuple[Floats, Floats]:
+        """Return (depth (r,), values (r, sectors)) sorted by depth; of rows at one depth only the latest. Copies."""
+        return sorted_rows(*self.so_far())
+
+
+def sorted_rows(depth: Floats, values: Floats) -> tuple[Floats, Floats]:
+    """Return rows in order of arrival sorted by depth; of those at one depth only the latest. Copies."""
+    order = np.argsort(depth, kind="stable")
+    latest = order[np.append(np.diff(depth[order]) > 0, True)[: len(order)]]
+    return depth[latest], values[latest]
+
+
+def _longer(full: Floats, count: int, capacity: int) -> Floats:
+    longer = np.empty((capacity, *full.shape[1:]))
+    longer[:count] = full[:count]
+    return longer
