@@ -62,6 +62,24 @@ def test_a_table_is_of_the_moment_it_was_asked_for(scene: Scene) -> None:
     assert whole.count("\n") == 1 + 250 * 64 + 1
 
 
+@pytest.mark.parametrize("ends", [(-5.0, 3.0), (900.0, 999.0), (1100.0, 1200.0), (9e9, 8e9)])
+def test_a_table_beside_a_wall_that_grew_has_no_rows(scene: Scene, ends: tuple[float, float]) -> None:
+    scene.write(40_000, messages.Vertices(np.full(100, 0.11)), {})
+    assert len(scene.levels[0].texels) > scene.levels[0].size, "room for more: not all that is held is wall"
+    assert "".join(exports.section(scene, *ends)).count("\n") == 1
+
+
+@pytest.mark.parametrize(("start", "stop"), [(-9, -5), (-5, 3), (7, 2), (39_999, 50_000), (41_000, 45_000)])
+def test_a_still_holds_what_the_wall_has_of_a_section(scene: Scene, start: int, stop: int) -> None:
+    level = scene.levels[0]
+    level.reserve(40_001)
+    kept = level.still(start, stop)
+    inside = list(range(max(0, start), min(stop, 40_001)))
+    assert (kept.size, len(kept.texels)) == (40_001, 40_001)
+    np.testing.assert_array_equal(kept.texels[inside], level.texels[inside])
+    assert not np.delete(kept.texels, inside, axis=0).any()
+
+
 def test_a_snapshot_is_of_the_moment_it_was_asked_for(scene: Scene, wall: MadeWall) -> None:
     pieces = snapshot.snapshot(scene, FILES, 1026.0, 1030.0)
     grow_and_patch(scene)

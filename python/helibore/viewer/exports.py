@@ -63,7 +63,7 @@ def section(scene: Scene, start: float, stop: float) -> Iterator[str]:
         helix = scene.helix
         ends = [(depth - helix.start_depth) / helix.pitch * helix.sectors for depth in (start, stop)]
         first = max(0, math.ceil(min(ends)))
-        last = min(scene.levels[0].size, math.floor(max(ends)) + 1)
+        last = max(first, min(scene.levels[0].size, math.floor(max(ends)) + 1))
         if last - first > MOST_ROWS:
             raise ValueError(f"{last - first} vertices: a section holds at most {MOST_ROWS}; ask for less depth")
         return _lines(scene.still(first, last), first, last)

@@ -137,7 +137,8 @@ class Level:
     def still(self, start: int, stop: int) -> Level:
         """Return a copy that holds [start, stop) as they are now; the rest is empty, and costs no memory."""
         kept = Level(self.sectors, self.rows, 0)
-        kept.size, part = self.size, slice(start, stop)
+        first = max(0, min(start, self.size))
+        kept.size, part = self.size, slice(first, max(first, min(stop, self.size)))
         kept.texels = np.zeros((self.size, messages.TEXEL), np.uint16)
         kept.texels[part] = self.texels[part]
         for column in self.columns:
@@ -264,7 +265,7 @@ class Scene:
         kept = Scene()
         with self.lock:
             wall, over = self.levels
-            kept.levels = wall.still(max(0, start), min(stop, wall.size)), over.still(0, over.size)
+            kept.levels = wall.still(start, stop), over.still(0, over.size)
             kept.helix, kept.session, kept.frames, kept.settled = self.helix, self.session, self.frames, self.settled
             kept.history = self.history.copy()
             kept.newest, kept.bit_depth, kept.ended, kept.feed = self.newest, self.bit_depth, self.ended, self.feed
