@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <deque>
 #include <exception>
+#include <memory>
 #include <mutex>
 #include <system_error>
 #include <thread>
@@ -35,15 +36,16 @@ inline Range part(Index n, int parts, int which) {
 //              start                                                                      lingers, then ends
 //
 // A helper ends when `linger` has passed since the call. Who calls again sooner finds it there, so that a hole streamed
-// in small appends is shared out, too; who does not is left with no thread.
+// in small appends is shared out, too; who does not is left with no thread. Helpers are not joined: a job is waited
+// for, and what they look at besides is theirs as well.
 class Crew {
   public:
     explicit Crew(int threads) : threads_(std::max(threads, 1)) {}
     Crew(const Crew&) = delete;
     Crew& operator=(const Crew&) = delete;
     ~Crew() {
-        dismissed_ = true;
-        publish(0);
+        board_->dismissed = true;
+        board_->publish(0);
     }
 
     // One call of the object that owns the crew.
@@ -64,24 +66,25 @@ class Crew {
     void run(int shares, const Run& run) {
         if (shares <= 1) return run(0);
         start(shares - 1);
-        call_ = [](const void* job, int share) { (*static_cast<const Run*>(job))(share); };
-        job_ = &run;
-        unfinished_ = shares;
-        publish(static_cast<std::uint32_t>(shares));
-        while (take_share()) {
+        board_->call = [](const void* job, int share) { (*static_cast<const Run*>(job))(share); };
+        board_->job = &run;
+        board_->unfinished = shares;
+        board_->publish(static_cast<std::uint32_t>(shares));
+        while (board_->take_share()) {
         }
-        for (int left = unfinished_; left > 0; left = unfinished_) await(unfinished_, left);
-        if (first_failure_) std::rethrow_exception(std::exchange(first_failure_, nullptr));
+        for (int left = board_->unfinished; left > 0; left = board_->unfinished) await(board_->unfinished, left);
+        if (board_->first_failure) std::rethrow_exception(std::exchange(board_->first_failure, nullptr));
     }
 
     // How many shares `work` is worth: `to_start` of it for a thread that must be started, `to_wake` for one that is
     // there, or will be for the calls that follow as fast as this one did.
     int shares_worth(Index work, Index to_start, Index to_wake) const {
-        return static_cast<int>(std::clamp<Index>(work / (hurried_ ? to_wake : to_start), 1, threads_));
+        return static_cast<int>(std::clamp<Index>(work / (hurried() ? to_wake : to_start), 1, threads_));
     }
 
     // Calls job(worker, i) for every i in [0, parts); `worker` is below `shares`. Each begins with a stretch of its
-    // own, the same in every job of a call, since what it has just written is near it, and then helps the others.
+    // own, mostly on the same thread in every job of a call, since what a thread has just written is near it, and then
+    // helps the others.
     template <class Job>
     void for_each_part(int shares, Index parts, const Job& job) {
         const int n = static_cast<int>(std::clamp<Index>(parts, 1, shares));
@@ -102,10 +105,61 @@ class Crew {
   private:
     using Clock = std::chrono::steady_clock;
     static constexpr auto linger = std::chrono::microseconds(50);
+    static constexpr int a_stream = 4;  // quick calls in a row
 
-    struct Helper {
-        std::atomic<bool> ended{true};
-        std::jthread thread;
+    // What helpers look at, shared with them. One that has ended leaves nothing behind, not even its stack, and in a
+    // forked process, which has the crew but not its helpers, nobody waits for them.
+    struct Board {
+        // The lower half counts the shares of the current job that nobody has taken, the upper half the jobs.
+        std::atomic<std::uint64_t> open{0};
+        std::atomic<int> unfinished{0};
+        std::atomic<bool> resting{false};    // between two calls
+        std::atomic<bool> dismissed{false};  // for good
+        void (*call)(const void* job, int share) = nullptr;
+        const void* job = nullptr;
+        std::exception_ptr first_failure;
+        std::mutex failure_lock;
+        std::deque<std::atomic<bool>> present;  // is helper i there?
+
+        void publish(std::uint32_t shares) {
+            const std::uint64_t number = (open >> 32) + 1;
+            open = number << 32 | shares;
+            open.notify_all();
+        }
+
+        bool take_share() {
+            std::uint64_t now = open;
+            do {
+                if ((now & 0xFFFFFFFF) == 0) return false;
+            } while (!open.compare_exchange_weak(now, now - 1));
+            try {
+                call(job, static_cast<int>(now & 0xFFFFFFFF) - 1);
+            } catch (...) {
+                const std::scoped_lock lock(failure_lock);
+                if (!first_failure) first_failure = std::current_exception();
+            }
+            if (--unfinished == 0) unfinished.notify_one();
+            return true;
+        }
+
+        void work() {
+            for (;;) {
+                const std::uint64_t now = open;
+                if (!take_share() && !next_job(now)) return;
+            }
+        }
+
+        // Waits for the job after `now`; false where the helper should end. What comes next is mostly some microseconds
+        // away, and to be woken takes ten times as long.
+        bool next_job(std::uint64_t now) const {
+            const auto until = Clock::now() + linger;
+            do {
+                if (spins_until_changed(open, now)) return !dismissed;
+            } while (Clock::now() < until);
+            if (resting || dismissed) return false;
+            open.wait(now);
+            return !dismissed;
+        }
     };
 
     struct alignas(64) Stretch {
@@ -113,82 +167,42 @@ class Crew {
         Index stop = 0;
     };
 
-    // The lower half of open_ counts the shares of the current job that nobody has taken, the upper half the jobs.
-    void publish(std::uint32_t shares) {
-        const std::uint64_t job = (open_ >> 32) + 1;
-        open_ = job << 32 | shares;
-        open_.notify_all();
-    }
-
-    bool take_share() {
-        std::uint64_t open = open_;
-        do {
-            if ((open & 0xFFFFFFFF) == 0) return false;
-        } while (!open_.compare_exchange_weak(open, open - 1));
-        try {
-            call_(job_, static_cast<int>(open & 0xFFFFFFFF) - 1);
-        } catch (...) {
-            const std::scoped_lock lock(failure_lock_);
-            if (!first_failure_) first_failure_ = std::current_exception();
-        }
-        if (--unfinished_ == 0) unfinished_.notify_one();
-        return true;
-    }
-
-    void work() {
-        for (;;) {
-            const std::uint64_t open = open_;
-            if (!take_share() && !next_job(open)) return;
-        }
-    }
-
-    // Waits for the job after `open`; false where the helper should end. What comes next is mostly some microseconds
-    // away, and to be woken takes ten times as long.
-    bool next_job(std::uint64_t open) const {
-        const auto until = Clock::now() + linger;
-        do {
-            if (spins_until_changed(open_, open)) return !dismissed_;
-        } while (Clock::now() < until);
-        if (resting_ || dismissed_) return false;
-        open_.wait(open);
-        return !dismissed_;
-    }
-
     // A helper that has ended since the last call is started anew. Where the system grants no more threads, the others
     // take the shares.
     void start(int helpers) {
+        Board& board = *board_;
         try {
-            while (static_cast<int>(helpers_.size()) < helpers) helpers_.emplace_back();
-            for (int i = 0; i < helpers; ++i)
-                if (Helper& helper = helpers_[static_cast<std::size_t>(i)]; helper.ended) start(helper);
+            while (static_cast<int>(board.present.size()) < helpers) board.present.emplace_back(false);
+            for (auto i = board.present.begin(); i != board.present.begin() + helpers; ++i) {
+                if (*i) continue;
+                *i = true;
+                try {
+                    std::thread([board = board_, &present = *i] {
+                        board->work();
+                        present = false;
+                    }).detach();
+                } catch (...) {
+                    *i = false;
+                    throw;
+                }
+            }
         } catch (const std::system_error&) {
         }
     }
 
-    void start(Helper& helper) {
-        helper.thread = std::jthread();  // joins the one that has ended
-        helper.ended = false;
-        try {
-            helper.thread = std::jthread([this, &helper] {
-                work();
-                helper.ended = true;
-            });
-        } catch (...) {
-            helper.ended = true;
-            throw;
-        }
-    }
-
+    // One quick call may come by chance; several in a row are a stream.
     void begin() {
-        resting_ = false;
-        hurried_ = threads_ > 1 && Clock::now() - rested_at_ < linger / 2;
+        board_->resting = false;
+        if (threads_ == 1) return;
+        quick_ = Clock::now() - rested_at_ < linger / 2 ? std::min(quick_ + 1, a_stream) : 0;
     }
+    bool hurried() const { return quick_ == a_stream; }
 
     void rest() {
         if (threads_ == 1) return;
-        resting_ = true;
+        board_->resting = true;
         rested_at_ = Clock::now();
-        publish(0);
+        board_->publish(0);
     }
 
     // Some microseconds of looking whether `value` is no longer `old`.
@@ -215,17 +229,9 @@ class Crew {
     }
 
     const int threads_;
-    std::atomic<std::uint64_t> open_{0};
-    std::atomic<int> unfinished_{0};
-    std::atomic<bool> resting_{false};    // between two calls
-    std::atomic<bool> dismissed_{false};  // for good
-    bool hurried_ = false;                // this call came soon after the last
+    const std::shared_ptr<Board> board_ = std::make_shared<Board>();
+    int quick_ = 0;  // calls in a row, this one included, that came soon after the one before
     Clock::time_point rested_at_{};
-    void (*call_)(const void* job, int share) = nullptr;
-    const void* job_ = nullptr;
-    std::exception_ptr first_failure_;
-    std::mutex failure_lock_;
-    std::deque<Helper> helpers_;  // last: they end before what they use
 };
 
 // Work that needs a crew for one job only.

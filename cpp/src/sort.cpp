@@ -93,7 +93,7 @@ bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& 
     return true;
 }
 
-// One chunk of exact size for a small batch; those of a large one share large pages.
+// One chunk of exact size for a small batch; those of a large one share large pages, as far as they fill them.
 Chunks empty_chunks(Index count, bool timed) {
     Chunks chunks;
     if (count < Chunk::full) return {std::make_shared<Chunk>(count, timed)};
@@ -102,6 +102,10 @@ Chunks empty_chunks(Index count, bool timed) {
     chunks.reserve(static_cast<std::size_t>(total));
     std::shared_ptr<double[]> pages;
     for (Index i = 0; i < total; ++i) {
+        if (i % a_page == 0 && total - i < a_page / 2) {
+            for (; i < total; ++i) chunks.push_back(std::make_shared<Chunk>(Chunk::full, timed));
+            break;
+        }
         if (i % a_page == 0)
             pages = allocate_pages(sizeof(double) * static_cast<std::size_t>(size * std::min(a_page, total - i)));
         const std::shared_ptr<double[]> columns(pages, pages.get() + i % a_page * size);
@@ -123,7 +127,7 @@ void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, Index to, const
     std::memcpy(chunk.radius() + to, c.radius.data() + rows.start, n * sizeof(double));
     if (!c.time.empty()) std::memcpy(chunk.time() + to, c.time.data() + rows.start, n * sizeof(double));
     if (f.all_within(toolface, rows.stop - rows.start, 0.0, std::nextafter(360.0, 0.0)))
-        std::memcpy(chunk.toolface() + to, toolface, n * sizeof(double));
+        std::transform(toolface, toolface + n, chunk.toolface() + to, [](double x) { return x + 0.0; });  // -0 is 0
     else
         std::transform(toolface, toolface + n, chunk.toolface() + to, wrap_toolface);
 }

@@ -59,7 +59,7 @@ struct Wall::State {
     Index settled = 0;
     DirectRadii direct;
     std::vector<Search::Scratch> scratches;
-    Crew crew;  // of append; last: its helpers end before what they use
+    Crew crew;  // of append
 };
 
 }  // namespace helibore
