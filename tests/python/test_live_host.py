@@ -15,6 +15,7 @@ from hypothesis import strategies as st
 
 import helibore as hb
 from helibore import Live
+from helibore.live import journal as journals
 from helibore.live import update as update_module
 from helibore.live.configuration import parse
 from helibore.live.image_rows import ImageRows
@@ -48,6 +49,23 @@ def test_a_poll_tells_everything_since_the_last():
     stations = [event.text for event in events if event.rule == "station"]
     assert stations == ["station at 60 m: inclination[2] = 190: must lie in 0 to 180 degrees"]
     assert live.poll() == hb.live.model.Update()
+
+
+def test_a_poll_tells_what_no_record_caused_and_what_recovery_did(tmp_path):
+    with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
+        live.append_samples([101.0], [0.0], [0.11])
+        live.poll()
+        live.tell("view", "port 8000 is taken")
+        assert [event.text for event in live.poll().events] == ["port 8000 is taken"]
+        assert live.poll() == hb.live.model.Update()
+    (segment,) = journals.paths(tmp_path)
+    segment.write_bytes(segment.read_bytes()[:-3])
+    with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
+        assert live.journal is not None
+        notes = live.journal.recovery.notes
+        assert len(notes) == 1
+        assert [event.text for event in live.poll().events if event.rule == "journal"] == notes
+        assert live.poll().events == []
 
 
 def test_a_depth_that_is_no_number_costs_only_itself():
@@ -101,6 +119,30 @@ def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, told):
         live.append_image("RES", [102.0], np.ones((1, 4)), **given)
     assert str(raised.value) == told
     assert len(live.images["RES"]) == 1
+
+
+@pytest.mark.parametrize(
+    ("name", "values", "told"),
+    [
+        ("GR", np.ones((1, 1)), "values has shape (1, 1): must be (1, sectors), 2 sectors or more"),
+        ("GR", np.ones((2, 4)), "values has shape (2, 4): must be (1, sectors), 2 sectors or more"),
+        ("GR", np.array([[1.0, np.nan, -np.inf]]), "values[0, 2] = -inf: must be finite, or NaN where missing"),
+        ("a\0b", np.ones((1, 4)), "name = 'a\\x00b': must be printable and at most 200 bytes, for files are named "
+         "after it"),
+        ("/" * 67, np.ones((1, 4)), f"name = '{'/' * 60}': must be printable and at most 200 bytes, for files are "
+         "named after it"),
+        ("\ud800", np.ones((1, 4)), "name = '\\ud800': must be printable and at most 200 bytes, for files are named "
+         "after it"),
+    ],
+)  # fmt: skip
+def test_what_is_no_image_is_refused_and_not_stored(name, values, told, tmp_path):
+    with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
+        with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
+            live.append_image(name, [101.0], values)
+        assert str(raised.value) == told
+        live.append_image("é" * 100, [101.0], np.ones((1, 4)))
+        assert next(path.name for path in snapshot(live, tmp_path / "now")) == f"image-{'é' * 100}.csv"
+    assert list(Live.replay(tmp_path).images) == ["é" * 100]
 
 
 def test_the_rows_that_are_told_are_those_that_came_and_sorted_they_are_the_image():

@@ -14,6 +14,7 @@ import helibore as hb
 from helibore import Live
 from helibore.live import wits
 from helibore.live.configuration import parse
+from helibore.live.layout import Layout
 from helibore.live.snapshot import snapshot
 from helibore.live.still import StillWall, still
 
@@ -152,6 +153,49 @@ def test_no_name_leads_out_of_the_folder(tmp_path):
     assert {path.name for path in written} == {"image-..%2F..%2Fx.csv", "image-a%2Fb.csv", "image-a%252Fb.csv",
                                                "image-..%5Cx.csv", "snapshot.json"}  # fmt: skip
     assert [path.name for path in tmp_path.iterdir()] == ["now"]
+
+
+def test_a_bad_image_of_an_older_journal_is_left_out_told_and_stops_no_snapshot(tmp_path, monkeypatch):
+    with monkeypatch.context() as older:
+        older.setattr(Live, "_check_image", lambda *_: None)
+        with Live(parse(SENT), tmp_path / "j") as live:
+            live.append_image("a\0b", [101.0], np.ones((1, 4)))
+            live.append_image("ONE", [101.0, 102.0], np.ones((2, 1)), origin="edge", reference="high-side")
+            live.append_image("INF", [101.0, 102.0], np.full((2, 4), np.inf), origin="edge", reference="high-side")
+            for number in range(100):
+                live.receive("mwd", both(number))
+    with Live(parse(SENT), tmp_path / "j") as live:
+        snapshot(live, tmp_path / "now")
+        told = [event.text for event in live.poll().events]
+    names = {"main.wall", "main.las", "image-GR.csv", "image-ONE.csv", "image-INF.csv", "passes.csv", "snapshot.json"}
+    assert names <= set(contents(tmp_path / "now"))
+    assert list(hb.load(tmp_path / "now" / "main.wall").images) == ["GR"]
+    assert [text for text in told if "image" in text] == [
+        "image 'a\\x00b': its name must be printable and at most 200 bytes, for files are named after it: left out",
+        "image 'ONE': values: must be of shape (2, sectors), one row a depth and 2 sectors or more: (2, 1): not laid "
+        "on a wall",
+        "image 'INF': values[0, 0] = inf: must be finite, or NaN where missing: not laid on a wall",
+    ]
+
+
+def test_images_are_sorted_and_laid_when_the_wall_goes_on_already(monkeypatch):
+    live = Live(parse(SENT), clock=Clock())
+    for number in range(100):
+        live.receive("mwd", both(number))
+    real, meanwhile = Layout.image, []
+
+    def laid_slowly(*given):
+        pushing = threading.Thread(target=live.receive, args=("mwd", both(200)))
+        pushing.start()
+        pushing.join(10)
+        meanwhile.append(pushing.is_alive())
+        return real(*given)
+
+    monkeypatch.setattr(Layout, "image", laid_slowly)
+    kept = still(live)
+    assert meanwhile == [False]
+    assert len(kept.images["GR"][0]) == len(kept.walls["main"].images["GR"].depth) == 100
+    assert len(live.images["GR"]) == live.wall.sample_count == len(kept.walls["main"].samples.depth) + 1 == 101
 
 
 def test_events_are_in_the_snapshot(tmp_path):

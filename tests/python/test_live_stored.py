@@ -48,7 +48,10 @@ def test_the_host_pushes_samples_stations_and_images(tmp_path):
             "toolface has 1 values, depth has 2: must be equal",
         ),
         (lambda live: live.append_image("GR", [1.0], np.ones((1, 4))), "image 'GR': comes from a source already"),
-        (lambda live: live.append_image("X", [1.0], np.ones((2, 4))), "values has shape (2, 4): must be (1, sectors)"),
+        (
+            lambda live: live.append_image("X", [1.0], np.ones((2, 4))),
+            "values has shape (2, 4): must be (1, sectors), 2 sectors or more",
+        ),
     ],
 )
 def test_a_refused_push_stores_nothing(tmp_path, call, text):

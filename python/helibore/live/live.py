@@ -26,6 +26,8 @@ import numpy.typing as npt
 from helibore.arrays import column
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load
+from helibore.live.events import gather
+from helibore.live.file_names import RULE, can_be_file
 from helibore.live.image_rows import ImageRows
 from helibore.live.journal import Journal, segments
 from helibore.live.layout import given_layout
@@ -108,8 +110,8 @@ class Live:
         )
         for note in self.journal.recovery.notes:
             self.tell("journal", note)
-        for _ in read_into(self.model, FilePath(journal)):
-            pass
+        for update in read_into(self.model, FilePath(journal)):  # what it tells was told, but not what recovery did
+            gather(self._news.events, (event for event in update.events if event.rule == "journal"))
 
     @classmethod
     def replay(cls, folder: str | os.PathLike[str], configuration: Configuration | None = None) -> Live:
@@ -258,26 +260,34 @@ class Live:
         Raises
         ------
         ValueError
-            On other sectors, unit or layout than before, or one that is none; nothing was stored then.
+            On other sectors, unit or layout than before, or one that is none, fewer than two sectors, infinite values
+            and a name no file can have; nothing was stored then.
         """
         depths = column("depth", depth)
-        if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
-            raise ValueError(f"image '{name}': comes from a source already")
-        if np.ndim(values) != 2 or len(values) != depths.size:
-            raise ValueError(f"values has shape {np.shape(values)}: must be ({depths.size}, sectors)")
-        sectors = values.shape[1]
-        if name in self.images and self.images[name].sectors != sectors:
-            raise ValueError(f"values has {sectors} sectors: image '{name}' has {self.images[name].sectors}")
-        if name in self.images and unit not in ("", self.images[name].unit):
-            raise ValueError(f"unit = '{unit}': image '{name}' has '{self.images[name].unit}'")
+        self._check_image(name, depths.size, values, unit)
         layout = given_layout(origin, reference, direction, toolface_offset, self.configuration.path["reference"])
         if layout and self.model.layouts.get(name, layout) != layout:
             raise ValueError(f"image '{name}': lies otherwise: {self.model.layouts[name]}")
         _require_finite("depth", depths)
         lies = astuple(layout) if layout else ()
-        head = json.dumps([name, sectors, unit, *lies]).encode() + b"\n"
+        head = json.dumps([name, values.shape[1], unit, *lies]).encode() + b"\n"
         table = np.column_stack([depths, values]).astype(np.float64)
         return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
+
+    def _check_image(self, name: str, rows: int, values: npt.NDArray[np.float64], unit: str) -> None:
+        """Refuse what is no image, or another than the one of that name."""
+        if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
+            raise ValueError(f"image '{name}': comes from a source already")
+        if not can_be_file(name):
+            raise ValueError(f"name = {name[:60]!r}: {RULE}")
+        if np.ndim(values) != 2 or len(values) != rows or values.shape[1] < 2:
+            raise ValueError(f"values has shape {np.shape(values)}: must be ({rows}, sectors), 2 sectors or more")
+        if name in self.images and self.images[name].sectors != values.shape[1]:
+            raise ValueError(f"values has {values.shape[1]} sectors: image '{name}' has {self.images[name].sectors}")
+        if name in self.images and unit not in ("", self.images[name].unit):
+            raise ValueError(f"unit = '{unit}': image '{name}' has '{self.images[name].unit}'")
+        for row, sector in np.argwhere(np.isinf(values))[:1].tolist():
+            raise ValueError(f"values[{row}, {sector}] = {values[row, sector]}: must be finite, or NaN where missing")
 
     def _number(self, source: str) -> int:
         if source not in self.model.numbers:
@@ -299,12 +309,13 @@ class Live:
             return read()
 
     def poll(self) -> Update:
-        """Return everything that changed since the last poll, in one.
+        """Return everything that changed since the last poll, in one; the first tells what recovery did, too.
 
         For a host whose screen has a pace of its own: one thread pushes, another polls.
         """
         with self._lock:
             news, self._news = self._news, Update()
+            gather(news.events, self.model.events.take())  # told since, by no record
             return news
 
     def tell(self, rule: str, text: str, source: str = "") -> None:

@@ -26,6 +26,7 @@ from pathlib import Path
 from helibore.atomic_file import write_whole
 from helibore.live.clock import utc
 from helibore.live.events import Event
+from helibore.live.file_names import escaped
 from helibore.live.live import Live
 from helibore.live.still import Still, StillWall, still
 
@@ -35,6 +36,8 @@ Cells = Sequence[float | str | None]
 
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
     """Write the files; returns those written, ``snapshot.json`` last. A wall that the path does not reach has no mesh.
+
+    An image that cannot be laid on a wall, or whose name makes no file, is left out, and that is an event.
 
     Raises
     ------
@@ -48,6 +51,8 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     beside.mkdir()
     try:
         of = still(live)
+        for text in of.left_out:
+            live.tell("snapshot", text)
         _write(of, beside, str(live.configuration.snapshot["logs"]))
         return _put_in_place(beside, target, of)
     finally:
@@ -86,13 +91,13 @@ def _write_manifest(target: Path, manifest: dict[str, object]) -> None:
 
 def _write(of: Still, target: Path, logs: str) -> None:
     for name, wall in of.walls.items():
-        wall.save(target / f"{_safe(name)}.wall")
+        wall.save(target / f"{escaped(name)}.wall")
         if logs != "none" and len(wall) > wall.settings.sectors:
-            wall.logs().save(target / f"{_safe(name)}.{logs}")
+            wall.logs().save(target / f"{escaped(name)}.{logs}")
     for name, (depth, values) in of.images.items():
         heads = ["depth_m", *(f"{name}[{number}]" for number in range(1, values.shape[1] + 1))]
         rows = ([d, *row] for d, row in zip(depth.tolist(), values.tolist(), strict=True))
-        _table(target / f"image-{_safe(name)}.csv", heads, rows)
+        _table(target / f"image-{escaped(name)}.csv", heads, rows)
     if len(of.stations):
         _table(target / "survey.csv", ["depth_m", "inclination_deg", "azimuth_deg"], of.stations.tolist())
     if of.passes:
@@ -108,13 +113,6 @@ def _write(of: Still, target: Path, logs: str) -> None:
         ))  # fmt: skip
     if "main" in of.walls:
         _mesh(of.walls["main"], of, target)
-
-
-def _safe(name: str) -> str:
-    """A name that leads into no other folder, and is another for another name."""
-    for character in "%/\\":
-        name = name.replace(character, f"%{ord(character):02X}")
-    return name
 
 
 def _mesh(wall: StillWall, of: Still, target: Path) -> None:

@@ -4,7 +4,7 @@
                               |
     still                     walls, images, stations, passes, events          and then read at leisure
 
-Nothing is computed or written here (``snapshot.py``).
+What is sorted and laid is what was copied; nothing is written here (``snapshot.py``).
 """
 
 from __future__ import annotations
@@ -17,11 +17,17 @@ import numpy.typing as npt
 from helibore.arrays import Floats
 from helibore.caliper import Caliper
 from helibore.live.events import Event
+from helibore.live.file_names import RULE, can_be_file
+from helibore.live.image_rows import sorted_rows
+from helibore.live.layout import Layout
 from helibore.live.live import Live
 from helibore.live.pass_log import Pass
 from helibore.sector_image import SectorImage
 from helibore.survey import Path
 from helibore.wall import Wall, _Moment
+
+Rows = tuple[tuple[Floats, Floats], str, Layout | None]
+"""Of an image: (depth, values) in order of arrival, unit, and how its sectors lie."""
 
 
 class StillWall(Wall):
@@ -31,16 +37,16 @@ class StillWall(Wall):
     ----------
     wall
         What is copied.
-    path, images
-        As `Wall.path` and `Wall.images`.
+    path
+        As `Wall.path`.
     """
 
-    def __init__(self, wall: Wall, path: Path | None, images: dict[str, SectorImage]) -> None:
+    def __init__(self, wall: Wall, path: Path | None) -> None:
         super().__init__(basis=wall.basis, **asdict(wall.settings))
         self._samples, self._vertices, self._start = wall._state()
         size = len(self._vertices[0])
         self.stop_depth = float(wall.vertices(size - 1, size).depth[0]) if size else self._start
-        self.path, self.images = path, images
+        self.path = path
 
     def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[np.generic], ...], float]:
         return self._samples, self._vertices, self._start
@@ -93,6 +99,8 @@ class Still:
         (n, 3): depth m, inclination and azimuth deg.
     passes, events
         As `Live.passes`, and one event for each rule of each source.
+    left_out
+        What could not be taken along, and why.
     """
 
     wall_time: int
@@ -103,25 +111,39 @@ class Still:
     path: Path | None
     passes: list[Pass]
     events: list[Event]
+    left_out: list[str]
 
 
 def still(live: Live) -> Still:
-    """Copy a live wall between two appends."""
-    return live.at_one_moment(lambda: _copied(live))
+    """Copy a live wall between two appends; images are sorted and laid when it goes on already."""
+    of, images = live.at_one_moment(lambda: _copied(live))
+    for name, (rows, unit, layout) in images.items():
+        if not can_be_file(name):
+            of.left_out.append(f"image {name[:60]!r}: its name {RULE}: left out")
+            continue
+        depth, values = of.images[name] = sorted_rows(*rows)
+        if layout is None or len(depth) < 2 or np.isnan(values).all():
+            continue
+        try:
+            image = layout.image(name, unit, (depth, values), None)
+        except ValueError as error:
+            of.left_out.append(f"image '{name}': {error}: not laid on a wall")
+            continue
+        for wall in of.walls.values():
+            if _meets(image, wall):
+                wall.images[name] = image
+    return of
 
 
-def _copied(live: Live) -> Still:
-    rows = {name: image.arrays() for name, image in live.images.items() if len(image)}
-    laid = [live.image(name) for name, (depth, values) in rows.items()
-            if name in live.model.layouts and len(depth) > 1 and not np.isnan(values).all()]  # fmt: skip
-    walls = {}
-    for name, wall in live.layers.items():
-        if len(wall):
-            meeting = {image.name: image for image in laid if _meets(image, wall)}
-            walls[name] = StillWall(wall, live.path, meeting)
+def _copied(live: Live) -> tuple[Still, dict[str, Rows]]:
+    """What is copied at one moment, and of each image what it had then, for rows that are there never change."""
     model = live.model
-    return Still(model.wall_time, model.records, walls, rows, model.stations.rows(), live.path, live.passes,
-                 model.events.latest)  # fmt: skip
+    walls = {name: StillWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
+    images = {name: (image.so_far(), image.unit, model.layouts.get(name))
+              for name, image in live.images.items() if len(image)}  # fmt: skip
+    of = Still(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,
+               model.events.latest, [])  # fmt: skip
+    return of, images
 
 
 def _meets(image: SectorImage, wall: Wall) -> bool:
