@@ -100,6 +100,16 @@ def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> 
         (["w.wall", "-o", "m.vtu", "--shell", "5cm", "--shell", "4cm"], "must lie beyond shells[0]"),
         (["w.wall", "-o", "no/m.vtu"], "the folder no must be there"),
         (["w.wall", "-o", "m.ply", "--color-by", "RT"], "RT"),
+        (["w.wall", "-o", "m.wall", "--from", "1001"], "--from: has no say in .wall, which holds all of w.wall"),
+        (["w.wall", "-o", "m.wall", "--to", "1005"], "--to: has no say in .wall, which holds all of w.wall"),
+        (["w.toml", "-o", "m.wall", "--to", "1005"], "--to: has no say in .wall, which holds all of w.toml"),
+        (["w.wall", "-o", "m.wall", "--color-by", "radius"], "--color-by: has no say in .wall, which has no colours"),
+        (["w.wall", "-o", "m.stl", "--color-by", "radius"], "--color-by: has no say in .stl, which has no colours"),
+        (["w.wall", "-o", "m.obj", "--color-by", "radius"], "--color-by: has no say in .obj, which has no colours"),
+        (
+            ["w.wall", "-o", "m.vtu", "--shell", "5cm", "--color-by", "radius"],
+            "--color-by: has no say in a volume, which has no colours",
+        ),
         (
             ["w.wall", "-o", "m.ply", "--image", "g.csv:GR:edge:west"],
             "--image g.csv:GR:edge:west: must be FILE:CHANNEL",
@@ -113,6 +123,18 @@ def test_refusals(folder: Path, monkeypatch: pytest.MonkeyPatch, arguments: list
     assert (result.exit_code, result.stdout) == (2, "")
     assert rule in result.stderr
     assert sorted(folder.iterdir()) == before
+
+
+@pytest.mark.parametrize("basis", [["--gauge"], ["--average", "a.csv:cali_m"]])
+def test_an_interval_of_a_wall_that_is_made_here_is_kept(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, basis: list[str]
+) -> None:
+    monkeypatch.chdir(folder)
+    result = run(*basis, "--bit-diameter", "216mm", "--from", "1002", "--to", "1004", "-o", "m.wall", "-q")
+    assert result.exit_code == 0, result.output
+    depth = hb.load("m.wall").depth
+    assert 1002 <= depth[0] < 1002.01
+    assert 1003.9 < depth[-1] < 1004.1
 
 
 def test_a_wall_keeps_its_own_path(folder: Path) -> None:

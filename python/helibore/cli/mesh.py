@@ -17,7 +17,7 @@ from helibore.cli.plot import check_folder
 from helibore.cli.quantities import LENGTH
 from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, taking
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_source import Sourced, takes_a_wall, wall_from
+from helibore.cli.wall_source import SETTINGS, Sourced, takes_a_wall, wall_from
 from helibore.surface import SURFACE_ENDINGS, Surface
 from helibore.survey import Path as WellPath
 from helibore.survey import Reference
@@ -25,6 +25,8 @@ from helibore.volume import VOLUME_ENDINGS, Volume
 from helibore.wall import Wall
 
 ARCHIVE, COLORED = ".wall", (".glb", ".ply")
+COLORLESS = (ARCHIVE, ".obj", ".stl")
+WHOLE = (ARCHIVE, SETTINGS)  # sources that say themselves from where to where their wall goes
 
 
 @click.command()
@@ -33,7 +35,7 @@ ARCHIVE, COLORED = ".wall", (".glb", ".ply")
     "--shell", "shells", type=LENGTH, multiple=True,
     help=f"Thickness beyond the wall, rising: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}); repeatable.",
 )  # fmt: skip
-@click.option("--color-by", metavar="NAME", help="An image, or radius.  [the first image, else the radius]")
+@click.option("--color-by", metavar="NAME", help="An image, or radius: of GLB, PLY and VTK.  [the first, else radius]")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 @takes_a_wall
 @taking(*SURVEY_FILE)
@@ -51,6 +53,7 @@ def mesh(output: Path, shells: tuple[float, ...], color_by: str | None, quiet: b
     endings = (*VOLUME_ENDINGS,) if shells else (*SURFACE_ENDINGS, ARCHIVE)
     if output.suffix.lower() not in endings:
         raise ValueError(f"{output}: the ending must be one of {', '.join(endings)}")
+    _check_heeded(output, shells, color_by, options)
     check_folder(output)
     terminal = Terminal(quiet)
     path, told = _path(options)
@@ -61,6 +64,18 @@ def mesh(output: Path, shells: tuple[float, ...], color_by: str | None, quiet: b
     with terminal.stage("save", f"Writing {output.name}"):
         _save(found.wall, made, output, color_by)
     terminal.summary([*told, *found.told, *_lines(found, made), ("time", terminal.times()), _wrote(output)])
+
+
+def _check_heeded(output: Path, shells: tuple[float, ...], color_by: str | None, options: dict[str, Any]) -> None:
+    """Refuse what the output would not heed: colours where it has none, an interval of a wall that is kept whole."""
+    ending, source = output.suffix.lower(), options["source"]
+    if color_by is not None and (shells or ending in COLORLESS):
+        raise click.UsageError(f"--color-by: has no say in {'a volume' if shells else ending}, which has no colours")
+    if ending != ARCHIVE or source is None or source.suffix.lower() not in WHOLE:
+        return
+    for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
+        if options[name] is not None:
+            raise click.UsageError(f"{option}: has no say in {ending}, which holds all of {source.name}")
 
 
 def _path(options: dict[str, Any]) -> tuple[WellPath | None, list[tuple[str, str]]]:
