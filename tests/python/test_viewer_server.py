@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import json
+import re
 import time
 import urllib.error
 import urllib.request
 from types import SimpleNamespace
 from typing import Any
+from urllib.parse import quote, urlencode
 
 import numpy as np
 import pytest
@@ -357,3 +359,31 @@ def test_what_cannot_be_viewed_is_said() -> None:
             viewer.set_attribute("XX", np.ones(5000))
     finally:
         viewer.close()
+
+
+def enclosed_address(answer: str) -> str:
+    found = re.search(r'id="enclosed">(.*?)</script>', answer)
+    assert found is not None
+    return str(json.loads(found[1])["address"])
+
+
+def test_a_snapshot_holds_every_dip_and_note_that_a_page_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the page writes them (picking.js, notes.js, panel.js), over a real port: its own limits count."""
+    page = {
+        "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
+        '<a href="licences.txt" target="_blank" rel="noopener"><form method="dialog"><button>Close</button></form>'
+        '<script type="module" src="app.js"></script>',
+    }
+    monkeypatch.setattr("helibore.viewer.server.page", lambda name: page.get(name, "").encode())
+    dips = "!".join("~".join(["12345.678_123.4_1234.5_bit"] * 12) for _ in range(200))
+    notes = "~".join(f"12345.678_{quote('字' * 80)}" for _ in range(50))
+    address = f"#{urlencode({'md': '12345.678', 'dips': dips, 'notes': notes})}"
+    with hb.view(MadeWall(4000)) as viewer:
+        asked = f"{viewer.url}api/snapshot.html?start=1000&stop=1003&address="
+        with urllib.request.urlopen(asked + quote(address, safe="")) as answer:
+            assert enclosed_address(answer.read().decode()) == address
+        with pytest.raises(urllib.error.HTTPError) as refused:
+            urllib.request.urlopen(asked + "a" * 131_073)
+        assert refused.value.code == 400
+        rule = "address: 131073 characters, must be at most 131072; keep fewer dips or notes\n"
+        assert refused.value.read().decode() == rule

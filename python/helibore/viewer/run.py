@@ -25,6 +25,7 @@ class Server:
         uvicorn = import_server()
         from helibore.viewer.guard import LOOPBACK
         from helibore.viewer.server import MOST_TEXT, application
+        from helibore.viewer.snapshot import MOST_ADDRESS
 
         self._socket = _bind(host, port)
         name = f"[{host}]" if ":" in host else host
@@ -35,6 +36,7 @@ class Server:
             ws="websockets-sansio",
             ws_max_size=2 * MOST_TEXT,
             ws_per_message_deflate=compress,
+            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # an address as a query: three characters become up to five
             log_level="critical",
             access_log=False,
             lifespan="on",

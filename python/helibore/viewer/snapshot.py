@@ -23,7 +23,7 @@ from helibore.viewer.greeting import greeting, state
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
-MOST_ADDRESS = 4096  # characters
+MOST_ADDRESS = 128 * 1024  # characters: 200 dips of twelve points and 50 notes of 80 letters of any script
 CLOSING = '<form method="dialog"><button>Close</button></form>'
 SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
@@ -46,8 +46,13 @@ def snapshot(scene: Scene, files: dict[str, str], start: float, stop: float, add
     Raises
     ------
     ValueError
-        If the depths are not finite or not of this wall, or hold more than `MOST_VERTICES` vertices.
+        If the depths are not finite or not of this wall, or hold more than `MOST_VERTICES` vertices;
+        if the address has more than `MOST_ADDRESS` characters.
     """
+    if len(address) > MOST_ADDRESS:
+        raise ValueError(
+            f"address: {len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer dips or notes"
+        )
     with scene.lock:
         tiles = tiles_between(scene, start, stop)
         level = scene.levels[0]
@@ -56,7 +61,7 @@ def snapshot(scene: Scene, files: dict[str, str], start: float, stop: float, add
         "hello": greeting(still),
         "state": state(still),
         "made": round(time.time(), 1),
-        "address": address[:MOST_ADDRESS],
+        "address": address,
         "history": still.history.as_columns(),
     }
     before, after = _page(files)

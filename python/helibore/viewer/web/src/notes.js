@@ -32,7 +32,8 @@ export class Notes {
   close(said) {
     const text = byId('noteText').value.trim().slice(0, LONGEST);
     const others = this.kept.filter((note) => note !== this.at);
-    if (said === 'keep' && text) this.kept = [...others, { depth: this.at.depth, text }].sort((a, b) => a.depth - b.depth).slice(0, MOST);
+    if (said === 'keep' && text && others.length >= MOST) this.app.notice(`There are ${MOST} notes, as many as are kept: remove one first. This one was not kept: ${text}`, 10);
+    else if (said === 'keep' && text) this.kept = [...others, { depth: this.at.depth, text }].sort((a, b) => a.depth - b.depth);
     else if (said) this.kept = others; // removed, or kept without a word
     this.app.redraw();
   }

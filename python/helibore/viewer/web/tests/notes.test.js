@@ -26,3 +26,26 @@ test('what no page wrote is left out, and there is an end to it', () => {
   notes.fromAddress(null);
   assert.deepEqual(notes.kept, []);
 });
+
+test('one note too many is not kept and says so; the others stay, and can be changed', () => {
+  const card = { text: '' };
+  globalThis.document = { getElementById: () => ({ addEventListener() {}, get value() { return card.text; } }) };
+  const told = [];
+  const notes = new Notes({ redraw() {}, notice: (text) => told.push(text) });
+  const write = (depth, text) => {
+    notes.at = notes.kept.find((note) => note.depth === depth) ?? { depth, text: '' };
+    card.text = text;
+    notes.close('keep');
+  };
+  for (let depth = 50; depth > 0; depth--) write(depth, `at ${depth}`);
+  const before = notes.kept;
+  assert.deepEqual(before.map(({ depth }) => depth), Array.from({ length: 50 }, (_, i) => i + 1));
+  assert.deepEqual(told, []);
+  write(7.5, 'one more');
+  assert.deepEqual(notes.kept, before);
+  assert.deepEqual(told, ['There are 50 notes, as many as are kept: remove one first. This one was not kept: one more']);
+  write(50, 'changed');
+  assert.equal(notes.kept.length, 50);
+  assert.equal(notes.kept.at(-1).text, 'changed');
+  assert.equal(told.length, 1);
+});
