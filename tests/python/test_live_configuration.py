@@ -156,6 +156,22 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (WALL + SOURCE + "line_limit = 3\n", "source.rig.line_limit = 3: must be a whole number from 16 to 16777216"),
         (WALL + SOURCE + "every = 0\n", "source.rig.every = 0: must be from 0.05 to 3600"),
         (
+            WALL + SOURCE + '[layers]\nPasses = ["ream"]\n',
+            "layers.Passes = ['ream']: the snapshot has a table of that name, as of passes, events, survey, image-*",
+        ),
+        (
+            WALL + SOURCE + '[layers]\nimage-GR = ["ream"]\n',
+            "layers.image-GR = ['ream']: the snapshot has a table of that name, as of passes, events, survey, image-*",
+        ),
+        (
+            WALL + SOURCE + '[layers]\n"a\\u0000" = ["ream"]\n',
+            "layers.a\0 = ['ream']: its name must be printable and at most 200 bytes, for files are named after it",
+        ),
+        (
+            WALL + SOURCE + IMAGE.replace("GR", '"G\\u0000"'),
+            "source.rig.image.'G\\x00': its name must be printable and at most 200 bytes, for files are named after it",
+        ),
+        (
             WALL + SOURCE + '[layers]\na = ["swim"]\n',
             "layers.a = 'swim': must be passes out of drill, ream, rescan, trip, unknown, or \"pass N\" by its number",
         ),

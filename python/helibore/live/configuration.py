@@ -27,6 +27,7 @@ from typing import Any
 from helibore import units
 from helibore.live import wits
 from helibore.live.address import Address, check_allowed, read_address
+from helibore.live.file_names import RULE, can_be_file
 from helibore.live.layout import REFERENCES, Layout, read_layout
 from helibore.live.pass_rules import PassNumbers, PassRules, read_layers, read_pass_numbers, read_passes
 from helibore.live.store_settings import Store, read_store
@@ -333,6 +334,8 @@ def _code_at(table: Table, name: str, index: int, text: str) -> int:
 
 
 def _image(name: str, table: Table, depth_unit: str, reference: Reference) -> ImageItems:
+    if not can_be_file(name):
+        raise ValueError(f"{table.place[: -len(name)]}{name[:60]!r}: its name {RULE}")
     unit = table.text("unit", why="the unit of its values, for display")
     scale_depth = _item(table, "depth", depth_unit) if table.has("depth") else None
     offset = table.number("offset", 0.0)

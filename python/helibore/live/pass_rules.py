@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from helibore.live.file_names import RULE, can_be_file
 from helibore.live.tables import Table
 
 Integers = npt.NDArray[np.int64]
@@ -30,6 +31,9 @@ DRILL, REAM, RESCAN, TRIP, UNKNOWN = range(len(PASSES))
 NO_NUMBER = -1
 LARGEST = 32767
 """Pass numbers are of the wire's type S, two bytes."""
+
+TABLES = ("passes", "events", "survey")
+"""Files of the snapshot beside those of layers and images."""
 
 NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
 
@@ -99,6 +103,10 @@ def read_layers(table: Table, *, numbered: bool) -> dict[str, tuple[str, ...]]:
     layers: dict[str, tuple[str, ...]] = {"main": ("drill", "rescan", "unknown")}
     for name in table.names():
         kinds = table.array(name, str)
+        if not can_be_file(name):
+            raise table.fail(name, kinds, f"its name {RULE}")
+        if name.casefold() in TABLES or name.casefold().startswith("image-"):
+            raise table.fail(name, kinds, f"the snapshot has a table of that name, as of {', '.join(TABLES)}, image-*")
         for kind in kinds:
             if NUMBERED.fullmatch(kind):
                 if not numbered:
