@@ -123,12 +123,11 @@ class StoreReader(SourceReader):
         texts = [row.partition(",")[0].strip() for row in log.rows]
         keys = [_index(text, store.index, scale) for text in texts]
         new = []
-        for place, key in enumerate(keys):
+        for place, (key, after) in enumerate(zip(keys, _following(keys), strict=True)):
             if key is None:
                 text = f"index {texts[place][:60]!r}: is not a {store.index}: the row was not read"
                 self._tell(wall, "index", text, place + 1)
             elif key > self._last_key:
-                after = next((other for other in keys[place + 1 :] if other is not None), None)
                 if key - self._last_key > store.jump and not (after is not None and key < after <= key + store.jump):
                     self._tell_jump(texts[place], key, store, wall, place + 1)
                     continue
@@ -239,6 +238,16 @@ def _quantity(text: str, unit: str, kind: str) -> float:
     if not NUMBER.fullmatch(text):
         raise ValueError(f"{text[:60]!r}: is not a number")
     return float(text) * units.factor(unit, kind)
+
+
+def _following(keys: list[float | None]) -> list[float | None]:
+    """Of each row the index of the next row that has one; from the end, so that a row is looked at once."""
+    after: list[float | None] = []
+    following = None
+    for key in reversed(keys):
+        after.append(following)
+        following = following if key is None else key
+    return after[::-1]
 
 
 def _index(text: str, index: str, scale: float) -> float | None:
