@@ -11,7 +11,8 @@ from test_live_server import until
 
 import helibore as hb
 from helibore.live import server as server_module
-from helibore.live import witsml
+from helibore.live import store as store_module
+from helibore.live import store_reader, witsml
 from helibore.live.configuration import parse
 from helibore.live.journal import BYTES, segments
 from helibore.live.server import Server
@@ -299,6 +300,46 @@ def test_an_error_page_that_repeats_the_password_is_stored_without_it(store, tmp
         until(lambda: polled.live.wall.sample_count == 5)
     (refused,) = [body for _, state, body in stored(tmp_path / "j") if state == "refused"]
     assert refused == f"who is rig7 with {'*' * 9}, {'*' * 13}, Basic {'*' * len(token)}?".encode()
+
+
+@pytest.mark.parametrize(
+    "written",
+    ["a'b\"<&c d", "a'b\"&lt;&amp;c d", "a'b\"&lt;&amp;c d".replace("'", "&apos;").replace('"', "&quot;"),
+     "a&#x27;b&quot;&lt;&amp;c d", "a&#39;b&#34;&lt;&amp;c d", "a%27b%22%3C%26c%20d", "a%27b%22%3C%26c+d",
+     "cmlnNzphJ2IiPCZjIGQ="],
+)  # fmt: skip
+def test_a_password_is_blotted_out_as_it_may_be_written_and_where_it_is_cut(written):
+    secrets = store_module._secrets(("rig7", "a'b\"<&c d"))
+    page = f"<p>{written}</p>{written}".encode()
+    stars = "*" * len(written)
+    assert store_module._blotted(page, secrets) == f"<p>{stars}</p>{stars}".encode()
+    for cut in range(1, len(written)):
+        assert store_module._blotted(b"<p>" + written[:cut].encode(), secrets) == b"<p>" + b"*" * cut
+
+
+def test_a_password_within_its_own_other_forms_leaves_none_of_them():
+    assert store_module._blotted(b"a&amp;b a&b.", store_module._secrets(("rig7", "a&b"))) == b"******* ***."
+    assert store_module._blotted(b"amp;amp;.", store_module._secrets(("rig7", "amp;"))) == b"********."
+    assert store_module._blotted(b"rig7", store_module._secrets(None)) == b"rig7"
+
+
+def test_rows_that_jump_are_looked_at_once_however_many():
+    class Rows(list):
+        looked = 0
+
+        def __reversed__(self):
+            for key in super().__reversed__():
+                self.looked += 1
+                yield key
+
+        def __getitem__(self, place):
+            raise AssertionError("rows are copied or looked at again")
+
+    keys = Rows([None, 1.0, None, None, 3.0, 2.0, None] * 1000)
+    after = store_reader._following(keys)
+    assert keys.looked == 7000
+    assert after[:7] == [1.0, 3.0, 3.0, 3.0, 2.0, 1.0, 1.0]
+    assert after[-3:] == [2.0, None, None]
 
 
 def test_an_answer_is_stored_before_anything_looks_into_it(store, tmp_path, monkeypatch):

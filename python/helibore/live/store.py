@@ -15,11 +15,13 @@ import base64
 import contextlib
 import hashlib
 import html
+import itertools
 import os
 import queue
 import ssl
 import threading
 import time
+import urllib.parse
 from collections.abc import Callable
 from typing import Any
 
@@ -174,8 +176,7 @@ class StoreLink:
 
     def _refusal(self, kind: str, body: bytes) -> bytes:
         """A refused answer as it is stored: without secrets, and empty where it is the one before."""
-        for secret in self._secrets:
-            body = body.replace(secret, b"*" * len(secret))
+        body = _blotted(body, self._secrets)
         checksum = hashlib.blake2b(body).digest()
         if self._refused.get(kind) == checksum:
             return b""
@@ -213,8 +214,22 @@ class StoreLink:
 
 
 def _secrets(auth: tuple[str, str] | None) -> tuple[bytes, ...]:
-    """What a store may echo of the credentials: the password, as HTML too, and the header's token."""
+    """What a store may echo: the password, also as XML, HTML and addresses write it, and the token; longest first."""
     if auth is None:
         return ()
-    token = base64.b64encode(":".join(auth).encode())
-    return tuple({auth[1].encode(), html.escape(auth[1]).encode(), token} - {b""})
+    token, password = base64.b64encode(":".join(auth).encode()).decode(), auth[1]
+    plain = html.escape(password, quote=False)
+    forms = {token, password, urllib.parse.quote(password), urllib.parse.quote_plus(password)}
+    for single, double in itertools.product(("'", "&apos;", "&#39;", "&#x27;"), ('"', "&quot;", "&#34;", "&#x22;")):
+        forms.add(plain.replace("'", single).replace('"', double))
+    return tuple(sorted((form.encode() for form in forms - {""}), key=len, reverse=True))
+
+
+def _blotted(body: bytes, secrets: tuple[bytes, ...]) -> bytes:
+    """Return ``body`` without secrets; its end, where it may have been cut, without the beginning of one."""
+    for secret in secrets:
+        body = body.replace(secret, b"*" * len(secret))
+    begun = max(
+        (size for secret in secrets for size in range(1, len(secret)) if body.endswith(secret[:size])), default=0
+    )
+    return body[: len(body) - begun] + b"*" * begun
