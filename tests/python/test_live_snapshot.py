@@ -130,6 +130,8 @@ def test_files_of_before_go_and_those_of_others_stay(tmp_path):
     manifest = json.loads((tmp_path / "snapshot.json").read_text())
     manifest |= {"number": 6, "complete": False}  # as a run that was killed between two files leaves it
     manifest["files"] |= {"old.las": 5, "../precious.csv": 1, "/etc/passwd": 2}
+    manifest["files"] |= {"..": 1, ".": 1, "": 1, "theirs": 1, "a\0b": 1}
+    (tmp_path / "theirs").mkdir()
     (tmp_path / "old.las").write_text("old")
     (tmp_path / "snapshot.json").write_text(json.dumps(manifest))
     (tmp_path / ".new").mkdir()
@@ -137,6 +139,7 @@ def test_files_of_before_go_and_those_of_others_stay(tmp_path):
     snapshot(live, tmp_path)
     assert set(contents(tmp_path)) == {"main.wall", "passes.csv", "snapshot.json", "mine.csv"}
     assert (tmp_path.parent / "precious.csv").exists()
+    assert (tmp_path / "theirs").is_dir()
     assert json.loads((tmp_path / "snapshot.json").read_text())["number"] == 7
     for damaged in ("", "[]", '{"number": "x", "files": {}}', '{"number": 3, "files": 7}'):
         (tmp_path / "snapshot.json").write_text(damaged)

@@ -75,13 +75,17 @@ def _put_in_place(beside: Path, target: Path, of: Still) -> list[Path]:
 
 
 def _manifest(target: Path) -> tuple[int, dict[str, int]]:
-    """Number and files of the snapshot that is there; names that lead out of its folder are none of its files."""
+    """Number and files of the snapshot that is there; what is no name of a file in its folder is none of them."""
     try:
         found = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
-        files = {name: int(size) for name, size in found["files"].items() if name == Path(name).name}
+        files = {name: int(size) for name, size in found["files"].items() if _is_own(target, name)}
         return int(found["number"]), files
     except (OSError, ValueError, KeyError, TypeError, AttributeError):
         return 0, {}
+
+
+def _is_own(target: Path, name: str) -> bool:
+    return name == Path(name).name and name.isprintable() and not (target / name).is_dir()  # "..", "" are folders
 
 
 def _write_manifest(target: Path, manifest: dict[str, object]) -> None:
