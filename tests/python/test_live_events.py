@@ -10,6 +10,7 @@ from live_wires import (
     FRAMES,
     SECOND,
     SENT,
+    WALL,
     Clock,
     from_bit,
     rig,
@@ -198,6 +199,28 @@ def test_events_of_one_rule_are_joined_and_a_replay_tells_the_same_whatever_the_
     assert lines[told["mwd", "invalid"].newest.line - 1] == b"5012x\r"
     for rule in ("gap", "duplicate", "station", "depth_gap"):
         assert lines[told["mwd", rule].line - 1] == b"&&\r"
+
+
+def test_events_of_two_records_layers_and_pass_numbers_are_told_as_they_came(tmp_path, monkeypatch):
+    configuration = parse(
+        WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\nitems = { pass_number = "0812" }\n'
+        'caliper = { first = "5010", groups = 1, order = ["toolface", "depth", "radius"] }\n'
+        '[source.mwd.pass_numbers]\ndrill = [1]\nrescan = [2]\n[layers]\nagain = ["rescan", "unknown"]\n'
+    )
+    draw, depth, one, other = np.random.default_rng(2), 100.0, 0, 0
+    with Live(configuration, tmp_path, clock=Clock()) as live:
+        for _ in range(60):
+            depth, one, other = (
+                depth + draw.choice([0.1, 5.0]), one + draw.choice([1, 3]), other + draw.choice([1, 2])
+            )  # fmt: skip
+            said = draw.choice([1, 2, 7, 9, 8])
+            live.receive("mwd", wits.frame([(804, f"{one}"), (812, f"{said}"), (5004, f"{other}"), (5010, "1"),
+                                            (5011, f"{depth:.1f}"), (5012, "110")]))  # fmt: skip
+    told = {key(event): event for event in live.model.events.latest}
+    assert set(told) == {("mwd", "gap"), ("mwd", "pass"), ("mwd", "depth_gap")}
+    for records in (1, 7, 8192):
+        monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
+        assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == told
 
 
 def test_a_frame_that_the_end_of_a_connection_completes_has_its_time_whatever_the_window(tmp_path, monkeypatch):

@@ -269,14 +269,16 @@ class SourceReader:
 
     def _sequence(self, values: Values, reading: Reading) -> Integers:
         flags = np.zeros(len(values), np.int64)
+        events: list[tuple[int, str, str]] = []
         for code, watch in self.watches.items():
             numbers = values[:, self._column[code]]
             if np.isnan(numbers).all():
                 continue
             found, told = watch.take(numbers)
             flags |= found
-            for index, rule, text in told:
-                self._tell_frame(reading, index, rule, f"record {code // 100:02d}: {text}")
+            events += [(index, rule, f"record {code // 100:02d}: {text}") for index, rule, text in told]
+        for event in sorted(events, key=lambda event: event[0]):  # as they came, not record by record
+            self._tell_frame(reading, *event)
         return flags
 
     def _value(self, values: Values, item: Item) -> Values:

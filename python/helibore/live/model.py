@@ -302,6 +302,7 @@ class Model:
             self.counts[f"pass {name}"] += count
         time = (rows["time"] - self.clock.began) / SECOND
         drawn = np.zeros(len(rows), bool)
+        gaps = []
         for name, layer in self.layers.items():
             chosen = self._takes[name].chosen(kind, rows["number"])
             if not chosen.any():
@@ -309,24 +310,24 @@ class Model:
             drawn |= chosen
             update.changes[name] = joined(update.changes.get(name), layer.append(
                 depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
-            self._watch_depth(name, depth[chosen], rows, chosen)
+            gaps += self._depth_gaps(name, depth[chosen], np.flatnonzero(chosen))
+        if gaps:
+            self.passes.tell(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
-    def _watch_depth(
-        self, name: str, depth: npt.NDArray[np.float64], rows: Rows, chosen: npt.NDArray[np.bool_]
-    ) -> None:
-        """An event where the wall jumps over more depth than its samples reach."""
+    def _depth_gaps(
+        self, name: str, depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
+    ) -> list[tuple[int, str]]:
+        """Of ``rows``, at ``depth``, those before which the wall jumps over more depth than samples reach, in words."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
         jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))
-
-        def describe(row: int) -> Event:
-            text = f"layer {name}: no samples from {deepest[row]:.3f} m to {depth[row]:.3f} m"
-            return self.passes.event(rows[np.flatnonzero(chosen)[row]], "depth_gap", text)
-
-        self.events.tell_rows(jumps, describe)
         self._deepest[name] = float(deepest[-1])
+        return [
+            (int(rows[jump]), f"layer {name}: no samples from {deepest[jump]:.3f} m to {depth[jump]:.3f} m")
+            for jump in jumps.tolist()
+        ]
 
     def _draw_image(
         self, index: int, rows: Rows, depth: npt.NDArray[np.float64], flags: npt.NDArray[np.int64],

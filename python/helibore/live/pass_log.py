@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import itertools
 from collections import deque
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -89,6 +90,7 @@ class PassLog:
         if not (number != NO_NUMBER).any():
             return kind
         decided = kind.copy()
+        found: list[tuple[Integers, str]] = []
         for who, said in np.unique(np.stack([source, number])[:, number != NO_NUMBER], axis=1).T.tolist():
             meaning = self._meanings[who][1]
             means = meaning.kind(said)
@@ -97,18 +99,30 @@ class PassLog:
             rows = np.flatnonzero((source == who) & (number == said))
             decided[rows] = means
             if means == UNKNOWN:
-                self._tell(samples[rows], f"pass number {said}: is not listed in pass_numbers: unknown")
+                found.append((rows, f"pass number {said}: is not listed in pass_numbers: unknown"))
             for own in np.unique(kind[rows]).tolist():
                 if UNKNOWN not in (own, means) and own != means:
                     differ = rows[kind[rows] == own]
                     text = f"pass number {said} means {PASSES[means]}, the string's motion {PASSES[own]}"
-                    self._tell(samples[differ], f"{text}: the number counts")
+                    found.append((differ, f"{text}: the number counts"))
+        if found:
+            which = np.repeat(np.arange(len(found)), [len(rows) for rows, _ in found])
+            told = np.concatenate([rows for rows, _ in found])
+            self.tell(samples, told, "pass", lambda place: found[which[place]][1])
         return decided
 
-    def _tell(self, samples: Rows, text: str) -> None:
-        self._events.tell_rows(range(len(samples)), lambda row: self.event(samples[row], "pass", text))
+    def tell(self, samples: Rows, rows: Integers, rule: str, text: Callable[[int], str]) -> None:
+        """Tell an event for each of ``rows``, of one source in order of arrival; ``text(i)`` is of ``rows[i]``."""
+        order = np.argsort(rows, kind="stable")
+        source = samples["source"][rows[order]]
 
-    def event(self, sample: np.void, rule: str, text: str) -> Event:
+        def describe(place: int) -> Event:
+            return self._event(samples[rows[place]], rule, text(place))
+
+        for who in np.unique(source).tolist():
+            self._events.tell_rows(order[source == who], describe)
+
+    def _event(self, sample: np.void, rule: str, text: str) -> Event:
         """Return an event at the place a sample came from."""
         name = self._name(int(sample["source"]))
         return Event(int(sample["wall"]), name, int(sample["connection"]), int(sample["line"]), -1, rule, text)
