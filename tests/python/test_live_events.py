@@ -213,11 +213,11 @@ def test_events_of_two_records_layers_and_pass_numbers_are_told_as_they_came(tmp
             depth, one, other = (
                 depth + draw.choice([0.1, 5.0]), one + draw.choice([1, 3]), other + draw.choice([1, 2])
             )  # fmt: skip
-            said = draw.choice([1, 2, 7, 9, 8])
-            live.receive("mwd", wits.frame([(804, f"{one}"), (812, f"{said}"), (5004, f"{other}"), (5010, "1"),
-                                            (5011, f"{depth:.1f}"), (5012, "110")]))  # fmt: skip
+            said, radius = draw.choice(["1", "2", "7", "9", "8", "1.5"]), draw.choice(["110", "x"], p=[0.8, 0.2])
+            live.receive("mwd", wits.frame([(804, f"{one}"), (812, said), (5004, f"{other}"), (5010, "1"),
+                                            (5011, f"{depth:.1f}"), (5012, radius)]))  # fmt: skip
     told = {key(event): event for event in live.model.events.latest}
-    assert set(told) == {("mwd", "gap"), ("mwd", "pass"), ("mwd", "depth_gap")}
+    assert set(told) == {("mwd", rule) for rule in ("gap", "pass", "depth_gap", "invalid")}
     for records in (1, 7, 8192):
         monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
         assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == told

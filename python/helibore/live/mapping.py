@@ -170,7 +170,7 @@ class SourceReader:
         repeated = self._repeats(batch, states, reading)
         flags = self._sequence(values, reading)
         reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
-        reading.pass_number = self._pass_numbers(reading, values, states, flags | repeated)
+        reading.pass_number = self._pass_numbers(values, states, flags | repeated)
         self._triples(reading, values, states, flags | repeated)
         self._images(reading, values, states, flags | repeated)
         if self.source.survey:
@@ -191,7 +191,7 @@ class SourceReader:
         states[row, column[mapped]] = np.array([VALUE, NULL, INVALID, INVALID], np.uint8)[items["flags"][mapped]]
         reading.keep_alives = int(np.count_nonzero((frames["items"] == 1) & self._is_keep_alive(batch)))
         bad = mapped[items["flags"][mapped] == wits.INVALID][::-1]
-        self._tell_items(bad, batch, reading, "invalid", "is not a number")
+        self._tell_invalid(bad, batch, reading, values)
         if len(mapped) != np.count_nonzero(states):
             pairs = row * len(self._codes) + column[mapped]
             kept = np.zeros(len(mapped), bool)
@@ -210,14 +210,38 @@ class SourceReader:
         return alone
 
     def _tell_items(self, rows: Integers, batch: wits.Batch, reading: Reading, rule: str, words: str) -> None:
-        def describe(row: int) -> Event:
-            item = batch.items[row]
-            frame = int(np.searchsorted(batch.frames["first"], row, side="right")) - 1
-            text = f"item {item['code']:04d} = {batch.text_of(row)[:60]!r}: {words}"
-            line = batch.line_of(row, frame)
-            return self._event(int(reading.wall[frame]), rule, text, line, int(item["offset"]))
+        self._events.tell_rows(rows, lambda row: self._item_event(row, batch, reading, rule, words))
 
-        self._events.tell_rows(rows, describe)
+    def _item_event(self, row: int, batch: wits.Batch, reading: Reading, rule: str, words: str) -> Event:
+        item = batch.items[row]
+        frame = int(np.searchsorted(batch.frames["first"], row, side="right")) - 1
+        text = f"item {item['code']:04d} = {batch.text_of(row)[:60]!r}: {words}"
+        return self._event(int(reading.wall[frame]), rule, text, batch.line_of(row, frame), int(item["offset"]))
+
+    def _tell_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
+        """Tell the items ``bad``, which are no numbers, and numbers that are of no pass, frame by frame."""
+        wrong = self._wrong_numbers(values)
+        frames = np.concatenate([np.searchsorted(batch.frames["first"], bad, side="right") - 1, wrong])
+
+        def describe(place: int) -> Event:
+            if place < len(bad):
+                return self._item_event(int(bad[place]), batch, reading, "invalid", "is not a number")
+            return self._wrong_number(int(wrong[place - len(bad)]), reading, values)
+
+        self._events.tell_rows(np.argsort(frames, kind="stable"), describe)
+
+    def _wrong_numbers(self, values: Values) -> Integers:
+        """Frames whose pass number is a number that no pass has."""
+        if self.source.pass_number is None:
+            return np.empty(0, np.int64)
+        number = values[:, self._column[self.source.pass_number.code]]
+        return np.flatnonzero(~np.isnan(number) & ~_counts_passes(number))
+
+    def _wrong_number(self, row: int, reading: Reading, values: Values) -> Event:
+        assert self.source.pass_number is not None
+        number = values[row, self._column[self.source.pass_number.code]]
+        text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
+        return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
     def _tell_bad_text(self, batch: wits.Batch, wall: int) -> None:
         """Events of bad text, each at the time its first byte came; ``wall``: the end of the connection."""
@@ -285,9 +309,7 @@ class SourceReader:
         scaled: Values = values[:, self._column[item.code]] * item.scale
         return scaled
 
-    def _pass_numbers(
-        self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers
-    ) -> Integers:
+    def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
         """The number each frame says, or the last one said before it; a null takes it back.
 
         What a late or repeated frame says counts for that frame only.
@@ -297,10 +319,7 @@ class SourceReader:
             return np.full(len(values), NO_NUMBER)
         column = self._column[item.code]
         number, said = values[:, column], states[:, column] != ABSENT
-        whole = (number >= 0) & (number <= LARGEST) & (np.floor(number) == number)
-        for row in np.flatnonzero(~np.isnan(number) & ~whole).tolist():
-            text = f"pass number {number[row]:g}: must be a whole number from 0 to {LARGEST}"
-            self._tell_frame(reading, row, "invalid", text)
+        whole = _counts_passes(number)
         own = np.where(whole, number, NO_NUMBER).astype(np.int64)
         counts = said & ((flags & (Flag.LATE | Flag.DUPLICATE)) == 0)
         last = np.maximum.accumulate(np.where(counts, np.arange(len(own)), -1))
@@ -342,3 +361,8 @@ class SourceReader:
             lacking = image.depth is not None and np.isnan(depth[frame])
             row_flags = flags[frame] | np.where(lacking, Flag.NULL, 0)
             reading.images.append((image, frame, depth[frame], values[frame][:, sectors], row_flags))
+
+
+def _counts_passes(number: Values) -> npt.NDArray[np.bool_]:
+    whole: npt.NDArray[np.bool_] = (number >= 0) & (number <= LARGEST) & (np.floor(number) == number)
+    return whole

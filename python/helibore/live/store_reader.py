@@ -103,7 +103,8 @@ class StoreReader(SourceReader):
         self.counts["not_numbers"] += int(np.count_nonzero(states == INVALID))
         flags = np.zeros(len(numbers), np.int64)
         reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
-        reading.pass_number = self._pass_numbers(reading, values, states, flags)
+        self._events.tell_rows(self._wrong_numbers(values), lambda row: self._wrong_number(row, reading, values))
+        reading.pass_number = self._pass_numbers(values, states, flags)
         self._triples(reading, values, states, flags)
         self._images(reading, values, states, flags)
         return reading
