@@ -11,8 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from helibore.arrays import Floats
 from helibore.caliper import Caliper
+from helibore.carry import on_quads
 from helibore.wall import Wall
 
 if TYPE_CHECKING:
@@ -106,13 +106,5 @@ def compare(wall: Wall, earlier: Wall) -> None:
     """Give a wall the attribute that tells how much larger it is than an earlier one."""
     from helibore.passes import difference
 
-    wall.attributes[DIFFERENCE] = of_quads(difference(earlier, wall), wall.settings.sectors)
+    wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)
     wall.attributes.units[DIFFERENCE] = "m"
-
-
-def of_quads(vertices: Floats, sectors: int) -> Floats:
-    """Mean of the four corners of every quad of a whole helix, (n - sectors - 1,); NaN where one is missing."""
-    count = max(vertices.size - sectors - 1, 0)
-    first, next_turn = vertices[: count + 1], vertices[sectors : sectors + count + 1]
-    mean: Floats = 0.25 * (first[:-1] + first[1:] + next_turn[:-1] + next_turn[1:])
-    return mean
