@@ -1,4 +1,4 @@
-// Validates a batch of samples and brings it into canonical order.
+// Brings a batch of samples into canonical order, its rows checked on the way (row_rules.hpp).
 //
 // Recorded data mostly come in order already: one pass finds that out and copies. Otherwise
 //
@@ -13,68 +13,18 @@
 #include <numeric>
 #include <utility>
 
-#include "helibore/error.hpp"
 #include "helix.hpp"
 #include "instruction_set.hpp"
 #include "lines.hpp"
-#include "number_text.hpp"
 #include "pages.hpp"
 #include "parallel.hpp"
+#include "row_rules.hpp"
 #include "samples.hpp"
 
 namespace helibore {
 namespace {
 
-constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is refused, not guessed
 constexpr Index rows_to_start = 32768, rows_to_wake = 256;  // that are worth a thread
-
-[[noreturn]] void refuse(const char* column, Index row, double value, const char* rule) {
-    throw InputError(std::string(column) + "[" + std::to_string(row) + "] = " + number_text(value) + ": " + rule);
-}
-
-// The first row that breaks the rule of a column, or none.
-template <class Good>
-void check(const char* name, std::span<const double> values, const char* rule, const Good& good) {
-    const auto bad = std::find_if_not(values.begin(), values.end(), good);
-    if (bad != values.end()) refuse(name, bad - values.begin(), *bad, rule);
-}
-
-bool finite(double x) {
-    return std::isfinite(x);
-}
-bool good_radius(double x) {
-    return x > 0.0 && x <= largest_radius;
-}
-
-void check_lengths(const SampleColumns& c) {
-    const auto same = [&](const char* name, std::size_t n) {
-        if (n != c.depth.size())
-            throw InputError(std::string(name) + " has " + std::to_string(n) + " values, depth has " +
-                             std::to_string(c.depth.size()) + ": must be equal");
-    };
-    same("toolface", c.toolface.size());
-    same("radius", c.radius.size());
-    if (!c.time.empty()) same("time", c.time.size());
-}
-
-void check_rows(const SampleColumns& c) {
-    check("depth", c.depth, "must be finite", finite);
-    check("toolface", c.toolface, "must be finite", finite);
-    check("radius", c.radius, "must be finite", finite);
-    check("radius", c.radius, "must be above 0 and at most 2 m", good_radius);
-    check("time", c.time, "must be finite", finite);
-}
-
-constexpr double largest = std::numeric_limits<double>::max();
-constexpr double least_radius = std::numeric_limits<double>::denorm_min();
-
-bool rows_valid(const SampleColumns& c, Range rows, const kernel::Functions& f) {
-    const Index n = rows.stop - rows.start;
-    return f.all_within(c.depth.data() + rows.start, n, -largest, largest) &&
-           f.all_within(c.toolface.data() + rows.start, n, -largest, largest) &&
-           f.all_within(c.radius.data() + rows.start, n, least_radius, largest_radius) &&
-           (c.time.empty() || f.all_within(c.time.data() + rows.start, n, -largest, largest));
-}
 
 // Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
 bool in_order(const SampleColumns& c, std::size_t i) {
@@ -402,17 +352,6 @@ bool has_redundant(const SortedBatch& batch) {
 }
 
 }  // namespace
-
-void SampleColumns::validate(int threads) const {
-    check_lengths(*this);
-    const auto n = static_cast<Index>(depth.size());
-    const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);
-    std::atomic<bool> valid{true};
-    for_each_part((n + rows_to_start - 1) / rows_to_start, threads, [&](int, Index i) {
-        if (!rows_valid(*this, {i * rows_to_start, std::min(n, (i + 1) * rows_to_start)}, f)) valid = false;
-    });
-    if (!valid) check_rows(*this);
-}
 
 SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::Functions& f) {
     check_lengths(columns);
