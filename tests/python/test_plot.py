@@ -1,8 +1,7 @@
-"""Pictures on paper: the structure of the figures, cells against slow loops, the command line, and its errors."""
+"""Pictures on paper: the structure of the figures, what is written on them, and errors."""
 
 from __future__ import annotations
 
-import io
 import math
 from itertools import combinations
 from pathlib import Path
@@ -10,47 +9,27 @@ from typing import Any
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
 from hypothesis import given
 from hypothesis import strategies as st
+from plotted_wall import BIT, image_of, plotted_wall
 
 import helibore as hb
 from helibore import plot
-from helibore.cli import cli
 from helibore.colors import MISSING
 from helibore.plot.calipers import diameters, thinned
 from helibore.plot.content import content_of
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
-from helibore.plot.raster import Grid, at_points, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.sections import sections_at
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
 from helibore.plot.tracks import HEAD, ImageTrack
 from helibore.simulate import Hole, Tool, simulate
 
-DATA = Path(__file__).parents[3] / "shared" / "data"
-BIT = 0.216
-
-
-def image_of(depth: Any, values: Any, name: str = "GR", unit: str = "gAPI", **extra: Any) -> hb.SectorImage:
-    return hb.SectorImage(depth, values, name, unit, **({"origin": "edge", "reference": "high-side"} | extra))
-
 
 @pytest.fixture(scope="module")
 def wall() -> hb.Wall:
-    """22 m of hole with a gap of 4 m, a gamma image with gaps, and a resistivity image."""
-    run = simulate(Hole.example(2000.0, 2022.0), Tool(sample_rate=5.0))
-    there = (run.depth < 2012) | (run.depth > 2016)
-    made = hb.reconstruct(
-        hb.Caliper(run.depth[there], run.toolface[there], run.radius[there]), bit_diameter=BIT, sectors=32
-    )
-    gamma = run.gamma.copy()
-    gamma[40:60] = np.nan
-    made.images["GR"] = image_of(run.gamma_depth, gamma)
-    resistivity = np.exp(0.02 * run.gamma)
-    made.images["RES"] = image_of(run.gamma_depth, resistivity, "RES", "ohm.m", origin="centre")
-    return made
+    return plotted_wall()
 
 
 def texts(figure: Any) -> list[Any]:
@@ -210,85 +189,6 @@ def test_a_gap_is_grey_in_every_track(wall: hb.Wall) -> None:
         right, up = axes.transData.transform((np.mean(axes.get_xlim()) + 0.02 * np.ptp(axes.get_xlim()), depth))
         grey.append(tuple(pixels[int(pixels.shape[0] - up), int(right) + 2]))
     assert grey == [MISSING] * 3
-
-
-@st.composite
-def helices(draw: st.DrawFn) -> tuple[Any, float, np.ndarray]:
-    K = draw(st.integers(3, 9))
-    pitch = draw(st.sampled_from([0.1, -0.1, 0.37]))
-    turns = draw(st.integers(1, 12))
-    settings = hb.Settings(bit_diameter=BIT, sectors=K, pitch=pitch, start_toolface=draw(st.sampled_from([0.0, 33.0])))
-    values = np.array(draw(st.lists(st.floats(0, 9), min_size=K * turns, max_size=K * turns)))
-    missing = draw(st.lists(st.booleans(), min_size=values.size, max_size=values.size))
-    return settings, draw(st.sampled_from([0.0, 50.3])), np.where(missing, np.nan, values)
-
-
-@given(helices(), st.integers(1, 40), st.integers(12, 30), st.sampled_from([0.0, 90.0, 180.0]))
-def test_pixels_of_a_wall_are_means_of_the_vertices_in_them(
-    helix: tuple[Any, float, np.ndarray], rows: int, columns: int, left: float
-) -> None:
-    settings, start, values = helix
-    K, pitch = settings.sectors, settings.pitch
-    ends = sorted((start - 0.217, start + pitch * values.size / K + 0.2))
-    grid = Grid(ends[0], ends[1], rows, columns, left)
-    found = unroll_wall(values, settings, start, grid)
-    height = (ends[1] - ends[0]) / rows
-    for row in range(rows):
-        for column in range(columns):
-            toolface = left + (column + 0.5) * 360 / columns - settings.start_toolface
-            j = math.floor(toolface * K / 360 + 0.5) % K
-            if abs(toolface * K / 360 + 0.5 - round(toolface * K / 360 + 0.5)) < 1e-9:
-                continue  # on a border both are right
-            inside = [
-                values[k]
-                for k in range(j, values.size, K)
-                if ends[0] + row * height + 1e-9 < start + k * pitch / K < ends[0] + (row + 1) * height - 1e-9
-            ]
-            near = [abs((start + k * pitch / K - ends[0]) / height % 1.0 - 0.5) for k in range(j, values.size, K)]
-            if any(abs(one - 0.5) < 1e-6 for one in near):
-                continue  # a vertex on the edge of a row
-            if len(inside) < 2:
-                middle = (ends[0] + (row + 0.5) * height - start) / pitch - j / K
-                if abs(middle + 0.5 - round(middle + 0.5)) < 1e-9:
-                    continue
-                turn = math.floor(middle + 0.5)
-                expected = values[turn * K + j] if 0 <= turn < values.size // K else np.nan
-            else:
-                there = [value for value in inside if not math.isnan(value)]
-                expected = np.mean(there) if there and 2 * len(there) >= len(inside) else np.nan
-            assert found[row, column] == pytest.approx(expected, nan_ok=True)
-
-
-@pytest.mark.parametrize("origin", ["edge", "centre"])
-@pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
-def test_pixels_of_an_image_are_its_cells(origin: str, direction: str) -> None:
-    rng = np.random.default_rng(3)
-    depth = np.array([10.0, 10.1, 10.2, 10.35, 11.0, 11.1])
-    values = rng.random((6, 5))
-    values[1, 2] = np.nan
-    image = image_of(depth, values, origin=origin, direction=direction, offset=17.0, reach=0.08)
-    grid = Grid(9.8, 11.3, 211, 47, 90.0)
-    pixels = unroll_image(image, image.values, grid)
-    settings = hb.Settings(bit_diameter=BIT, sectors=3)
-    for row in range(0, 211, 3):
-        for column in range(47):
-            at, toolface = 9.8 + (row + 0.5) * 1.5 / 211, 90 + (column + 0.5) * 360 / 47
-            turned = (toolface - 17) * (1 if direction == "clockwise" else -1) / 72 + (0.5 if origin == "centre" else 0)
-            nearest = int(np.argmin(np.abs(depth - at)))
-            expected = values[nearest, math.floor(turned) % 5] if abs(depth[nearest] - at) <= 0.08 else np.nan
-            assert pixels[row, column] == pytest.approx(expected, nan_ok=True)
-            point = at_points(image, image.values, np.array([at]), np.array([toolface]))
-            assert point[0] == pytest.approx(expected, nan_ok=True)
-    assert settings.sectors == 3
-    coarse = unroll_image(image, image.values, Grid(9.9, 10.3, 1, 5, 0.0))
-    assert np.isfinite(coarse).all()
-
-
-def test_many_sectors_are_averaged_over_few_pixels() -> None:
-    values = np.tile(np.arange(40.0), 6)
-    settings = hb.Settings(bit_diameter=BIT, sectors=40)
-    found = unroll_wall(values, settings, 0.0, Grid(0.15, 0.25, 1, 4, -4.5))
-    assert found[0] == pytest.approx([4.5, 14.5, 24.5, 34.5])
 
 
 def test_diameters_against_a_loop(wall: hb.Wall) -> None:
@@ -493,80 +393,6 @@ def test_an_image_without_a_unit_says_so() -> None:
     assert "X [no unit]" in [text.get_text() for text in texts(figure)]
 
 
-def run_cli(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, ["plot", *map(str, arguments)])
-
-
-@pytest.fixture
-def archive(tmp_path: Path, wall: hb.Wall) -> Path:
-    wall.save(tmp_path / "well.wall")
-    return tmp_path / "well.wall"
-
-
-@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
-def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, ending: str) -> None:
-    output = tmp_path / f"log.{ending}"
-    result = run_cli(archive, "-o", output, "--dpi", 50, "--well", "Well & <one>", "--scale", "1:200")
-    assert result.exit_code == 0, result.output
-    content = output.read_bytes()
-    assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending])
-    assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", "well.wall"]
-    again = tmp_path / f"again.{ending}"
-    assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200).exit_code == 0
-    assert again.read_bytes() == content
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
-        (["-o", "no/log.png"], "no/log.png: the folder no must be there"),
-        (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, as 200 or 1:200"),
-        (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
-        (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
-        (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
-        (["-o", "log.png", "--gauge"], "one of SOURCE, --average and --gauge must say what the wall is made from"),
-        (["-o", "log.png", "--image", "x.las"], "--image x.las: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge"),
-        (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
-        (["-o", "log.png", "--from", "9000", "--to", "9001"], "interval 9000 to 9001 m: the wall reaches from 2000"),
-    ],
-)
-def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str) -> None:
-    monkeypatch.chdir(archive.parent)
-    (archive.parent / "log.png").write_bytes(b"old")
-    result = run_cli("well.wall", *arguments)
-    assert result.exit_code == 2
-    assert message in result.stderr
-    assert result.stderr.count("\n") == 1
-    assert (archive.parent / "log.png").read_bytes() == b"old"
-    assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
-
-
-@pytest.mark.parametrize("option", ["--image=log.csv:GR:edge", "--average=log.csv:GR"])
-def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> None:
-    table = tmp_path / "log.csv"
-    table.write_text("depth_m,CAL_in\n" + "".join(f"{1000 + row},8.5\n" for row in range(9)))
-    gauge = [] if option.startswith("--average") else ["--gauge"]
-    result = run_cli(*gauge, option.replace("log.csv", str(table)), "--bit-diameter", "8.5in", "-o", tmp_path / "l.png")
-    assert (result.exit_code, result.stderr) == (2, "helibore: log.csv: no channel 'GR'; it holds depth_m, CAL_in\n")
-
-
-def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    import os
-
-    output = archive.with_name("log.png")
-    output.write_bytes(b"old")
-
-    def full(_: int) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(os, "fsync", full)
-    result = run_cli(archive, "-o", output, "--dpi", 40, "--no-body", "--no-polar")
-    assert (result.exit_code, output.read_bytes()) == (2, b"old")
-    assert "No space left on device" in result.stderr
-    assert sorted(path.name for path in output.parent.iterdir()) == ["log.png", "well.wall"]
-
-
 def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
     figure = plot.log(wall, scale=200, dpi=40, polar=(), body=())
     figure.set_size_inches(8, 300)
@@ -586,27 +412,3 @@ def test_pages_of_a_long_well_are_divided_at_numbers(wall: hb.Wall) -> None:
     assert all(bottom > top for top, bottom in parts)
     assert max(bottom - top for top, bottom in parts) <= 250.0 / 50
     assert MARGIN + HEAD < 60
-
-
-@pytest.mark.skipif(not DATA.is_dir(), reason="the public data is not there")
-@pytest.mark.parametrize(
-    "arguments",
-    [
-        ["calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz", "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90",
-         "--from", 3080, "--to", 3110, "--bit-diameter", "6.2in"],
-        ["--gauge", "--bit-diameter", "8.5in", "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:ABDC:centre",
-         "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:GRAS:edge", "--from", 2020, "--to", 2060],
-        ["--average", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:CALCM", "--bit-diameter",
-         "8.5in", "--image", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:APRA:centre",
-         "--log", "APRA", "--color-map", "APRA=resistivity", "--from", 4320, "--to", 4340],
-    ],
-)  # fmt: skip
-def test_real_wells(arguments: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(DATA)
-    output = tmp_path / "well.png"
-    result = run_cli(*arguments, "-o", output, "--dpi", 60, "-q")
-    assert (result.exit_code, result.output) == (0, "")
-    from PIL import Image
-
-    with Image.open(io.BytesIO(output.read_bytes())) as picture:
-        assert picture.size[0] == pytest.approx(210 / MM * 60, abs=1)
