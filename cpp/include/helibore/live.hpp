@@ -7,8 +7,9 @@
 //     const helibore::Update news = live.poll();                    // everything since the last poll, in one
 //     if (news.change) for (const helibore::Range k : news.change->ranges) ...
 //
-// The same samples, with their times, give the bits that Python's hb.Live gives, however they were grouped. No thread,
-// no callback, no clock: a call does its work and returns. Calls may come from any thread; they wait for each other.
+// The same samples, with their times, give the bits that Python's hb.Live gives, however they were grouped. No
+// callback, no clock, and no thread unless the settings ask for more than one: a call does its work and returns. Calls
+// may come from any thread; they wait for each other.
 // Not here: WITS and what its items mean, passes, the journal's files (wits.hpp and journal.hpp read and seal bytes).
 #pragma once
 
