@@ -146,8 +146,9 @@ def test_damage_before_the_end_is_told_and_left_where_it_is(tmp_path):
     text[1000] ^= 1
     path.write_bytes(text)
     with Journal(tmp_path) as j:
-        assert len(j.recovery.notes) == 1
-        assert "hold no intact record" in j.recovery.notes[0]
+        assert j.recovery.notes == []
+        assert len(j.recovery.damage) == 1
+        assert "hold no intact record" in j.recovery.damage[0]
         assert j.recovery.cut_bytes == 0
     assert path.read_bytes()[: len(text)] == text
     assert len(stored(tmp_path)) == len(rows) - 1
@@ -270,7 +271,7 @@ def test_fuzzed_damage_gives_nothing_that_was_not_written_and_the_journal_goes_o
         patch.setattr(os, "fsync", lambda _: None)
         (Path(folder) / "000001.hbj").write_bytes(damaged(text, damage))
         with Journal(folder) as j:
-            told = j.recovery.notes
+            told = j.recovery.notes + j.recovery.damage
             j.append(5, 5, b"after")
         found = stored(Path(folder))
         rest = iter([*rows, (5, 5, b"after")])

@@ -101,6 +101,25 @@ def test_damage_in_the_journal_is_told(tmp_path):
     assert again.wall.sample_count == 12
 
 
+def test_opening_a_journal_tells_each_damage_once(tmp_path):
+    """Two records are hit in the last segment and its end is torn: three events, two when it is opened once more."""
+    with Live(parse(SENT), tmp_path) as live:
+        for frame in FRAMES[:5]:
+            live.receive("mwd", frame)
+    path = tmp_path / "000001.hbj"
+    text, (segment,) = bytearray(path.read_bytes()), segments(tmp_path)
+    for row in (1, 3):
+        text[int(segment.records["offset"][row])] ^= 1
+    path.write_bytes(text[:-1])
+    for torn in (1, 0):
+        with Live(parse(SENT), tmp_path) as live:
+            assert live.model.events.counts["", "journal"] == 2 + torn
+            told = [event.text for event in live.poll().events if event.rule == "journal"]
+            assert live.journal is not None
+            assert sorted(told) == sorted([*live.journal.recovery.notes, *live.journal.recovery.damage])
+        assert Live.replay(tmp_path).model.events.counts["", "journal"] == 2
+
+
 def test_the_opening_record_holds_the_configuration(tmp_path):
     Live(parse(SENT), tmp_path).close()
     (segment,) = segments(tmp_path)

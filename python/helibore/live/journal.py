@@ -87,11 +87,24 @@ class Segment:
 
 @dataclass(slots=True)
 class Recovery:
-    """What opening a journal found: the last sequence number, the torn tail that was cut, and damage before it."""
+    """What opening a journal found and did.
+
+    Attributes
+    ----------
+    last_sequence
+        Number of the last record; -1 without one.
+    cut_bytes
+        Of torn tails, which were set aside.
+    notes
+        One line for each.
+    damage
+        One line for each damaged range before the end of the last segment; it stays, for readers to find again.
+    """
 
     last_sequence: int = -1
     cut_bytes: int = 0
     notes: list[str] = field(default_factory=list)
+    damage: list[str] = field(default_factory=list)
 
 
 def paths(folder: Path) -> list[Path]:
@@ -212,7 +225,7 @@ class Journal:
         if damage and damage[-1][1] == len(text):
             stop = damage.pop()[0]
             self._set_aside(found[-1], stop)
-        self.recovery.notes += Segment(found[-1], records, damage, text).damage_texts()
+        self.recovery.damage += Segment(found[-1], records, damage, text).damage_texts()
         self._sequence = int(records["sequence"][-1]) + 1 if len(records) else self._first_sequence(found)
         self.recovery.last_sequence = self._sequence - 1
         self._file = os.open(found[-1], os.O_RDWR)

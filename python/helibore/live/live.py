@@ -108,9 +108,9 @@ class Live:
             sync_interval=self.configuration.sync_interval,
             clock=clock,
         )
-        for note in self.journal.recovery.notes:
+        for note in self.journal.recovery.notes:  # not its damage: what reads the journal tells it
             self.tell("journal", note)
-        for update in read_into(self.model, FilePath(journal)):  # what it tells was told, but not what recovery did
+        for update in read_into(self.model, FilePath(journal)):  # the others were told when they happened
             gather(self._news.events, (event for event in update.events if event.rule == "journal"))
 
     @classmethod
