@@ -110,6 +110,19 @@ def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> 
             ["w.wall", "-o", "m.vtu", "--shell", "5cm", "--color-by", "radius"],
             "--color-by: has no say in a volume, which has no colours",
         ),
+        (["w.wall", "-o", "m.glb", "--sectors", "64"], "--sectors: has no say in the wall of w.wall, which has"),
+        (["w.wall", "-o", "m.glb", "--pitch", "5cm"], "--pitch: has no say in the wall of w.wall, which has its own"),
+        (["w.toml", "-o", "m.glb", "--max-distance", "1m"], "--max-distance: has no say in the wall of w.toml, which"),
+        (["w.wall", "-o", "m.glb", "--bit-diameter", "8.5in"], "--bit-diameter: has no say in the wall of w.wall"),
+        (["w.wall", "-o", "m.glb", "--diameter", "x@0"], "--diameter: has no say in the wall of w.wall, which has its"),
+        (
+            ["--gauge", "-o", "m.glb", "--bit-diameter", "8.5in", "--depth", "md"],
+            "--depth: has no say in --gauge, which reads no caliper",
+        ),
+        (
+            ["--average", "a.csv:cali_m", "-o", "m.glb", "--bit-diameter", "8.5in", "--toolface", "tf"],
+            "--toolface: has no say in --average, which names its channel",
+        ),
         (
             ["w.wall", "-o", "m.ply", "--image", "g.csv:GR:edge:west"],
             "--image g.csv:GR:edge:west: must be FILE:CHANNEL",

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
+from click.core import ParameterSource
 
 from helibore.cli.quantities import BIT, LENGTH, LENGTH_OR_NONE
 from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking
@@ -56,6 +57,9 @@ OPTIONS: tuple[Callable[[Command], Command], ...] = (
 takes_a_wall = taking(*OPTIONS)
 """Give a command SOURCE and the options that say how a wall is made of it."""
 
+COLUMN_OPTIONS: tuple[str, ...] = ("maps", "set_name", "depth", "toolface", "radius", "diameter", "time")
+WALL_OPTIONS: tuple[str, ...] = ("bit_diameter", "sectors", "pitch", "max_distance")
+
 
 @dataclass(frozen=True)
 class Sourced:
@@ -72,6 +76,7 @@ def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None
     if (source is not None) + (options["average"] is not None) + options["gauge"] != 1:
         raise click.UsageError("one of SOURCE, --average and --gauge must say what the wall is made from")
     ending = source.suffix.lower() if source is not None else ""
+    _check_heeded(options, ending)
     if ending not in (ARCHIVE, SETTINGS) and options["bit_diameter"] is None:
         raise click.UsageError("--bit-diameter must be given: only archives (.wall) and settings (.toml) have it")
     if ending == ARCHIVE:
@@ -99,6 +104,24 @@ def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None
             size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
             found.told.append(("image", f"{Path(spelling).name}: {size}, from {image.reference}"))
     return found
+
+
+def _check_heeded(options: dict[str, Any], ending: str) -> None:
+    """Refuse options that have no say in what the wall is made from."""
+    if ending in (ARCHIVE, SETTINGS):
+        own = f"{options['source'].name}, which has its own settings"
+        idle, why = (*WALL_OPTIONS, *COLUMN_OPTIONS), f"the wall of {own}"
+    elif options["gauge"]:
+        idle, why = COLUMN_OPTIONS, "--gauge, which reads no caliper"
+    elif options["average"] is not None:
+        idle, why = tuple(name for name in COLUMN_OPTIONS if name != "set_name"), "--average, which names its channel"
+    else:
+        return
+    context = click.get_current_context()
+    for option in context.command.params:
+        given = context.get_parameter_source(option.name or "") is ParameterSource.COMMANDLINE
+        if given and option.name in idle:
+            raise click.UsageError(f"{option.opts[0]}: has no say in {why}")
 
 
 def _settings(options: dict[str, Any]) -> dict[str, Any]:
