@@ -14,6 +14,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -34,7 +35,7 @@ from helibore.survey import Path as WellPath
 from helibore.survey import Survey
 from helibore.wall import Wall
 
-__all__ = ["Opened", "Run", "opened", "place", "read", "rebuild", "repeat", "save"]
+__all__ = ["Opened", "Run", "opened", "place", "placing", "read", "rebuild", "repeat", "save"]
 
 
 class Checksum(threading.Thread):
@@ -185,13 +186,28 @@ def place(run: Run) -> Surface:
     run.wall.made_from = {"files": [{"name": each.file.name, "blake2b": each.blake2b.known()} for each in run.caliper]}
     if run.earlier is not None:
         compare(run.wall, run.earlier)
-    run.surface = run.wall.surface()
+    with placing(run.wall, run.survey_file.file if run.survey_file else None):
+        run.surface = run.wall.surface()
     if not len(run.surface.quads):
         low, high = run.wall.depth.min(initial=np.inf), run.wall.depth.max(initial=-np.inf)
         pitch = abs(run.settings.wall.pitch)
         rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
         raise ValueError(f"{run.readings[0].name}: no quads: {rule}")
     return run.surface
+
+
+@contextmanager
+def placing(wall: Wall, survey: Path | None) -> Iterator[None]:
+    """Name the file of the survey in the error of a path that does not reach all of the wall."""
+    try:
+        yield
+    except ValueError as error:
+        path, depth = wall.path, wall.depth
+        if survey is None or path is None or not depth.size:
+            raise
+        if path.start_depth <= depth.min() and depth.max() <= path.stop_depth:
+            raise
+        raise ValueError(f"{survey.name}: {error}") from error
 
 
 def save(run: Run, output: str | os.PathLike[str]) -> RunSettings:

@@ -150,6 +150,20 @@ def test_an_interval_of_a_wall_that_is_made_here_is_kept(
     assert 1003.9 < depth[-1] < 1004.1
 
 
+@pytest.mark.parametrize("shells", [(), ("--shell", "5cm")])
+def test_a_path_that_does_not_cover_the_wall_is_refused_by_its_file(folder: Path, shells: tuple[str, ...]) -> None:
+    rows = ("md_m,incl_deg,azim_deg", "1005,48,248", "1020,50,246")
+    (folder / "deep.csv").write_text("\n".join(rows))
+    result = run(folder / "w.wall", "--survey", folder / "deep.csv", *shells, "-o", folder / "m.vtu")
+    rule = "vertex 0 at depth 1000: must not lie above the first station of the survey, at 1005 m"
+    assert (result.exit_code, result.stderr) == (2, f"helibore: deep.csv: {rule}\n")
+    covered = run(folder / "w.wall", "--survey", folder / "deep.csv", *shells, "-o", folder / "m.vtu", "--from", "1006")
+    assert covered.exit_code == 0, covered.output
+    crossing = run(folder / "w.wall", "--survey", folder / "s.csv", "--shell", "-1m", "-o", folder / "v.vtu")
+    assert crossing.stderr.startswith("helibore: ")
+    assert "s.csv" not in crossing.stderr, "the path covers the wall"
+
+
 def test_a_wall_keeps_its_own_path(folder: Path) -> None:
     wall = hb.load(folder / "w.wall")
     wall.path = SURVEY.path()

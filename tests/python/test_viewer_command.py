@@ -64,6 +64,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path
         "foreign.wall": b"%PDF-1.7" + bytes(3000),
         "notes.toml": b"not toml [",
         "hole.glb": b"glTF",
+        "survey.csv": b"md_m,incl_deg,azim_deg\n502,8,10\n600,9,10\n",
     }.items():
         (tmp_path / name).write_bytes(held)
     for arguments, text in (
@@ -86,6 +87,11 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path
             ("hole.glb",),
             "hole.glb: a mesh has no samples to go with it; view its settings (hole.glb.toml), a saved .wall, or the "
             "caliper file",
+        ),
+        (
+            (str(caliper), *BIT, "--survey", "survey.csv"),
+            "survey.csv: the wall lies from 500.00 to 505.00 m, the path from 502.00 to 600.00 m: give the survey's "
+            "path extend= metres, or a longer survey",
         ),
         (
             (str(caliper), *BIT, "--host", "0.0.0.0"),

@@ -55,11 +55,13 @@ def mesh(output: Path, shells: tuple[float, ...], color_by: str | None, quiet: b
         raise ValueError(f"{output}: the ending must be one of {', '.join(endings)}")
     _check_heeded(output, shells, color_by, options)
     check_folder(output)
+    from helibore.run import placing
+
     terminal = Terminal(quiet)
     path, told = _path(options)
     found = wall_from(options, terminal, path)
     ends = (options["start_depth"], options["stop_depth"])
-    with terminal.stage("place", "Placing"):
+    with terminal.stage("place", "Placing"), placing(found.wall, options["survey"] or options["source"]):
         made = _volume(found.wall, shells, *ends) if shells else found.wall.surface("own", *ends)
     with terminal.stage("save", f"Writing {output.name}"):
         _save(found.wall, made, output, color_by)

@@ -133,7 +133,7 @@ def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
     """Rebuild the wall of a caliper file and show it."""
     with terminal.stage("import", "Loading helibore"):
         import helibore
-        from helibore.run import read, rebuild, told
+        from helibore.run import placing, read, rebuild, told
         from helibore.run_settings import PathSettings, RunSettings
         from helibore.settings import Settings
     with terminal.stage("read", f"Reading {file.name}"):
@@ -144,7 +144,9 @@ def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
         wall = rebuild(run)
     terminal.summary(list(told(run)))
     serving = {name: options[name] for name in SERVING}
-    return helibore.view(wall, path=run.path, well=options["well"] or file.name.split(".")[0], **serving)
+    wall.path = run.path
+    with placing(wall, options["survey"]):
+        return helibore.view(wall, path=run.path, well=options["well"] or file.name.split(".")[0], **serving)
 
 
 def _refuse_settings(context: click.Context, who: str) -> None:
