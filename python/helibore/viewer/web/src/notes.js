@@ -43,7 +43,9 @@ export class Notes {
   }
 
   fromAddress(said) {
-    this.kept = (said ?? '').split('~').map(noteFrom).filter(Boolean).slice(0, MOST);
+    const found = (said ?? '').split('~').map(noteFrom).filter(Boolean);
+    if (found.length > MOST) this.app.notice(`The address holds ${found.length} notes: the first ${MOST} are kept, the others are not.`, 10);
+    this.kept = found.slice(0, MOST);
   }
 }
 

@@ -52,7 +52,8 @@ export class Picking {
 
   keep() {
     const plane = fitPlane(this.app.path, this.points);
-    if (!plane || this.kept.length >= MOST) return;
+    if (!plane) return;
+    if (this.kept.length >= MOST) return this.app.notice(`There are ${MOST} dips, as many as are kept: save them as a table and undo some first. This one was not kept: ${showDepth(plane.depth)}`, 10);
     this.kept.push(this.points);
     this.points = [];
     this.app.resize();
@@ -92,7 +93,9 @@ export class Picking {
   }
 
   fromAddress(text) {
-    const planes = (text ?? '').split('!').slice(0, MOST).map((plane) => plane.split('~').map(pointFrom));
+    const said = (text ?? '').split('!');
+    if (said.length > MOST) this.app.notice(`The address holds ${said.length} dips: the first ${MOST} are kept, the others are not.`, 10);
+    const planes = said.slice(0, MOST).map((plane) => plane.split('~').map(pointFrom));
     this.kept = planes.filter((plane) => plane.length >= 3 && plane.every(Boolean));
   }
 }

@@ -17,12 +17,14 @@ test('notes come back from the address as they were written', () => {
 });
 
 test('what no page wrote is left out, and there is an end to it', () => {
-  const notes = new Notes({});
+  const told = [];
+  const notes = new Notes({ notice: (text) => told.push(text) });
   notes.fromAddress('x_y~_a~5~5_~5_%E0%A4~7_good~nan_a~1e400_a');
   assert.deepEqual(notes.kept, [{ depth: 7, text: 'good' }]);
   notes.fromAddress(Array.from({ length: 90 }, (_, i) => `${i}_${'x'.repeat(200)}`).join('~'));
   assert.equal(notes.kept.length, 50);
   assert.equal(notes.kept[0].text.length, 80);
+  assert.deepEqual(told, ['The address holds 90 notes: the first 50 are kept, the others are not.']);
   notes.fromAddress(null);
   assert.deepEqual(notes.kept, []);
 });
