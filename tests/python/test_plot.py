@@ -93,6 +93,24 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     assert_readable(figure)
 
 
+def test_a_picture_claims_no_reference_that_nothing_states() -> None:
+    toolface = np.arange(0.0, 360.0 * 200, 15.0)
+    caliper = hb.Caliper(1000.0 + toolface / 7200.0, toolface, 0.11 + 0.002 * np.cos(np.radians(2 * toolface)))
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=16)
+    figure = plot.log(wall, dpi=60)
+    words = [text.get_text() for text in texts(figure)]
+    assert "as the samples count it: no path says from what" in words
+    assert {"0°", "90°", "180°", "270°"} <= set(words)
+    assert not {"T", "L", "N", "S"} & set(words)
+    assert_readable(figure)
+    named = [text.get_text() for text in texts(plot.log(wall, dpi=60, reference="north"))]
+    assert {"N", "E", "S", "W"} <= set(named)
+    wall.images["GR"] = image_of(np.arange(1000.0, 1010.0, 0.5), np.arange(160.0).reshape(20, 8))
+    assert {"T", "R", "B", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60))}
+    with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, carried"):
+        plot.log(wall, reference="")  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("curves", "names"),
     [((), []), (("C1", "C2"), ["c1", "c2"]), (("D0", "D90"), ["d0", "d90"]), (("C1", "C2", "D0", "D90"), None)],

@@ -49,7 +49,7 @@ OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.option("--max-distance", type=LENGTH_OR_NONE, default="1m", show_default=True, help="Reach of a sample."),
     click.option(
         "--reference", type=click.Choice(["high-side", "north"]),
-        help="What toolface 0 of a wall without a survey is.  [high-side]",
+        help="What toolface 0 of a wall without a survey is.  [images: high-side; else not known]",
     ),
 )  # fmt: skip
 

@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from helibore.wall import Wall
 
 RADIUS = "Radius"
+REFERENCES = tuple(reference for reference in SIDES if reference)
 MOST_SECTIONS = len(ascii_uppercase)
 
 
@@ -82,7 +83,7 @@ class Drawing:
         `Look` by name of an image; ``"Radius"`` is that of the radius.
     reference
         What toolface 0 is: ``"high-side"``, ``"north"`` or ``"carried"``. None: what the wall's path says, else its
-        images, else the high side.
+        images; where neither is there, the picture says that it is not known.
     left
         Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts the top in the middle.
     unit
@@ -116,8 +117,8 @@ class Drawing:
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
             raise ValueError(f"scale = {self.scale}: must be a whole number, 200 for 1:200")
-        if self.reference is not None and self.reference not in SIDES:
-            raise ValueError(f"reference = {self.reference!r}: must be one of {', '.join(SIDES)}")
+        if self.reference is not None and self.reference not in REFERENCES:
+            raise ValueError(f"reference = {self.reference!r}: must be one of {', '.join(REFERENCES)}")
         if self.left not in (0, 90, 180, 270):
             raise ValueError(f"left = {self.left:g}: must be 0, 90, 180 or 270")
         if self.unit not in LENGTHS:
@@ -215,11 +216,11 @@ def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
 
 
 def _reference(wall: Wall, drawing: Drawing) -> str:
-    """What toolface 0 of the picture is."""
+    """What toolface 0 of the picture is; "" where nothing says so."""
     own = wall.path.reference if wall.path is not None else None
     if drawing.reference is None:
-        images = {image.reference for image in wall.images.values()}
-        return own or (images.pop() if len(images) == 1 else "high-side")
+        images = [image.reference for image in wall.images.values()]
+        return own or (images[0] if images else "")
     if own not in (None, drawing.reference):
         raise ValueError(f"reference = {drawing.reference!r}: the wall's path counts toolfaces from {own}")
     return drawing.reference

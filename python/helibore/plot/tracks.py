@@ -36,7 +36,9 @@ SIDES = {
     "high-side": ("T", "R", "B", "L"),
     "north": ("N", "E", "S", "W"),
     "carried": ("0°", "90°", "180°", "270°"),
+    "": ("0°", "90°", "180°", "270°"),
 }
+"""Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""
 GREY = tuple(part / 255.0 for part in MISSING)
 WASHOUT, UNDERGAUGE, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 CURVES: dict[str, dict[str, Any]] = {
@@ -130,7 +132,7 @@ class CaliperTrack:
     curves
         Names in `CURVES` of the pairs to draw: C1 and C2, D0 and D90.
     reference
-        ``"high-side"`` or ``"north"``, for the names of D0 and D90.
+        One of `SIDES`, for the names of D0 and D90.
     """
 
     width = 40.0
@@ -236,7 +238,7 @@ class ImageTrack:
     source
         A sector image with the values to show (its own, or normalised), or the helix of a wall with one value a vertex.
     reference
-        ``"high-side"`` or ``"north"``.
+        One of `SIDES`.
     left
         Toolface of the left edge, degrees; a multiple of 90.
     width
