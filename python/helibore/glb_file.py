@@ -17,6 +17,7 @@ import json
 import struct
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
@@ -26,8 +27,21 @@ from helibore.arrays import Floats, Integers
 
 MISSING = -999.25  # the field's own absent value, exact in float32
 
+LARGEST = (1 << 32) - 1
+"""Bytes of a GLB: its header counts them in 32 bits (4.4.2)."""
+
 _FLOAT, _UNSIGNED_BYTE, _UNSIGNED_INT = 5126, 5121, 5125  # 3.6.2.2
 _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963  # 3.6.2.1
+
+
+def check_size(file: Path, quads: int, attributes: int) -> None:
+    """Refuse what no GLB can hold: 4 corners a quad of position, colour and attributes, 6 indices, and some text."""
+    size = quads * (4 * (12 + 4 + 4 * attributes) + 24) + (1 << 20)
+    if size > LARGEST:
+        raise ValueError(
+            f"{file}: {quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}: "
+            "save .vtkhdf, or fewer sectors, a larger pitch, a shorter interval"
+        )
 
 
 def write_glb(

@@ -25,7 +25,7 @@ from helibore.arrays import Floats
 from helibore.atomic_file import write_whole
 from helibore.caliper import BASIS_TEXT
 from helibore.colors import Colors, ColorScale, check_map, check_positive, colors_of
-from helibore.glb_file import write_glb
+from helibore.glb_file import check_size, write_glb
 from helibore.notes import with_units
 from helibore.surface import SURFACE_ENDINGS, Surface
 from helibore.volume import VOLUME_ENDINGS, Volume
@@ -61,6 +61,8 @@ def save_surface(
         raise ValueError(f"{path}: the ending must be one of {', '.join(SURFACE_ENDINGS)}")
     if len(surface.quads) == 0:
         raise ValueError(f"{path}: the surface has no quads to save")
+    if ending == ".glb":
+        check_size(path, len(surface.quads), len(surface.attributes))
     check_origin(origin)
     check_map(color_map)
     if limits is not None:

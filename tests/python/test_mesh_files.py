@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import re
 import struct
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -13,6 +14,7 @@ import pytest
 import helibore as hb
 from helibore.atomic_file import write_whole
 from helibore.colors import colors_of
+from helibore.glb_file import check_size
 from helibore.surface import surface_of
 
 trimesh = pytest.importorskip("trimesh")
@@ -261,6 +263,25 @@ def test_bad_saves_write_nothing(tmp_path, name, settings, text):
     with pytest.raises(ValueError, match=f"{re.escape(text)}$"):
         well.save(tmp_path / name, **settings)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_glb_of_more_bytes_than_its_header_counts_is_refused_before_it_is_made(tmp_path, monkeypatch):
+    well = surface()
+    well.attributes["RT"] = np.ones(len(well.quads))
+    well.save(tmp_path / "well.glb")
+    size = (tmp_path / "well.glb").stat().st_size
+    monkeypatch.setattr("helibore.glb_file.LARGEST", size - 1)
+    with pytest.raises(
+        ValueError, match=r"well\.glb: 2,983 quads take 0\.0 GB, and a GLB holds at most 0\.0: save \.vtk"
+    ):
+        well.save(tmp_path / "well.glb")
+    assert [file.stat().st_size for file in tmp_path.iterdir()] == [size]
+    monkeypatch.undo()
+    check_size(Path("a.glb"), 48_000_000, 0)
+    with pytest.raises(
+        ValueError, match=r"^a\.glb: 48,900,000 quads take 4\.3 GB, and a GLB holds at most 4\.3: save \.vtkhdf"
+    ):
+        check_size(Path("a.glb"), 48_900_000, 0)
 
 
 def test_a_surface_without_quads_is_not_a_file(tmp_path):
