@@ -32,10 +32,15 @@ struct DirectRadii {
     double shown(Index k, double radius) const {
         return stands_for(k) ? radii[static_cast<std::size_t>(k - start)] : radius;
     }
-    // The same for a range of them.
+    // The vertices of a range that samples may stand for; mostly few, or none.
+    Range among(Range range) const {
+        const Index first = std::max(range.start, start);
+        return {first, std::max(first, std::min(range.stop, start + static_cast<Index>(radii.size())))};
+    }
+    // What the vertices of a range show.
     void show(Range range, double* radius) const {
-        for (Index k = std::max(range.start, start); k < range.stop; ++k)
-            radius[k - range.start] = shown(k, radius[k - range.start]);
+        const Range some = among(range);
+        for (Index k = some.start; k < some.stop; ++k) radius[k - range.start] = shown(k, radius[k - range.start]);
     }
 };
 
