@@ -32,10 +32,10 @@ struct Search::Span {
 };
 
 Search::Scratch::Scratch()
-    : rows(kernel::list_capacity + 1),
-      across(kernel::list_capacity + 1),
-      along(kernel::list_capacity + 1),
-      list{rows.data(), across.data(), along.data(), kernel::position_table(), kernel::narrow_position_table(), 0},
+    : rows(std::make_unique_for_overwrite<kernel::Candidate[]>(kernel::list_capacity + 1)),
+      across(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 1)),
+      along(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 1)),
+      list{rows.get(), across.get(), along.get(), kernel::position_table(), kernel::narrow_position_table(), 0},
       keep(kernel::list_capacity + 1) {
     rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
 }

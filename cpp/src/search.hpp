@@ -39,8 +39,9 @@ class Search {
         friend class Search;
         void pad();
 
-        std::vector<kernel::Candidate> rows;
-        std::vector<float> across, along;
+        // Room for the longest list, which few groups need: not zeroed, so that what is not used costs nothing.
+        std::unique_ptr<kernel::Candidate[]> rows;
+        std::unique_ptr<float[]> across, along;
         kernel::CandidateList list;
         std::vector<unsigned char> keep;
         Samples::Place place;

@@ -65,15 +65,18 @@ class Vertices {
         hulls_[static_cast<std::size_t>(b)] = all;
     }
 
-    // Copies a member of the blocks for a range of vertices.
-    template <class T, std::size_t n, class Out>
-    void copy(std::array<T, n> Block::* member, Range range, Out* out) const {
+    // A member of the blocks for a range of vertices.
+    template <class Out, class T, std::size_t n>
+    std::vector<Out> column(std::array<T, n> Block::* member, Range range) const {
+        std::vector<Out> out;
+        out.reserve(static_cast<std::size_t>(range.stop - range.start));
         for (Index k = range.start; k < range.stop;) {
             const Index first = k % block_size, length = std::min(range.stop - k, block_size - first);
-            out = std::copy_n(((*blocks_[static_cast<std::size_t>(k / block_size)]).*member).begin() + first, length,
-                              out);
+            const auto from = (block(k / block_size).*member).begin() + first;
+            out.insert(out.end(), from, from + length);
             k += length;
         }
+        return out;
     }
 
   private:

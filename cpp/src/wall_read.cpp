@@ -18,13 +18,6 @@ std::size_t length_of(Range range) {
 
 }  // namespace
 
-template <class Out, class T, std::size_t n>
-std::vector<Out> Wall::State::column(std::array<T, n> Vertices::Block::* member, Range range) const {
-    std::vector<Out> out(length_of(range));
-    vertices.copy(member, range, out.data());
-    return out;
-}
-
 std::vector<double> Wall::State::depth(Range range) const {
     std::vector<double> out(length_of(range));
     for (Index k = range.start; k < range.stop; ++k) out[static_cast<std::size_t>(k - range.start)] = helix.depth(k);
@@ -38,14 +31,15 @@ std::vector<double> Wall::State::toolface(Range range) const {
 }
 
 std::vector<double> Wall::State::radius(Range range) const {
-    std::vector<double> out = column<double>(&Vertices::Block::radius, range);
+    std::vector<double> out = vertices.column<double>(&Vertices::Block::radius, range);
     direct.show(range, out.data());
     return out;
 }
 
 std::vector<std::uint8_t> Wall::State::provisional(Range range) const {
     std::vector<std::uint8_t> out(length_of(range));
-    for (Index k = std::max(range.start, direct.start); k < range.stop; ++k)
+    const Range some = direct.among(range);
+    for (Index k = some.start; k < some.stop; ++k)
         out[static_cast<std::size_t>(k - range.start)] = direct.stands_for(k);
     return out;
 }
@@ -58,9 +52,9 @@ VertexColumns Wall::State::read(Range range) const {
     of.depth = depth(range);
     of.toolface = toolface(range);
     of.radius = radius(range);
-    of.nearest = column<double>(&Vertices::Block::nearest, range);
-    of.support = column<std::int32_t>(&Vertices::Block::support, range);
-    of.iterations = column<std::int32_t>(&Vertices::Block::iterations, range);
+    of.nearest = vertices.column<double>(&Vertices::Block::nearest, range);
+    of.support = vertices.column<std::int32_t>(&Vertices::Block::support, range);
+    of.iterations = vertices.column<std::int32_t>(&Vertices::Block::iterations, range);
     of.provisional = provisional(range);
     return of;
 }
@@ -117,17 +111,17 @@ std::vector<double> Wall::radius() const {
 
 std::vector<double> Wall::nearest() const {
     const std::scoped_lock held(state_->lock);
-    return state_->column<double>(&Vertices::Block::nearest, {0, state_->count});
+    return state_->vertices.column<double>(&Vertices::Block::nearest, {0, state_->count});
 }
 
 std::vector<std::int32_t> Wall::support() const {
     const std::scoped_lock held(state_->lock);
-    return state_->column<std::int32_t>(&Vertices::Block::support, {0, state_->count});
+    return state_->vertices.column<std::int32_t>(&Vertices::Block::support, {0, state_->count});
 }
 
 std::vector<std::int32_t> Wall::iterations() const {
     const std::scoped_lock held(state_->lock);
-    return state_->column<std::int32_t>(&Vertices::Block::iterations, {0, state_->count});
+    return state_->vertices.column<std::int32_t>(&Vertices::Block::iterations, {0, state_->count});
 }
 
 std::vector<std::uint8_t> Wall::provisional() const {

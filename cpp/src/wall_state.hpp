@@ -46,8 +46,6 @@ struct Wall::State {
     std::vector<double> toolface(Range range) const;
     std::vector<double> radius(Range range) const;
     std::vector<std::uint8_t> provisional(Range range) const;
-    template <class Out, class T, std::size_t n>
-    std::vector<Out> column(std::array<T, n> Vertices::Block::* member, Range range) const;
 
     mutable std::mutex lock;
     Settings settings;
