@@ -18,7 +18,8 @@ namespace {
 constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is refused, not guessed
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double least_radius = std::numeric_limits<double>::denorm_min();
-constexpr Index rows_a_part = 32768;
+constexpr Index rows_to_start = 32768;  // that are worth a thread
+constexpr Index rows_a_part = 4096;     // so that all end together
 
 [[noreturn]] void refuse(const char* column, Index row, double value, const char* rule) {
     throw InputError(std::string(column) + "[" + std::to_string(row) + "] = " + number_text(value) + ": " + rule);
@@ -72,7 +73,8 @@ void SampleColumns::validate(int threads) const {
     const auto n = static_cast<Index>(depth.size());
     const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);
     std::atomic<bool> valid{true};
-    for_each_part((n + rows_a_part - 1) / rows_a_part, threads, [&](int, Index i) {
+    const int shares = static_cast<int>(std::clamp<Index>(n / rows_to_start, 1, std::max(threads, 1)));
+    for_each_part((n + rows_a_part - 1) / rows_a_part, shares, [&](int, Index i) {
         if (!rows_valid(*this, {i * rows_a_part, std::min(n, (i + 1) * rows_a_part)}, f)) valid = false;
     });
     if (!valid) check_rows(*this);
