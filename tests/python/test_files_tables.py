@@ -69,6 +69,38 @@ def test_units_row_and_savetxt_header(tmp_path: Path) -> None:
     assert "no header" in one.remarks[0]
 
 
+def test_columns_without_names_are_no_image_and_the_errors_say_why_they_have_no_role(tmp_path: Path) -> None:
+    rows = "".join(f"{k},{2000 + k},{9 * k},0.11\n" for k in range(40))
+    one = hb.open(write(tmp_path, rows)).set()
+    assert one.names == ("column 1", "column 2", "column 3", "column 4")
+    said = "; line 1: numbers, so there is no header: columns are named by their number"
+    with pytest.raises(ValueError, match=f"the channels are column 1, column 2, column 3, column 4{said}$"):
+        one.readings()
+    with pytest.raises(ValueError, match=f"no channel has the role depth: .*{said}$"):
+        one.survey()
+
+
+def test_repeated_names_keep_their_unit_and_are_told(tmp_path: Path) -> None:
+    rows = "".join(f"{2000 + k},{9 * k},0.11,0.12\n" for k in range(40))
+    one = hb.open(write(tmp_path, "depth_m,tf_deg,radius_m,radius_m\n" + rows)).set()
+    assert [(channel.name, channel.unit) for channel in one][2:] == [("radius_m:1", "m"), ("radius_m:2", "m")]
+    said = "2 columns are named radius_m: they are told apart as radius_m:1, radius_m:2 ..."
+    assert one.remarks == [said]
+    with pytest.raises(ValueError, match=f"; {said}$"):
+        one.readings()
+
+
+def test_walls_and_meshes_are_sent_to_where_they_are_read(tmp_path: Path) -> None:
+    k = np.arange(400.0)
+    wall = hb.reconstruct(hb.Caliper(2000 + k / 1000, k * 37, np.full(400, 0.11)), bit_diameter=0.216, sectors=16)
+    wall.save(tmp_path / "well.wall")
+    wall.surface().save(tmp_path / "well.glb")
+    refused(
+        tmp_path / "well.wall", "a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load"
+    )
+    refused(tmp_path / "well.glb", "a mesh (GLB) holds no samples: take the settings beside it")
+
+
 def test_missing_first_cells_are_no_units_row(tmp_path: Path) -> None:
     one = hb.open(write(tmp_path, "a,b\n-,-\n1,2\n")).set()
     assert one["a"].missing == 1

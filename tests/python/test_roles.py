@@ -152,7 +152,11 @@ def radius(metres: float) -> Channel:
         ),
         (
             (DEPTH, TURN, channel("radius", "mm", np.full(40, 216.0)), channel("BS", "in", np.full(40, 8.5))),
-            "median 0.216: looks like a diameter",
+            'state role = "diameter" in a map, or --diameter radius: the bit\'s diameter is 0.216 m',
+        ),
+        (
+            (channel("Z", "m", -2000.0 - np.arange(40.0), "measured depth"), TURN, radius(0.1)),
+            "column Z: -2039 to -2000 m: negative throughout (elevations?), and depth counts positive down the hole",
         ),
         (
             (DEPTH, TURN, channel("diameter", "mm", np.full(40, 8.5))),
@@ -200,9 +204,19 @@ def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
     assert one.samples(as_diameter).radius[0] == pytest.approx(0.10795)
     with pytest.raises(ValueError, match="looks like a diameter"):
         one.samples(confirmed, bit_diameter=0.2159)
+    above = log_set(channel("MD", "m", np.arange(-40.0, 0.0)), TURN, radius(0.1))
+    assert above.samples(overlay(guess(above), above, {"MD": {"role": "depth"}}, "map")).depth[0] == -40
+    assert log_set(channel("MD", "m", np.arange(-39.0, 1.0)), TURN, radius(0.1)).samples().depth[0] == -39
     slow = log_set(DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), channel("radius", "m", np.full(40, 0.1)))
     mapped = overlay(guess(slow), slow, {"TF": {"unit": "rad"}}, "map")
     assert slow.samples(mapped).toolface.max() == pytest.approx(np.degrees(6.28))
+
+
+def test_what_an_unstated_unit_is_taken_for_is_told() -> None:
+    found = log_set(DEPTH, channel("TF", "", np.arange(40.0)), radius(0.1), channel("TIME", "", np.arange(40.0)))
+    notes = found.readings().notes
+    assert any(note.startswith("TF is toolface in deg, as one beyond 2 pi must be (no unit stated):") for note in notes)
+    assert any(note.startswith("TIME is time in s, as no unit is stated:") for note in notes)
 
 
 @pytest.mark.parametrize("inches", [6.0, 8.5, 12.25, 17.5])

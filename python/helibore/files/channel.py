@@ -167,6 +167,10 @@ def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) 
     return numbers.view(), missing, first
 
 
+NO_HEADER = "numbers, so there is no header"
+"""Said in the remarks of a table without one."""
+
+
 def unique(names: list[str]) -> list[str]:
     """Return ``names`` with every repeated one numbered ``NAME:1``, ``NAME:2`` ... in file order."""
     repeated = {name for name, count in Counter(names).items() if count > 1}

@@ -17,7 +17,7 @@ from helibore.sector_image import Direction, Origin, Reference, SectorImage
 from helibore.survey import Survey
 
 from . import suspect
-from .channel import LogSet
+from .channel import NO_HEADER, LogSet
 from .source import complaint
 
 Floats = npt.NDArray[np.float64]
@@ -125,8 +125,13 @@ def needed(one: LogSet, roles: RoleMap, role: str) -> Role:
         near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]
         how = f'name one by an option or in a map ([channels."..."] role = "{role}")'
         rule = f"no channel has the role {role}: {how}{''.join(near)}; the channels are {', '.join(one.names)}"
-        raise complaint(one.path, rule)
+        raise complaint(one.path, rule + about_names(one))
     return found
+
+
+def about_names(one: LogSet) -> str:
+    """What explains that a channel is not told by its name: there is no header, or names repeat."""
+    return "".join(f"; {remark}" for remark in one.remarks if NO_HEADER in remark or "columns are named" in remark)
 
 
 def survey(one: LogSet, roles: RoleMap | None = None) -> Survey:
@@ -142,6 +147,7 @@ def survey(one: LogSet, roles: RoleMap | None = None) -> Survey:
     roles = roles or guess(one)
     named = {role: needed(one, roles, role) for role in ("depth", "inclination", "azimuth")}
     columns = {role: column(one, found) for role, found in named.items()}
+    suspect.depths(one, named["depth"], columns["depth"])
     suspect.survey_angles(one, named["inclination"], named["azimuth"], columns["inclination"], columns["azimuth"])
     keep = np.isfinite(columns["depth"]) & np.isfinite(columns["inclination"]) & np.isfinite(columns["azimuth"])
     if not keep.all():

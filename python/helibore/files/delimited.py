@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import io
 import re
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from itertools import islice
@@ -22,8 +23,9 @@ from typing import Any
 import numpy as np
 
 from .cells import NULL_TEXTS, ragged, read_cells, text_lines
-from .channel import EXACT, Array, Channel, LogFile, LogSet, unique
+from .channel import EXACT, NO_HEADER, Array, Channel, LogFile, LogSet, unique
 from .headings import describe, is_number, is_units_row
+from .sectors import FEWEST
 from .source import LINE_LIMIT, UTF8_BOM, Source, complaint, decode
 
 DELIMITERS = (",", "\t", ";", "|")
@@ -54,6 +56,9 @@ def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
         layout.remarks.append(remark)
     encoding = "utf8" if not remark else "cp1252"
     names = unique(layout.names)
+    for name, count in Counter(layout.names).items():
+        if 1 < count < FEWEST:  # as many are an image
+            layout.remarks.append(f"{count} columns are named {name}: they are told apart as {name}:1, {name}:2 ...")
     arrow = None if whole else _arrow()
     if arrow is None:
         lines = head.split("\n") if whole else text_lines(source, encoding)
@@ -64,7 +69,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
         columns = [(_loader(column), len(column), str(column.type) == "string") for column in table.columns]
     channels = []
     for position, (name, (load, rows, text)) in enumerate(zip(names, columns, strict=True)):
-        unit = layout.units[position] if layout.units else describe(name)
+        unit = layout.units[position] if layout.units else describe(layout.names[position])
         channels.append(Channel(name, unit, "", (rows,), load, nulls, None, text, nan_is_missing=False))
     line_of = _line_finder(source, layout)
     one = LogSet(source.path, "table", channels, columns[0][1], None, {}, layout.remarks, line_of)
@@ -121,7 +126,7 @@ def _without_header(lines: list[str], start: int, delimiter: str, width: int, re
         if len(names) == width and width > 1 and all(names):
             remarks = [remark for remark in remarks if remark != f"comment: {line.strip(' #')}"]
             return Layout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
-    remarks = [*remarks, f"line {start + 1}: numbers, so there is no header: columns are named by their number"]
+    remarks = [*remarks, f"line {start + 1}: {NO_HEADER}: columns are named by their number"]
     return Layout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
 
 

@@ -44,7 +44,7 @@ def is_number(cell: str) -> bool:
 
 def not_a_number(cell: str) -> str:
     """Return the rule that a cell breaks; decimal commas are the usual reason, and never guessed at."""
-    comma = ": a decimal comma?" if re.fullmatch(r"-?\d+,\d+", cell) else ""
+    comma = ": a decimal comma? Decimals must have a point" if re.fullmatch(r"-?\d+,\d+", cell) else ""
     return f"{cell[:40]!r} is not a number{comma}"
 
 

@@ -18,17 +18,23 @@ import numpy.typing as npt
 
 from helibore import units
 from helibore.conditioning import Echo
-from helibore.roles import WALL, Role, RoleMap, guess
+from helibore.roles import ROLES, WALL, Role, RoleMap, guess
 from helibore.sensors import Sensor
 
 from . import suspect
 from .channel import LogSet
-from .columns import column, needed
+from .columns import about_names, column, needed
 from .source import complaint
 
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
 Mask = npt.NDArray[np.bool_]
+
+UNSTATED = {
+    units.ANGLE: "deg, as one beyond 2 pi must be (no unit stated)",
+    units.TIME: "s, as no unit is stated",
+}
+"""What a channel without a unit is taken for, by what it measures."""
 
 NORTH = ("n", "north", "m", "mtf", "magnetic", "0")
 HIGH_SIDE = ("h", "hs", "high side", "high-side", "g", "gtf", "gravity", "top", "1")
@@ -205,6 +211,7 @@ def _depth(one: LogSet, role: Role) -> Floats:
     row = one[role.channel].odd_row
     if row is not None:
         raise complaint(one.path, "NaN or infinite: a depth must be finite, or empty", one.place(row), role.channel)
+    suspect.depths(one, role, depth)
     return depth
 
 
@@ -222,7 +229,7 @@ def _no_arms(one: LogSet, roles: RoleMap) -> str:
         return f"{rule} (its images {', '.join(images)} lie on a gauge hole with --gauge --image of helibore plot)"
     if roles.one("inclination") is not None and roles.one("azimuth") is not None:
         return f"{rule} (it holds a survey, which --survey takes)"
-    return f"{rule}, such as --radius NAME:in; the channels are {', '.join(one.names)}"
+    return f"{rule}, such as --radius NAME:in; the channels are {', '.join(one.names)}{about_names(one)}"
 
 
 def _radius(one: LogSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
@@ -355,7 +362,7 @@ def note(role: Role) -> str:
     parts = [f"{role.channel} is {role.role}"]
     kind = units.LENGTH if role.role == "bit-diameter" else role.role
     if kind not in ("pass", "toolface-reference"):
-        parts.append(f"in {role.unit or 'no stated unit'}")
+        parts.append(f"in {role.unit or UNSTATED.get(ROLES.get(kind, kind), 'no stated unit')}")
     if role.angle is not None:
         parts.append(f"at {role.angle:g} deg")
     if role.offset:

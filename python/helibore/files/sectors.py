@@ -18,6 +18,9 @@ from .channel import Array, Channel, SectorAxis
 FEWEST = 4
 """Fewer columns than this are not taken for an image: pairs and triples of sensors are common."""
 
+NAMELESS = "column"
+"""Columns without a name are called ``column 1``, ``column 2`` ...: that they are numbered says nothing of them."""
+
 # The last run of digits counts the sector: GRIM[12], GRIM_12, GRIM:12, GRIM(12), ABDC12M.
 NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<suffix>\D{0,8})$")
 
@@ -36,7 +39,7 @@ def join_sectors(channels: list[Channel], index: str | None) -> tuple[list[Chann
     taken = {channel.name for channel in channels}
     for (stem, suffix, _), found in series.items():
         numbers = [number for number, _ in found]
-        if len(found) < FEWEST or numbers[0] not in (0, 1):
+        if len(found) < FEWEST or numbers[0] not in (0, 1) or stem == NAMELESS:
             continue
         if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
             remarks.append(f"{stem}{numbers[0]}{suffix} ...: {_gap(numbers)}; left as single columns")

@@ -38,6 +38,7 @@ UTF8_BOM = codecs.BOM_UTF8
 FOREIGN = {
     b"\xff\xfe": "UTF-16 text: save it as UTF-8",
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
+    b"glTF": "a mesh (GLB) holds no samples: take the settings beside it (.glb.toml), a .wall or the caliper file",
     b"BZh": "bzip2: unpack it first",
     b"\xfd7zXZ": "xz: unpack it first",
     b"\x28\xb5\x2f\xfd": "zstandard: unpack it first",
@@ -227,8 +228,16 @@ def _tell_binary(source: Source) -> str:
     if head.startswith(b"PK\x03\x04"):
         if not source.compressed and _holds_arrays(source.path):
             return "npz"
+        if not source.compressed and _is_wall(source.path):
+            rule = "a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load"
+            raise complaint(source.path, rule)
         raise complaint(source.path, "a zip archive (or Excel sheet): unpack it, or export the sheet as CSV")
     return ""
+
+
+def _is_wall(path: Path) -> bool:
+    with zipfile.ZipFile(path) as archive:
+        return "helibore.json" in archive.namelist()
 
 
 def _holds_arrays(path: Path) -> bool:

@@ -57,9 +57,12 @@ def lengths(one: LogSet, role: Role, values: Floats, bit_diameter: float | None)
         return
     if _looks_like_diameter(median, bit_diameter):
         rule = (
-            f"median {median:.3g}: looks like a diameter, where a radius is expected"
-            f'; state role = "diameter" in a map, or give the bit diameter or confirm role = "{role.role}" there'
+            f'median {median:.3g}: looks like a diameter, where a radius is expected; state role = "diameter" in a map'
         )
+        if bit_diameter is None:
+            rule += f', or give the bit diameter or confirm role = "{role.role}" there'
+        else:
+            rule += f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
         raise complaint(one.path, rule, column=role.channel)
 
 
@@ -81,6 +84,18 @@ def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
         return any(-0.005 <= value / size - 1.0 <= 0.03 for size in sizes)
 
     return near(inches, SMALL_BITS) and not near(2.0 * inches, LARGE_BITS)
+
+
+def depths(one: LogSet, role: Role, values: Floats) -> None:
+    """Check measured depths, in metres: negative throughout, they make a mirror image of the hole."""
+    found = present(values)
+    if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
+        return
+    rule = (
+        f"{found.min():g} to {found.max():g} m: negative throughout (elevations?), and depth counts positive down the "
+        'hole; write it so, or confirm role = "depth" in a map'
+    )
+    raise complaint(one.path, rule, column=role.channel)
 
 
 def unstated_angle(values: Floats) -> str:
