@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
+from helibore.angles import wrapped
 from helibore.arrays import Floats, Integers, column
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ def canonical_order(caliper: Caliper) -> Integers:
     """(m,) the rows of ``caliper`` in the order of `Wall.samples`: equal timed rows once, the first of them."""
     if caliper.time is None:
         return np.argsort(caliper.depth, kind="stable")
-    columns = (caliper.depth, caliper.time, np.mod(caliper.toolface, 360.0), caliper.radius)
+    columns = (caliper.depth, caliper.time, wrapped(caliper.toolface), caliper.radius)
     order = np.lexsort(columns[::-1])
     same = np.ones(order.size, dtype=bool)
     same[:1] = False

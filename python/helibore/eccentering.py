@@ -43,6 +43,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from helibore.angles import wrapped
 from helibore.arrays import Floats, Integers, column
 from helibore.turn_fits import Shape, TurnFits
 from helibore.turn_models import Estimate, estimate
@@ -107,7 +108,7 @@ class Centres:
     @property
     def direction(self) -> Floats:
         """Toolface towards which the tool is off, (t,) degrees in [0, 360)."""
-        return np.degrees(np.arctan2(self.y, self.x)) % 360.0
+        return wrapped(np.degrees(np.arctan2(self.y, self.x)))
 
     def share(self, significance: float = 3.0) -> Floats:
         """Part of each centre that is worth correcting: (1 - one_sided) max(0, 1 - (significance / c' within^-1 c)^2).
@@ -245,9 +246,8 @@ def recentre(
     seen = np.radians(angle)
     wall = offset[row] + distance * (np.cos(seen) + 1j * np.sin(seen))
     moved = np.isfinite(distance) & (offset[row] != 0)
-    turned = np.degrees(np.angle(wall, deg=False)) % 360.0
-    turned[turned == 360.0] = 0.0
-    return np.where(moved, turned, angle % 360.0), np.where(moved, np.abs(wall), distance)
+    turned = np.where(moved, np.degrees(np.angle(wall)), angle)
+    return wrapped(turned), np.where(moved, np.abs(wall), distance)
 
 
 def _samples(toolface: npt.ArrayLike, radius: npt.ArrayLike, turn: npt.ArrayLike) -> tuple[Floats, Floats, Integers]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from helibore.angles import wrapped
 from helibore.arrays import Floats, Integers
 from helibore.log_columns import COLUMNS
 
@@ -82,6 +83,4 @@ def _axis(toolface: Floats, starts: Integers) -> Floats:
     if not toolface.size:
         return toolface.copy()
     mean = np.add.reduceat(np.exp(2j * np.radians(toolface)), starts)
-    axis: Floats = np.degrees(np.angle(mean)) / 2 % 180
-    axis[axis == 180] = 0  # the remainder of a tiny negative angle
-    return axis
+    return wrapped(np.degrees(np.angle(mean)) / 2, 180.0)

@@ -23,6 +23,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from helibore.angles import wrapped
 from helibore.arrays import Floats, column
 from helibore.survey import Path
 
@@ -60,7 +61,7 @@ def north_to_high_side(inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Fl
             f"inclination[{at}] = {np.degrees(inclined[at]):g}, azimuth[{at}] = {np.degrees(heading[at]):g}: "
             "north is undefined where the hole runs level north or south"
         )
-    return _wrapped(np.degrees(np.arctan2(right, up)))
+    return wrapped(np.degrees(np.arctan2(right, up)))
 
 
 def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6.0) -> npt.NDArray[np.bool_]:
@@ -158,12 +159,7 @@ def onto_path(
         rule = "vertical" if tag == "the high side" else "level north or south"
         raise ValueError(f"toolface[{at}] at depth {where[at]:g}: {tag} is undefined where the hole runs {rule}")
     ahead, aside = (square * frame[:, 0]).sum(axis=1), (square * frame[:, 1]).sum(axis=1)
-    return _wrapped(angle + np.degrees(np.arctan2(aside, ahead)))
-
-
-def _wrapped(angle: Floats) -> Floats:
-    turned = angle % 360.0
-    return np.where(turned < 360.0, turned, 0.0)  # -1e-20 % 360 rounds to 360
+    return wrapped(angle + np.degrees(np.arctan2(aside, ahead)))
 
 
 def _finite(name: str, values: Floats) -> Floats:

@@ -20,6 +20,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
+from helibore.angles import wrapped
 from helibore.arrays import Floats, Integers, column
 from helibore.helix import WallLike
 from helibore.threads import thread_count
@@ -117,8 +118,7 @@ class SectorImage:
         """(S,) toolface of each sector's centre, degrees in [0, 360); owned."""
         number = np.arange(self.sectors, dtype=np.float64) + (0.0 if self.origin == "centre" else 0.5)
         way = 1 if self.direction == "clockwise" else -1
-        toolface: Floats = (self.offset + way * number * (360 / self.sectors)) % 360
-        return toolface
+        return wrapped(self.offset + way * number * (360 / self.sectors))
 
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
         """Find where the image is dark on opposite sides of the hole: `helibore.image_breakouts`.

@@ -19,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
+from helibore.angles import wrapped
 from helibore.arrays import Floats, Integers, column
 
 __all__ = ["Observed", "Sensor", "TimeSeries", "observe_by_depth", "observe_by_time"]
@@ -123,7 +124,7 @@ class TimeSeries:
             share = (when - self._time[low]) / width
             line = self._values[low] + share * (self._values[high] - self._values[low])
             result[answered] = line[answered]
-        return _wrapped(result) if self._angle else result
+        return wrapped(result) if self._angle else result
 
 
 @dataclass(frozen=True)
@@ -184,7 +185,7 @@ def observe_by_time(
         stamps = column(f"times[{index}]", times[index])
         when = stamps - sensor.latency
         depth = bit_depth.at(when) - sensor.offset
-        looking = _wrapped(toolface.at(when) + sensor.mounting)
+        looking = wrapped(toolface.at(when) + sensor.mounting)
         parts.append((when, depth, looking, _radii(index, radii[index], stamps.size, f"times[{index}]")))
     return _gather(parts)
 
@@ -231,8 +232,8 @@ def observe_by_depth(
     flat = (depths.reshape(-1), looking.reshape(-1), radius.reshape(-1))
     kept, counts = _present(*flat)
     if kept is None:
-        return Observed(flat[0], _wrapped(flat[1]), flat[2], None, sensor, row, counts)
-    return Observed(flat[0][kept], _wrapped(flat[1][kept]), flat[2][kept], None, sensor[kept], row[kept], counts)
+        return Observed(flat[0], wrapped(flat[1]), flat[2], None, sensor, row, counts)
+    return Observed(flat[0][kept], wrapped(flat[1][kept]), flat[2][kept], None, sensor[kept], row[kept], counts)
 
 
 def _grid(columns: Sequence[Floats]) -> Floats:
@@ -276,13 +277,6 @@ def _radii(index: int, values: npt.ArrayLike, size: int, like: str) -> Floats:
         at = int(np.argmax(np.isinf(radius)))
         raise ValueError(f"radii[{index}][{at}] = {radius[at]:g}: must be finite, or NaN where missing")
     return radius
-
-
-def _wrapped(angle: Floats) -> Floats:
-    if angle.size and angle.min() >= 0.0 and angle.max() < 360.0:
-        return angle
-    turned = angle % 360.0
-    return np.where(turned < 360.0, turned, np.where(np.isnan(turned), turned, 0.0))  # -1e-20 % 360 rounds to 360
 
 
 def _check(time: Floats, values: Floats) -> None:

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from helibore.angles import wrapped
 from helibore.live import wits
 from helibore.live.configuration import ImageItems, Item, Source
 from helibore.live.events import Event, EventBook, Flag
@@ -346,8 +347,7 @@ class SourceReader:
         triple_flags |= np.where((found == INVALID).any(axis=0), Flag.INVALID, 0)
         low, high = caliper.radius_range
         triple_flags |= np.where((radius < low) | (radius > high) | (np.abs(toolface) > 1e6), Flag.RANGE, 0)
-        toolface = np.mod(toolface + caliper.toolface_offset, 360.0)
-        toolface[toolface == 360.0] = 0.0
+        toolface = wrapped(toolface + caliper.toolface_offset)
         reading.triple_frame, reading.triple_flags = frame, triple_flags
         reading.triples = np.column_stack([depth, toolface, radius])
 

@@ -16,6 +16,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from helibore.angles import wrapped
 from helibore.live import journal
 from helibore.live.clock import SECOND, ModelClock
 from helibore.live.configuration import Configuration
@@ -243,7 +244,7 @@ class Model:
             if kind == journal.SAMPLES:
                 depth, toolface, radius, stamp = np.frombuffer(payload).reshape(4, -1)
                 pending = np.zeros(len(depth), PENDING)
-                pending["depth"], pending["toolface"], pending["radius"] = depth, np.mod(toolface, 360.0), radius
+                pending["depth"], pending["toolface"], pending["radius"] = depth, wrapped(toolface), radius
                 pending["time"] = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
                 pending["order"], pending["image"] = int(records["sequence"][row]) << 20, -1
                 pending["received"] = pending["order"]
