@@ -26,6 +26,8 @@ from helibore.caliper import BASIS_TEXT
 from helibore.plot.calipers import Diameters
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.header import facts
+from helibore.plot.paper import MM
+from helibore.units import INCH, size_text
 
 if TYPE_CHECKING:
     from helibore.plot.content import Content
@@ -189,7 +191,7 @@ def _summary(content: Content, zones: Classification | None) -> str:
     rows = [(label, text) for label, text, _ in facts(content)]
     if np.isfinite(area).any() and content.wall.basis != "gauge":
         there = area[np.isfinite(area)]
-        sizes = f"{there.mean() / 0.0254:.3f} in ({there.mean() * 1e3:.1f} mm) mean"
+        sizes = f"{size_text(there.mean())} mean"
         sizes += f", {there.min() * 1e3:.1f} to {there.max() * 1e3:.1f} mm by turn"
         rows.append(("Diameter by area", sizes))
         pitch, bit = abs(content.wall.settings.pitch), content.wall.settings.bit_diameter
@@ -222,7 +224,7 @@ def _pictures(wall: Wall, content: Content, options: dict[str, Any]) -> str:
     figures = []
     for at, figure in enumerate(pages(wall, PAPER, **options), 1):
         words = f"Log of {content.drawing.title or 'the wall'}, part {at}: depth, caliper, images at 1:{content.scale}"
-        width = figure.get_size_inches()[0] * 25.4
+        width = figure.get_size_inches()[0] * MM
         picture = base64.b64encode(rendered([figure], ".png")).decode()
         shown = f'<img style="width:{width:g}mm" alt="{html.escape(words)}" src="data:image/png;base64,{picture}">'
         # Printed on A4 at 100 %, 210 mm are 210 mm; what is wider is shrunk, and then the scale is not true.
@@ -238,7 +240,7 @@ def _diameters(content: Content) -> str:
             "Measured [%]")  # fmt: skip
     rows = []
     for row in intervals(content.turns, content):
-        inches = [number(size / 0.0254) for size in (row.mean, row.least, row.greatest)]
+        inches = [number(size / INCH) for size in (row.mean, row.least, row.greatest)]
         rest = [number(row.volume, 4), number(100 * row.excess, 1), number(100 * row.measured, 1)]
         rows.append([number(row.top, 2), number(row.bottom, 2), *inches, *rest])
     note = (
@@ -259,7 +261,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
     rows = []
     for zone in found:
         openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes)
-        sizes = (number(zone.enlargement / 0.0254, 2), number(zone.elongation / 0.0254, 2))
+        sizes = (number(zone.enlargement / INCH, 2), number(zone.elongation / INCH, 2))
         angles = (number(zone.toolface, 0) or "–", number(zone.deviation, 1) or "–", openings or "–")
         rows.append([zone.kind, number(zone.start, 2), number(zone.stop, 2), *sizes, *angles])
     return table(head, rows)

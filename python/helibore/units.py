@@ -15,11 +15,13 @@ from fractions import Fraction
 LENGTH, ANGLE, TIME, ROTATION = "length", "angle", "time", "rotation"
 INCH = 0.0254
 """In metres: bits and casings are sold in inches."""
+MILLIMETRE = 0.001
+"""In metres."""
 
 _TABLE: dict[str, tuple[str, float, str]] = {
     "m": (LENGTH, 1.0, "metre metres meter meters"),
     "cm": (LENGTH, 0.01, "centimetre centimetres centimeter centimeters"),
-    "mm": (LENGTH, 0.001, "millimetre millimetres millimeter millimeters"),
+    "mm": (LENGTH, MILLIMETRE, "millimetre millimetres millimeter millimeters"),
     "ft": (LENGTH, 0.3048, "f foot feet '"),
     "ftUS": (LENGTH, 1200.0 / 3937.0, "ftus ft[us] usft us-ft usfoot"),
     "in": (LENGTH, INCH, 'inch inches ins "'),
@@ -115,6 +117,11 @@ def quantity(text: str, kind: str) -> float:
     if match["fraction"]:
         number += math.copysign(float(Fraction(match["fraction"])), number)
     return number * factor(match["unit"], kind) if match["unit"] else number
+
+
+def size_text(metres: float) -> str:
+    """Write a diameter as drillers read it: ``8.500 in (215.9 mm)``."""
+    return f"{metres / INCH:.3f} in ({metres / MILLIMETRE:.1f} mm)"
 
 
 _EXAMPLES = {LENGTH: "8.5in, 0.216m or 216mm", ANGLE: "90deg or 1.57rad", TIME: "10s or 5min"}

@@ -102,3 +102,12 @@ def test_develop_speaks_to_the_pip_of_debian_12() -> None:
 )
 def test_the_oldest_versions_that_pyproject_allows_will_do(newer: str, pattern: str) -> None:
     assert not list(lines_with(pattern, PYTHON)), f"only from {newer} on"
+
+
+def test_only_units_knows_the_inch() -> None:
+    """In Python; the pages of the viewer have theirs in units.js."""
+    elsewhere = [path for path in PYTHON if path.name != "units.py"]
+    assert not list(lines_with(r"\b0?\.0254\b|\b25\.4\b|\b0\.3048\b", elsewhere))
+    page = sorted(path for path in ROOT.glob("python/helibore/viewer/web/src/*.js") if path.name != "units.js")
+    assert page
+    assert not list(lines_with(r"\b0?\.0254\b|\b25\.4\b", page))

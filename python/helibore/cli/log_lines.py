@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from helibore.caliper import BASIS_TEXT
-from helibore.units import INCH
+from helibore.units import INCH, size_text
 
 if TYPE_CHECKING:
     from helibore.annulus import Annulus
@@ -36,19 +36,15 @@ def lines(rows: Logs, turns: Logs, annuli: Iterable[Annulus]) -> Lines:
     return found
 
 
-def _size(metres: float) -> str:
-    return f"{metres / INCH:.3f} in ({metres * 1e3:.1f} mm)"
-
-
 def _sizes(logs: Logs) -> Lines:
     there = np.isfinite(logs.equivalent_diameter)
     bit = logs.bit_diameter
-    found: Lines = [("bit", _size(bit))]
+    found: Lines = [("bit", size_text(bit))]
     if not there.any():
         return [*found, ("diameter", "missing: no row is whole")]
     area = logs.equivalent_diameter[there]
     mean = math.sqrt(float(np.mean(area**2)))
-    found.append(("diameter", f"by area {_size(mean)}, {(mean - bit) / INCH:+.3f} in against the bit"))
+    found.append(("diameter", f"by area {size_text(mean)}, {(mean - bit) / INCH:+.3f} in against the bit"))
     found.append(("", f"largest across {_at(logs.c1, logs.depth, np.nanargmax)}"))
     found.append(
         ("", f"smallest inscribed circle, what passes: {_at(logs.inscribed_diameter, logs.depth, np.nanargmin)}")
@@ -71,7 +67,7 @@ def _sizes(logs: Logs) -> Lines:
 
 def _at(values: Floats, depth: Floats, where: Any) -> str:
     row = int(where(values))
-    return f"{_size(float(values[row]))} at {depth[row]:.2f} m"
+    return f"{size_text(float(values[row]))} at {depth[row]:.2f} m"
 
 
 def _volume(cubic_metres: float) -> str:
@@ -79,7 +75,7 @@ def _volume(cubic_metres: float) -> str:
 
 
 def _annulus(one: Annulus) -> Lines:
-    text = f"{_size(one.outer_diameter)}: annulus {_volume(one.total)}"
+    text = f"{size_text(one.outer_diameter)}: annulus {_volume(one.total)}"
     if one.unmeasured:
         text += f", without {one.unmeasured:,.1f} m that are not measured"
     found: Lines = [("casing", text)]

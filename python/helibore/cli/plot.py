@@ -76,6 +76,7 @@ def plot(output: Path, paper: str, quiet: bool, **options: Any) -> None:
     terminal = Terminal(quiet)
     found = wall_from(options, terminal)
     from helibore import plot as drawn
+    from helibore.plot.paper import MM
 
     settings = drawing_options(options, found)
     with terminal.stage("draw", "Drawing"):
@@ -83,7 +84,7 @@ def plot(output: Path, paper: str, quiet: bool, **options: Any) -> None:
         figures = [drawn.log(found.wall, **settings)] if roll else drawn.pages(found.wall, paper, **settings)
     with terminal.stage("save", f"Writing {output.name}"):
         drawn.save(figures, output)
-    width, height = figures[0].get_size_inches() * 25.4
+    width, height = figures[0].get_size_inches() * MM
     pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
     terminal.summary([
         *found.told,

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore.units import INCH
+from helibore.units import INCH, size_text
 
 if TYPE_CHECKING:
     import helibore
@@ -32,7 +32,7 @@ def wall_lines(wall: helibore.Wall, quads: int, samples_mean: float) -> list[tup
     lines = [
         ("wall", f"{depth.min():.2f} to {depth.max():.2f} m, {settings.sectors} sectors, pitch {settings.pitch:g} m: "
          f"{len(wall):,} vertices, {quads:,} quads, from {wall.sample_count:,} samples"),
-        ("bit", f"{bit / INCH:.3f} in ({bit * 1e3:.1f} mm)"),
+        ("bit", size_text(bit)),
     ]  # fmt: skip
     across = diameters(wall)
     across = across[~np.isnan(across)]

@@ -12,6 +12,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from helibore import units
 from helibore.roles import Role
 
 from .channel import LogSet
@@ -68,8 +69,6 @@ def lengths(one: LogSet, role: Role, values: Floats, bit_diameter: float | None)
 
 def _likely_unit(unit: str, median: float, low: float, high: float) -> str:
     """Name the units in which the same numbers would make a borehole."""
-    from helibore import units
-
     raw = median / units.factor(unit, units.LENGTH)
     fitting = [name for name in ("m", "cm", "mm", "in", "ft") if low <= raw * units.factor(name, units.LENGTH) <= high]
     return f" (would fit {' or '.join(fitting)})" if fitting else ""
@@ -78,7 +77,7 @@ def _likely_unit(unit: str, median: float, low: float, high: float) -> str:
 def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
     if bit_diameter is not None:
         return median > 1.5 * bit_diameter / 2.0 and abs(median / bit_diameter - 1.0) < 0.25
-    inches = median / 0.0254
+    inches = median / units.INCH
 
     def near(value: float, sizes: tuple[float, ...]) -> bool:
         return any(-0.005 <= value / size - 1.0 <= 0.03 for size in sizes)

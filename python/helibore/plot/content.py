@@ -21,7 +21,7 @@ from helibore.colors import ColorScale, check_map, customary_map
 from helibore.normalization import percentile_limits, sliding_window
 from helibore.plot.calipers import diameters
 from helibore.plot.raster import at_points
-from helibore.plot.scales import Lines, nice_limits, usual_scale
+from helibore.plot.scales import NEARLY_ALL, Lines, nice_limits, usual_scale
 from helibore.plot.sections import Section, sections_at, telling_depths
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
@@ -291,7 +291,7 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, F
     there = over[(depth >= top) & (depth <= bottom) & np.isfinite(over)]
     limits = look.limits
     if limits is None:
-        low, high = np.percentile(there, [0.2, 99.8]).tolist() if there.size else (0.0, 1.0)
+        low, high = np.percentile(there, NEARLY_ALL).tolist() if there.size else (0.0, 1.0)
         step = 1.0 if high - low < 10 else 5.0
         low = math.floor(low / step) * step
         limits = (low, max(math.ceil(high / step) * step, low + step))

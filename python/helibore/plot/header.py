@@ -14,6 +14,7 @@ from helibore.caliper import BASIS_TEXT
 from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
 from helibore.plot.tracks import GREY
+from helibore.units import INCH
 
 if TYPE_CHECKING:
     from helibore.plot.content import Content
@@ -44,7 +45,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     ends = f"{content.top:,.2f} to {content.bottom:,.2f} m MD"
     return [
         ("Interval", f"{ends} ({content.bottom - content.top:,.1f} m)", False),
-        ("Bit size", f"{length_text(bit / 0.0254, 'in')} ({bit * 1e3:.1f} mm)", False),
+        ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
         ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),

@@ -12,13 +12,15 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from helibore.units import INCH, MILLIMETRE
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
     from matplotlib.text import Text
 
 INK, FAINT, RULE = "#22303c", "#5d6b77", "#8a97a3"
-MM = 25.4
+MM = INCH / MILLIMETRE
 """Millimetres an inch."""
 LEAST, SMALL, USUAL, LARGE = 5.0, 6.0, 7.0, 14.0
 """Points."""

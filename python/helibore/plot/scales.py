@@ -18,6 +18,8 @@ FINE_SCALES = (20, 40, 200)
 COARSEST = 500
 LONGEST = 1000.0
 """Millimetres of paper that a fine scale may need."""
+NEARLY_ALL = (0.2, 99.8)
+"""Percentiles between which an axis shows everything."""
 
 
 def usual_scale(length: float) -> int:
@@ -78,7 +80,7 @@ def nice_limits(values: Floats, always: float, least: float) -> tuple[float, flo
         The least length of the axis.
     """
     there = values[np.isfinite(values)]
-    low, high = (always, always) if not there.size else np.percentile(there, [0.2, 99.8]).tolist()
+    low, high = (always, always) if not there.size else np.percentile(there, NEARLY_ALL).tolist()
     low, high = min(low, always), max(high, always)
     if high - low < least:
         low, high = low - 0.5 * (least - high + low), high + 0.5 * (least - high + low)

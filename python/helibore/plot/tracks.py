@@ -26,6 +26,7 @@ from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, length_text
 from helibore.sector_image import SectorImage
 from helibore.settings import Settings
+from helibore.units import INCH, MILLIMETRE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -292,7 +293,7 @@ class ImageTrack:
         return axes
 
 
-LENGTHS = {"in": 0.0254, "mm": 0.001}
+LENGTHS = {"in": INCH, "mm": MILLIMETRE}
 """Units of diameters, in metres."""
 
 

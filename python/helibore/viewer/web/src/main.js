@@ -26,7 +26,7 @@ import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
-import { showLength } from './units.js';
+import { scaleOf, showLength } from './units.js';
 import { View } from './view.js';
 
 const FINE_TILES = 64; // a longer section is drawn from the overview
@@ -355,7 +355,7 @@ class App {
 
   setEnd(end, shown) {
     const { quantity, view } = this;
-    const value = quantity.length ? shown / (view.units === 'mm' ? 1000 : 1 / 0.0254) : shown;
+    const value = shown / scaleOf(quantity, view.units);
     const other = quantity[end === 'low' ? 'high' : 'low'];
     if (Number.isFinite(value) && (end === 'low' ? value < other : value > other)) this.setColours({ [end]: value });
     else this.redraw();
