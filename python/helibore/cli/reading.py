@@ -9,6 +9,7 @@ by these options last.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import fields
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from helibore.files.channel import LogFile
     from helibore.roles import RoleMap
     from helibore.run import Opened
+    from helibore.settings import Settings
 
 Command = Callable[..., Any]
 FILE = click.Path(path_type=Path)
@@ -67,6 +69,16 @@ def taking(*options: Callable[[Command], Command]) -> Callable[[Command], Comman
         return command
 
     return add
+
+
+def wall_settings(options: dict[str, Any]) -> Settings:
+    """Return the settings that the options of a verb name; those it does not have are the defaults."""
+    from helibore.settings import Settings
+
+    found = {each.name: options[each.name] for each in fields(Settings) if each.name in options}
+    if options["pitch"] < 0:  # the helix starts at its deep end
+        found["start_depth"], found["stop_depth"] = options["stop_depth"], options["start_depth"]
+    return Settings(**found)
 
 
 def nulls(options: dict[str, Any]) -> tuple[float, ...]:

@@ -14,7 +14,17 @@ import click
 import numpy as np
 
 from helibore.cli.quantities import ANGLE, BIT, LENGTH, LENGTH_OR_NONE, TIME, Parameter
-from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, open_track, taking
+from helibore.cli.reading import (
+    COLUMNS,
+    FILE,
+    SURVEY,
+    nulls,
+    open_calipers,
+    open_survey,
+    open_track,
+    taking,
+    wall_settings,
+)
 from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import wall_lines
@@ -247,15 +257,7 @@ def _settings(options: dict[str, Any]) -> RunSettings:
     from helibore.conditioning import Echo
     from helibore.preparation import Preparation
     from helibore.run_settings import PathSettings, RunSettings
-    from helibore.settings import Settings
 
-    names = (
-        "bit_diameter", "sectors", "pitch", "start_depth", "stop_depth", "start_toolface", "neighbors", "window",
-        "power", "max_distance", "max_iterations", "tolerance", "angular_scale",
-    )  # fmt: skip
-    wall = {name: options[name] for name in names}
-    if options["pitch"] < 0:  # the helix starts at its deep end
-        wall["start_depth"], wall["stop_depth"] = options["stop_depth"], options["start_depth"]
     echo = None
     if options["mud_velocity"] is not None or options["tool_radius"] is not None:
         if options["mud_velocity"] is None or options["tool_radius"] is None:
@@ -278,7 +280,7 @@ def _settings(options: dict[str, Any]) -> RunSettings:
     )
     color_by = None if options["color_by"] == "radius" else options["color_by"]
     return RunSettings(
-        caliper=(), wall=Settings(**wall), echo=echo, preparation=preparation, path=way, nulls=nulls(options),
+        caliper=(), wall=wall_settings(options), echo=echo, preparation=preparation, path=way, nulls=nulls(options),
         color_by=color_by,
     )  # fmt: skip
 

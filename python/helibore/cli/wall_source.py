@@ -19,7 +19,7 @@ import numpy as np
 from click.core import ParameterSource
 
 from helibore.cli.quantities import BIT, LENGTH, LENGTH_OR_NONE
-from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking
+from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking, wall_settings
 
 if TYPE_CHECKING:
     from helibore.caliper import Caliper
@@ -124,22 +124,13 @@ def _check_heeded(options: dict[str, Any], ending: str) -> None:
             raise click.UsageError(f"{option.opts[0]}: has no say in {why}")
 
 
-def _settings(options: dict[str, Any]) -> dict[str, Any]:
-    names = ("bit_diameter", "sectors", "pitch", "max_distance", "start_depth", "stop_depth")
-    settings = {name: options[name] for name in names}
-    if settings["pitch"] < 0:
-        settings["start_depth"], settings["stop_depth"] = settings["stop_depth"], settings["start_depth"]
-    return settings
-
-
 def _azimuthal(source: Path, options: dict[str, Any], terminal: Terminal) -> Sourced:
     """A caliper file, read as `reconstruct` reads it."""
     from helibore.run import read, rebuild
     from helibore.run_settings import RunSettings
-    from helibore.settings import Settings
 
     with terminal.stage("read", f"Reading {source.name}"):
-        settings = RunSettings(caliper=(), wall=Settings(**_settings(options)), nulls=nulls(options))
+        settings = RunSettings(caliper=(), wall=wall_settings(options), nulls=nulls(options))
         run = read(settings, open_calipers([source], options), None, None)
     with terminal.stage("rebuild", "Rebuilding the wall"):
         rebuild(run)
@@ -166,7 +157,7 @@ def _round(options: dict[str, Any], terminal: Terminal) -> Sourced:
     with terminal.stage("rebuild", f"Rebuilding the wall from {len(caliper):,} samples"):
         import helibore
 
-        return Sourced(helibore.reconstruct(caliper, **_settings(options)), name, told)
+        return Sourced(helibore.reconstruct(caliper, **vars(wall_settings(options))), name, told)
 
 
 def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tuple[str, str]]]:

@@ -16,7 +16,7 @@ import click
 from click.core import ParameterSource
 
 from helibore.cli.quantities import BIT, LENGTH
-from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, taking
+from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, taking, wall_settings
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -135,10 +135,9 @@ def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
         import helibore
         from helibore.run import placing, read, rebuild, told
         from helibore.run_settings import PathSettings, RunSettings
-        from helibore.settings import Settings
     with terminal.stage("read", f"Reading {file.name}"):
         way = PathSettings(reference=options["reference"], extend=options["extend"])
-        settings = RunSettings(caliper=(), wall=Settings(**_settings(options)), path=way, nulls=nulls(options))
+        settings = RunSettings(caliper=(), wall=wall_settings(options), path=way, nulls=nulls(options))
         run = read(settings, open_calipers([file], options), open_survey(options), None)
     with terminal.stage("rebuild", "Rebuilding the wall"):
         wall = rebuild(run)
@@ -166,11 +165,3 @@ def check_page() -> None:
 
     if page("app.js") is None:
         raise ValueError(no_page())
-
-
-def _settings(options: dict[str, Any]) -> dict[str, Any]:
-    names = ("bit_diameter", "sectors", "pitch", "start_depth", "stop_depth")
-    settings = {name: options[name] for name in names}
-    if options["pitch"] < 0:  # the helix starts at its deep end
-        settings["start_depth"], settings["stop_depth"] = options["stop_depth"], options["start_depth"]
-    return settings
