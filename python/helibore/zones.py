@@ -35,6 +35,7 @@ from helibore.units import INCH
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 """Kinds by their code in files, from 0."""
+CLASSES = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS))
 
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
@@ -194,12 +195,11 @@ class Classification:
 
     def column(self) -> LogColumn:
         """Return the kinds as a log, ``CLASS``: `Logs.table` and `Logs.save` take it as one of ``more``."""
-        codes = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS))
-        return LogColumn("CLASS", "", f"Class of hole, {codes}", np.where(self.kind < 0, np.nan, self.kind), 0)
+        return LogColumn("CLASS", "", f"Class of hole, {CLASSES}", np.where(self.kind < 0, np.nan, self.kind), 0)
 
     def facts(self) -> dict[str, str]:
-        """Return what the logs were made with, and the criteria."""
-        return {**self.logs.facts(), **self.criteria.facts()}
+        """Return what the logs were made with, the criteria, and what the numbers of ``CLASS`` are."""
+        return {**self.logs.facts(), **self.criteria.facts(), "class": CLASSES}
 
     def table(self) -> LogTable:
         """Return the zones, one a row, with the criteria among the facts: to be saved by `log_files.save_table`.

@@ -84,6 +84,7 @@ def test_zones_breakouts_of_images_casings_and_criteria(folder: Path, tmp_path: 
     text = output.read_text()
     assert "# well: 15/9-X" in text
     assert "# criterion elongation: 0.0127 m" in text
+    assert "# class: 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge" in text
     assert "# rugosity window: 0.5 m" in text
     space = annulus(wall.logs(0.5), 0.1778)
     assert column(output, "AVOL_178") == pytest.approx(space.volume, abs=2e-7)
@@ -150,7 +151,7 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
         (["-o", "w.csv", "--casing", "20in"],
          "outer_diameter = 0.508: a casing of 20 in is larger than the hole at 2000.05"),
-        (["-o", "w.csv", "--criterion", "depth=1"], "--criterion depth=1: must be NAME=VALUE, NAME one of elongation,"),
+        (["-o", "w.csv", "--criterion", "depth=1"], "--criterion depth=1: must be NAME=VALUE, NAME one of elongation, washout, key-seat,"),
         (["-o", "w.csv", "--criterion", "washout=1kg"], "--criterion washout=1kg: unit 'kg'"),
         (["-o", "w.csv", "--criterion", "symmetry=2"], "symmetry = 2.0: must be in [0, 1]"),
         (["-o", "w.csv", "--breakouts", "AMP"], "--breakouts AMP: must be IMAGE=FILE"),

@@ -83,6 +83,10 @@ def logs(output: Path, quiet: bool, **options: Any) -> None:
         dark = [wall.images[name].breakouts() for name in images]
     columns = [*one.columns, *(column for each in annuli for column in each.columns())]
     facts = one.zones.criteria.facts() if one.zones else {}
+    if one.columns:
+        from helibore.zones import CLASSES
+
+        facts["class"] = CLASSES
     work: list[tuple[Path, LogTable | None]] = [(output, one.rows.table(columns, facts))]
     if options["zones"] and one.zones:
         work.append((options["zones"], one.zones.table() if one.zones.zones else None))
@@ -155,7 +159,9 @@ def _criteria(wall: Wall, options: dict[str, Any]) -> Criteria:
         name, equals, value = text.partition("=")
         name = name.replace("-", "_")
         if not equals or name not in known:
-            raise click.UsageError(f"--criterion {text}: must be NAME=VALUE, NAME one of {', '.join(known)}")
+            raise click.UsageError(
+                f"--criterion {text}: must be NAME=VALUE, NAME one of {', '.join(known).replace('_', '-')}"
+            )
         try:
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:
