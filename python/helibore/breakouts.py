@@ -76,7 +76,7 @@ def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
     sum_ = complex((weight * np.exp(2j * np.radians(axes))).sum())
     R = min(abs(sum_) / total, 1.0)
     mean = math.degrees(math.atan2(sum_.imag, sum_.real)) / 2 % 180
-    deviation = math.degrees(math.sqrt(-2 * math.log(R))) / 2 if R > 0 else math.inf
+    deviation = math.degrees(math.sqrt(abs(2 * math.log(R)))) / 2 if R > 0 else math.inf
     return Axes(0.0 if mean == 180 else mean, deviation, R, int(axes.size), total)
 
 

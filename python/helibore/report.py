@@ -14,7 +14,7 @@ import base64
 import html
 import math
 import os
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -23,11 +23,13 @@ import numpy as np
 from helibore import __version__
 from helibore.atomic_file import write_whole
 from helibore.caliper import BASIS_TEXT
+from helibore.logs import TOOLFACE_0
 from helibore.plot.calipers import Diameters
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.header import facts
 from helibore.plot.paper import MM
-from helibore.units import INCH, size_text
+from helibore.plot.tracks import LENGTHS
+from helibore.units import size_text
 
 if TYPE_CHECKING:
     from helibore.plot.content import Content
@@ -39,6 +41,9 @@ PAPER = (210.0, 268.0)
 ROWS = 24
 """Intervals in the table of diameters, at most."""
 MOST_GAPS = 10
+SETTING_UNITS = dict.fromkeys(("bit_diameter", "pitch", "start_depth", "stop_depth", "max_distance", "tolerance"), "m")
+SETTING_UNITS["start_toolface"] = "deg"
+NO_SETTING = {"start_depth": "that of the samples", "stop_depth": "that of the samples", "window": "all samples"}
 STYLE = """
 :root { color-scheme: light; }
 body { font: 15px/1.5 system-ui, "Segoe UI", Helvetica, Arial, sans-serif; color: #22303c; background: #fff;
@@ -50,6 +55,7 @@ th, td { padding: .25rem .5rem; border-bottom: 1px solid #dfe4e8; text-align: le
 thead th { border-bottom: 1.5px solid #22303c; white-space: nowrap; }
 td.number, th.number { text-align: right; white-space: nowrap; }
 tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
+thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
 td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
@@ -152,7 +158,13 @@ def pairs(rows: Iterable[tuple[str, str]]) -> str:
 
 def number(value: float, decimals: int = 3) -> str:
     """Return a number as text; "" where it is missing, which the page shows in grey."""
-    return f"{value:,.{decimals}f}" if math.isfinite(value) else ""
+    return f"{round(value, decimals) + 0.0:,.{decimals}f}" if math.isfinite(value) else ""  # + 0.0: never "-0.0"
+
+
+def in_unit(length: float, content: Content, inch_decimals: int = 3) -> str:
+    """Return a length in the unit that the picture has for diameters; a millimetre has one decimal."""
+    unit = content.drawing.unit
+    return number(length / LENGTHS[unit], inch_decimals if unit == "in" else 1)
 
 
 def intervals(turns: Diameters, content: Content) -> list[Row]:
@@ -191,8 +203,8 @@ def _summary(content: Content, zones: Classification | None) -> str:
     rows = [(label, text) for label, text, _ in facts(content)]
     if np.isfinite(area).any() and content.wall.basis != "gauge":
         there = area[np.isfinite(area)]
-        sizes = f"{size_text(there.mean())} mean"
-        sizes += f", {there.min() * 1e3:.1f} to {there.max() * 1e3:.1f} mm by turn"
+        unit, (least, most) = content.drawing.unit, (in_unit(there.min(), content), in_unit(there.max(), content))
+        sizes = f"{size_text(there.mean())} mean, {least} to {most} {unit} by turn"
         rows.append(("Diameter by area", sizes))
         pitch, bit = abs(content.wall.settings.pitch), content.wall.settings.bit_diameter
         volume = math.pi / 4 * float((there**2).sum()) * pitch
@@ -211,7 +223,8 @@ def _summary(content: Content, zones: Classification | None) -> str:
         )
         axis = zones.breakout_axis()
         if math.isfinite(axis.mean):
-            rows.append(("Breakout axis", f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {axis.deviation:.0f}°"))
+            spread = number(axis.deviation, 0)
+            rows.append(("Breakout axis", f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"))
     images = [f"{name} ({image.unit or 'no unit'})" for name, image in content.wall.images.items()]
     rows.append(("Images", ", ".join(images) or "none"))
     return pairs(rows)
@@ -236,13 +249,14 @@ def _pictures(wall: Wall, content: Content, options: dict[str, Any]) -> str:
 def _diameters(content: Content) -> str:
     if content.wall.basis == "gauge":
         return "<p>The hole was not measured.</p>"
-    head = ("From [m]", "To [m]", "By area [in]", "Least [in]", "Greatest [in]", "Volume [m³]", "Excess [%]",
-            "Measured [%]")  # fmt: skip
+    unit = content.drawing.unit
+    head = ("From [m]", "To [m]", f"By area [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]", "Volume [m³]",
+            "Excess [%]", "Measured [%]")  # fmt: skip
     rows = []
     for row in intervals(content.turns, content):
-        inches = [number(size / INCH) for size in (row.mean, row.least, row.greatest)]
+        sizes = [in_unit(size, content) for size in (row.mean, row.least, row.greatest)]
         rest = [number(row.volume, 4), number(100 * row.excess, 1), number(100 * row.measured, 1)]
-        rows.append([number(row.top, 2), number(row.bottom, 2), *inches, *rest])
+        rows.append([number(row.top, 2), number(row.bottom, 2), *sizes, *rest])
     note = (
         "By area: mean of the diameters of circles of each turn's area. Least and greatest: across the hole. Volume, "
         "excess over the bit's: of whole turns only; measured: share of turns that are whole."
@@ -255,13 +269,14 @@ def _zones(zones: Classification | None, content: Content) -> str:
         return "<p>A shape was not measured: no zones.</p>"
     found = [zone for zone in zones.zones if zone.stop > content.top and zone.start < content.bottom]
     if not found:
-        return "<p>None by the criteria below: the hole is gauge, or missing.</p>"
-    head = ("Kind", "From [m]", "To [m]", "Enlargement [in]", "Elongation [in]", "Toolface [°]", "s.d. [°]",
+        return "<p>None by the criteria below: what was measured of the hole is gauge by them.</p>"
+    unit = content.drawing.unit
+    head = ("Kind", "From [m]", "To [m]", f"Enlargement [{unit}]", f"Elongation [{unit}]", "Toolface [°]", "s.d. [°]",
             "Openings [°]")  # fmt: skip
     rows = []
     for zone in found:
         openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes)
-        sizes = (number(zone.enlargement / INCH, 2), number(zone.elongation / INCH, 2))
+        sizes = (in_unit(zone.enlargement, content, 2), in_unit(zone.elongation, content, 2))
         angles = (number(zone.toolface, 0) or "–", number(zone.deviation, 1) or "–", openings or "–")
         rows.append([zone.kind, number(zone.start, 2), number(zone.stop, 2), *sizes, *angles])
     return table(head, rows)
@@ -302,8 +317,26 @@ def largest_gaps(turns: Diameters, pitch: float) -> list[tuple[float, float]]:
 
 
 def _settings(content: Content, zones: Classification | None) -> str:
-    rows = [(name, str(value)) for name, value in asdict(content.wall.settings).items()]
+    settings = asdict(content.wall.settings)
+    rows = {name.replace("_", " "): _setting_text(name, value) for name, value in settings.items()}
     if zones is not None:
-        rows += list(zones.facts().items())
-    rows += [("made from: " + name, str(value)) for name, value in content.wall.made_from.items()]
-    return pairs(rows)
+        rows |= zones.facts()
+    rows["toolface 0"] = TOOLFACE_0[content.reference]
+    return pairs([*rows.items(), *_made_from(content.wall.made_from)])
+
+
+def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
+    for name, value in made_from.items():
+        of_a_run = name == "files" and isinstance(value, list)
+        if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):
+            yield from (("made from", f"{one['name']}, BLAKE2b {one['blake2b']}") for one in value)
+        else:
+            yield f"made from: {name}", str(value)
+
+
+def _setting_text(name: str, value: Any) -> str:
+    """A setting of the wall with its unit, in words where it is none."""
+    if value is None or isinstance(value, bool):
+        return NO_SETTING.get(name, "none") if value is None else "yes" if value else "no"
+    return f"{value:.10g} {SETTING_UNITS.get(name, '')}".strip()

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import base64
+import html
 import math
 import re
 from html.parser import HTMLParser
@@ -14,10 +15,11 @@ import pytest
 from click.testing import CliRunner
 
 import helibore as hb
+from helibore.breakouts import axial_mean
 from helibore.cli import cli
 from helibore.plot.calipers import diameters
 from helibore.plot.content import Drawing, content_of
-from helibore.report import intervals, largest_gaps, page, report
+from helibore.report import intervals, largest_gaps, number, page, report
 from helibore.simulate import Hole, Tool, simulate
 
 BIT = 0.216
@@ -76,6 +78,48 @@ def test_the_page_is_whole_and_needs_nothing_else(wall: hb.Wall) -> None:
         "neighbors",
     ):
         assert words in text
+
+
+def cells(text: str) -> list[str]:
+    """The texts of a page, without its pictures."""
+    return [html.unescape(one).strip() for one in re.findall(r">([^<]+)<", re.sub(r"data:[^\"]*", "", text))]
+
+
+def test_tables_have_the_unit_of_the_diameters(wall: hb.Wall) -> None:
+    content = content_of(wall, Drawing(polar=(), body=()))
+    inch, metric = (cells(page(wall, dpi=40, polar=(), body=(), unit=unit)) for unit in ("in", "mm"))
+    assert {"By area [in]", "Least [in]", "Greatest [in]", "Enlargement [in]", "Elongation [in]"} <= set(inch)
+    assert {"By area [mm]", "Least [mm]", "Greatest [mm]", "Enlargement [mm]", "Elongation [mm]"} <= set(metric)
+    assert not [text for text in metric if "[in]" in text]
+    row = intervals(content.turns, content)[0]
+    assert {f"{row.mean / 0.0254:.3f}", f"{row.greatest / 0.0254:.3f}"} <= set(inch)
+    assert {f"{row.mean * 1e3:.1f}", f"{row.greatest * 1e3:.1f}"} <= set(metric)
+
+
+def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall) -> None:
+    shown = cells(page(wall, dpi=40, polar=(), body=()))
+    rows = shown[shown.index("bit diameter") :]
+    table = dict(zip(rows[0::2], rows[1::2], strict=False))
+    assert {name: table[name] for name in ("bit diameter", "pitch", "max distance", "start toolface", "tolerance")} == {
+        "bit diameter": "0.216 m", "pitch": "0.1 m", "max distance": "1 m", "start toolface": "0 deg",
+        "tolerance": "1e-06 m",
+    }  # fmt: skip
+    assert (table["start depth"], table["window"], table["direct"]) == ("that of the samples", "all samples", "no")
+    assert table["toolface 0"] == "high side of the hole"  # as the image says, and the picture
+    assert table["class"] == "0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge"
+    assert rows.count("bit diameter") == rows.count("pitch") == 1
+    assert not {"None", "False"} & set(shown)
+    made = hb.reconstruct(wall.samples, bit_diameter=BIT, sectors=8)
+    made.made_from = {"files": [{"name": "a.csv", "blake2b": "f00d"}], "by": "me"}
+    shown = cells(page(made, dpi=40, polar=(), body=()))
+    assert shown[shown.index("made from") + 1] == "a.csv, BLAKE2b f00d"
+    assert shown[shown.index("made from: by") + 1] == "me"
+
+
+def test_no_number_is_minus_nought() -> None:
+    assert (number(-0.0004), number(-0.04, 1), number(-0.06, 1), number(math.nan)) == ("0.000", "0.0", "-0.1", "")
+    one = axial_mean(np.array([93.0]))
+    assert f"{one.deviation:.0f}" == "0"
 
 
 def test_intervals_against_a_loop(wall: hb.Wall) -> None:
