@@ -155,21 +155,34 @@ def case(name: str, order: str, rounds: int) -> dict[str, Any]:
     at = (wall.depth, wall.toolface)
     works: dict[str, Callable[[], object]] = {
         "helibore": lambda: reconstruct(data).radius,
-        "one core": lambda: on_one_core(lambda: reconstruct(data).radius),
         "reading and sorting": lambda: reconstruct((*data[:3], 0.0)),
         **{rival: lambda estimate=estimate: estimate(*data[:3], *at) for rival, estimate in rivals.items()},
     }
-    with Neighbour(name, order) as neighbour:
-        works["two processes, each on one core"] = lambda: neighbour.beside(lambda: reconstruct(data).radius)
-        seconds = in_turn(works, rounds)
-    alone, beside = seconds["one core"], seconds["two processes, each on one core"]
+    seconds = in_turn(works, rounds)
+    alone, threads, processes = scaling(name, order, data, 3 * rounds)
     return {
         "case": f"{name}, {order}",
-        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()},
+        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()}
+        | {"one core": milliseconds(alone)},
         **{f"{rival} / helibore": ratio(seconds[rival], seconds["helibore"]) for rival in rivals},
-        "one core / all": ratio(alone, seconds["helibore"]),
-        "two processes' share of two cores": ratio([2 * s for s in alone], beside),
+        "one core / all": ratio(alone, threads),
+        "two processes' share of two cores": ratio([2 * s for s in alone], processes),
     }
+
+
+def scaling(
+    name: str, order: str, data: tuple[Floats, Floats, Floats, float], rounds: int
+) -> tuple[list[float], list[float], list[float]]:
+    """Seconds on one core, on all cores, and of two processes at once, each on a core."""
+
+    def work() -> object:
+        return reconstruct(data).radius
+
+    with Neighbour(name, order) as neighbour:
+        seconds = in_turn(
+            {"one": lambda: on_one_core(work), "all": work, "two": lambda: neighbour.beside(work)}, rounds
+        )
+    return seconds["one"], seconds["all"], seconds["two"]
 
 
 def cases(rounds: int = 7) -> list[dict[str, Any]]:
