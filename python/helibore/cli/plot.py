@@ -32,6 +32,9 @@ DRAWING = (
         "--left", type=click.Choice(["0", "90", "180", "270"]), default="0", show_default=True,
         help="Toolface at the left edge of images; 180 puts the top in the middle.",
     ),
+    click.option(
+        "--elevation", type=LENGTH, help="From sea level up to the zero of depths: true depths are TVDSS.  [TVD]"
+    ),
     click.option("--limits", metavar="NAME=LOW,HIGH", multiple=True, help="Ends of an image's colours, in its unit."),
     click.option("--color-map", "color_maps", metavar="NAME=MAP", multiple=True, help="Colour map of an image."),
     click.option("--log", "logs", metavar="NAME", multiple=True, help="Colours of this image follow the logarithm."),
@@ -130,6 +133,7 @@ def drawing_options(options: dict[str, Any], found: Sourced) -> dict[str, Any]:
         "polar": () if options["no_polar"] else polar,
         "body": () if options["no_body"] else body,
         "dpi": options["dpi"],
+        "elevation": options["elevation"],
     }
 
 

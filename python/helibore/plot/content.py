@@ -25,6 +25,7 @@ from helibore.plot.scales import NEARLY_ALL, Lines, nice_limits, usual_scale
 from helibore.plot.sections import Section, sections_at, telling_depths
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
+from helibore.plot.true_depth import true_depth
 from helibore.sector_image import SectorImage
 
 if TYPE_CHECKING:
@@ -97,6 +98,9 @@ class Drawing:
         Ends of the stretch drawn as a shaded body, metres; None: the 12 m with most relief; empty: none.
     dpi
         Pixels an inch.
+    elevation
+        Metres from mean sea level up to the zero of the depths (rotary table, kelly bushing): true depths, which stand
+        under the measured ones where the survey says them, are then TVDSS. None: TVD.
     """
 
     title: str = ""
@@ -113,12 +117,15 @@ class Drawing:
     polar: Sequence[float] | None = None
     body: Sequence[float] | None = None
     dpi: int = 150
+    elevation: float | None = None
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
             raise ValueError(f"scale = {self.scale}: must be a whole number, 200 for 1:200")
         if self.reference is not None and self.reference not in REFERENCES:
             raise ValueError(f"reference = {self.reference!r}: must be one of {', '.join(REFERENCES)}")
+        if self.elevation is not None and not math.isfinite(self.elevation):
+            raise ValueError(f"elevation = {self.elevation}: must be finite")
         if self.left not in (0, 90, 180, 270):
             raise ValueError(f"left = {self.left:g}: must be 0, 90, 180 or 270")
         if self.unit not in LENGTHS:
@@ -182,7 +189,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
     turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
     pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
-    tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [DepthTrack(scale)]
+    tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [DepthTrack(scale, true_depth(wall.path, drawing.elevation))]
     tracks.append(_caliper(wall, turns, top, bottom, drawing, reference))
     count = len(images) + (wall.basis == "azimuthal")
     width = min(130.0, max(24.0, (190.0 - 14.0 - 40.0 - 2.0 * (count + 1)) / max(count, 1)))

@@ -43,10 +43,12 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     without = float(np.mean(wall.support == 0))
     made = BASIS_TEXT[wall.basis]
     ends = f"{content.top:,.2f} to {content.bottom:,.2f} m MD"
+    elevation = content.drawing.elevation
+    below = "" if elevation is None else f"; TVDSS is TVD less {elevation:.12g} m"
     return [
         ("Interval", f"{ends} ({content.bottom - content.top:,.1f} m)", False),
         ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
-        ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre", False),
+        ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre{below}", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),
         ("Samples", f"{wall.sample_count:,}", False),

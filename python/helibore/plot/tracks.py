@@ -24,6 +24,7 @@ from helibore.plot.calipers import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, length_text
+from helibore.plot.true_depth import TrueDepth
 from helibore.sector_image import SectorImage
 from helibore.settings import Settings
 from helibore.units import INCH, MILLIMETRE
@@ -87,18 +88,20 @@ class Shown:
 
 
 class DepthTrack:
-    """Measured depth in metres."""
+    """Measured depth in metres, and under each number the true depth, where it is known."""
 
     width = 14.0
 
-    def __init__(self, scale: int) -> None:
-        self.scale = scale
+    def __init__(self, scale: int, true_depth: TrueDepth | None = None) -> None:
+        self.scale, self.true_depth = scale, true_depth
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write what the numbers are, and the scale of the paper."""
         middle = x + 0.5 * self.width
-        for down, text, size in ((8.0, "Depth", USUAL), (12.0, "MD [m]", USUAL), (18.0, f"1:{self.scale}", USUAL)):
-            sheet.text(middle, y + down, text, size, ha="center")
+        for down, text in ((8.0, "Depth"), (12.0, "MD [m]"), (19.0, f"1:{self.scale}")):
+            sheet.text(middle, y + down, text, ha="center")
+        if self.true_depth is not None:
+            sheet.text(middle, y + 15.2, f"{self.true_depth.name} [m]", SMALL, ha="center", color=FAINT)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the numbers beside their lines."""
@@ -107,12 +110,21 @@ class DepthTrack:
             room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
             if stretch.top + room <= depth <= stretch.bottom - room:
                 axes.text(0.5, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT)
+                if depth + 3.1 * room <= stretch.bottom:
+                    self._true(axes, depth, depth + 2.1 * room)
         axes.set_xlim(0, 1)
         major, minor = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.major, stretch.lines.minor))
         for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.88, 0.94)):
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)
         return axes
+
+    def _true(self, axes: Axes, depth: float, place: float) -> None:
+        """Write the true depth of ``depth`` at ``place``, where the path reaches so far."""
+        true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
+        if np.isfinite(true):
+            look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
+            axes.text(0.5, place, f"{true:.1f}", **look)
 
 
 class CaliperTrack:
