@@ -359,3 +359,42 @@ def test_depths_that_fall_or_repeat_are_told(tmp_path: Path) -> None:
         "reconstruct", tmp_path / "c.csv", "-o", tmp_path / "x.glb", "--bit-diameter", "1m", "--reference", "carried"
     )
     assert "--reference carried: needs --survey" in lacking.stderr
+
+
+@pytest.mark.parametrize(
+    ("head", "first", "options", "said"),
+    [
+        (
+            "md_m,inc_deg,azi_deg", "990,3,20", (),
+            "at 990 m, as from (0, 0, 0); --head of helibore reconstruct says where it lies",
+        ),
+        ("md_m,inc_deg,azi_deg", "990,3,20", ("--head", "0m", "0m", "900m"), ""),
+        ("md_m,inc_deg,azi_deg", "0,3,20", (), ""),
+        ("md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,0,0,0", (), ""),
+        (
+            "md_m,inc_deg,azi_deg,n_m,e_m,tvd_m", "0,3,20,29.293,2.087,0", (),
+            "at 0 m, as from (0, 0, 0); the file has it at north 29.293, east 2.087, down 0 m; "
+            "--head 29.293 2.087 0 of helibore reconstruct takes that",
+        ),
+        (
+            "md_ft,inc_deg,azi_deg,n_ft,e_ft,tvd_ft", "100,3,20,10,20,99", (),
+            "at 30.48 m, as from (0, 0, 0); the file has it at north 3.048, east 6.096, down 30.1752 m; "
+            "--head 3.048 6.096 30.1752 of helibore reconstruct takes that",
+        ),
+    ],
+)  # fmt: skip
+def test_where_a_survey_counts_from_is_told(
+    tmp_path: Path, head: str, first: str, options: tuple[str, ...], said: str
+) -> None:
+    """TVD of a survey that begins at 990 m MD is not from the surface, unless the head says where that is."""
+    (tmp_path / "c.csv").write_text(plain())
+    last = ",".join(["9000", "4", "30", *["5"] * (len(head.split(",")) - 3)])
+    (tmp_path / "s.csv").write_text(f"{head}\n{first}\n{last}\n")
+    result = run(
+        "reconstruct", tmp_path / "c.csv", "--survey", tmp_path / "s.csv", *options, "-o", tmp_path / "w.glb",
+        "--bit-diameter", "216mm",
+    )  # fmt: skip
+    assert result.exit_code == 0, result.output
+    words = " ".join(result.output.split())
+    assert ("positions and TVD count from the first station" in words) == bool(said)
+    assert said in words
