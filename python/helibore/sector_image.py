@@ -311,3 +311,13 @@ def _reach(reach: float | None, depth: Floats) -> float:
     if not (math.isfinite(reach) and reach > 0):
         raise ValueError(f"reach = {reach}: must be finite and above 0")
     return float(reach)
+
+
+class SectorImages(dict[str, SectorImage]):
+    """Images of a wall by name: an array, which lacks depth and layout, is refused where it is put in."""
+
+    def __setitem__(self, name: str, image: SectorImage) -> None:
+        if not isinstance(image, SectorImage):
+            rule = "must be a SectorImage, which knows its depths and where sector 1 lies"
+            raise ValueError(f"images[{name!r}]: {rule}, not {type(image).__name__}")
+        super().__setitem__(name, image)

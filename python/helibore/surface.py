@@ -22,7 +22,7 @@ from helibore.attributes import Attributes
 from helibore.caliper import Basis
 from helibore.helix import Helix, WallLike, basis_of, helix_of, spread, vertices_between
 from helibore.notes import notes_of
-from helibore.survey import Path
+from helibore.survey import Path, core_path
 from helibore.threads import thread_count
 
 if TYPE_CHECKING:
@@ -234,7 +234,7 @@ def surface_of(
     first, last = vertices_between(helix, radius.size, start, stop)
     stretch = column("radius", radius[first : last + helix.sectors + 1])
     vertices, quads, vertex_ranges, quad_ranges = _core.surface(
-        helix, first, stretch, _core.Path() if path is None else path._core, thread_count(threads)
+        helix, first, stretch, core_path(path), thread_count(threads)
     )
     surface = Surface(vertices, quads, vertex_ranges, quad_ranges, radius, helix, basis_of(wall))
     surface.notes = notes_of(wall, path)

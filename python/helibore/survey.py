@@ -236,3 +236,17 @@ def _depths(depth: npt.ArrayLike) -> Floats:
 
 def _shaped(rows: Floats, depth: npt.ArrayLike) -> Floats:
     return rows.reshape(rows.shape[1:]) if np.ndim(depth) == 0 else rows
+
+
+def checked_path(path: Path | None) -> Path | None:
+    """Return what a wall follows, a `Path` or None, or say how a survey becomes one."""
+    if path is None or isinstance(path, Path):
+        return path
+    how = ": survey.path() is one" if isinstance(path, Survey) else ""
+    raise ValueError(f"path: must be a Path or None, not {type(path).__name__}{how}")
+
+
+def core_path(path: Path | None) -> _core.Path:
+    """Return the path as the core knows it; None: straight down from (0, 0, 0), toolface 0 to the north."""
+    path = checked_path(path)
+    return _core.Path() if path is None else path._core

@@ -28,7 +28,7 @@ from helibore.attributes import Attributes
 from helibore.caliper import Basis
 from helibore.helix import Helix, WallLike, basis_of, helix_of, numbered, spread, vertices_between
 from helibore.notes import notes_of
-from helibore.survey import Path
+from helibore.survey import Path, core_path
 from helibore.threads import thread_count
 
 VOLUME_ENDINGS = (".vtu", ".vtkhdf")
@@ -218,7 +218,7 @@ def volume_of(
         helix,
         first,
         [column("radius", values[stretch]) for values in radii],
-        _core.Path() if path is None else path._core,
+        core_path(path),
         thread_count(threads),
     )
     volume = Volume(vertices, hexes, shell_ranges, layer_ranges, radii, helix, basis_of(wall))

@@ -22,10 +22,10 @@ from helibore.attributes import WallAttributes
 from helibore.caliper import Basis, Caliper, check_basis
 from helibore.carry import in_canonical_order, on_quads
 from helibore.changes import Change, VertexColumns
-from helibore.sector_image import SectorImage
+from helibore.sector_image import SectorImage, SectorImages
 from helibore.settings import Settings
 from helibore.surface import Surface, surface_of
-from helibore.survey import Path
+from helibore.survey import Path, checked_path
 from helibore.threads import thread_count
 from helibore.volume import Volume, volume_of
 
@@ -102,8 +102,8 @@ class Wall:
             **self._settings._core_arguments(), threads=self._threads, instruction_set=instruction_set
         )
         self._growing = threading.Lock()  # between an append and what must see all columns of one moment
-        self.path: Path | None = None
-        self.images: dict[str, SectorImage] = {}
+        self._path: Path | None = None
+        self.images: dict[str, SectorImage] = SectorImages()
         # Of the core, not of self: a wall that refers to itself would keep its memory until the garbage collector runs.
         core, sectors = self._core, self._settings.sectors
         self.attributes = WallAttributes(lambda: (core.start_depth, _quad_room(len(core), sectors)))
@@ -316,6 +316,15 @@ class Wall:
                 raise ValueError(f"path = {path!r}: must be a Path, None or 'own'")
             return self.path
         return path
+
+    @property
+    def path(self) -> Path | None:
+        """Where the hole goes; see the class."""
+        return self._path
+
+    @path.setter
+    def path(self, path: Path | None) -> None:
+        self._path = checked_path(path)
 
     def save(self, filename: str | os.PathLike[str]) -> None:
         """Write all that this wall is to an archive, whole or not at all; `helibore.load` reopens it.

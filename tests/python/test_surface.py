@@ -428,3 +428,21 @@ def test_vertices_whose_reference_is_undefined(threads):
 def test_bad_walls(wall, text):
     with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
         surface_of(wall)
+
+
+def test_what_is_no_path_and_no_image_is_refused_where_it_is_given():
+    k = np.arange(400.0)
+    wall = hb.reconstruct(hb.Caliper(2000 + k / 1000, k * 37, np.full(400, 0.11)), bit_diameter=0.216, sectors=16)
+    survey = hb.Survey([0, 3000], [0, 1], [0, 1])
+    rule = r"^path: must be a Path or None, not Survey: survey\.path\(\) is one$"
+    for act in (wall.surface, wall.volume, lambda path: setattr(wall, "path", path)):
+        with pytest.raises(ValueError, match=rule):
+            act(survey)
+    with pytest.raises(ValueError, match=r"^path: must be a Path or None, not tuple$"):
+        surface_of(wall, (1, 2))
+    assert wall.path is None
+    with pytest.raises(ValueError, match=r"^images\['GR'\]: must be a SectorImage, .*, not ndarray$"):
+        wall.images["GR"] = np.zeros((4, 8))
+    assert not wall.images
+    wall.path = survey.path()
+    assert np.isfinite(wall.surface().vertices).all()
