@@ -21,6 +21,7 @@ from pathlib import Path
 import numpy as np
 
 from helibore.archive import ENDING as ARCHIVE
+from helibore.arrays import Floats
 from helibore.files import open as open_file
 from helibore.files.channel import LogFile, LogSet
 from helibore.files.depth_remarks import depth_remarks
@@ -30,6 +31,7 @@ from helibore.reconstruction import compare, reconstruct
 from helibore.roles import RoleMap
 from helibore.run_settings import Input, RunSettings, checksum, read_settings, settings_file, write_settings
 from helibore.sensors import TimeSeries
+from helibore.settings import Settings
 from helibore.surface import Surface
 from helibore.survey import Path as WellPath
 from helibore.survey import Survey
@@ -154,24 +156,28 @@ def _track(file: Opened) -> Track:
 def rebuild(run: Run, threads: int | None = None) -> Wall:
     """Prepare the readings and rebuild the wall, and the earlier one where there is one."""
     run.prepared = prepare(list(run.readings), run.settings.preparation, run.path, run.track)
-    top, bottom = interval(run.settings)
-    depth = run.prepared.caliper.depth
-    if not (depth.min() >= top and depth.max() <= bottom) and not ((depth >= top) & (depth <= bottom)).any():
-        name, there = run.readings[0].name, f"it has {depth.min():g} to {depth.max():g} m"
-        asked = f"between {top:g} and {bottom:g} m"
-        if np.isinf(top) or np.isinf(bottom):
-            asked = f"below {top:g} m" if np.isfinite(top) else f"above {bottom:g} m"
-        raise ValueError(f"{name}: no samples {asked}; {there}")
+    check_some(run.readings[0].name, run.prepared.caliper.depth, run.settings.wall)
     run.wall = reconstruct(run.prepared.caliper, threads=threads, **vars(run.settings.wall))
     if run.prepared.earlier is not None:
         run.earlier = reconstruct(run.prepared.earlier, threads=threads, **vars(run.settings.wall))
     return run.wall
 
 
-def interval(settings: RunSettings) -> tuple[float, float]:
+def check_some(name: str, depth: Floats, settings: Settings) -> None:
+    """Refuse samples, from a file of this name, of which none lies where the wall is asked for."""
+    top, bottom = interval(settings)
+    if (depth.min() >= top and depth.max() <= bottom) or ((depth >= top) & (depth <= bottom)).any():
+        return
+    asked = f"between {top:g} and {bottom:g} m"
+    if np.isinf(top) or np.isinf(bottom):
+        asked = f"below {top:g} m" if np.isfinite(top) else f"above {bottom:g} m"
+    raise ValueError(f"{name}: no samples {asked}; it has {depth.min():g} to {depth.max():g} m")
+
+
+def interval(settings: Settings) -> tuple[float, float]:
     """Depths the wall is asked for, shallow and deep; infinite where that is left to the samples."""
-    ends = (settings.wall.start_depth, settings.wall.stop_depth)
-    top, bottom = ends if settings.wall.pitch > 0 else ends[::-1]
+    ends = (settings.start_depth, settings.stop_depth)
+    top, bottom = ends if settings.pitch > 0 else ends[::-1]
     return -np.inf if top is None else top, np.inf if bottom is None else bottom
 
 

@@ -80,6 +80,25 @@ def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> No
     assert (result.exit_code, result.stderr) == (2, "helibore: log.csv: no channel 'GR'; it holds depth_m, CAL_in\n")
 
 
+@pytest.mark.parametrize(
+    ("size", "options", "rule"),
+    [
+        ("8.5", ("--to", "900"), "log.csv:CAL_in: no samples above 900 m; it has 1000 to 1008 m"),
+        ("8.5", ("--from", "2000", "--to", "2010"), "log.csv:CAL_in: no samples between 2000 and 2010 m; it has 1000"),
+        ("-999.25", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
+        ("850", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
+    ],
+)
+def test_an_average_caliper_of_another_interval_or_without_values_is_named(
+    tmp_path: Path, size: str, options: tuple[str, ...], rule: str
+) -> None:
+    table = tmp_path / "log.csv"
+    table.write_text("depth_m,CAL_in\n" + "".join(f"{1000 + row},{size}\n" for row in range(9)))
+    result = run_cli("--average", f"{table}:CAL_in", *options, "--bit-diameter", "8.5in", "-o", tmp_path / "l.png")
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"helibore: {rule}")
+
+
 def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     import os
 

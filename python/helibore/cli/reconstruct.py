@@ -335,7 +335,7 @@ def _inside(run: Run) -> Floats:
 
     if run.prepared is None:
         raise RuntimeError("no samples are prepared; this is a bug in helibore")
-    samples, (top, bottom) = run.prepared.caliper, interval(run.settings)
+    samples, (top, bottom) = run.prepared.caliper, interval(run.settings.wall)
     if top == -np.inf and bottom == np.inf:
         return samples.radius
     return samples.radius[(samples.depth >= top) & (samples.depth <= bottom)]

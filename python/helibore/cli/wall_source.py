@@ -156,8 +156,11 @@ def _round(options: dict[str, Any], terminal: Terminal) -> Sourced:
             caliper, told, name = _gauge(options), [("wall", "gauge hole: not measured")], "Gauge hole"
     with terminal.stage("rebuild", f"Rebuilding the wall from {len(caliper):,} samples"):
         import helibore
+        from helibore.run import check_some
 
-        return Sourced(helibore.reconstruct(caliper, **vars(wall_settings(options))), name, told)
+        settings = wall_settings(options)
+        check_some(Path(options["average"] or name).name, caliper.depth, settings)
+        return Sourced(helibore.reconstruct(caliper, **vars(settings)), name, told)
 
 
 def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tuple[str, str]]]:
@@ -183,6 +186,8 @@ def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tupl
             raise ValueError(f"{file}, column {name}: {error}") from error
     there = np.isfinite(depth) & np.isfinite(size)
     usable = there & (size > 0) & (size <= 2 * LARGEST_RADIUS)
+    if not usable.any():
+        raise ValueError(f"{Path(file).name}, column {name}: no row has a depth and the diameter of a hole, in {unit}")
     read = f"{Path(file).name}: {one.rows:,} rows; {name} is the diameter, in {unit}; {role.channel} is the depth"
     told = [("caliper", read)]
     reasons = (((~there).sum(), "without a depth or diameter"), ((there & ~usable).sum(), "no hole is so large"))
