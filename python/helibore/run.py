@@ -29,7 +29,15 @@ from helibore.files.readings import Readings, note, readings
 from helibore.preparation import Prepared, Track, prepare
 from helibore.reconstruction import compare, reconstruct
 from helibore.roles import RoleMap
-from helibore.run_settings import Input, RunSettings, checksum, read_settings, settings_file, write_settings
+from helibore.run_settings import (
+    Input,
+    RunSettings,
+    checksum,
+    read_settings,
+    require_unchanged,
+    settings_file,
+    write_settings,
+)
 from helibore.sensors import TimeSeries
 from helibore.settings import Settings
 from helibore.surface import Surface
@@ -254,12 +262,7 @@ def reopened(settings: RunSettings) -> tuple[tuple[Opened, ...], Opened | None, 
     def again(one: Input | None) -> Opened | None:
         if one is None:
             return None
-        found = checksum(one.file)
-        if found != one.blake2b:
-            raise ValueError(
-                f"{one.file}: has changed since the run: its BLAKE2b is {found}, the settings have {one.blake2b}; "
-                "only the same file repeats it"
-            )
+        require_unchanged(one.file, one.blake2b)
         return opened(one.file, settings.nulls, lambda file: _known(file.set(one.roles.set_name), one.roles))
 
     calipers = tuple(found for one in settings.caliper if (found := again(one)) is not None)

@@ -123,15 +123,25 @@ def checksum(path: str | os.PathLike[str]) -> str:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 
 
+def require_unchanged(file: Path, blake2b: str) -> None:
+    """Raise a ValueError with both checksums if a file is not as it was."""
+    found = checksum(file)
+    if found != blake2b:
+        raise ValueError(
+            f"{file}: has changed since the run: its BLAKE2b is {found}, the settings have {blake2b}; "
+            "only the same file repeats it"
+        )
+
+
 def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
     """Write settings as TOML, whole or not at all."""
     folder = Path(path).resolve().parent
     lines = [f"# Repeat this run: helibore reconstruct --from-settings {Path(path).name} -o OUTPUT",
-             f"helibore = {quoted(settings.version)}", f"nulls = {_written(settings.nulls)}"]  # fmt: skip
+             f"helibore = {quoted(settings.version)}", f"nulls = {written(settings.nulls)}"]  # fmt: skip
     if settings.color_by is not None:
         lines.append(f"color_by = {quoted(settings.color_by)}")
     if settings.output is not None:
-        lines += ["", "[output]", f"file = {quoted(_relative(settings.output, folder))}"]
+        lines += ["", "[output]", f"file = {quoted(relative(settings.output, folder))}"]
         lines.append(f"blake2b = {quoted(settings.output_blake2b)}")
     for one in settings.caliper:
         lines += ["", "[[caliper]]", *_input_lines(one, folder, "caliper")]
@@ -146,7 +156,8 @@ def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
     write_whole(path, lambda file: file.write(content))
 
 
-def _relative(path: Path, folder: Path) -> str:
+def relative(path: Path, folder: Path) -> str:
+    """Return the name of a file as seen from a folder, with slashes."""
     try:
         return Path(os.path.relpath(path.resolve(), folder)).as_posix()
     except ValueError:  # another drive
@@ -154,7 +165,7 @@ def _relative(path: Path, folder: Path) -> str:
 
 
 def _input_lines(one: Input, folder: Path, table: str) -> list[str]:
-    lines = [f"file = {quoted(_relative(one.file, folder))}", f"blake2b = {quoted(one.blake2b)}"]
+    lines = [f"file = {quoted(relative(one.file, folder))}", f"blake2b = {quoted(one.blake2b)}"]
     if one.roles.set_name is not None:
         lines.append(f"set = {quoted(one.roles.set_name)}")
     for role in one.roles:
@@ -169,11 +180,12 @@ def _group_lines(group: Any, sparse: bool = False) -> list[str]:
     for each in fields(group):
         value = getattr(group, each.name)
         if value != each.default if sparse else value is not None or each.default is not None:
-            lines.append(f"{each.name} = {_written(value)}")
+            lines.append(f"{each.name} = {written(value)}")
     return lines
 
 
-def _written(value: Any) -> str:
+def written(value: Any) -> str:
+    """Return a value as TOML; None as "none"."""
     if value is None:
         return '"none"'
     if isinstance(value, bool):
@@ -181,7 +193,7 @@ def _written(value: Any) -> str:
     if isinstance(value, str):
         return quoted(value)
     if isinstance(value, tuple):
-        return f"[{', '.join(_written(one) for one in value)}]"
+        return f"[{', '.join(written(one) for one in value)}]"
     if isinstance(value, float):
         return repr(value) if math.isfinite(value) else str(value)
     return str(int(value))
@@ -209,6 +221,8 @@ def read_settings(path: str | os.PathLike[str]) -> RunSettings:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise ValueError(f"{path.name}: not TOML: {error}") from error
+    if "mesh" in tree:
+        raise ValueError(f"{path.name}: settings of helibore mesh, which repeats them by --from-settings {path.name}")
     for key in tree:
         if key not in KEYS:
             raise ValueError(f"{path.name}: {key}: must be one of {', '.join(KEYS)}")

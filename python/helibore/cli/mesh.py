@@ -13,10 +13,12 @@ from typing import Any
 import click
 import numpy as np
 
+from helibore.cli.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
 from helibore.cli.plot import check_folder
 from helibore.cli.quantities import LENGTH
-from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, taking
+from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, refuse_beside_settings, taking
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_lines import written_lines
 from helibore.cli.wall_source import SETTINGS, Sourced, takes_a_wall, wall_from
 from helibore.surface import SURFACE_ENDINGS, Surface
 from helibore.survey import Path as WellPath
@@ -39,33 +41,57 @@ WHOLE = (ARCHIVE, SETTINGS)  # sources that say themselves from where to where t
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 @takes_a_wall
 @taking(*SURVEY_FILE)
-def mesh(output: Path, shells: tuple[float, ...], color_by: str | None, quiet: bool, **options: Any) -> None:
+@click.option("--from-settings", type=FILE, help="Repeat the mesh these settings were written beside; with -o only.")
+@click.pass_context
+def mesh(ctx: click.Context, /, from_settings: Path | None, **options: Any) -> None:
     """A wall with its images as a mesh.
 
     \b
     helibore mesh --gauge --bit-diameter 8.5in --image mem.las:ABDC:edge --survey survey.csv -o well.glb
     helibore mesh --average log.json:CALCM --bit-diameter 8.5in --image log.json:GRCS:edge -o well.vtu
     helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
+    helibore mesh --from-settings volume.vtkhdf.toml -o again.vtkhdf
 
     SOURCE and what makes the wall of it are those of `helibore plot`: a hole without a caliper will do. Every shell has
-    the values of the images.
+    the values of the images. Beside well.glb stands well.glb.toml, with which it can be repeated.
     """
+    if from_settings is None:
+        return _make(ctx.command, options, "")
+    refuse_beside_settings(ctx, ("output", "quiet", "from_settings"))
+    found = read_mesh_settings(from_settings, ctx.command)
+    words = [f"--output={options['output']}", *(["--quiet"] if options["quiet"] else []), *found.words]
+    with ctx.command.make_context(ctx.info_name, words, parent=ctx.parent) as again:
+        return _make(ctx.command, again.params, found.blake2b)
+
+
+def _make(command: click.Command, options: dict[str, Any], expected: str) -> None:
+    """Make a mesh, and its settings beside it; ``expected`` is the checksum it had, where it is repeated."""
+    output, shells, color_by = options["output"], options["shells"], options["color_by"]
     endings = (*VOLUME_ENDINGS,) if shells else (*SURFACE_ENDINGS, ARCHIVE)
     if output.suffix.lower() not in endings:
         raise ValueError(f"{output}: the ending must be one of {', '.join(endings)}")
     _check_heeded(output, shells, color_by, options)
     check_folder(output)
     from helibore.run import placing
+    from helibore.run_settings import checksum, settings_file
 
-    terminal = Terminal(quiet)
+    files = inputs(options)
+    for file in files:
+        if file.resolve() in (output.resolve(), settings_file(output).resolve()):
+            raise ValueError(f"{output}: would be written over {file}, which it is made from")
+    terminal = Terminal(options["quiet"])
     path, told = _path(options)
     found = wall_from(options, terminal, path)
     ends = (options["start_depth"], options["stop_depth"])
     with terminal.stage("place", "Placing"), placing(found.wall, options["survey"] or options["source"]):
         made = _volume(found.wall, shells, *ends) if shells else found.wall.surface("own", *ends)
     with terminal.stage("save", f"Writing {output.name}"):
+        read = {file: checksum(file) for file in files}
         _save(found.wall, made, output, color_by)
-    terminal.summary([*told, *found.told, *_lines(found, made), ("time", terminal.times()), _wrote(output)])
+        blake2b = checksum(output)
+        write_mesh_settings(command, options, read, blake2b)
+    wrote = written_lines(output, blake2b, expected)
+    terminal.summary([*told, *found.told, *_lines(found, made), ("time", terminal.times()), *wrote])
 
 
 def _check_heeded(output: Path, shells: tuple[float, ...], color_by: str | None, options: dict[str, Any]) -> None:
@@ -133,7 +159,3 @@ def _lines(found: Sourced, made: Surface | Volume) -> list[tuple[str, str]]:
         missing = int(np.count_nonzero(np.isnan(values)))
         lines.append(("missing", f"{missing:,} of {values.size:,} cells have no {name}"))
     return lines
-
-
-def _wrote(output: Path) -> tuple[str, str]:
-    return "wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB)"

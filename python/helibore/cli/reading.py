@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
+from click.core import ParameterSource
 
 from helibore.cli.quantities import LENGTH
 
@@ -69,6 +70,16 @@ def taking(*options: Callable[[Command], Command]) -> Callable[[Command], Comman
         return command
 
     return add
+
+
+def refuse_beside_settings(ctx: click.Context, allowed: tuple[str, ...]) -> None:
+    """Refuse what is given beside --from-settings and is not among ``allowed``: it would be another run."""
+    for parameter in ctx.command.params:
+        name = parameter.name or ""
+        given = ctx.get_parameter_source(name) is ParameterSource.COMMANDLINE and ctx.params[name] != ()
+        if given and name not in allowed:
+            shown = parameter.opts[0] if isinstance(parameter, click.Option) else name.upper()
+            raise click.UsageError(f"{shown}: does not go with --from-settings, which repeats a run as it was")
 
 
 def wall_settings(options: dict[str, Any]) -> Settings:

@@ -22,12 +22,13 @@ from helibore.cli.reading import (
     open_calipers,
     open_survey,
     open_track,
+    refuse_beside_settings,
     taking,
     wall_settings,
 )
 from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_lines import wall_lines
+from helibore.cli.wall_lines import wall_lines, written_lines
 from helibore.surface import SURFACE_ENDINGS
 
 if TYPE_CHECKING:
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from helibore.run_settings import RunSettings
 
 ENDINGS = (*SURFACE_ENDINGS, ".wall")
-REPEATABLE = {"output", "quiet", "threads", "from_settings"}
+REPEATABLE = ("output", "quiet", "threads", "from_settings")
 """What may stand beside --from-settings: nothing that changes the mesh."""
 
 
@@ -188,7 +189,9 @@ def reconstruct(
         if options["centres"] is not None:
             _write_centres(run, options["centres"])
     if not quiet:
-        terminal.summary([*_lines(run), *_result(settings, expected, output), ("time", terminal.times())])
+        terminal.summary(
+            [*_lines(run), *written_lines(output, settings.output_blake2b, expected), ("time", terminal.times())]
+        )
 
 
 def _read(caliper: tuple[Path, ...], options: dict[str, Any], terminal: Terminal) -> Run:
@@ -213,12 +216,7 @@ def _read(caliper: tuple[Path, ...], options: dict[str, Any], terminal: Terminal
 
 def _repeat(ctx: click.Context, from_settings: Path, terminal: Terminal) -> Run:
     """Open and read what the settings of an earlier run name."""
-    for parameter in ctx.command.params:
-        name = parameter.name or ""
-        given = ctx.get_parameter_source(name) is click.core.ParameterSource.COMMANDLINE and ctx.params[name] != ()
-        if given and name not in REPEATABLE:
-            shown = parameter.opts[0] if parameter.opts[0].startswith("-") else "CALIPER"
-            raise click.UsageError(f"{shown}: does not go with --from-settings, which repeats a run as it was")
+    refuse_beside_settings(ctx, REPEATABLE)
     with terminal.stage("import", "Loading helibore"):
         from helibore.run import read, reopened
         from helibore.run_settings import read_settings
@@ -339,13 +337,3 @@ def _inside(run: Run) -> Floats:
     if top == -np.inf and bottom == np.inf:
         return samples.radius
     return samples.radius[(samples.depth >= top) & (samples.depth <= bottom)]
-
-
-def _result(settings: RunSettings, expected: str, output: Path) -> Iterator[tuple[str, str]]:
-    """Yield what was written, and for a repeated run whether it is the same to the last bit."""
-    from helibore.run_settings import settings_file
-
-    yield "wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB), {settings_file(output).name}"
-    if expected:
-        same = settings.output_blake2b == expected
-        yield "repeated", "to the last bit" if same else "with other bytes: another ending, version or machine"

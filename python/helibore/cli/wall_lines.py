@@ -1,7 +1,9 @@
-"""The summary a driller reads: interval, diameters against the bit, support."""
+"""The summary a driller reads: interval, diameters against the bit, support; and what was written."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -52,3 +54,15 @@ def wall_lines(wall: helibore.Wall, quads: int, samples_mean: float) -> list[tup
             ("", f"nearest sample: {middle * 1e3:.0f} mm away for half of the vertices, {most * 1e3:.0f} mm for 99 %")
         )
     return lines
+
+
+def written_lines(output: Path, blake2b: str, expected: str) -> Iterator[tuple[str, str]]:
+    """Yield what was written, and whether a run that was repeated from settings gave the same to the last bit."""
+    from helibore.run_settings import settings_file
+
+    yield "wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB), {settings_file(output).name}"
+    if expected:
+        yield (
+            "repeated",
+            "to the last bit" if blake2b == expected else "with other bytes: another ending, version or machine",
+        )

@@ -76,7 +76,7 @@ def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None
     if (source is not None) + (options["average"] is not None) + options["gauge"] != 1:
         raise click.UsageError("one of SOURCE, --average and --gauge must say what the wall is made from")
     ending = source.suffix.lower() if source is not None else ""
-    _check_heeded(options, ending)
+    _check_heeded(options)
     if ending not in (ARCHIVE, SETTINGS) and options["bit_diameter"] is None:
         raise click.UsageError("--bit-diameter must be given: only archives (.wall) and settings (.toml) have it")
     if ending == ARCHIVE:
@@ -106,21 +106,25 @@ def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None
     return found
 
 
-def _check_heeded(options: dict[str, Any], ending: str) -> None:
-    """Refuse options that have no say in what the wall is made from."""
-    if ending in (ARCHIVE, SETTINGS):
+def idle(options: dict[str, Any]) -> tuple[tuple[str, ...], str]:
+    """Return the options that have no say in what the wall is made from, and the words for what that is."""
+    if options["source"] is not None and options["source"].suffix.lower() in (ARCHIVE, SETTINGS):
         own = f"{options['source'].name}, which has its own settings"
-        idle, why = (*WALL_OPTIONS, *COLUMN_OPTIONS), f"the wall of {own}"
-    elif options["gauge"]:
-        idle, why = COLUMN_OPTIONS, "--gauge, which reads no caliper"
-    elif options["average"] is not None:
-        idle, why = tuple(name for name in COLUMN_OPTIONS if name != "set_name"), "--average, which names its channel"
-    else:
-        return
+        return (*WALL_OPTIONS, *COLUMN_OPTIONS), f"the wall of {own}"
+    if options["gauge"]:
+        return COLUMN_OPTIONS, "--gauge, which reads no caliper"
+    if options["average"] is not None:
+        return tuple(name for name in COLUMN_OPTIONS if name != "set_name"), "--average, which names its channel"
+    return (), ""
+
+
+def _check_heeded(options: dict[str, Any]) -> None:
+    """Refuse options that have no say in what the wall is made from."""
+    unheeded, why = idle(options)
     context = click.get_current_context()
     for option in context.command.params:
         given = context.get_parameter_source(option.name or "") is ParameterSource.COMMANDLINE
-        if given and option.name in idle:
+        if given and option.name in unheeded:
             raise click.UsageError(f"{option.opts[0]}: has no say in {why}")
 
 
