@@ -101,12 +101,12 @@ def test_a_picture_claims_no_reference_that_nothing_states() -> None:
     words = [text.get_text() for text in texts(figure)]
     assert "as the samples count it: no path says from what" in words
     assert {"0°", "90°", "180°", "270°"} <= set(words)
-    assert not {"T", "L", "N", "S"} & set(words)
+    assert not {"U", "L", "N", "S"} & set(words)
     assert_readable(figure)
     named = [text.get_text() for text in texts(plot.log(wall, dpi=60, reference="north"))]
     assert {"N", "E", "S", "W"} <= set(named)
     wall.images["GR"] = image_of(np.arange(1000.0, 1010.0, 0.5), np.arange(160.0).reshape(20, 8))
-    assert {"T", "R", "B", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60))}
+    assert {"U", "R", "D", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60))}
     with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, carried"):
         plot.log(wall, reference="")  # type: ignore[arg-type]
 
@@ -128,7 +128,7 @@ def test_the_caliper_track_draws_the_pairs_that_are_asked_for(
         np.testing.assert_array_equal(line.get_xdata(), getattr(turns, name) / 0.001)
         np.testing.assert_array_equal(line.get_ydata(), turns.depth)
     words = [text.get_text() for text in texts(figure)]
-    named = {"C1": "C1", "C2": "C2", "D0": "T–B", "D90": "R–L"}
+    named = {"C1": "C1", "C2": "C2", "D0": "U–D", "D90": "R–L"}
     assert [name for name in named if named[name] in words] == list(curves)
     assert_readable(figure)
 
@@ -361,7 +361,7 @@ def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
     cells = np.floor(((drawn.toolface - high) % 360) / 22.5)
     assert (np.isclose(drawn.values[20], cells)).mean() > 0.99
     words = [text.get_text() for text in texts(plot.log(wall, dpi=40, body=()))]
-    assert {"high-side": "T", "north": "E", "carried": "90°"}[own] in words
+    assert {"high-side": "U", "north": "E", "carried": "90°"}[own] in words
     assert "16 sectors, static" in words
     with pytest.raises(
         ValueError, match=f"^reference = '{'north' if own != 'north' else 'high-side'}': the wall's path"

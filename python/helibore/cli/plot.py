@@ -30,7 +30,7 @@ DRAWING = (
     ),
     click.option(
         "--left", type=click.Choice(["0", "90", "180", "270"]), default="0", show_default=True,
-        help="Toolface at the left edge of images; 180 puts the top in the middle.",
+        help="Toolface at the left edge of images; 180 puts up in the middle.",
     ),
     click.option(
         "--elevation", type=LENGTH, help="From sea level up to the zero of depths: true depths are TVDSS.  [TVD]"

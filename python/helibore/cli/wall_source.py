@@ -102,7 +102,9 @@ def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None
             image = _image(spelling, options, found.wall.path)
             found.wall.images[image.name] = image
             size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
-            found.told.append(("image", f"{Path(spelling).name}: {size}, from {image.reference}"))
+            stated = found.wall.path or options["reference"] or spelling.endswith((":north", ":high-side"))
+            unsaid = "" if stated else ", as nothing says otherwise (:north or --reference north would)"
+            found.told.append(("image", f"{Path(spelling).name}: {size}, from {image.reference}{unsaid}"))
     return found
 
 

@@ -86,7 +86,7 @@ class Drawing:
         What toolface 0 is: ``"high-side"``, ``"north"`` or ``"carried"``. None: what the wall's path says, else its
         images; where neither is there, the picture says that it is not known.
     left
-        Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts the top in the middle.
+        Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts up in the middle.
     unit
         Of diameters and cross sections: ``"in"`` or ``"mm"``.
     curves

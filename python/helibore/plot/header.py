@@ -28,7 +28,7 @@ REFERENCE_TEXT = {
     "": "as the samples count it: no path says from what",
 }
 SIDES_TEXT = {
-    "high-side": "T top, R right, B bottom, L left of the hole, looking downhole",
+    "high-side": "U up (high side), R right, D down, L left of the hole, looking downhole",
     "north": "N, E, S, W: sides of the hole, clockwise looking downhole",
     "carried": "0° to 270°: toolfaces from north at the top, carried down the hole without twist",
     "": "0° to 270°: toolfaces as the samples count them, clockwise looking downhole",

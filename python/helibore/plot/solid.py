@@ -149,7 +149,8 @@ def draw_solid(
         x + 0.5 * width, y + 2.5, f"{one.depth[0]:.0f} to {one.depth[1]:.0f} m, coloured by {name}",
         USUAL, within=width, ha="center", weight="bold",
     )  # fmt: skip
-    words = f"tube × {tube:g} against depth, shape × {shape:g} more; seen from toolface {view.facing:.0f}°"
+    more = f", shape × {shape:g} more" if shape != 1 else ""
+    words = f"tube × {tube:g} against depth{more}; seen from toolface {view.facing:.0f}°"
     sheet.text(x + 0.5 * width, y + 6.5, words, SMALL, within=width, ha="center", color=FAINT)
     return axes
 

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
 HEAD = 24.0
 """Millimetres of head over every track."""
 SIDES = {
-    "high-side": ("T", "R", "B", "L"),
+    "high-side": ("U", "R", "D", "L"),
     "north": ("N", "E", "S", "W"),
     "carried": ("0°", "90°", "180°", "270°"),
     "": ("0°", "90°", "180°", "270°"),
