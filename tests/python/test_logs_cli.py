@@ -116,13 +116,18 @@ def test_the_summary_says_what_a_driller_asks(folder: Path, tmp_path: Path) -> N
 
 def test_what_has_nothing_to_write_is_said(folder: Path, tmp_path: Path) -> None:
     zones, dark = tmp_path / "zones.csv", tmp_path / "dark.csv"
-    done = run(folder / "w.wall", "-o", tmp_path / "w.csv", "--zones", zones, "--criterion", "elongation=1m",
-               "--criterion", "washout=1m", "--criterion", "key-seat=1m")  # fmt: skip
+    none = ("--zones", zones, "--criterion", "elongation=1m", "--criterion", "washout=1m", "--criterion", "key-seat=1m")
+    done = run(folder / "w.wall", "-o", tmp_path / "w.csv", *none)
     assert done.exit_code == 0
+    assert "from an earlier run" not in done.output
     assert "none by the criteria" in done.output
     assert "there is nothing to write" in " ".join(done.output.split())
     assert not zones.exists()
     assert not dark.exists()
+    zones.write_text("old")
+    again = " ".join(run(folder / "w.wall", "-o", tmp_path / "w.csv", *none).output.split())
+    assert "there is nothing to write; what stands there is from an earlier run" in again
+    assert zones.read_text() == "old"
 
 
 def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:

@@ -103,8 +103,12 @@ def logs(output: Path, quiet: bool, **options: Any) -> None:
         *(line for each in dark for line in breakout_lines(each)),
         ("time", terminal.times()),
         ("wrote", ", ".join(written)),
-        *(("not written", f"{file}: there is nothing to write") for file, table in work if table is None),
+        *(("not written", f"{file}: {_nothing(file)}") for file, table in work if table is None),
     ])  # fmt: skip
+
+
+def _nothing(file: Path) -> str:
+    return "there is nothing to write" + ("; what stands there is from an earlier run" if file.exists() else "")
 
 
 @dataclass(frozen=True)
