@@ -90,6 +90,11 @@ class Centres:
     one_sided: Floats
     within: Floats
 
+    def __repr__(self) -> str:
+        known = self.eccentering[np.isfinite(self.x)]
+        off = f"tool off by {1e3 * np.median(known):.1f} mm in half of them" if known.size else "no turn has a radius"
+        return f"Centres({self.turn.size} turns, {off})"
+
     @property
     def sigma_x(self) -> Floats:
         """Standard deviation of x, (t,) m."""

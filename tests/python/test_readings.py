@@ -372,3 +372,15 @@ def test_calipers_that_read_in_one_direction_are_told(tmp_path: Path) -> None:
         "a_in and b_in are diameter in one direction: merged; name those to use by an option or in a map"
     )
     assert len(read(path, diameter=["a_in@90", "c_in@0"]).notes) == 3
+
+
+def test_what_is_long_is_shown_in_short(tmp_path: Path) -> None:
+    """A README's ``print(prepared.centres)`` is a line, not ten arrays of a value a turn."""
+    names = ",".join(f"GR{sector}_gAPI" for sector in range(1, 9))
+    rows = "".join(f"{1000 + k / 100},{9 * k % 360},{0.11 + 1e-9 * k}{f',{k}' * 8}\n" for k in range(400))
+    (tmp_path / "c.csv").write_text(f"depth_m,tf_deg,radius_m,{names}\n{rows}")
+    file = hb.open(tmp_path / "c.csv")
+    assert repr(file.readings()) == "Readings(c.csv, 400 rows of radius_m)"
+    assert repr(file.image("GR")) == "SectorColumns('GR', 'gAPI', 400 rows x 8 sectors, 1000 to 1003.99 m)"
+    prepared = hb.prepare(file.readings(), hb.Preparation(recentre=True))
+    assert repr(prepared.centres) == "Centres(10 turns, tool off by 0.0 mm in half of them)"

@@ -53,6 +53,11 @@ class SectorColumns:
     members: tuple[str, ...]
     dropped: int
 
+    def __repr__(self) -> str:
+        rows, sectors = self.values.shape
+        ends = f"{self.depth[0]:g} to {self.depth[-1]:g} m"
+        return f"SectorColumns({self.name!r}, {self.unit!r}, {rows} rows x {sectors} sectors, {ends})"
+
     def sector_image(
         self,
         origin: Origin,

@@ -90,6 +90,9 @@ class Readings:
     missing: dict[str, int] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
 
+    def __repr__(self) -> str:
+        return f"Readings({self.name}, {self.rows} rows of {', '.join(self.channels)})"
+
     @property
     def rows(self) -> int:
         """Rows in the set."""
