@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 import operator
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-_INTEGERS = ("sectors", "neighbors", "max_iterations")
+_INTEGERS = ("sectors", "neighbors", "max_iterations", "window")
+_OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance")
 _LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
 
@@ -65,26 +66,38 @@ class Settings:
     direct: bool = False
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if value is None and field.name in ("start_depth", "stop_depth", "window", "max_distance"):
+        for name, value in vars(self).items():
+            if value is None and name in _OPTIONAL:
                 continue
-            if field.name == "direct":
+            if name == "direct":
                 if not isinstance(value, bool | np.bool_):
                     raise ValueError(f"direct = {value!r}: must be True or False")
-                object.__setattr__(self, "direct", bool(value))
-                continue
-            integer = field.name in _INTEGERS or field.name == "window"
-            try:
-                value = operator.index(value) if integer else float(value)
-            except (TypeError, ValueError):
-                kind = "an integer" if integer else "a number"
-                raise ValueError(f"{field.name} = {value!r}: must be {kind}") from None
-            if integer and abs(value) > _LARGEST_INTEGER:
-                raise ValueError(f"{field.name} = {value}: must be below 2147483648 in size")
-            object.__setattr__(self, field.name, value)
+                made: bool | int | float = bool(value)
+            elif name in _INTEGERS:
+                made = _integer(name, value)
+            else:
+                made = _number(name, value)
+            if made is not value:
+                object.__setattr__(self, name, made)
 
     def _core_arguments(self) -> dict[str, Any]:
-        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        given = dict(vars(self))
         given["max_distance"] = math.inf if self.max_distance is None else self.max_distance
         return given
+
+
+def _integer(name: str, value: Any) -> int:
+    try:
+        made = operator.index(value)
+    except TypeError:
+        raise ValueError(f"{name} = {value!r}: must be an integer") from None
+    if abs(made) > _LARGEST_INTEGER:
+        raise ValueError(f"{name} = {made}: must be below 2147483648 in size")
+    return made
+
+
+def _number(name: str, value: Any) -> float:
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise ValueError(f"{name} = {value!r}: must be a number") from None
