@@ -76,6 +76,11 @@ def test_the_first_survey_places_a_page_that_was_open_before_it(browser: Any) ->
             screen.settle()
             assert ("TVD m" in labels(screen)) == ("U" in labels(screen)) == bool(path)
             assert ("no survey" in labels(screen)) != bool(path)
+            cuts = screen.evaluate(
+                "[...document.getElementById('cut').options].filter((o) => !o.hidden).map((o) => o.text)"
+            )
+            assert ("U-R-D-L-U: cut at high side" in cuts) == bool(path)
+            assert (cuts == ["cut at 0° of the tool", "cut at 180° of the tool"]) != bool(path)
             new = Screen(browser, viewer.url, ADDRESS, SIZE)
             new.settle()
             assert screen.evaluate(EYE) == pytest.approx(new.evaluate(EYE), abs=1e-6), "it stands where a new page does"

@@ -16,7 +16,7 @@ import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNotes, Notes } from './notes.js';
-import { byId, dress, fillSelects, Histogram, lamp, links, options, readout, reflect, rest, sectionText, write } from './panel.js';
+import { byId, dress, fillSelects, Histogram, lamp, links, nameCuts, options, readout, reflect, rest, sectionText, write } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
@@ -152,6 +152,7 @@ class App {
   takeFrames(message) {
     const { count, surveyed } = this.path;
     this.path.apply(message);
+    nameCuts(this.path.surveyed);
     if (count && this.path.surveyed !== surveyed) this.fitted = false; // the hole lies another way: stand beside it anew
     this.redraw();
   }

@@ -25,6 +25,15 @@ export function fillSelects() {
   for (const option of byId('map').options) option.title = MAPS[option.value].label;
 }
 
+// Without a survey nothing is up or north: the wall is cut by the tool's own angles, and two of the four ways remain.
+export function nameCuts(surveyed) {
+  for (const option of byId('cut').options) {
+    const { letters, label, offset, reference } = CUTS[option.value];
+    option.text = surveyed ? `${letters.join('-')}: ${label}` : `cut at ${offset}° of the tool`;
+    option.hidden = !surveyed && reference === 'north';
+  }
+}
+
 export function options(id, pairs) {
   byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, value)));
 }
