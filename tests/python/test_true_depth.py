@@ -51,6 +51,8 @@ def test_a_survey_that_begins_in_the_hole_tells_none_unless_its_head_does() -> N
     deep = hb.Survey([1990.0, 2100.0], [60.0, 60.0], [30.0, 30.0])
     assert true_depth(deep.path(), None) is None
     assert true_depth(None, None) is None
+    near = hb.Survey([0.0005, 2100.0], [60.0, 60.0], [30.0, 30.0])
+    assert known(near.path()).at(np.array([1000.0])) == pytest.approx([500.0], abs=1e-3)
     assert known(deep.path(head=(0.0, 0.0, 1495.0))).at(np.array([2000.0])) == pytest.approx([1500.0], abs=1e-9)
     for path in (deep.path(), None):
         with pytest.raises(ValueError, match=r"^elevation = 25: depth below sea level needs a wall with a path whose"):

@@ -21,6 +21,9 @@ from helibore.arrays import Floats
 if TYPE_CHECKING:
     from helibore.survey import Path
 
+SURFACE = 0.001
+"""Metres: a survey that begins no farther from depth 0 begins there."""
+
 
 @dataclass(frozen=True)
 class TrueDepth:
@@ -46,7 +49,8 @@ def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
     ValueError
         If there is an elevation, but no true depth that it could be taken off.
     """
-    known = path is not None and (path.start_depth == 0 or path.head[2] != 0)
+    surface = path is not None and abs(path.start_depth) <= SURFACE
+    known = path is not None and (surface or path.head[2] != 0)
     if path is None or not known:
         if elevation is None:
             return None
@@ -54,5 +58,5 @@ def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
             f"elevation = {elevation:g}: depth below sea level needs a wall with a path whose survey begins at depth "
             "0, or whose head says the true depth of its first station"
         )
-    zero = path.head[2] if path.start_depth == 0 else 0.0
+    zero = path.head[2] if surface else 0.0
     return TrueDepth(path, "TVD", zero) if elevation is None else TrueDepth(path, "TVDSS", zero + elevation)
