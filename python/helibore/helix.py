@@ -58,6 +58,11 @@ class Helix(NamedTuple):
         toolface: Floats = first[k % self.sectors]
         return toolface
 
+    def ends(self, vertices: int) -> tuple[float, float]:
+        """The shallowest and the deepest of so many vertices, metres."""
+        last = self.start_depth + (vertices - 1) * self.pitch / self.sectors
+        return min(self.start_depth, last), max(self.start_depth, last)
+
     def quads(self, vertices: int) -> int:
         """The quads that so many vertices have room for."""
         return max(vertices - self.sectors - 1, 0)

@@ -13,6 +13,7 @@ from typing import Any
 import click
 import numpy as np
 
+from helibore.archive import ENDING as ARCHIVE
 from helibore.cli.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
 from helibore.cli.plot import check_folder
 from helibore.cli.quantities import LENGTH
@@ -26,7 +27,7 @@ from helibore.survey import Reference
 from helibore.volume import VOLUME_ENDINGS, Volume
 from helibore.wall import Wall
 
-ARCHIVE, COLORED = ".wall", (".glb", ".ply")
+COLORED = (".glb", ".ply")
 COLORLESS = (ARCHIVE, ".obj", ".stl")
 WHOLE = (ARCHIVE, SETTINGS)  # sources that say themselves from where to where their wall goes
 

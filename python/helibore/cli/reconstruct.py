@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
+from helibore.archive import ENDING as ARCHIVE
 from helibore.cli.quantities import ANGLE, BIT, LENGTH, LENGTH_OR_NONE, TIME, Parameter
 from helibore.cli.reading import (
     COLUMNS,
@@ -36,7 +37,7 @@ if TYPE_CHECKING:
     from helibore.run import Run
     from helibore.run_settings import RunSettings
 
-ENDINGS = (*SURFACE_ENDINGS, ".wall")
+ENDINGS = (*SURFACE_ENDINGS, ARCHIVE)
 REPEATABLE = ("output", "quiet", "threads", "from_settings")
 """What may stand beside --from-settings: nothing that changes the mesh."""
 

@@ -18,6 +18,7 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
+from helibore.archive import ENDING as ARCHIVE
 from helibore.cli.quantities import BIT, LENGTH, LENGTH_OR_NONE
 from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking, wall_settings
 
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
     from helibore.survey import Path as WellPath
     from helibore.wall import Wall
 
-ARCHIVE, SETTINGS = ".wall", ".toml"
+SETTINGS = ".toml"
 
 OPTIONS: tuple[Callable[[Command], Command], ...] = (
     click.argument("source", type=FILE, required=False),

@@ -15,6 +15,7 @@ import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from helibore.helix import helix_of
 from helibore.live.live import Live
 from helibore.live.update import Update
 
@@ -137,8 +138,7 @@ class Window:
     def _span(self) -> tuple[float, float]:
         """Shallowest and deepest vertex, metres."""
         wall = self._wanted().wall
-        end = wall.start_depth + (len(wall) - 1) * wall.settings.pitch / wall.settings.sectors
-        return min(wall.start_depth, end), max(wall.start_depth, end)
+        return helix_of(wall).ends(len(wall))
 
     def _path(self) -> Path | None:
         """The path so far, far enough for the wall and what comes next; None where it cannot carry the wall."""

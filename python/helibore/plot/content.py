@@ -18,6 +18,7 @@ import numpy as np
 
 from helibore.arrays import Floats
 from helibore.colors import ColorScale, check_map, customary_map
+from helibore.helix import helix_of
 from helibore.normalization import percentile_limits, sliding_window
 from helibore.plot.calipers import diameters
 from helibore.plot.raster import at_points
@@ -212,7 +213,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
 
 
 def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
-    ends = sorted((wall.start_depth, wall.start_depth + (len(wall) - 1) * wall.settings.pitch / wall.settings.sectors))
+    ends = helix_of(wall).ends(len(wall))
     top = ends[0] if drawing.start is None else float(drawing.start)
     bottom = ends[1] if drawing.stop is None else float(drawing.stop)
     if not (math.isfinite(top) and math.isfinite(bottom) and top < bottom):

@@ -15,16 +15,17 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
+from helibore.archive import ENDING as ARCHIVE
 from helibore.cli.quantities import BIT, LENGTH
 from helibore.cli.reading import COLUMNS, FILE, SURVEY, nulls, open_calipers, open_survey, taking, wall_settings
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_source import SETTINGS
 
 if TYPE_CHECKING:
     from helibore.arrays import Floats
     from helibore.viewer import Viewer
     from helibore.wall import Wall
 
-ARCHIVE, SETTINGS = ".wall", ".toml"
 SERVING = ("host", "port", "token", "browser")  # options that say where, not what; they go to `helibore.view`
 
 
