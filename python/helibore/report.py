@@ -52,8 +52,8 @@ h1 { font-size: 1.9rem; margin: 0; } h2 { font-size: 1.25rem; margin: 2.2rem 0 .
 p.lead { color: #5d6b77; margin: .2rem 0 1rem; } .warning { color: #b3261e; font-weight: 600; }
 table { border-collapse: collapse; width: 100%; font-size: .84rem; font-variant-numeric: tabular-nums; }
 th, td { padding: .25rem .5rem; border-bottom: 1px solid #dfe4e8; text-align: left; vertical-align: top; }
-thead th { border-bottom: 1.5px solid #22303c; white-space: nowrap; }
-td.number, th.number { text-align: right; white-space: nowrap; }
+thead th { border-bottom: 1.5px solid #22303c; vertical-align: bottom; }
+td.number, th.number { text-align: right; } td.number { white-space: nowrap; }
 tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
 thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }

@@ -9,10 +9,12 @@ import re
 from html.parser import HTMLParser
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from screen import NEEDS_BROWSER
 
 import helibore as hb
 from helibore.breakouts import axial_mean
@@ -178,3 +180,17 @@ def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path) -> None:
         report(wall, tmp_path / "well.html", start=1, stop=2)
     assert (tmp_path / "well.html").read_text() == "old"
     assert len(list(tmp_path.iterdir())) == 1
+
+
+@NEEDS_BROWSER[0]
+@NEEDS_BROWSER[1]
+@pytest.mark.parametrize("unit", ["in", "mm"])
+def test_no_table_is_wider_than_its_page(unit: str, wall: hb.Wall, browser: Any, tmp_path: Path) -> None:
+    report(wall, tmp_path / "well.html", dpi=40, polar=(), body=(), unit=unit)
+    shown = browser.new_page(viewport={"width": 1200, "height": 900})
+    shown.goto((tmp_path / "well.html").as_uri())
+    over = "[...document.querySelectorAll('table')].map((one) => one.offsetWidth - one.parentElement.offsetWidth)"
+    found = shown.evaluate(over)
+    shown.close()
+    assert len(found) > 4
+    assert max(found) <= 0
