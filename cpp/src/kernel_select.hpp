@@ -99,10 +99,10 @@ inline P turn_from(P center, P toolface) {
     return P::blend(P::less(turn, P(-180.0)), turn + P(360.0), back);
 }
 
-// Fills the narrow columns of a padded list.
+// Fills the narrow columns of a padded list, up to the next multiple of sixteen: so many are looked at in one go.
 template <class P>
 void fill_narrow_columns(const CandidateList& list, const Group& g) {
-    for (std::int64_t i = 0; i < list.count; i += lanes) {
+    for (std::int64_t i = 0; i < (list.count + 15) / 16 * 16; i += lanes) {
         P depth, toolface, radius;
         P::read([&](int j) -> const Candidate& { return list.rows[i + j]; }, depth, toolface, radius);
         turn_from(P(g.center), toolface).narrow().store(list.across + i);
