@@ -310,18 +310,19 @@ def told(run: Run) -> Iterator[tuple[str, str]]:
             yield label, f"{file.file.name}: {file.format}, {_set(file)}{file.one.rows:,} rows"
             for sentence in (*file.one.remarks, *(note(role) for role in file.roles.all(*roles))):
                 yield "", sentence
-        if label == "survey" and (origin := first_station(run)):
-            yield "", origin
+            if label == "survey" and run.survey is not None:
+                origin = first_station(file, run.survey, run.settings.path.head)
+                if origin:
+                    yield "", origin
 
 
-def first_station(run: Run) -> str:
+def first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> str:
     """Say what positions and TVD count from where no head is given; "" where the first station is the origin."""
     from helibore.files.columns import column, needed
 
-    file = run.survey_file
-    if file is None or run.survey is None or any(run.settings.path.head):
+    if any(head):
         return ""
-    top = float(run.survey.depth[0])
+    top = float(survey.depth[0])
     row = int(np.flatnonzero(column(file.one, needed(file.one, file.roles, "depth")) == top)[0])
     found = [file.roles.one(name) for name in ("north", "east", "tvd")]
     stated = [float(column(file.one, role)[row]) for role in found if role is not None and role.unit]
@@ -329,12 +330,11 @@ def first_station(run: Run) -> str:
         if np.abs(stated).max() <= 0.001:
             return ""
         north, east, down = (f"{value:.10g}" for value in stated)
-        option = f"--head {north} {east} {down} of helibore reconstruct"
-        place = f"the file has it at north {north}, east {east}, down {down} m; {option} takes that"
+        place = f"the file has it at north {north}, east {east}, down {down} m; --head {north} {east} {down} takes that"
     elif top <= 0.001:
         return ""
     else:
-        place = "--head of helibore reconstruct says where it lies"
+        place = "--head says where it lies"
     return f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"
 
 

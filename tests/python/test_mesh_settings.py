@@ -49,7 +49,7 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ((*BIT, "--average", "a.csv:cali_m", "--image", "g.csv:GR:edge:north", "--survey", "s.csv"), "m.wall"),
         ((*BIT, "--pitch", "-73mm", "--sectors", "24", "--max-distance", "none", "c.csv"), "m.ply"),
         (("w.wall", "--image", "g.csv:GR:centre:high-side", "--shell", "5cm", "--shell", "3.3in"), "m.vtu"),
-        (("w.wall", "--from", "1002", "--to", "1004.1", "--survey", "s.csv", "--extend", "3m"), "m.obj"),
+        (("w.wall", "--from", "1002", "--to", "1004.1", "--survey", "s.csv", "--head", "-10m", "20", "900"), "m.obj"),
         (("w.glb.toml", "--color-by", "radius"), "m.vtp"),
     ],
 )
@@ -83,10 +83,13 @@ def test_defaults_that_have_a_say_are_written_and_others_are_not(folder: Path) -
     assert gauge == {
         "bit_diameter": 0.216, "gauge": True, "absent": [-999.25, -9999.0, -9999.25], "start_depth": 1000.0,
         "stop_depth": 1002.0, "sectors": 64, "pitch": 0.1, "max_distance": 1.0, "extend": 0.0,
+        "head": [0.0, 0.0, 0.0],
     }  # fmt: skip
     assert run("mesh", "w.wall", "-o", "w.stl", "-q").exit_code == 0
     archive = tomllib.loads((folder / "w.stl.toml").read_text())["mesh"]
-    assert archive == {"source": "w.wall", "absent": [-999.25, -9999.0, -9999.25], "extend": 0.0}
+    assert archive == {
+        "source": "w.wall", "absent": [-999.25, -9999.0, -9999.25], "extend": 0.0, "head": [0.0, 0.0, 0.0]
+    }  # fmt: skip
 
 
 def test_a_changed_file_is_refused(folder: Path) -> None:

@@ -12,9 +12,11 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
 
+from helibore.cli import cli
 from helibore.viewer.server import page
 
 BIT = ("--bit-diameter", "8.5in")
@@ -100,6 +102,22 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path
     ):
         done = run(*arguments, "--no-browser", folder=tmp_path)
         assert (done.returncode, done.stderr) == (2, f"helibore: {text}\n")
+
+
+def test_the_head_says_where_the_first_station_lies(
+    caliper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import helibore as hb
+
+    def seen(_: hb.Wall, path: hb.Path, **__: object) -> None:
+        raise ValueError(f"first station at {path.position([500.0]).tolist()}")
+
+    monkeypatch.setattr(hb, "view", seen)
+    survey = tmp_path / "survey.csv"
+    survey.write_text("md_m,incl_deg,azim_deg\n500,8,10\n600,9,10\n")
+    given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
+    result = CliRunner().invoke(cli, [*given, "--head", "-10m", "20m", "430m"])
+    assert "first station at [[-10.0, 20.0, 430.0]]" in result.stderr
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")

@@ -109,13 +109,17 @@ def _check_heeded(output: Path, shells: tuple[float, ...], color_by: str | None,
 
 def _path(options: dict[str, Any]) -> tuple[WellPath | None, list[tuple[str, str]]]:
     """The path of the survey, where there is one."""
+    from helibore.run import first_station
+
     file = open_survey(options)
     if file is None:
         return None, []
     survey = file.one.survey(file.roles)
     stations = f"{file.file.name}: {survey.depth.size} stations, {survey.depth[0]:g} to {survey.depth[-1]:g} m"
     reference: Reference = options["reference"] or "high-side"
-    return survey.path(reference=reference, extend=options["extend"]), [("survey", stations)]
+    path = survey.path(reference=reference, head=options["head"], extend=options["extend"])
+    origin = first_station(file, survey, options["head"])
+    return path, [("survey", stations), *([("", origin)] if origin else [])]
 
 
 def _volume(wall: Wall, shells: tuple[float, ...], start: float | None, stop: float | None) -> Volume:

@@ -100,6 +100,9 @@ def read_mesh_settings(path: Path, command: click.Command) -> MeshSettings:
     for name, value in tree["mesh"].items():
         if name not in options:
             raise ValueError(f"{path.name}: mesh.{name}: must be one of {', '.join(str(one) for one in options)}")
+        if options[name].nargs > 1:
+            words += [f"--{name}", *map(str, value)]
+            continue
         for each in value if isinstance(value, list) else [value]:
             text = str(each)
             if name in (*FILES, *SPELLED):

@@ -49,15 +49,18 @@ SURVEY_FILE: tuple[Callable[[Command], Command], ...] = (
     click.option("--inclination", metavar="COLUMN", help="NAME[:UNIT] of the inclination."),
     click.option("--azimuth", metavar="COLUMN", help="NAME[:UNIT] of the azimuth."),
     click.option("--extend", type=LENGTH, default="0m", show_default=True, help="Straight on past the last station."),
+    click.option(
+        "--head", type=LENGTH, nargs=3, default=(0.0, 0.0, 0.0), help="North, east, down of the first station."
+    ),
 )  # fmt: skip
 
 SURVEY: tuple[Callable[[Command], Command], ...] = (
-    *SURVEY_FILE[:-1],
+    *SURVEY_FILE[:-2],
     click.option(
         "--reference", type=click.Choice(["high-side", "north", "carried"]), default="high-side", show_default=True,
         help="What toolface 0 of the wall is; carried: north at the top, then without twist.",
     ),
-    SURVEY_FILE[-1],
+    *SURVEY_FILE[-2:],
 )  # fmt: skip
 
 

@@ -125,7 +125,6 @@ class Reconstruct(Sectioned):
 @click.option("--compare-with", type=Numbers(), help="Earlier passes: how much larger is the wall? An attribute.")
 @taking(*SURVEY)
 @click.option("--method", type=click.Choice(["minimum-curvature", "radius-of-curvature"]), default="minimum-curvature")
-@click.option("--head", type=LENGTH, nargs=3, default=(0, 0, 0), help="North, east, down of the first station.")
 @click.option(
     "--toolface-from",
     type=click.Choice(["north", "high-side", "automatic"]),

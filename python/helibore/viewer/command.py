@@ -137,7 +137,7 @@ def _rebuilt(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer:
         from helibore.run import placing, read, rebuild, told
         from helibore.run_settings import PathSettings, RunSettings
     with terminal.stage("read", f"Reading {file.name}"):
-        way = PathSettings(reference=options["reference"], extend=options["extend"])
+        way = PathSettings(reference=options["reference"], extend=options["extend"], head=options["head"])
         settings = RunSettings(caliper=(), wall=wall_settings(options), path=way, nulls=nulls(options))
         run = read(settings, open_calipers([file], options), open_survey(options), None)
     with terminal.stage("rebuild", "Rebuilding the wall"):
