@@ -5,11 +5,14 @@
 #include <new>
 
 #include "check.hpp"
+#include "every_allocation.hpp"
 #include "hole.hpp"
 
 namespace {
 
 std::atomic<long> until_failure{-1};  // allocations left before one fails; negative: none does
+
+}  // namespace
 
 void* allocate(std::size_t bytes, std::size_t alignment) {
     if (until_failure >= 0 && until_failure-- == 0) throw std::bad_alloc();
@@ -17,45 +20,6 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
     void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
     if (memory == nullptr) throw std::bad_alloc();
     return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t bytes) {
-    return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
-}
-void* operator new[](std::size_t bytes) {
-    return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
-}
-void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void* operator new[](std::size_t bytes, std::align_val_t alignment) {
-    return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
 }
 
 namespace {

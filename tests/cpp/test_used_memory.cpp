@@ -1,12 +1,12 @@
 // What memory held before a wall got it shows nowhere: fresh memory of zeros and memory full of other programs' numbers
 // give the same bits, on every instruction set of this processor.
-#include <bit>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <new>
 
 #include "check.hpp"
+#include "every_allocation.hpp"
 #include "helibore/error.hpp"
 #include "hole.hpp"
 
@@ -24,6 +24,8 @@ float left_behind() {
     return state >> 29 == 0 ? std::numeric_limits<float>::quiet_NaN() : 1e3f;
 }
 
+}  // namespace
+
 void* allocate(std::size_t bytes, std::size_t alignment) {
     const std::size_t whole = (bytes + alignment - 1) / alignment * alignment + alignment;
     auto* memory = static_cast<char*>(std::aligned_alloc(alignment, whole));
@@ -34,45 +36,6 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
         std::memcpy(memory + at, &value, sizeof(float));
     }
     return memory;
-}
-
-}  // namespace
-
-void* operator new(std::size_t bytes) {
-    return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
-}
-void* operator new[](std::size_t bytes) {
-    return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
-}
-void* operator new(std::size_t bytes, std::align_val_t alignment) {
-    return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void* operator new[](std::size_t bytes, std::align_val_t alignment) {
-    return allocate(bytes, static_cast<std::size_t>(alignment));
-}
-void operator delete(void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
-}
-void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
 }
 
 namespace {
