@@ -50,6 +50,14 @@ SampleColumns columns_of(const Column& depth, const Column& toolface, const Colu
     return columns;
 }
 
+// Can samples be taken as they are? `column` of arrays.py, for all of them at once.
+bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::handle time) {
+    const auto is_one = [](py::handle values) {
+        return is_column(values) && py::reinterpret_borrow<py::array>(values).ndim() == 1;
+    };
+    return is_one(depth) && is_one(toolface) && is_one(radius) && (time.is_none() || is_one(time));
+}
+
 template <class T>
 std::vector<T> read_of(const Wall& wall, std::vector<T> (Wall::*read)() const) {
     const py::gil_scoped_release released;
@@ -142,6 +150,7 @@ void register_wall(py::module_& m) {
             for (auto& column : columns) arrays.append(array_of(std::move(column)));
             return py::tuple(arrays);
         });
+    m.def("are_columns", &are_columns, py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"));
     m.def(
         "check_samples",
         [](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,

@@ -11,9 +11,10 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
+
 Floats = npt.NDArray[np.float64]
 Integers = npt.NDArray[np.int64]
-FLOAT64 = np.dtype(np.float64)
 
 
 def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
@@ -38,25 +39,34 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
     ValueError
         If the values are not numbers, not one-dimensional, or of another length.
     """
-    if type(values) is np.ndarray and values.dtype is FLOAT64 and values.ndim == 1 and values.flags.c_contiguous:
-        array = values  # the common case at once: a live host appends thousands of small columns
-    else:
-        array = _converted(name, values)
-    if length is not None and array.size != length:
-        raise ValueError(f"{name} has {array.size} values, {like} has {length}: must be equal")
-    return array
-
-
-def _converted(name: str, values: npt.ArrayLike) -> Floats:
     if isinstance(values, np.ma.MaskedArray):
         raise ValueError(f"{name}: masked arrays are not taken; drop the masked rows or use compressed()")
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "fiu" and array.size:
             raise TypeError
-        array = np.ascontiguousarray(array, dtype=np.float64)
+        array = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"])
     except (TypeError, ValueError) as error:
         raise ValueError(f"{name}: must be numbers") from error
     if np.ndim(values) != 1:
         raise ValueError(f"{name}: must be one-dimensional, not {np.ndim(values)}-dimensional")
+    if length is not None and array.size != length:
+        raise ValueError(f"{name} has {array.size} values, {like} has {length}: must be equal")
     return array
+
+
+def sample_columns(
+    depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None
+) -> tuple[Floats, Floats, Floats, Floats | None]:
+    """Return the columns of samples as the core takes them, each as by `column`; the core compares their lengths."""
+    columns: tuple[Any, Any, Any, Any] = depth, toolface, radius, time
+    if not _core.are_columns(*columns):  # at once: a live host appends thousands of small batches
+        columns = (
+            column("depth", depth),
+            column("toolface", toolface),
+            column("radius", radius),
+            None if time is None else column("time", time),
+        )
+    if time is not None and columns[3].size == 0 < columns[0].size:  # which the core would take for none
+        raise ValueError(f"time has 0 values, depth has {columns[0].size}: must be equal")
+    return columns

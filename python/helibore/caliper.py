@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.arrays import Floats, column
+from helibore.arrays import Floats, column, sample_columns
 from helibore.threads import available_threads
 
 Basis = Literal["azimuthal", "average", "gauge"]
@@ -87,11 +87,9 @@ class Caliper:
     ) -> None:
         check_basis(basis)
         self._basis = basis
-        self._depth = _frozen(column("depth", depth))
-        n = self._depth.size
-        self._toolface = _frozen(column("toolface", toolface, n, "depth"))
-        self._radius = _frozen(column("radius", radius, n, "depth"))
-        self._time = None if time is None else _frozen(column("time", time, n, "depth"))
+        columns = sample_columns(depth, toolface, radius, time)
+        self._depth, self._toolface, self._radius = (_frozen(values) for values in columns[:3])
+        self._time = None if columns[3] is None else _frozen(columns[3])
         _core.check_samples(self._depth, self._toolface, self._radius, self._time, available_threads())
 
     @classmethod

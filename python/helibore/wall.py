@@ -17,7 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.arrays import Floats, column
+from helibore.arrays import Floats, sample_columns
 from helibore.attributes import WallAttributes
 from helibore.caliper import Basis, Caliper, check_basis
 from helibore.carry import in_canonical_order, on_quads
@@ -143,13 +143,7 @@ class Wall:
         ValueError
             As `Caliper`. The wall is then as it was, to the last bit.
         """
-        depths = column("depth", depth)
-        columns = (
-            depths,
-            column("toolface", toolface, depths.size, "depth"),
-            column("radius", radius, depths.size, "depth"),
-            None if time is None else column("time", time, depths.size, "depth"),
-        )
+        columns = sample_columns(depth, toolface, radius, time)
         with self._growing:
             return Change(*self._core.append(*columns))
 

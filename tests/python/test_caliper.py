@@ -27,6 +27,10 @@ class HasArray:
         return np.array(self.values, dtype)
 
 
+class Subclass(np.ndarray[Any, Any]):
+    pass
+
+
 FORMS = {
     "list": list,
     "tuple": tuple,
@@ -42,6 +46,8 @@ FORMS = {
     "big-endian": lambda v: np.array(v, ">f8"),
     "unaligned": lambda v: np.frombuffer(b"x" + np.array(v).tobytes(), np.uint8)[1:].view(np.float64),
     "has __array__": HasArray,
+    "of a subclass": lambda v: np.array(v).view(Subclass),
+    "of a float64 with metadata": lambda v: np.array(v, np.dtype(np.float64, metadata={"unit": "m"})),
 }
 
 
@@ -57,7 +63,8 @@ def test_array_forms(form: str) -> None:
         assert array.dtype == np.float64
         assert array.flags.c_contiguous
     wall, plain = hb.Wall(bit_diameter=0.2), hb.Wall(bit_diameter=0.2)
-    wall.append(make(DEPTH), make(TOOLFACE), make(RADIUS))
+    change = wall.append(make(DEPTH), make(TOOLFACE), make(RADIUS))
+    assert change.accepted == len(DEPTH)
     plain.append(DEPTH, TOOLFACE, RADIUS)
     assert bits(wall) == bits(plain)
 
