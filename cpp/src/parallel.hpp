@@ -40,7 +40,7 @@ inline Range part(Index n, int parts, int which) {
 // for, and what they look at besides is theirs as well.
 class Crew {
   public:
-    explicit Crew(int threads) : threads_(std::max(threads, 1)) {}
+    explicit Crew(int threads) : threads_(std::max(threads, 1)), stretches_(static_cast<std::size_t>(threads_)) {}
     Crew(const Crew&) = delete;
     Crew& operator=(const Crew&) = delete;
     ~Crew() {
@@ -88,15 +88,14 @@ class Crew {
     template <class Job>
     void for_each_part(int shares, Index parts, const Job& job) {
         const int n = static_cast<int>(std::clamp<Index>(parts, 1, shares));
-        std::vector<Stretch> stretches(static_cast<std::size_t>(n));
         for (int s = 0; s < n; ++s) {
             const Range range = part(parts, n, s);
-            stretches[static_cast<std::size_t>(s)].next = range.start;
-            stretches[static_cast<std::size_t>(s)].stop = range.stop;
+            stretches_[static_cast<std::size_t>(s)].next = range.start;
+            stretches_[static_cast<std::size_t>(s)].stop = range.stop;
         }
         run(n, [&](int worker) {
             for (int s = 0; s < n; ++s) {
-                Stretch& stretch = stretches[static_cast<std::size_t>((worker + s) % n)];
+                Stretch& stretch = stretches_[static_cast<std::size_t>((worker + s) % n)];
                 for (Index i = stretch.next++; i < stretch.stop; i = stretch.next++) job(worker, i);
             }
         });
@@ -194,7 +193,7 @@ class Crew {
     void begin() {
         board_->resting = false;
         if (threads_ == 1) return;
-        quick_ = Clock::now() - rested_at_ < linger / 2 ? std::min(quick_ + 1, a_stream) : 0;
+        quick_ = Clock::now() - rested_at_ < linger * 4 / 5 ? std::min(quick_ + 1, a_stream) : 0;
     }
     bool hurried() const { return quick_ == a_stream; }
 
@@ -230,6 +229,7 @@ class Crew {
 
     const int threads_;
     const std::shared_ptr<Board> board_ = std::make_shared<Board>();
+    std::vector<Stretch> stretches_;
     int quick_ = 0;  // calls in a row, this one included, that came soon after the one before
     Clock::time_point rested_at_{};
 };

@@ -46,21 +46,22 @@ class Vertices {
         to.deep[static_cast<std::size_t>(g)] = result.deep;
     }
 
-    // The depths between which a new sample can change a block.
+    // The depths between which a new sample can change a block; all depths while it is not measured.
     struct Hull {
-        double shallow = no_limit, deep = -no_limit;
+        double shallow = -no_limit, deep = no_limit;
     };
     const Hull& hull(Index b) const { return hulls_[static_cast<std::size_t>(b)]; }
-    void measure_hull(Index b, Index group_count) {
+    // Of a block that is full.
+    void measure_hull(Index b) {
         const Block& of = block(b);
-        const auto n = static_cast<std::size_t>(std::min(groups_per_block, group_count - b * groups_per_block));
-        Hull several[8];  // eight at a time, which the compiler makes vectors of: every append measures a block
-        for (std::size_t g = 0; g < n; ++g) {
+        Hull several[8];  // eight at a time, which the compiler makes vectors of
+        std::fill_n(several, 8, Hull{no_limit, -no_limit});
+        for (std::size_t g = 0; g < of.deep.size(); ++g) {
             Hull& hull = several[g % 8];
             hull.shallow = of.shallow[g] < hull.shallow ? of.shallow[g] : hull.shallow;
             hull.deep = of.deep[g] > hull.deep ? of.deep[g] : hull.deep;
         }
-        Hull all;
+        Hull all = several[0];
         for (const Hull& hull : several) all = {std::min(all.shallow, hull.shallow), std::max(all.deep, hull.deep)};
         hulls_[static_cast<std::size_t>(b)] = all;
     }

@@ -103,12 +103,13 @@ Change Wall::State::update(const SortedBatch& batch) {
     const Helix next = helix_now();
     const Index new_count = count_now(next);
     const bool moved = count > 0 && next.start_depth != helix.start_depth;
-    const Index kept = moved ? 0 : count;  // vertices that may keep their values
+    const Index kept = moved ? 0 : count;                                // vertices that may keep their values
+    const Index open = !moved && advances(batch) ? settled / lanes : 0;  // no group before it can change
 
     Vertices moved_vertices;
     Vertices& into = moved ? moved_vertices : vertices;
     into.grow(new_count);
-    std::vector<Index> old = moved ? std::vector<Index>{} : touched_groups(batch);
+    std::vector<Index> old = moved ? std::vector<Index>{} : touched_groups(batch, open);
     if (kept % lanes != 0 && new_count > kept && (old.empty() || old.back() != kept / lanes))
         old.push_back(kept / lanes);  // the last group gains vertices
     const Range fresh{groups_of(kept), groups_of(new_count)};
@@ -118,7 +119,7 @@ Change Wall::State::update(const SortedBatch& batch) {
     Change change;
     change.accepted = batch.count;
     change.redundant = batch.redundant;
-    change.settled = settled_after(next, into, kept, new_count, old, staged);
+    change.settled = settled_after(next, into, open, kept, new_count, old, staged);
     DirectRadii next_direct;
     if (settings.direct) next_direct = direct_radii(samples, next, {change.settled, new_count});
     change.ranges = compare(old, staged, new_count, next_direct);
@@ -132,33 +133,46 @@ Change Wall::State::update(const SortedBatch& batch) {
     helix = next;
     count = new_count;
     settled = change.settled;
+    far_end = next.pitch > 0.0 ? samples.last_depth() : samples.first_depth();
     std::swap(direct, next_direct);
-    Index measured = -1;
-    const auto measure = [&](Index b) {
-        if (b != std::exchange(measured, b)) vertices.measure_hull(b, groups_of(count));
-    };
-    for (const Index group : old) measure(group / Vertices::groups_per_block);
-    for (Index g = fresh.start; g < fresh.stop; g += Vertices::groups_per_block)
-        measure(g / Vertices::groups_per_block);
-    if (fresh.start < fresh.stop) measure((fresh.stop - 1) / Vertices::groups_per_block);
+    measure_hulls(old, kept);
     return change;
 }
 
-// The groups whose values some sample of the batch can change, in order.
-std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch) const {
+// The hulls of blocks that have new values; the last block, which every append looks through, is left unmeasured while
+// it grows.
+void Wall::State::measure_hulls(const std::vector<Index>& old, Index kept) {
+    const Index growing = (groups_of(count) - 1) / Vertices::groups_per_block;
+    Index measured = -1;
+    const auto measure = [&](Index b) {
+        if (b < growing && b != std::exchange(measured, b)) vertices.measure_hull(b);
+    };
+    for (const Index group : old) measure(group / Vertices::groups_per_block);
+    for (Index b = std::max<Index>(groups_of(kept) - 1, 0) / Vertices::groups_per_block; b < growing; ++b) measure(b);
+}
+
+// Does the batch lie at the far end of the hole or beyond? What is settled then stays as it is, and need not be looked
+// at, so that an append costs no more where the hole is long.
+bool Wall::State::advances(const SortedBatch& batch) const {
+    return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
+}
+
+// The groups from `open` on whose values some sample of the batch can change, in order.
+std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index open) const {
     std::vector<Index> touched;
     if (batch.count == 0) return touched;
     const Index groups = groups_of(count);
-    for (Index b = 0; b * Vertices::groups_per_block < groups; ++b) {
+    for (Index b = open / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
         const Vertices::Hull& hull = vertices.hull(b);
         if (hull.deep < batch.first_depth() || hull.shallow > batch.last_depth()) continue;
         const Vertices::Block& block = vertices.block(b);
-        const Index n = std::min(Vertices::groups_per_block, groups - b * Vertices::groups_per_block);
+        const Index first = b * Vertices::groups_per_block;
+        const Index n = std::min(Vertices::groups_per_block, groups - first);
         const auto reaches = [top = batch.first_depth()](double deep) { return deep >= top; };
-        for (Index g = 0; (g = first_that(block.deep.data(), g, n, reaches)) < n; ++g) {
+        for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, reaches)) < n; ++g) {
             const auto i = static_cast<std::size_t>(g);
             if (block.shallow[i] <= batch.last_depth() && batch.any_within(block.shallow[i], block.deep[i]))
-                touched.push_back(b * Vertices::groups_per_block + g);
+                touched.push_back(first + g);
         }
     }
     return touched;
@@ -170,7 +184,7 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
     const auto old_count = static_cast<Index>(old.size());
     const Index total = old_count + fresh.stop - fresh.start;
     const int shares = crew.shares_worth(total, groups_to_start, groups_to_wake);
-    const Index a_part = std::clamp<Index>(total / (4 * shares), 1, groups_a_part);
+    const Index a_part = std::clamp<Index>(total / (8 * shares), 1, groups_a_part);
     const Index parts = (total + a_part - 1) / a_part;
     const auto search_part = [&](int worker, Index part_index) {
         Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
@@ -211,8 +225,8 @@ std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const 
 }
 
 // The first vertex whose group a sample at the far end of the hole, or beyond, could still change, once the staged
-// groups are in their place. The hulls of blocks are known for the first `measured` vertices.
-Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
+// groups are in their place; not before group `from`. The hulls of blocks are known for the first `measured` vertices.
+Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from, Index measured, Index vertex_count,
                                  const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
     const bool down = on.pitch > 0.0;
     const double end = down ? samples.last_depth() : samples.first_depth();
@@ -220,12 +234,12 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index meas
     const auto bound = [&](const auto& depths) { return down ? depths.deep : depths.shallow; };
     const Index groups = groups_of(vertex_count);
     std::size_t next = 0;  // of the staged
-    for (Index b = 0; b * Vertices::groups_per_block < groups; ++b) {
+    for (Index b = from / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
         const Index first = b * Vertices::groups_per_block, last = std::min(groups, first + Vertices::groups_per_block);
         const bool as_measured = last * lanes <= measured && (next == old.size() || old[next] >= last);
         if (as_measured && !open(bound(of.hull(b)))) continue;
         const double* bounds = down ? of.block(b).deep.data() : of.block(b).shallow.data();
-        for (Index g = first; g < last; ++g) {
+        for (Index g = std::max(first, from); g < last; ++g) {
             const Index stop = next < old.size() ? std::min(old[next], last) : last;
             g = first + first_that(bounds, g - first, stop - first, open);
             if (g < stop) return g * lanes;

@@ -32,12 +32,14 @@ struct Wall::State {
     Change update(const SortedBatch& batch);
     Helix helix_now() const;
     Index count_now(const Helix& next) const;
-    std::vector<Index> touched_groups(const SortedBatch& batch) const;
+    void measure_hulls(const std::vector<Index>& old, Index kept);
+    bool advances(const SortedBatch& batch) const;
+    std::vector<Index> touched_groups(const SortedBatch& batch, Index open) const;
     void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
                        std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count, const DirectRadii& next_direct) const;
-    Index settled_after(const Helix& on, const Vertices& of, Index measured, Index vertex_count,
+    Index settled_after(const Helix& on, const Vertices& of, Index from, Index measured, Index vertex_count,
                         const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
 
     // Of a range of vertices; wall_read.cpp.
@@ -55,6 +57,7 @@ struct Wall::State {
     Vertices vertices;
     Index count = 0;
     Index settled = 0;
+    double far_end = std::numeric_limits<double>::quiet_NaN();  // of the samples that `settled` was found with
     DirectRadii direct;
     std::vector<Search::Scratch> scratches;
     Crew crew;  // of append
