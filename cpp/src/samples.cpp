@@ -2,7 +2,6 @@
 #include "samples.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 namespace helibore {
 namespace {
@@ -58,15 +57,6 @@ class Writer {
     bool timed_;
 };
 
-void copy_rows(const Chunk& from, Index first, Index n, Chunk& to, bool timed) {
-    const auto bytes = static_cast<std::size_t>(n) * sizeof(double);
-    std::memcpy(to.depth() + to.count, from.depth() + first, bytes);
-    std::memcpy(to.toolface() + to.count, from.toolface() + first, bytes);
-    std::memcpy(to.radius() + to.count, from.radius() + first, bytes);
-    if (timed) std::memcpy(to.time() + to.count, from.time() + first, bytes);
-    to.count += n;
-}
-
 // Merges chunks with the batch. Rows without a time keep their arrival order: old before new at equal
 // depth. Rows with one are compared whole, and equal rows are kept once.
 Chunks merge(const Chunks& old, SortedBatch& batch) {
@@ -98,6 +88,22 @@ Chunks merge(const Chunks& old, SortedBatch& batch) {
     return std::move(writer.chunks);
 }
 
+// Chunks of a large batch, which share pages as far as they fill them.
+Chunks full_chunks(Index total, bool timed, Pages& pages) {
+    const Index size = Chunk::size(Chunk::full, timed);
+    const Index a_page = static_cast<Index>(page_size / sizeof(double)) / size;
+    Chunks chunks;
+    chunks.reserve(static_cast<std::size_t>(total));
+    std::shared_ptr<double[]> page;
+    for (Index i = 0; i < total; ++i) {
+        if (i % a_page == 0) page = total - i < a_page / 2 ? nullptr : pages.take();
+        chunks.push_back(page ? std::make_shared<Chunk>(Chunk::full, Chunk::full,
+                                                        std::shared_ptr<double[]>(page, page.get() + i % a_page * size))
+                              : std::make_shared<Chunk>(Chunk::full, timed));
+    }
+    return chunks;
+}
+
 }  // namespace
 
 bool SortedBatch::any_within(double low, double high) const {
@@ -106,6 +112,23 @@ bool SortedBatch::any_within(double low, double high) const {
     if (chunk == chunks.end()) return false;
     const double* depth = (*chunk)->depth();
     return *std::lower_bound(depth, depth + (*chunk)->count, low) <= high;
+}
+
+// A small batch that does not fit behind the others begins a chunk with room for more of its size: a wall that is
+// streamed grows in whole chunks, one made at once has none to spare.
+Chunks Samples::room_for(Index count, bool timed, Pages& pages) const {
+    constexpr Index most_appends = 256;
+    Chunks chunks;
+    if (count >= Chunk::full)
+        chunks = full_chunks((count + Chunk::full - 1) / Chunk::full, timed, pages);
+    else if (count_ == 0)
+        chunks = {std::make_shared<Chunk>(count, timed)};
+    else if (timed == timed_ && count <= chunks_.back()->free_room())
+        chunks = {chunks_.back()->room()};
+    else
+        chunks = {std::make_shared<Chunk>(count * std::min(most_appends, Chunk::full / count), timed)};
+    for (const auto& chunk : chunks) count -= chunk->count = std::min(Chunk::full, count);
+    return chunks;
 }
 
 Samples::Undo Samples::insert(SortedBatch& batch) {
@@ -128,23 +151,12 @@ Samples::Undo Samples::append(const SortedBatch& batch) {
         undo.replaced = {chunks_.back()};
         undo.tail_count = chunks_.back()->count;
     }
-    const Index room = chunks_.empty() ? 0 : chunks_.back()->free_room();
-    // Not over a last chunk that is more than half empty: many such would waste memory.
-    const bool adopts = batch.count >= Chunk::least_adopted && (chunks_.empty() || room <= chunks_.back()->count);
-    Chunks fresh = adopts ? batch.chunks : Chunks{};
-    for (Index left = batch.count - room; left > 0 && !adopts; left -= Chunk::full)
-        fresh.push_back(std::make_shared<Chunk>(Chunk::full, timed_));
-    reserve(fresh.size());
-    // Nothing below throws.
-    std::size_t to = undo.first;
-    chunks_.insert(chunks_.end(), fresh.begin(), fresh.end());
-    for (std::size_t from = 0; from < batch.chunks.size() && !adopts; ++from)
-        for (Index i = 0; i < batch.chunks[from]->count;) {
-            if (chunks_[to]->free_room() == 0) ++to;
-            const Index n = std::min(batch.chunks[from]->count - i, chunks_[to]->free_room());
-            copy_rows(*batch.chunks[from], i, n, *chunks_[to], timed_);
-            i += n;
-        }
+    if (!chunks_.empty() && batch.chunks.front()->lies_behind(*chunks_.back())) {
+        chunks_.back()->count += batch.count;
+    } else {
+        reserve(batch.chunks.size());
+        chunks_.insert(chunks_.end(), batch.chunks.begin(), batch.chunks.end());
+    }
     undo.inserted = chunks_.size() - undo.first;
     return undo;
 }
@@ -222,12 +234,12 @@ Samples::Place Samples::step_to(double low, Place hint, Index stride) const {
         at = {static_cast<std::size_t>(chunk - chunks_.begin()), 0};
         if (chunk == chunks_.end()) return at;
         const double* first = (*chunk)->depth();
-        at.offset = std::lower_bound(first, first + (*chunk)->count, low) - first;
+        at.offset = (std::lower_bound(first, first + (*chunk)->count, low) - first) / stride * stride;
         return at;
     }
     const double* depth = chunks_[at.chunk]->depth();
     const Index count = chunks_[at.chunk]->count;
-    at.offset = std::min(at.offset, count - 1);
+    at.offset = std::min(at.offset, count - 1) / stride * stride;
     while (at.offset > 0 && depth[at.offset] >= low) at.offset = std::max<Index>(at.offset - stride, 0);
     while (at.offset + stride < count && depth[at.offset + stride] < low) at.offset += stride;
     return at;

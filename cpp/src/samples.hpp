@@ -3,14 +3,15 @@
 //
 //     | chunk 0: depth.. toolface.. radius.. time.. | chunk 1 ... | last chunk: room to grow |
 //
-// A batch that lies below everything costs nothing elsewhere: its chunks are adopted, or, where it is small, its rows
-// go into the last chunk's free room. A batch in the middle (a re-scan, late data) rewrites only the chunks it falls
-// into. An insertion can be undone until it is kept.
+// Rows are written once where they may stay: a small batch into the last chunk's free room, as far as nobody looks yet,
+// others into chunks of their own. A batch that lies below everything is then there; one in the middle (a re-scan, late
+// data) rewrites the chunks it falls into. An insertion can be undone until it is kept.
 #pragma once
 
 #include <memory>
 #include <vector>
 
+#include "helibore/pages.hpp"
 #include "helibore/types.hpp"
 #include "helibore/wall.hpp"
 #include "kernel.hpp"
@@ -21,33 +22,50 @@ namespace helibore {
 class Chunk {
   public:
     static constexpr Index full = 4096;
-    static constexpr Index least_adopted = 512;  // samples; fewer are copied into the chunk before
 
     // Doubles that the columns of a chunk take.
     static Index size(Index capacity, bool timed) { return capacity * (timed ? 4 : 3); }
 
     Chunk(Index capacity, bool timed)
-        : Chunk(capacity, std::shared_ptr<double[]>(new double[static_cast<std::size_t>(size(capacity, timed))])) {}
-    // In memory that may be shared with other chunks.
-    Chunk(Index capacity, std::shared_ptr<double[]> columns) : columns_(std::move(columns)), capacity_(capacity) {}
+        : Chunk(capacity, whole_lines(capacity), lines(size(whole_lines(capacity), timed))) {}
+    // In memory that may be shared with other chunks, the columns `stride` doubles apart.
+    Chunk(Index capacity, Index stride, std::shared_ptr<double[]> columns)
+        : columns_(std::move(columns)), capacity_(capacity), stride_(stride) {}
 
     double* depth() { return columns_.get(); }
-    double* toolface() { return columns_.get() + capacity_; }
-    double* radius() { return columns_.get() + 2 * capacity_; }
-    double* time() { return columns_.get() + 3 * capacity_; }  // timed chunks only
+    double* toolface() { return columns_.get() + stride_; }
+    double* radius() { return columns_.get() + 2 * stride_; }
+    double* time() { return columns_.get() + 3 * stride_; }  // timed chunks only
     const double* depth() const { return columns_.get(); }
-    const double* toolface() const { return columns_.get() + capacity_; }
-    const double* radius() const { return columns_.get() + 2 * capacity_; }
-    const double* time() const { return columns_.get() + 3 * capacity_; }
+    const double* toolface() const { return columns_.get() + stride_; }
+    const double* radius() const { return columns_.get() + 2 * stride_; }
+    const double* time() const { return columns_.get() + 3 * stride_; }
     double first_depth() const { return depth()[0]; }
     double last_depth() const { return depth()[count - 1]; }
     Index free_room() const { return capacity_ - count; }
 
+    // The free room of this one as a chunk of its own, in the same memory.
+    std::shared_ptr<Chunk> room() const {
+        return std::make_shared<Chunk>(free_room(), stride_,
+                                       std::shared_ptr<double[]>(columns_, columns_.get() + count));
+    }
+    // Does it begin where the free room of the other does?
+    bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
+
     Index count = 0;
 
   private:
+    struct alignas(64) Line {
+        double values[8];
+    };
+    static Index whole_lines(Index n) { return (n + 7) / 8 * 8; }
+    static std::shared_ptr<double[]> lines(Index n) {
+        const auto of_lines = std::make_shared_for_overwrite<Line[]>(static_cast<std::size_t>(n / 8));
+        return {of_lines, of_lines[0].values};
+    }
+
     std::shared_ptr<double[]> columns_;
-    Index capacity_;
+    Index capacity_, stride_;
 };
 
 using Chunks = std::vector<std::shared_ptr<Chunk>>;
@@ -64,9 +82,6 @@ struct SortedBatch {
     // Is there a sample with depth in [low, high]?
     bool any_within(double low, double high) const;
 };
-
-// Validates and sorts. Throws InputError with the first offending row of the first offending column.
-SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::Functions& functions);
 
 class Samples {
   public:
@@ -89,6 +104,9 @@ class Samples {
     const Chunks& chunks() const { return chunks_; }
     double first_depth() const { return chunks_.front()->first_depth(); }
     double last_depth() const { return chunks_.back()->last_depth(); }
+
+    // Where the rows of a batch may be written: chunks that hold `count`, all full but the last.
+    Chunks room_for(Index count, bool timed, Pages& pages) const;
 
     // Takes the batch; rows equal to one already there in all four are dropped and added to batch.redundant.
     // Throws std::bad_alloc and then has changed nothing.
@@ -116,5 +134,10 @@ class Samples {
     Index count_ = 0;
     bool timed_ = false;
 };
+
+// Validates and sorts a batch for `samples`, which do not change. Throws InputError with the first offending row of the
+// first offending column.
+SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, Pages& pages, Crew& crew,
+                       const kernel::Functions& functions);
 
 }  // namespace helibore

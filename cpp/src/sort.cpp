@@ -16,7 +16,6 @@
 #include "helix.hpp"
 #include "instruction_set.hpp"
 #include "lines.hpp"
-#include "pages.hpp"
 #include "parallel.hpp"
 #include "row_rules.hpp"
 #include "samples.hpp"
@@ -41,32 +40,6 @@ bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& 
     for (Index i = first + 1; i < rows.stop; ++i)
         if (!in_order(c, static_cast<std::size_t>(i))) return false;
     return true;
-}
-
-// One chunk of exact size for a small batch; those of a large one share large pages, as far as they fill them.
-Chunks empty_chunks(Index count, bool timed) {
-    Chunks chunks;
-    if (count < Chunk::full) return {std::make_shared<Chunk>(count, timed)};
-    const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
-    const Index a_page = static_cast<Index>(large_page / sizeof(double)) / size;
-    chunks.reserve(static_cast<std::size_t>(total));
-    std::shared_ptr<double[]> pages;
-    for (Index i = 0; i < total; ++i) {
-        if (i % a_page == 0 && total - i < a_page / 2) {
-            for (; i < total; ++i) chunks.push_back(std::make_shared<Chunk>(Chunk::full, timed));
-            break;
-        }
-        if (i % a_page == 0)
-            pages = allocate_pages(sizeof(double) * static_cast<std::size_t>(size * std::min(a_page, total - i)));
-        const std::shared_ptr<double[]> columns(pages, pages.get() + i % a_page * size);
-        chunks.push_back(std::make_shared<Chunk>(Chunk::full, columns));
-    }
-    return chunks;
-}
-
-void set_counts(Chunks& chunks, Index count) {
-    for (std::size_t i = 0; i < chunks.size(); ++i)
-        chunks[i]->count = std::min(Chunk::full, count - static_cast<Index>(i) * Chunk::full);
 }
 
 // Rows into a chunk, the first of them to place `to`.
@@ -353,7 +326,8 @@ bool has_redundant(const SortedBatch& batch) {
 
 }  // namespace
 
-SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::Functions& f) {
+SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, Pages& pages, Crew& crew,
+                       const kernel::Functions& f) {
     check_lengths(columns);
     SortedBatch batch;
     batch.count = static_cast<Index>(columns.depth.size());
@@ -361,8 +335,7 @@ SortedBatch sort_batch(const SampleColumns& columns, Crew& crew, const kernel::F
     if (batch.count == 0) return batch;
     const int threads = crew.shares_worth(batch.count, rows_to_start, rows_to_wake);
 
-    batch.chunks = empty_chunks(batch.count, batch.timed);
-    set_counts(batch.chunks, batch.count);
+    batch.chunks = samples.room_for(batch.count, batch.timed, pages);
     if (copy_if_in_order(columns, batch, crew, threads, f)) return batch;
     const auto [least, greatest] = survey(columns, crew, threads, f);
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));

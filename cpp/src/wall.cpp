@@ -67,7 +67,7 @@ Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
     const StandardArithmetic standard;
     const Crew::Shift shift(crew);
-    SortedBatch batch = sort_batch(columns, crew, search.functions());
+    SortedBatch batch = sort_batch(columns, samples, *pages, crew, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
         throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
                                      : "time: missing, but the samples before carry one; give it for all or none");
@@ -250,10 +250,10 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
     return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
 }
 
-Wall::Wall(const Settings& settings)
+Wall::Wall(const Settings& settings, std::shared_ptr<Pages> pages)
     : state_([&] {
           const StandardArithmetic standard;
-          return std::make_unique<State>(settings);
+          return std::make_unique<State>(settings, std::move(pages));
       }()) {}
 Wall::~Wall() = default;
 Wall::Wall(Wall&&) noexcept = default;

@@ -4,7 +4,9 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <memory>
 #include <mutex>
+#include <utility>
 #include <vector>
 
 #include "direct.hpp"
@@ -23,7 +25,11 @@ inline Index groups_of(Index vertices) {
 }
 
 struct Wall::State {
-    explicit State(const Settings& s) : settings(s), search((s.validate(), s)), crew(s.threads) {
+    State(const Settings& s, std::shared_ptr<Pages> of_walls)
+        : settings(s),
+          search((s.validate(), s)),
+          pages(of_walls ? std::move(of_walls) : std::make_shared<Pages>()),
+          crew(s.threads) {
         if (s.start_depth) helix.start_depth = *s.start_depth;
         scratches.resize(static_cast<std::size_t>(s.threads));
     }
@@ -52,6 +58,7 @@ struct Wall::State {
     mutable std::mutex lock;
     Settings settings;
     Search search;
+    std::shared_ptr<Pages> pages;
     Samples samples;
     Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
     Vertices vertices;

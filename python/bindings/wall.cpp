@@ -5,10 +5,14 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "helibore/pages.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
 namespace {
+
+// Of the walls that are gone, for those to come.
+constexpr std::size_t pages_kept = std::size_t{64} << 20;
 
 InstructionSet instruction_set_named(const std::string& name) {
     if (name == "automatic") return InstructionSet::automatic;
@@ -86,7 +90,9 @@ py::array_t<Index> ranges_of(const Change& change) {
 
 void register_wall(py::module_& m) {
     py::class_<Wall>(m, "Wall")
-        .def(py::init([](const py::kwargs& settings) { return std::make_unique<Wall>(settings_of(settings)); }))
+        .def(py::init([pages = std::make_shared<Pages>(pages_kept)](const py::kwargs& settings) {
+            return std::make_unique<Wall>(settings_of(settings), pages);
+        }))
         .def(
             "append",
             [](Wall& wall, const Column& depth, const Column& toolface, const Column& radius,

@@ -18,6 +18,8 @@
 
 namespace helibore {
 
+class Pages;
+
 // Columns of equal length, borrowed for the call: metres, degrees clockwise looking downhole, metres from the axis of
 // the hole, and seconds or any other clock. Either all samples of a wall carry a time or none does.
 struct SampleColumns {
@@ -52,8 +54,8 @@ struct Change {
 
 class Wall {
   public:
-    // Throws InputError on bad settings.
-    explicit Wall(const Settings& settings);
+    // Throws InputError on bad settings. Walls that are given the same pages (helibore/pages.hpp) hand them on.
+    explicit Wall(const Settings& settings, std::shared_ptr<Pages> pages = nullptr);
     ~Wall();
     Wall(Wall&&) noexcept;
     Wall& operator=(Wall&&) noexcept;
