@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.measure import machine
 
-NAMES = ("reconstruction", "appends", "memory", "emission", "images", "logs", "files")
+NAMES = ("reconstruction", "scaling", "appends", "memory", "emission", "images", "logs", "files")
 
 
 def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:

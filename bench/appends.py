@@ -38,7 +38,7 @@ def latency(length: float, appends: int = 1000, samples_a_metre: int = 1000) -> 
     }
 
 
-def streaming(rounds: int = 5) -> dict[str, Any]:
+def streaming(rounds: int = 15) -> dict[str, Any]:
     """2.4 M samples in appends of 1,000 beside one append, on all cores and on one."""
     data = samples(2_400_000, 262_144, "as recorded")
 

@@ -15,25 +15,31 @@ import helibore as hb
 from helibore import _core
 from helibore.threads import available_threads
 
+A_ROUND = 0.1  # seconds
+
+
+def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None) -> float:
+    """Seconds of a work, its result dropped between: the mean of as many as a tenth of a second takes, or until told.
+
+    It runs once before that, so that it does not pay for the caches and pages that another left behind. Shorter than a
+    tenth, a machine shared with others is fast in one run and slow in the next.
+    """
+    _ = work()
+    took: list[float] = []
+    while not took or (sum(took) < A_ROUND if until is None else not until()):
+        start = time.perf_counter()
+        result = work()
+        took.append(time.perf_counter() - start)
+        del result
+    return statistics.mean(took)
+
 
 def in_turn(works: dict[str, Callable[[], object]], rounds: int) -> dict[str, list[float]]:
-    """Seconds of each work in each round, results dropped between.
-
-    In each round a work runs once, so that it does not pay for the caches and pages that another left behind, and then
-    again until a tenth of a second has passed; the mean counts. Shorter than that, a machine shared with others is
-    fast in one run and slow in the next.
-    """
+    """Seconds of each work in each round, as by `repeated`."""
     seconds: dict[str, list[float]] = {name: [] for name in works}
     for _ in range(rounds):
         for name, work in works.items():
-            _ = work()
-            took: list[float] = []
-            while sum(took) < 0.1:
-                start = time.perf_counter()
-                result = work()
-                took.append(time.perf_counter() - start)
-                del result
-            seconds[name].append(statistics.mean(took))
+            seconds[name].append(repeated(work))
     return seconds
 
 

@@ -7,8 +7,6 @@ anything is timed: helibore, held to one iteration, against the peers, and in fu
 
 from __future__ import annotations
 
-import multiprocessing
-import os
 from collections.abc import Callable
 from typing import Any
 
@@ -98,54 +96,6 @@ def _check(data: tuple[Floats, Floats, Floats, float], peer: Callable[..., Float
         assert abs(radius[k] - brute_force(*data[:3], depth[k], toolface[k])) < 1e-12
 
 
-def on_one_core(work: Callable[[], object]) -> object:
-    """Everything of it on one core, the checks of the arrays included."""
-    cores = os.sched_getaffinity(0)
-    os.sched_setaffinity(0, {min(cores)})
-    try:
-        return work()
-    finally:
-        os.sched_setaffinity(0, cores)
-
-
-class Neighbour:
-    """Another process on another core, which reconstructs the same samples when told to.
-
-    Two processes share nothing but the machine. So one core's time, twice, over theirs is what two cores of it are
-    worth for this work: no program's threads can do better.
-    """
-
-    def __init__(self, name: str, order: str) -> None:
-        context = multiprocessing.get_context("spawn")
-        self._here, there = context.Pipe()
-        self._process = context.Process(target=_serve, args=(there, name, order), daemon=True)
-        self._process.start()
-        self._here.recv()
-
-    def beside(self, work: Callable[[], object]) -> object:
-        """Both at once, until both are done."""
-        self._here.send(True)
-        result = on_one_core(work)
-        self._here.recv()
-        return result
-
-    def __enter__(self) -> Neighbour:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self._here.send(False)
-        self._process.join()
-
-
-def _serve(there: Any, name: str, order: str) -> None:
-    data = samples(*CASES[name], order)
-    os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
-    there.send(True)
-    while there.recv():
-        _ = reconstruct(data).radius
-        there.send(True)
-
-
 def case(name: str, order: str, rounds: int) -> dict[str, Any]:
     """helibore beside its peers on one set of samples."""
     data = samples(*CASES[name], order)
@@ -159,30 +109,11 @@ def case(name: str, order: str, rounds: int) -> dict[str, Any]:
         **{rival: lambda estimate=estimate: estimate(*data[:3], *at) for rival, estimate in rivals.items()},
     }
     seconds = in_turn(works, rounds)
-    alone, threads, processes = scaling(name, order, data, 3 * rounds)
     return {
         "case": f"{name}, {order}",
-        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()}
-        | {"one core": milliseconds(alone)},
+        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()},
         **{f"{rival} / helibore": ratio(seconds[rival], seconds["helibore"]) for rival in rivals},
-        "one core / all": ratio(alone, threads),
-        "two processes' share of two cores": ratio([2 * s for s in alone], processes),
     }
-
-
-def scaling(
-    name: str, order: str, data: tuple[Floats, Floats, Floats, float], rounds: int
-) -> tuple[list[float], list[float], list[float]]:
-    """Seconds on one core, on all cores, and of two processes at once, each on a core."""
-
-    def work() -> object:
-        return reconstruct(data).radius
-
-    with Neighbour(name, order) as neighbour:
-        seconds = in_turn(
-            {"one": lambda: on_one_core(work), "all": work, "two": lambda: neighbour.beside(work)}, rounds
-        )
-    return seconds["one"], seconds["all"], seconds["two"]
 
 
 def cases(rounds: int = 7) -> list[dict[str, Any]]:

@@ -1,0 +1,124 @@
+"""What a second core is worth: threads beside what two processes get that share nothing but the machine.
+
+The cores of a machine that others use, too, are not alike: one that shares its arithmetic with a busy neighbour runs at
+three quarters of the speed, for some milliseconds or for minutes, and now and then both of ours are halves of one. So
+
+- one core's time is that of the mean speed of both, each measured by itself;
+- beside the threads run two processes, a core each, of the same work, and two that only count, with no memory at all:
+  what is missing to 2 there, no threads can have.
+"""
+
+from __future__ import annotations
+
+import multiprocessing
+import os
+import statistics
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from typing import Any
+
+from bench.measure import ratio, repeated
+from bench.reconstruction import CASES, reconstruct, samples
+
+
+@contextmanager
+def on_cores(cores: set[int]) -> Iterator[None]:
+    """Everything on these cores, and as many threads."""
+    before = os.sched_getaffinity(0)
+    os.sched_setaffinity(0, cores)
+    try:
+        yield
+    finally:
+        os.sched_setaffinity(0, before)
+
+
+def count() -> int:
+    """Some milliseconds of arithmetic in registers."""
+    total = 0
+    for i in range(100_000):
+        total += i & 7
+    return total
+
+
+def work_on(name: str, order: str) -> Callable[[], object]:
+    """Raw arrays to the radii of a wall."""
+    data = samples(*CASES[name], order)
+    return lambda: reconstruct(data).radius
+
+
+class Neighbour:
+    """Another process on a core of its own, which works while it is told to and then says how long a work took."""
+
+    def __init__(self, core: int, name: str, order: str) -> None:
+        context = multiprocessing.get_context("spawn")
+        self._here, there = context.Pipe()
+        self._stop = context.Event()
+        self._process = context.Process(target=_serve, args=(there, self._stop, core, name, order), daemon=True)
+        self._process.start()
+        self._here.recv()
+
+    def beside(self, what: str, work: Callable[[], object]) -> tuple[float, float]:
+        """Seconds of a work here and there, while both go on."""
+        self._stop.clear()
+        self._here.send(what)
+        self._here.recv()
+        here = repeated(work)
+        self._stop.set()
+        return here, self._here.recv()
+
+    def __enter__(self) -> Neighbour:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._here.send(None)
+        self._process.join()
+
+
+def _serve(there: Any, stop: Any, core: int, name: str, order: str) -> None:
+    works = {"wall": work_on(name, order), "count": count}
+    os.sched_setaffinity(0, {core})
+    there.send("ready")
+    while what := there.recv():
+        works[what]()
+        there.send("at it")
+        there.send(repeated(works[what], until=stop.is_set))
+
+
+def at_mean_speed(seconds: list[float]) -> float:
+    """Seconds of a work on a core as fast as these on average."""
+    return statistics.harmonic_mean(seconds)
+
+
+def case(name: str, order: str, rounds: int) -> dict[str, Any]:
+    """One core, two threads and two processes on one set of samples; and counting."""
+    first, second = sorted(os.sched_getaffinity(0))[:2]
+    works = {"wall": work_on(name, order), "count": count}
+    seconds: dict[str, list[float]] = {figure: [] for figure in ("one", "threads", "processes", "one c", "processes c")}
+    with Neighbour(second, name, order) as neighbour:
+        for _ in range(rounds):
+            for what, mark in (("wall", ""), ("count", " c")):
+                alone = []
+                for core in (first, second):
+                    with on_cores({core}):
+                        alone.append(repeated(works[what]))
+                seconds["one" + mark].append(at_mean_speed(alone))
+                if what == "wall":
+                    with on_cores({first, second}):
+                        seconds["threads"].append(repeated(works[what]))
+                with on_cores({first}):
+                    both = neighbour.beside(what, works[what])
+                seconds["processes" + mark].append(at_mean_speed(list(both)) / 2)  # two of them in this time
+    return {
+        "case": f"{name}, {order}",
+        "two threads": ratio(seconds["one"], seconds["threads"]),
+        "two processes": ratio(seconds["one"], seconds["processes"]),
+        "two that only count": ratio(seconds["one c"], seconds["processes c"]),
+        "milliseconds": {what: 1000 * statistics.median(seconds[what]) for what in ("one", "threads")},
+    }
+
+
+def cases(rounds: int = 21) -> list[dict[str, Any]]:
+    """Both sizes, as recorded (by depth) and in random order; nothing where there is one core."""
+    if len(os.sched_getaffinity(0)) < 2:
+        return []
+    return [case(name, order, rounds) for name in CASES for order in ("as recorded", "in random order")]
