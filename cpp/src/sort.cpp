@@ -24,6 +24,7 @@ namespace helibore {
 namespace {
 
 constexpr Index rows_to_start = 32768, rows_to_wake = 256;  // that are worth a thread
+constexpr int slabs_a_thread = 8;                           // so that all end together
 
 // Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
 bool in_order(const SampleColumns& c, std::size_t i) {
@@ -55,15 +56,15 @@ void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, Index to, const
         std::transform(toolface, toolface + n, chunk.toolface() + to, wrap_toolface);
 }
 
-// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not. Each
-// worker takes one stretch: two that fill the same large page would wait for each other while the system clears it.
+// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not.
 bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
-    crew.run(threads, [&](int w) {
-        const Range stretch = part(batch.count, threads, w);
-        for (Index first = stretch.start; first < stretch.stop && in_order && valid;) {
+    const Index a_part = std::min((batch.count + threads - 1) / threads, Chunk::full);
+    crew.for_each_part(threads, (batch.count + a_part - 1) / a_part, [&](int, Index part) {
+        const Index stop = std::min(batch.count, (part + 1) * a_part);
+        for (Index first = part * a_part; first < stop && in_order && valid;) {
             const Index chunk = first / Chunk::full;
-            const Range rows{first, std::min(stretch.stop, (chunk + 1) * Chunk::full)};
+            const Range rows{first, std::min(stop, (chunk + 1) * Chunk::full)};
             if (!rows_valid(c, rows, f))
                 valid = false;
             else if (!rows_in_order(c, rows, f))
@@ -77,32 +78,41 @@ bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, in
     return in_order;
 }
 
+// Of every eighth value each, which the compiler makes vectors of.
+struct alignas(64) Extremes {
+    double least[8], greatest[8];
+
+    Extremes() {
+        std::fill_n(least, 8, no_limit);
+        std::fill_n(greatest, 8, -no_limit);
+    }
+    void take(const double* values, const double* end) {
+        for (std::size_t i = 0; values + i < end; ++i) {
+            double& low = least[i % 8];
+            double& high = greatest[i % 8];
+            low = values[i] < low ? values[i] : low;
+            high = values[i] > high ? values[i] : high;
+        }
+    }
+};
+
 // The least and greatest depth, once all rows are found valid.
 std::pair<double, double> survey(const SampleColumns& c, Crew& crew, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
-    std::vector<std::pair<double, double>> extremes(static_cast<std::size_t>(threads));
+    std::vector<Extremes> extremes(static_cast<std::size_t>(threads));
     std::atomic<bool> valid{true};
-    crew.run(threads, [&](int w) {
-        const Range rows = part(n, threads, w);
+    crew.for_each_part(threads, (n + Chunk::full - 1) / Chunk::full, [&](int w, Index part) {
+        const Range rows{part * Chunk::full, std::min(n, (part + 1) * Chunk::full)};
         if (!rows_valid(c, rows, f)) valid = false;
-        const auto depths =
-            c.depth.subspan(static_cast<std::size_t>(rows.start), static_cast<std::size_t>(rows.stop - rows.start));
-        double least[8], greatest[8];
-        std::fill_n(least, 8, no_limit);
-        std::fill_n(greatest, 8, -no_limit);
-        for (std::size_t i = 0; i < depths.size(); ++i) {
-            double& low = least[i % 8];
-            double& high = greatest[i % 8];
-            low = depths[i] < low ? depths[i] : low;
-            high = depths[i] > high ? depths[i] : high;
-        }
-        extremes[static_cast<std::size_t>(w)] = {*std::min_element(least, least + 8),
-                                                 *std::max_element(greatest, greatest + 8)};
+        extremes[static_cast<std::size_t>(w)].take(c.depth.data() + rows.start, c.depth.data() + rows.stop);
     });
     if (!valid) check_rows(c);
-    std::pair<double, double> all = extremes[0];
-    for (const auto& [low, high] : extremes) all = {std::min(all.first, low), std::max(all.second, high)};
-    return all;
+    double least = no_limit, greatest = -no_limit;
+    for (const Extremes& of_worker : extremes) {
+        least = std::min(least, *std::min_element(of_worker.least, of_worker.least + 8));
+        greatest = std::max(greatest, *std::max_element(of_worker.greatest, of_worker.greatest + 8));
+    }
+    return {least, greatest};
 }
 
 // Which bucket a depth belongs to: a non-decreasing function of it.
@@ -224,8 +234,8 @@ void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<
     crew.for_each_part(threads, buckets.count, sort_bucket);
 }
 
-// Where a worker's rows of one bucket go. Eight of them are collected before they are written, a line of memory a
-// column: scattered single stores would have the processor fetch and write back each line several times.
+// Where the rows of one bucket go. Eight of them are collected before they are written, a line of memory a column:
+// scattered single stores would have the processor fetch and write back each line several times.
 struct Collected {
     Index start, next;  // the rows' places in the order of buckets
     alignas(64) double rows[4][8];
@@ -246,31 +256,32 @@ struct Collected {
     }
 };
 
-// Puts each row into its bucket.
+// Puts each row into its bucket. The rows are taken in slabs, each of which knows where in every bucket its own begin.
 void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
                 Crew& crew, int threads) {
     const auto n = static_cast<Index>(c.depth.size());
     const auto size = static_cast<std::size_t>(buckets.count);
-    std::vector<std::vector<Collected>> collected(static_cast<std::size_t>(threads), std::vector<Collected>(size));
-    crew.run(threads, [&](int w) {
+    const int slabs = threads == 1 ? 1 : slabs_a_thread * threads;
+    std::vector<std::vector<Index>> places(static_cast<std::size_t>(slabs));
+    crew.for_each_part(threads, slabs, [&](int, Index s) {
         std::vector<Index> counts(size, 0);
-        const Range rows = part(n, threads, w);
+        const Range rows = part(n, slabs, static_cast<int>(s));
         for (Index i = rows.start; i < rows.stop; ++i)
             ++counts[static_cast<std::size_t>(buckets.of(c.depth[static_cast<std::size_t>(i)]))];
-        for (std::size_t b = 0; b < size; ++b) collected[static_cast<std::size_t>(w)][b].next = counts[b];
+        places[static_cast<std::size_t>(s)] = std::move(counts);
     });
     Index total = 0;
     ends.resize(size);
     for (std::size_t b = 0; b < size; ++b) {
-        for (auto& of_worker : collected) {
-            of_worker[b].start = total;
-            total += std::exchange(of_worker[b].next, total);
-        }
+        for (auto& of_slab : places) total += std::exchange(of_slab[b], total);
         ends[b] = total;
     }
-    crew.run(threads, [&](int w) {
+    std::vector<std::vector<Collected>> collected(static_cast<std::size_t>(threads));
+    crew.for_each_part(threads, slabs, [&](int w, Index s) {
         auto& mine = collected[static_cast<std::size_t>(w)];
-        const Range rows = part(n, threads, w);
+        mine.resize(size);
+        for (std::size_t b = 0; b < size; ++b) mine[b].start = mine[b].next = places[static_cast<std::size_t>(s)][b];
+        const Range rows = part(n, slabs, static_cast<int>(s));
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
             Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
             const Index slot = bucket.next++ % 8;
