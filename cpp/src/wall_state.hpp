@@ -18,7 +18,7 @@
 namespace helibore {
 
 inline constexpr Index lanes = kernel::lanes;
-inline constexpr Index groups_a_part = 64;  // of the work shared out to threads
+inline constexpr Index groups_a_part = 16;  // of the work shared out to threads
 
 inline Index groups_of(Index vertices) {
     return (vertices + lanes - 1) / lanes;
