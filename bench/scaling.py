@@ -5,7 +5,7 @@ three quarters of the speed, for some milliseconds or for minutes, and now and t
 
 - one core's time is that of the mean speed of both, each measured by itself;
 - beside the threads run two processes, a core each, of the same work, and two that only count, with no memory at all:
-  what is missing to 2 there, no threads can have.
+  what is missing to 2 there, threads cannot have either.
 """
 
 from __future__ import annotations
@@ -113,11 +113,12 @@ def case(name: str, order: str, rounds: int) -> dict[str, Any]:
         "two threads": ratio(seconds["one"], seconds["threads"]),
         "two processes": ratio(seconds["one"], seconds["processes"]),
         "two that only count": ratio(seconds["one c"], seconds["processes c"]),
+        "two threads / two processes": ratio(seconds["processes"], seconds["threads"]),
         "milliseconds": {what: 1000 * statistics.median(seconds[what]) for what in ("one", "threads")},
     }
 
 
-def cases(rounds: int = 21) -> list[dict[str, Any]]:
+def cases(rounds: int = 31) -> list[dict[str, Any]]:
     """Both sizes, as recorded (by depth) and in random order; nothing where there is one core."""
     if len(os.sched_getaffinity(0)) < 2:
         return []
