@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <new>
+#include <utility>
 
 #ifdef __linux__
 #include <sys/mman.h>
@@ -42,9 +43,10 @@ Pages::~Pages() {
 }
 
 std::shared_ptr<double[]> Pages::take() {
+    auto pages = shared_from_this();
     double* page = kept_page();
     if (!page) page = map_page();
-    return {page, [pages = shared_from_this()](double* p) {
+    return {page, [pages = std::move(pages)](double* p) {
                 if (!pages->keep(p)) unmap_page(p);
             }};
 }
@@ -60,8 +62,12 @@ double* Pages::kept_page() {
 
 bool Pages::keep(double* page) {
     const std::unique_lock held(lock_, std::try_to_lock);
-    if (!held || kept_.size() == kept_.capacity()) return false;
-    kept_.push_back(page);
+    if (!held || (kept_.size() + 1) * page_size > most_kept_) return false;
+    try {
+        kept_.push_back(page);
+    } catch (const std::bad_alloc&) {
+        return false;
+    }
     return true;
 }
 

@@ -242,7 +242,7 @@ void on_workers(int threads, const Run& run) {
 
 template <class Run>
 void for_each_part(Index parts, int threads, const Run& run) {
-    Crew(threads).for_each_part(threads, parts, run);
+    Crew(threads).for_each_part(std::max(threads, 1), parts, run);
 }
 
 }  // namespace helibore

@@ -2,6 +2,7 @@
 #include "samples.hpp"
 
 #include <algorithm>
+#include <iterator>
 
 namespace helibore {
 namespace {
@@ -36,13 +37,17 @@ class Reader {
     bool timed_;
 };
 
-// Writes rows into chunks, each filled before the next is made.
+// Writes so many rows into chunks, as few and as equal as can be, and none larger than its rows: a row more in a full
+// chunk makes two halves of it, not one that is all but empty.
 class Writer {
   public:
-    explicit Writer(bool timed) : timed_(timed) {}
+    Writer(Index rows, bool timed) : timed_(timed), left_(rows), chunks_left_((rows + Chunk::full - 1) / Chunk::full) {}
     void put(const Row& row) {
-        if (chunks.empty() || chunks.back()->free_room() == 0)
-            chunks.push_back(std::make_shared<Chunk>(Chunk::full, timed_));
+        if (chunks.empty() || chunks.back()->free_room() == 0) {
+            chunks.push_back(std::make_shared<Chunk>((left_ + chunks_left_ - 1) / chunks_left_, timed_));
+            --chunks_left_;
+        }
+        --left_;
         Chunk& c = *chunks.back();
         c.depth()[c.count] = row.depth;
         c.toolface()[c.count] = row.toolface;
@@ -55,12 +60,19 @@ class Writer {
 
   private:
     bool timed_;
+    Index left_, chunks_left_;
 };
+
+Index rows_of(const Chunks& chunks) {
+    Index rows = 0;
+    for (const auto& chunk : chunks) rows += chunk->count;
+    return rows;
+}
 
 // Merges chunks with the batch. Rows without a time keep their arrival order: old before new at equal
 // depth. Rows with one are compared whole, and equal rows are kept once.
 Chunks merge(const Chunks& old, SortedBatch& batch) {
-    Writer writer(batch.timed);
+    Writer writer(rows_of(old) + batch.count, batch.timed);
     Reader a(old, batch.timed), b(batch.chunks, batch.timed);
     while (!a.at_end() || !b.at_end()) {
         if (b.at_end()) {
@@ -88,15 +100,15 @@ Chunks merge(const Chunks& old, SortedBatch& batch) {
     return std::move(writer.chunks);
 }
 
-// Chunks of a large batch, which share pages as far as they fill them.
-Chunks full_chunks(Index total, bool timed, Pages& pages) {
-    const Index size = Chunk::size(Chunk::full, timed);
+// Chunks of a large batch, which share pages as far as they fill three quarters of them.
+Chunks full_chunks(Index count, bool timed, Pages& pages) {
+    const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
     const Index a_page = static_cast<Index>(page_size / sizeof(double)) / size;
     Chunks chunks;
     chunks.reserve(static_cast<std::size_t>(total));
     std::shared_ptr<double[]> page;
     for (Index i = 0; i < total; ++i) {
-        if (i % a_page == 0) page = total - i < a_page / 2 ? nullptr : pages.take();
+        if (i % a_page == 0) page = 4 * (count - i * Chunk::full) < 3 * a_page * Chunk::full ? nullptr : pages.take();
         chunks.push_back(page ? std::make_shared<Chunk>(Chunk::full, Chunk::full,
                                                         std::shared_ptr<double[]>(page, page.get() + i % a_page * size))
                               : std::make_shared<Chunk>(Chunk::full, timed));
@@ -115,12 +127,12 @@ bool SortedBatch::any_within(double low, double high) const {
 }
 
 // A small batch that does not fit behind the others begins a chunk with room for more of its size: a wall that is
-// streamed grows in whole chunks, one made at once has none to spare.
+// streamed grows in whole chunks, one made at once has none to spare. What is left of a chunk is less than a batch.
 Chunks Samples::room_for(Index count, bool timed, Pages& pages) const {
     constexpr Index most_appends = 256;
     Chunks chunks;
     if (count >= Chunk::full)
-        chunks = full_chunks((count + Chunk::full - 1) / Chunk::full, timed, pages);
+        chunks = full_chunks(count, timed, pages);
     else if (count_ == 0)
         chunks = {std::make_shared<Chunk>(count, timed)};
     else if (timed == timed_ && count <= chunks_.back()->free_room())
@@ -132,7 +144,7 @@ Chunks Samples::room_for(Index count, bool timed, Pages& pages) const {
 }
 
 Samples::Undo Samples::insert(SortedBatch& batch) {
-    if (batch.count == 0) return {.first = 0, .inserted = 0, .replaced = {}, .tail_count = 0, .count = count_};
+    if (batch.count == 0) return {};
     if (count_ == 0) timed_ = batch.timed;
     const Row front = Row::of(*batch.chunks.front(), 0, timed_);
     const bool appends = count_ == 0 || (timed_ ? Row::of(*chunks_.back(), chunks_.back()->count - 1, true) < front
@@ -162,10 +174,16 @@ Samples::Undo Samples::append(const SortedBatch& batch) {
 }
 
 Samples::Undo Samples::merge_in(SortedBatch& batch) {
-    const auto first = std::partition_point(chunks_.begin(), chunks_.end(),
-                                            [&](const auto& c) { return c->last_depth() < batch.first_depth(); });
-    const auto last = std::partition_point(first, chunks_.end(),
-                                           [&](const auto& c) { return c->first_depth() <= batch.last_depth(); });
+    auto first = std::partition_point(chunks_.begin(), chunks_.end(),
+                                      [&](const auto& c) { return c->last_depth() < batch.first_depth(); });
+    auto last = std::partition_point(first, chunks_.end(),
+                                     [&](const auto& c) { return c->first_depth() <= batch.last_depth(); });
+    // A short neighbour comes along, else many small batches would leave as many short chunks.
+    constexpr Index few = 512;
+    if (last != chunks_.end() && (*last)->count < few)
+        ++last;
+    else if (first != chunks_.begin() && (*std::prev(first))->count < few)
+        --first;
     Undo undo;
     undo.first = static_cast<std::size_t>(first - chunks_.begin());
     undo.replaced = Chunks(first, last);

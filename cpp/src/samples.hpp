@@ -61,7 +61,7 @@ class Chunk {
     static Index whole_lines(Index n) { return (n + 7) / 8 * 8; }
     static std::shared_ptr<double[]> lines(Index n) {
         const auto of_lines = std::make_shared_for_overwrite<Line[]>(static_cast<std::size_t>(n / 8));
-        return {of_lines, of_lines[0].values};
+        return {of_lines, reinterpret_cast<double*>(of_lines.get())};
     }
 
     std::shared_ptr<double[]> columns_;
@@ -100,7 +100,7 @@ class Samples {
     };
 
     Index size() const { return count_; }
-    bool timed() const { return timed_; }
+    bool timed() const { return timed_ && count_ > 0; }
     const Chunks& chunks() const { return chunks_; }
     double first_depth() const { return chunks_.front()->first_depth(); }
     double last_depth() const { return chunks_.back()->last_depth(); }

@@ -297,28 +297,28 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
     });
 }
 
-// Timed rows equal in all four are kept once. Rare, so serial and simple.
+// Timed rows equal in all four are kept once: what follows them moves up. Rare, so serial and simple.
 void drop_redundant(SortedBatch& batch) {
-    Chunks kept;
+    Index kept = 0;
     double last[4] = {};
     for (const auto& from : batch.chunks)
         for (Index i = 0; i < from->count; ++i) {
             const double row[4] = {from->depth()[i], from->time()[i], from->toolface()[i], from->radius()[i]};
-            if (!kept.empty() && std::equal(row, row + 4, last)) {
+            if (kept > 0 && std::equal(row, row + 4, last)) {
                 ++batch.redundant;
                 continue;
             }
-            if (kept.empty() || kept.back()->free_room() == 0)
-                kept.push_back(std::make_shared<Chunk>(Chunk::full, true));
-            Chunk& to = *kept.back();
-            to.depth()[to.count] = row[0];
-            to.time()[to.count] = row[1];
-            to.toolface()[to.count] = row[2];
-            to.radius()[to.count++] = row[3];
+            Chunk& to = *batch.chunks[static_cast<std::size_t>(kept / Chunk::full)];
+            const Index at = kept++ % Chunk::full;
+            to.depth()[at] = row[0];
+            to.time()[at] = row[1];
+            to.toolface()[at] = row[2];
+            to.radius()[at] = row[3];
             std::copy_n(row, 4, last);
         }
-    batch.chunks = std::move(kept);
-    batch.count -= batch.redundant;
+    batch.count = kept;
+    batch.chunks.resize(static_cast<std::size_t>((kept + Chunk::full - 1) / Chunk::full));
+    batch.chunks.back()->count = kept - static_cast<Index>(batch.chunks.size() - 1) * Chunk::full;
 }
 
 bool has_redundant(const SortedBatch& batch) {

@@ -39,6 +39,7 @@ void a_whole_wall() {
     const std::vector<double> channel = one.samples()[2];
     const std::span<const double> channels[] = {channel};
     CHECK(same(one.carry(channels, 1)[0], one.carry(channels, crew_size)[0]));
+    CHECK(same(one.carry(channels, 1)[0], one.carry(channels, 0)[0]));
 }
 
 void what_follows_from_it() {

@@ -295,8 +295,9 @@ def test_a_wall_too_long_to_be_meant() -> None:
     wall = hb.Wall(bit_diameter=BIT, sectors=1000, pitch=1e-6, start_depth=0.0)
     text = r"^the wall from 0 m to 5000 m would have 5\S* vertices: must be at most 2147483648$"
     with pytest.raises(ValueError, match=text):
-        wall.append([5000.0], [0.0], [0.1])
+        wall.append([5000.0], [0.0], [0.1], [1.0])
     assert len(wall) == wall.sample_count == 0
+    assert wall.samples.time is None
 
 
 def test_several_python_threads_share_a_wall() -> None:

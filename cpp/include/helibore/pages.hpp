@@ -21,14 +21,16 @@ inline constexpr std::size_t page_size = std::size_t{2} << 20;
 class Pages : public std::enable_shared_from_this<Pages> {
   public:
     // Keeps at most so many bytes of what comes back; the rest goes to the system.
-    explicit Pages(std::size_t most_kept = 0) { kept_.reserve(most_kept / page_size); }
+    explicit Pages(std::size_t most_kept = 0) : most_kept_(most_kept) {}
     ~Pages();
     Pages(const Pages&) = delete;
     Pages& operator=(const Pages&) = delete;
 
-    // A page, not zeroed, that comes back when its last owner goes; throws std::bad_alloc.
+    // A page, not zeroed, that comes back when its last owner goes; throws std::bad_alloc. Of pages that belong to a
+    // std::shared_ptr; else throws std::bad_weak_ptr.
     std::shared_ptr<double[]> take();
 
+    // Both wait for other threads, and so must not be called in a forked process.
     std::size_t kept() const;  // bytes
     void release();            // gives what is kept to the system
 
@@ -36,8 +38,9 @@ class Pages : public std::enable_shared_from_this<Pages> {
     double* kept_page();
     bool keep(double* page);
 
+    const std::size_t most_kept_;
     mutable std::mutex lock_;
-    std::vector<double*> kept_;  // never more than it has room for
+    std::vector<double*> kept_;
 };
 
 }  // namespace helibore
