@@ -189,7 +189,8 @@ class Crew {
         }
     }
 
-    // One quick call may come by chance; several in a row are a stream.
+    // A call is quick that surely finds the helpers, who look a last time before they end. One may come by chance;
+    // several in a row are a stream.
     void begin() {
         board_->resting = false;
         if (threads_ == 1) return;
