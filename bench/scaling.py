@@ -17,7 +17,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import Any
 
-from bench.measure import ratio, repeated
+from bench.measure import milliseconds, ratio, repeated
 from bench.reconstruction import CASES, reconstruct, samples
 
 
@@ -79,7 +79,6 @@ def _serve(there: Any, stop: Any, core: int, name: str, order: str) -> None:
     os.sched_setaffinity(0, {core})
     there.send("ready")
     while what := there.recv():
-        works[what]()
         there.send("at it")
         there.send(repeated(works[what], until=stop.is_set))
 
@@ -89,32 +88,35 @@ def at_mean_speed(seconds: list[float]) -> float:
     return statistics.harmonic_mean(seconds)
 
 
+def on(core: int, work: Callable[[], object]) -> float:
+    """Seconds of a work on one core."""
+    with on_cores({core}):
+        return repeated(work)
+
+
 def case(name: str, order: str, rounds: int) -> dict[str, Any]:
     """One core, two threads and two processes on one set of samples; and counting."""
     first, second = sorted(os.sched_getaffinity(0))[:2]
     works = {"wall": work_on(name, order), "count": count}
-    seconds: dict[str, list[float]] = {figure: [] for figure in ("one", "threads", "processes", "one c", "processes c")}
+    one: dict[str, list[float]] = {what: [] for what in works}
+    processes: dict[str, list[float]] = {what: [] for what in works}
+    threads: list[float] = []
     with Neighbour(second, name, order) as neighbour:
         for _ in range(rounds):
-            for what, mark in (("wall", ""), ("count", " c")):
-                alone = []
-                for core in (first, second):
-                    with on_cores({core}):
-                        alone.append(repeated(works[what]))
-                seconds["one" + mark].append(at_mean_speed(alone))
-                if what == "wall":
-                    with on_cores({first, second}):
-                        seconds["threads"].append(repeated(works[what]))
+            with on_cores({first, second}):
+                threads.append(repeated(works["wall"]))
+            for what, work in works.items():
+                one[what].append(at_mean_speed([on(first, work), on(second, work)]))
                 with on_cores({first}):
-                    both = neighbour.beside(what, works[what])
-                seconds["processes" + mark].append(at_mean_speed(list(both)) / 2)  # two of them in this time
+                    both = neighbour.beside(what, work)
+                processes[what].append(at_mean_speed(list(both)) / 2)  # two of them in this time
     return {
         "case": f"{name}, {order}",
-        "two threads": ratio(seconds["one"], seconds["threads"]),
-        "two processes": ratio(seconds["one"], seconds["processes"]),
-        "two that only count": ratio(seconds["one c"], seconds["processes c"]),
-        "two threads / two processes": ratio(seconds["processes"], seconds["threads"]),
-        "milliseconds": {what: 1000 * statistics.median(seconds[what]) for what in ("one", "threads")},
+        "two threads": ratio(one["wall"], threads),
+        "two processes": ratio(one["wall"], processes["wall"]),
+        "two that only count": ratio(one["count"], processes["count"]),
+        "two threads / two processes": ratio(processes["wall"], threads),
+        "milliseconds": {"one": milliseconds(one["wall"]), "threads": milliseconds(threads)},
     }
 
 
