@@ -66,14 +66,14 @@ std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>&
 Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
     const StandardArithmetic standard;
-    const Crew::Shift shift(crew);
-    SortedBatch batch = sort_batch(columns, samples, *pages, crew, search.functions());
+    const Shift shift(crews.get(), settings.threads);
+    SortedBatch batch = sort_batch(columns, samples, *pages, shift.crew(), search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
         throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
                                      : "time: missing, but the samples before carry one; give it for all or none");
     Samples::Undo undo = samples.insert(batch);
     try {
-        return update(batch);
+        return update(batch, shift.crew());
     } catch (...) {
         samples.undo(std::move(undo));
         throw;
@@ -98,7 +98,7 @@ Index Wall::State::count_now(const Helix& next) const {
 }
 
 // A wall has vertices from its first sample on.
-Change Wall::State::update(const SortedBatch& batch) {
+Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
     if (samples.size() == 0) return {};
     const Helix next = helix_now();
     const Index new_count = count_now(next);
@@ -114,7 +114,7 @@ Change Wall::State::update(const SortedBatch& batch) {
         old.push_back(kept / lanes);  // the last group gains vertices
     const Range fresh{groups_of(kept), groups_of(new_count)};
     std::vector<GroupResult> staged(old.size());
-    search_groups(next, old, fresh, new_count, into, staged);
+    search_groups(crew, next, old, fresh, new_count, into, staged);
 
     Change change;
     change.accepted = batch.count;
@@ -179,8 +179,8 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
 }
 
 // Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
-void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
-                                Vertices& into, std::vector<GroupResult>& staged) {
+void Wall::State::search_groups(Crew& crew, const Helix& on, const std::vector<Index>& old, Range fresh,
+                                Index vertex_count, Vertices& into, std::vector<GroupResult>& staged) {
     const auto old_count = static_cast<Index>(old.size());
     const Index total = old_count + fresh.stop - fresh.start;
     const int shares = crew.shares_worth(total, groups_to_start, groups_to_wake);
@@ -250,10 +250,10 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
     return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
 }
 
-Wall::Wall(const Settings& settings, std::shared_ptr<Pages> pages)
+Wall::Wall(const Settings& settings, std::shared_ptr<Pages> pages, std::shared_ptr<Crews> crews)
     : state_([&] {
           const StandardArithmetic standard;
-          return std::make_unique<State>(settings, std::move(pages));
+          return std::make_unique<State>(settings, std::move(pages), std::move(crews));
       }()) {}
 Wall::~Wall() = default;
 Wall::Wall(Wall&&) noexcept = default;

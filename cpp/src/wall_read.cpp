@@ -12,6 +12,8 @@ namespace helibore {
 
 namespace {
 
+constexpr Index blocks_to_start = 64, blocks_to_wake = 2;  // whose radii are worth a thread
+
 std::size_t length_of(Range range) {
     return static_cast<std::size_t>(range.stop - range.start);
 }
@@ -107,6 +109,21 @@ std::vector<double> Wall::toolface() const {
 std::vector<double> Wall::radius() const {
     const std::scoped_lock held(state_->lock);
     return state_->radius({0, state_->count});
+}
+
+Index Wall::read_radius(std::span<double> into) const {
+    const std::scoped_lock held(state_->lock);
+    const State& s = *state_;
+    if (static_cast<Index>(into.size()) != s.count) return s.count;
+    const Shift shift(s.crews.get(), s.settings.threads);
+    const Index blocks = (s.count + Vertices::block_size - 1) / Vertices::block_size;
+    const int shares = shift.crew().shares_worth(blocks, blocks_to_start, blocks_to_wake);
+    shift.crew().for_each_part(shares, blocks, [&](int, Index b) {
+        const Index first = b * Vertices::block_size, n = std::min(Vertices::block_size, s.count - first);
+        std::copy_n(s.vertices.block(b).radius.begin(), n, into.begin() + first);
+    });
+    s.direct.show({0, s.count}, into.data());
+    return s.count;
 }
 
 std::vector<double> Wall::nearest() const {

@@ -25,24 +25,24 @@ inline Index groups_of(Index vertices) {
 }
 
 struct Wall::State {
-    State(const Settings& s, std::shared_ptr<Pages> of_walls)
+    State(const Settings& s, std::shared_ptr<Pages> pages_of_walls, std::shared_ptr<Crews> crews_of_walls)
         : settings(s),
           search((s.validate(), s)),
-          pages(of_walls ? std::move(of_walls) : std::make_shared<Pages>()),
-          crew(s.threads) {
+          pages(pages_of_walls ? std::move(pages_of_walls) : std::make_shared<Pages>()),
+          crews(crews_of_walls ? std::move(crews_of_walls) : std::make_shared<Crews>()) {
         if (s.start_depth) helix.start_depth = *s.start_depth;
         scratches.resize(static_cast<std::size_t>(s.threads));
     }
 
     Change append(const SampleColumns& columns);
-    Change update(const SortedBatch& batch);
+    Change update(const SortedBatch& batch, Crew& crew);
     Helix helix_now() const;
     Index count_now(const Helix& next) const;
     void measure_hulls(const std::vector<Index>& old, Index kept);
     bool advances(const SortedBatch& batch) const;
     std::vector<Index> touched_groups(const SortedBatch& batch, Index open) const;
-    void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
-                       std::vector<GroupResult>& staged);
+    void search_groups(Crew& crew, const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
+                       Vertices& into, std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count, const DirectRadii& next_direct) const;
     Index settled_after(const Helix& on, const Vertices& of, Index from, Index measured, Index vertex_count,
@@ -59,6 +59,7 @@ struct Wall::State {
     Settings settings;
     Search search;
     std::shared_ptr<Pages> pages;
+    std::shared_ptr<Crews> crews;
     Samples samples;
     Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
     Vertices vertices;
@@ -67,7 +68,6 @@ struct Wall::State {
     double far_end = std::numeric_limits<double>::quiet_NaN();  // of the samples that `settled` was found with
     DirectRadii direct;
     std::vector<Search::Scratch> scratches;
-    Crew crew;  // of append
 };
 
 }  // namespace helibore

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include "arrays.hpp"
+#include "helibore/crews.hpp"
 #include "helibore/pages.hpp"
 #include "register.hpp"
 
@@ -62,10 +63,27 @@ bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::h
     return is_one(depth) && is_one(toolface) && is_one(radius) && (time.is_none() || is_one(time));
 }
 
+// Waits for an append, if need be, while other Python threads go on.
 template <class T>
-std::vector<T> read_of(const Wall& wall, std::vector<T> (Wall::*read)() const) {
+T read_of(const Wall& wall, T (Wall::*read)() const) {
     const py::gil_scoped_release released;
     return (wall.*read)();
+}
+
+template <class T>
+auto number(T (Wall::*read)() const) {
+    return [read](const Wall& wall) { return read_of(wall, read); };
+}
+
+// Unless the wall has grown meanwhile, read into the array by all of its threads.
+py::array_t<double> radius_of(const Wall& wall) {
+    py::array_t<double> radius(read_of(wall, &Wall::size));
+    const std::span<double> into(radius.mutable_data(), static_cast<std::size_t>(radius.size()));
+    {
+        const py::gil_scoped_release released;
+        if (wall.read_radius(into) == static_cast<Index>(into.size())) return radius;
+    }
+    return array_of(read_of(wall, &Wall::radius));
 }
 
 template <class T>
@@ -89,9 +107,11 @@ py::array_t<Index> ranges_of(const Change& change) {
 }  // namespace
 
 void register_wall(py::module_& m) {
+    const auto pages = std::make_shared<Pages>(pages_kept);
+    const auto crews = std::make_shared<Crews>();
     py::class_<Wall>(m, "Wall")
-        .def(py::init([pages = std::make_shared<Pages>(pages_kept)](const py::kwargs& settings) {
-            return std::make_unique<Wall>(settings_of(settings), pages);
+        .def(py::init([pages, crews](const py::kwargs& settings) {
+            return std::make_unique<Wall>(settings_of(settings), pages, crews);
         }))
         .def(
             "append",
@@ -106,13 +126,13 @@ void register_wall(py::module_& m) {
                 return py::make_tuple(ranges_of(change), change.settled, change.accepted, change.redundant);
             },
             py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time") = py::none())
-        .def("__len__", &Wall::size)
-        .def_property_readonly("sample_count", &Wall::sample_count)
-        .def_property_readonly("settled", &Wall::settled)
-        .def_property_readonly("start_depth", &Wall::start_depth)
+        .def("__len__", number(&Wall::size))
+        .def_property_readonly("sample_count", number(&Wall::sample_count))
+        .def_property_readonly("settled", number(&Wall::settled))
+        .def_property_readonly("start_depth", number(&Wall::start_depth))
         .def("depth", reader(&Wall::depth))
         .def("toolface", reader(&Wall::toolface))
-        .def("radius", reader(&Wall::radius))
+        .def("radius", &radius_of)
         .def("nearest", reader(&Wall::nearest))
         .def("support", reader(&Wall::support))
         .def("iterations", reader(&Wall::iterations))
@@ -159,11 +179,11 @@ void register_wall(py::module_& m) {
     m.def("are_columns", &are_columns, py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"));
     m.def(
         "check_samples",
-        [](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,
-           int threads) {
+        [crews](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,
+                int threads) {
             const SampleColumns columns = columns_of(depth, toolface, radius, time);
             const py::gil_scoped_release released;
-            columns.validate(threads);
+            columns.validate(threads, crews.get());
         },
         py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"), py::arg("threads"));
     m.def("instruction_set_in_use", [] { return std::string(instruction_set_in_use()); });

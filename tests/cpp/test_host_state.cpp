@@ -1,8 +1,10 @@
 // A host's floating-point state changes no bit and stays as the host set it: rounding upwards, flushing subnormals to
 // zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would end them).
 #include <cfenv>
+#include <memory>
 
 #include "check.hpp"
+#include "helibore/crews.hpp"
 #include "hole.hpp"
 
 #ifdef __SSE2__
@@ -13,10 +15,16 @@ namespace {
 
 using Result = std::vector<std::uint64_t>;
 
-// Makes a wall, appends in two steps with samples exactly on vertices (distance 0), and reads all, in the host's state.
+// Checks samples and makes a wall of them on threads that both share: appends in two steps with samples exactly on
+// vertices (distance 0), and reads all, in the host's state.
 Result work(int threads, const Hole& hole) {
-    helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
+    const auto crews = std::make_shared<helibore::Crews>();
+    helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads},
+                        nullptr, crews);
+    hole.all().validate(threads, crews.get());
     wall.append(hole.rows(0, 1000));
+    std::vector<double> radius(static_cast<std::size_t>(wall.size()));
+    CHECK(wall.read_radius(radius) == wall.size());
     wall.append(hole.rows(1000, hole.depth.size() - 1000));
     return bits(wall);
 }
@@ -50,8 +58,8 @@ void under(const char* name, const Result& expected, const Hole& hole, const Set
 }  // namespace
 
 int main() {
-    Hole hole = oval_hole(5000, 100.0, 3.0);
-    for (std::size_t i = 0; i < 50; ++i) {  // on vertices, and as near as it gets
+    Hole hole = oval_hole(100'000, 100.0, 30.0);  // enough for all to be shared out
+    for (std::size_t i = 0; i < 50; ++i) {        // on vertices, and as near as it gets
         hole.depth[i] = 100.0;
         hole.toolface[i] = i % 2 == 0 ? 0.0 : 1e-300;
     }

@@ -3,13 +3,17 @@
 //
 //   cmake -S . -B build/tsan -DHELIBORE_TESTS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=thread
 //   cmake --build build/tsan && ctest --test-dir build/tsan
+#include <algorithm>
 #include <atomic>
 #include <cstring>
+#include <memory>
 #include <thread>
 
 #include "check.hpp"
+#include "helibore/crews.hpp"
 #include "helibore/image.hpp"
 #include "helibore/logs.hpp"
+#include "helibore/pages.hpp"
 #include "helibore/surface.hpp"
 #include "helibore/wits.hpp"
 #include "hole.hpp"
@@ -100,6 +104,45 @@ void appends_beside_reads() {
     CHECK(bits(wall) == bits(wall_of(hole, 1)));
 }
 
+// Walls of one host one after another and at once, on shared threads and memory; the radii into the host's own memory.
+void walls_that_share() {
+    const Hole hole = oval_hole(60'000, 1000.0, 60.0);
+    const std::vector<std::uint64_t> expected = bits(wall_of(hole, 1));
+    const auto pages = std::make_shared<helibore::Pages>(std::size_t{8} << 20);
+    const auto crews = std::make_shared<helibore::Crews>();
+    std::vector<std::jthread> hosts;
+    for (int h = 0; h < 3; ++h)
+        hosts.emplace_back([&, h] {
+            for (int i = 0; i < 6; ++i) {
+                hole.all().validate(2, crews.get());
+                helibore::Wall wall(
+                    {.bit_diameter = 0.216, .sectors = sectors, .start_depth = 1000.0, .threads = 1 + (h + i) % 4},
+                    pages, crews);
+                wall.append(hole.all());
+                std::vector<double> radius(static_cast<std::size_t>(wall.size()));
+                CHECK(wall.read_radius(radius) == wall.size());
+                CHECK(same(radius, wall.radius()));
+                CHECK(bits(wall) == expected);
+            }
+        });
+    for (std::jthread& host : hosts) host.join();
+
+    const helibore::Wall wall = wall_of(hole, 2);
+    std::vector<double> other(static_cast<std::size_t>(wall.size()) + 1, 7.0);
+    CHECK(wall.read_radius(other) == wall.size());
+    CHECK(std::count(other.begin(), other.end(), 7.0) == static_cast<std::ptrdiff_t>(other.size()));
+    CHECK(helibore::Wall({.bit_diameter = 0.216}).read_radius({}) == 0);
+
+    // Of vertices that are not settled, what stands for them.
+    helibore::Wall live({.bit_diameter = 0.216, .sectors = sectors, .start_depth = 1000.0, .direct = true});
+    live.append(hole.all());
+    std::vector<double> shown(static_cast<std::size_t>(live.size()));
+    CHECK(live.read_radius(shown) == live.size());
+    const std::vector<std::uint8_t> provisional = live.provisional();
+    CHECK(std::count(provisional.begin(), provisional.end(), 1) > 0);
+    CHECK(same(shown, live.radius()));
+}
+
 void one_parser() {
     helibore::wits::Parser parser;
     std::atomic<Index> found = 0;
@@ -120,6 +163,7 @@ int main() {
     a_whole_wall();
     what_follows_from_it();
     appends_beside_reads();
+    walls_that_share();
     one_parser();
     return failures();
 }

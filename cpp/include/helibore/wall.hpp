@@ -18,6 +18,7 @@
 
 namespace helibore {
 
+class Crews;
 class Pages;
 
 // Columns of equal length, borrowed for the call: metres, degrees clockwise looking downhole, metres from the axis of
@@ -29,8 +30,8 @@ struct SampleColumns {
     std::span<const double> time = {};
 
     // Throws InputError that names the first row that breaks a rule of its column: "toolface[17] = nan: must be
-    // finite".
-    void validate(int threads = 1) const;
+    // finite". Its threads are those of the crews that are lent to it, or its own.
+    void validate(int threads = 1, Crews* crews = nullptr) const;
 };
 
 // One value a vertex: metres and degrees.
@@ -54,8 +55,10 @@ struct Change {
 
 class Wall {
   public:
-    // Throws InputError on bad settings. Walls that are given the same pages (helibore/pages.hpp) hand them on.
-    explicit Wall(const Settings& settings, std::shared_ptr<Pages> pages = nullptr);
+    // Throws InputError on bad settings. Walls that are given the same pages (helibore/pages.hpp) or crews
+    // (helibore/crews.hpp) hand on their memory and their threads.
+    explicit Wall(const Settings& settings, std::shared_ptr<Pages> pages = nullptr,
+                  std::shared_ptr<Crews> crews = nullptr);
     ~Wall();
     Wall(Wall&&) noexcept;
     Wall& operator=(Wall&&) noexcept;
@@ -75,6 +78,10 @@ class Wall {
     // InputError where the range reaches beyond the wall.
     VertexColumns vertices(Range range) const;
     VertexColumns vertices() const;
+
+    // The radii of all vertices into memory of the host's own, which need not be cleared before; shared out to threads.
+    // Returns size(), and writes nothing where `into` is of another length: the wall may have grown since it was asked.
+    [[nodiscard]] Index read_radius(std::span<double> into) const;
 
     // One column of all vertices.
     std::vector<double> depth() const;
