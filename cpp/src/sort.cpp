@@ -87,12 +87,14 @@ struct alignas(64) Extremes {
         std::fill_n(greatest, 8, -no_limit);
     }
     void take(const double* values, const double* end) {
+        Extremes now = *this;  // values cannot be a part of it
         for (std::size_t i = 0; values + i < end; ++i) {
-            double& low = least[i % 8];
-            double& high = greatest[i % 8];
+            double& low = now.least[i % 8];
+            double& high = now.greatest[i % 8];
             low = values[i] < low ? values[i] : low;
             high = values[i] > high ? values[i] : high;
         }
+        *this = now;
     }
 };
 
@@ -266,8 +268,9 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
     crew.for_each_part(threads, slabs, [&](int, Index s) {
         std::vector<Index> counts(size, 0);
         const Range rows = part(n, slabs, static_cast<int>(s));
-        for (Index i = rows.start; i < rows.stop; ++i)
-            ++counts[static_cast<std::size_t>(buckets.of(c.depth[static_cast<std::size_t>(i)]))];
+        const Buckets which = buckets;  // on a stack of its own: another thread writes beside that one
+        const double* depth = c.depth.data();
+        for (Index i = rows.start; i < rows.stop; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
         places[static_cast<std::size_t>(s)] = std::move(counts);
     });
     Index total = 0;
@@ -282,13 +285,16 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         mine.resize(size);
         for (std::size_t b = 0; b < size; ++b) mine[b].start = mine[b].next = places[static_cast<std::size_t>(s)][b];
         const Range rows = part(n, slabs, static_cast<int>(s));
+        const Buckets which = buckets;
+        const SampleColumns from = c;
+        const bool timed = batch.timed;
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
-            Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
+            Collected& bucket = mine[static_cast<std::size_t>(which.of(from.depth[i]))];
             const Index slot = bucket.next++ % 8;
-            bucket.rows[0][slot] = c.depth[i];
-            bucket.rows[1][slot] = wrap_toolface(c.toolface[i]);
-            bucket.rows[2][slot] = c.radius[i];
-            if (batch.timed) bucket.rows[3][slot] = c.time[i];
+            bucket.rows[0][slot] = from.depth[i];
+            bucket.rows[1][slot] = wrap_toolface(from.toolface[i]);
+            bucket.rows[2][slot] = from.radius[i];
+            if (timed) bucket.rows[3][slot] = from.time[i];
             if (slot == 7) bucket.write(batch);
         }
         for (const Collected& bucket : mine)
