@@ -1,8 +1,8 @@
 // Threads that walls hand on to each other.
 //
 //     const auto crews = std::make_shared<helibore::Crews>();
-//     helibore::Wall first({.bit_diameter = 0.216, .threads = 4}, nullptr, crews);   // its threads ...
-//     helibore::Wall second({.bit_diameter = 0.216, .threads = 4}, nullptr, crews);  // ... find the next one's samples
+//     helibore::Wall first({.bit_diameter = 0.216, .threads = 4}, nullptr, crews);   // the threads of its calls ...
+//     helibore::Wall second({.bit_diameter = 0.216, .threads = 4}, nullptr, crews);  // ... serve those of the next
 //
 // To start a thread takes as long as to search some five hundred vertices. So the threads of a call look for further
 // work a little longer: 50 us, and a tenth of the time that they have lately worked, 1 ms at most; then they end. They
