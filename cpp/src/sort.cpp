@@ -285,16 +285,13 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         mine.resize(size);
         for (std::size_t b = 0; b < size; ++b) mine[b].start = mine[b].next = places[static_cast<std::size_t>(s)][b];
         const Range rows = part(n, slabs, static_cast<int>(s));
-        const Buckets which = buckets;
-        const SampleColumns from = c;
-        const bool timed = batch.timed;
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
-            Collected& bucket = mine[static_cast<std::size_t>(which.of(from.depth[i]))];
+            Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
             const Index slot = bucket.next++ % 8;
-            bucket.rows[0][slot] = from.depth[i];
-            bucket.rows[1][slot] = wrap_toolface(from.toolface[i]);
-            bucket.rows[2][slot] = from.radius[i];
-            if (timed) bucket.rows[3][slot] = from.time[i];
+            bucket.rows[0][slot] = c.depth[i];
+            bucket.rows[1][slot] = wrap_toolface(c.toolface[i]);
+            bucket.rows[2][slot] = c.radius[i];
+            if (batch.timed) bucket.rows[3][slot] = c.time[i];
             if (slot == 7) bucket.write(batch);
         }
         for (const Collected& bucket : mine)
