@@ -4,6 +4,8 @@
 
 #include <pybind11/stl.h>
 
+#include <limits>
+
 #include "arrays.hpp"
 #include "helibore/crews.hpp"
 #include "helibore/pages.hpp"
@@ -23,11 +25,13 @@ InstructionSet instruction_set_named(const std::string& name) {
     throw py::value_error("instruction_set = '" + name + "': must be automatic, plain, avx2 or avx512");
 }
 
-Settings settings_of(const py::kwargs& given) {
+// By the names that both languages have; None stands for no value, and for no limit.
+Settings settings_of(const py::dict& given, int threads, const std::string& instruction_set) {
     Settings s;
     const auto take = [&](const char* name, auto& member) {
-        if (given.contains(name)) member = given[name].cast<std::remove_reference_t<decltype(member)>>();
+        member = given[name].cast<std::remove_reference_t<decltype(member)>>();
     };
+    std::optional<double> max_distance;
     take("bit_diameter", s.bit_diameter);
     take("sectors", s.sectors);
     take("pitch", s.pitch);
@@ -37,14 +41,14 @@ Settings settings_of(const py::kwargs& given) {
     take("neighbors", s.neighbors);
     take("window", s.window);
     take("power", s.power);
-    take("max_distance", s.max_distance);
+    take("max_distance", max_distance);
     take("max_iterations", s.max_iterations);
     take("tolerance", s.tolerance);
     take("angular_scale", s.angular_scale);
     take("direct", s.direct);
-    take("threads", s.threads);
-    if (given.contains("instruction_set"))
-        s.instruction_set = instruction_set_named(given["instruction_set"].cast<std::string>());
+    s.max_distance = max_distance.value_or(std::numeric_limits<double>::infinity());
+    s.threads = threads;
+    s.instruction_set = instruction_set_named(instruction_set);
     return s;
 }
 
@@ -110,9 +114,10 @@ void register_wall(py::module_& m) {
     const auto pages = std::make_shared<Pages>(pages_kept);
     const auto crews = std::make_shared<Crews>();
     py::class_<Wall>(m, "Wall")
-        .def(py::init([pages, crews](const py::kwargs& settings) {
-            return std::make_unique<Wall>(settings_of(settings), pages, crews);
-        }))
+        .def(py::init([pages, crews](const py::dict& settings, int threads, const std::string& instruction_set) {
+                 return std::make_unique<Wall>(settings_of(settings, threads, instruction_set), pages, crews);
+             }),
+             py::arg("settings"), py::arg("threads"), py::arg("instruction_set"))
         .def(
             "append",
             [](Wall& wall, const Column& depth, const Column& toolface, const Column& radius,

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-import math
 import operator
 from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-_INTEGERS = ("sectors", "neighbors", "max_iterations", "window")
 _OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance")
 _LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
@@ -69,21 +67,9 @@ class Settings:
         for name, value in vars(self).items():
             if value is None and name in _OPTIONAL:
                 continue
-            if name == "direct":
-                if not isinstance(value, bool | np.bool_):
-                    raise ValueError(f"direct = {value!r}: must be True or False")
-                made: bool | int | float = bool(value)
-            elif name in _INTEGERS:
-                made = _integer(name, value)
-            else:
-                made = _number(name, value)
+            made = _KINDS.get(name, _number)(name, value)
             if made is not value:
                 object.__setattr__(self, name, made)
-
-    def _core_arguments(self) -> dict[str, Any]:
-        given = dict(vars(self))
-        given["max_distance"] = math.inf if self.max_distance is None else self.max_distance
-        return given
 
 
 def _integer(name: str, value: Any) -> int:
@@ -101,3 +87,12 @@ def _number(name: str, value: Any) -> float:
         return float(value)
     except (TypeError, ValueError):
         raise ValueError(f"{name} = {value!r}: must be a number") from None
+
+
+def _flag(name: str, value: Any) -> bool:
+    if not isinstance(value, bool | np.bool_):
+        raise ValueError(f"{name} = {value!r}: must be True or False")
+    return bool(value)
+
+
+_KINDS = {"sectors": _integer, "neighbors": _integer, "max_iterations": _integer, "window": _integer, "direct": _flag}

@@ -98,9 +98,7 @@ class Wall:
         self._basis = basis
         self._settings = Settings(bit_diameter=bit_diameter, **settings)
         self._threads = thread_count(threads)
-        self._core = _core.Wall(
-            **self._settings._core_arguments(), threads=self._threads, instruction_set=instruction_set
-        )
+        self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
         self._growing = threading.Lock()  # between an append and what must see all columns of one moment
         self._path: Path | None = None
         self.images: dict[str, SectorImage] = SectorImages()
