@@ -23,13 +23,16 @@ class Vertices {
         std::array<double, groups_per_block> shallow, deep;  // GroupResult's, for each group
     };
 
-    // Makes room for vertices [0, count); those there keep their values.
-    void grow(Index count) {
-        const auto needed = static_cast<std::size_t>((count + block_size - 1) / block_size);
+    // Makes room for vertices [0, count); those below `kept` keep their values.
+    void grow(Index count, Index kept) {
+        const auto needed = static_cast<std::size_t>(blocks_of(count));
         if (needed > blocks_.capacity()) blocks_.reserve(std::max(needed, 2 * blocks_.capacity()));
         while (blocks_.size() < needed) blocks_.push_back(std::unique_ptr<Block>(new Block));  // not zeroed
+        hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // forgets those that a failed append measured
         hulls_.resize(needed);
     }
+
+    static Index blocks_of(Index vertices) { return (vertices + block_size - 1) / block_size; }
 
     Block& block(Index b) { return *blocks_[static_cast<std::size_t>(b)]; }
     const Block& block(Index b) const { return *blocks_[static_cast<std::size_t>(b)]; }

@@ -45,6 +45,11 @@ Index first_that(const double* values, Index from, Index to, const Good& good) {
     return from;
 }
 
+// The last block, which every append looks through: its hull is left unmeasured while it grows.
+Index growing_block(Index vertex_count) {
+    return Vertices::blocks_of(vertex_count) - 1;
+}
+
 // Two sorted lists of ranges as one.
 std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>& b) {
     std::vector<Range> both;
@@ -108,18 +113,19 @@ Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
 
     Vertices moved_vertices;
     Vertices& into = moved ? moved_vertices : vertices;
-    into.grow(new_count);
+    into.grow(new_count, kept);
     std::vector<Index> old = moved ? std::vector<Index>{} : touched_groups(batch, open);
     if (kept % lanes != 0 && new_count > kept && (old.empty() || old.back() != kept / lanes))
         old.push_back(kept / lanes);  // the last group gains vertices
     const Range fresh{groups_of(kept), groups_of(new_count)};
     std::vector<GroupResult> staged(old.size());
     search_groups(crew, next, old, fresh, new_count, into, staged);
+    for (Index b = Vertices::blocks_of(kept); b < growing_block(new_count); ++b) into.measure_hull(b);
 
     Change change;
     change.accepted = batch.count;
     change.redundant = batch.redundant;
-    change.settled = settled_after(next, into, open, kept, new_count, old, staged);
+    change.settled = settled_after(next, into, open, new_count, old, staged);
     DirectRadii next_direct;
     if (settings.direct) next_direct = direct_radii(samples, next, {change.settled, new_count});
     change.ranges = compare(old, staged, new_count, next_direct);
@@ -139,16 +145,14 @@ Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
     return change;
 }
 
-// The hulls of blocks that have new values; the last block, which every append looks through, is left unmeasured while
-// it grows.
+// The hulls of the blocks that were there and have other values now, or are full.
 void Wall::State::measure_hulls(const std::vector<Index>& old, Index kept) {
-    const Index growing = (groups_of(count) - 1) / Vertices::groups_per_block;
     Index measured = -1;
     const auto measure = [&](Index b) {
-        if (b < growing && b != std::exchange(measured, b)) vertices.measure_hull(b);
+        if (b < growing_block(count) && b != std::exchange(measured, b)) vertices.measure_hull(b);
     };
     for (const Index group : old) measure(group / Vertices::groups_per_block);
-    for (Index b = std::max<Index>(groups_of(kept) - 1, 0) / Vertices::groups_per_block; b < growing; ++b) measure(b);
+    if (kept > 0) measure(growing_block(kept));
 }
 
 // Does the batch lie at the far end of the hole or beyond? What is settled then stays as it is, and need not be looked
@@ -225,8 +229,8 @@ std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const 
 }
 
 // The first vertex whose group a sample at the far end of the hole, or beyond, could still change, once the staged
-// groups are in their place; not before group `from`. The hulls of blocks are known for the first `measured` vertices.
-Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from, Index measured, Index vertex_count,
+// groups are in their place; not before group `from`.
+Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
                                  const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
     const bool down = on.pitch > 0.0;
     const double end = down ? samples.last_depth() : samples.first_depth();
@@ -236,7 +240,7 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
     std::size_t next = 0;  // of the staged
     for (Index b = from / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
         const Index first = b * Vertices::groups_per_block, last = std::min(groups, first + Vertices::groups_per_block);
-        const bool as_measured = last * lanes <= measured && (next == old.size() || old[next] >= last);
+        const bool as_measured = next == old.size() || old[next] >= last;
         if (as_measured && !open(bound(of.hull(b)))) continue;
         const double* bounds = down ? of.block(b).deep.data() : of.block(b).shallow.data();
         for (Index g = std::max(first, from); g < last; ++g) {

@@ -45,7 +45,7 @@ struct Wall::State {
                        Vertices& into, std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count, const DirectRadii& next_direct) const;
-    Index settled_after(const Helix& on, const Vertices& of, Index from, Index measured, Index vertex_count,
+    Index settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
                         const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
 
     // Of a range of vertices; wall_read.cpp.

@@ -27,6 +27,21 @@ namespace {
 using helibore::Settings;
 using helibore::Wall;
 
+// Fails the n-th allocation of an append; false if it has fewer.
+bool append_failing(Wall& wall, const helibore::SampleColumns& added, long n) {
+    bool failed = false;
+    until_failure = n;
+    try {
+        wall.append(added);
+    } catch (const std::bad_alloc&) {
+        failed = true;
+    }
+    const bool reached = until_failure < 0;
+    until_failure = -1;
+    CHECK(failed == reached);
+    return failed;
+}
+
 // Fails every allocation of one append in turn; returns how many there are.
 long fail_each(const Settings& settings, const helibore::SampleColumns& before, const helibore::SampleColumns& added) {
     Wall expected(settings);
@@ -36,22 +51,34 @@ long fail_each(const Settings& settings, const helibore::SampleColumns& before, 
         Wall wall(settings);
         wall.append(before);
         const auto kept = bits(wall);
-        bool failed = false;
-        until_failure = n;
-        try {
-            wall.append(added);
-        } catch (const std::bad_alloc&) {
-            failed = true;
-        }
-        const bool reached = until_failure < 0;
-        until_failure = -1;
-        CHECK(failed == reached);
+        const bool failed = append_failing(wall, added, n);
         if (failed) {
             CHECK(bits(wall) == kept);
             wall.append(added);
         }
         CHECK(bits(wall) == bits(expected));
-        if (!reached) return n;
+        if (!failed) return n;
+    }
+}
+
+// What a failed append has found is forgotten: here where samples lay close, so that later ones would be thought too
+// far to matter.
+void fail_and_go_another_way() {
+    const Settings settings{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 10.0};
+    const Hole close = oval_hole(9000, 10.0, 14.0), wide = oval_hole(120, 10.0, 6.0), late = oval_hole(20, 13.9, 0.2);
+    Wall expected(settings);
+    expected.append(wide.all());
+    expected.append(late.all());
+    for (long n = 0;; ++n) {
+        Wall wall(settings);
+        wall.append({});
+        if (!append_failing(wall, close.all(), n)) {
+            CHECK(n > 10);
+            return;
+        }
+        wall.append(wide.all());
+        wall.append(late.all());
+        CHECK(bits(wall) == bits(expected));
     }
 }
 
@@ -76,5 +103,6 @@ int main() {
         untimed.time = more.time = {};
         CHECK(fail_each(down, untimed, more) > 10);
     }
+    fail_and_go_another_way();
     return failures();
 }
