@@ -24,7 +24,7 @@ def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None
     It runs once before that, so that it does not pay for the caches and pages that another left behind. Shorter than a
     tenth, a machine shared with others is fast in one run and slow in the next.
     """
-    _ = work()
+    work()
     took: list[float] = []
     while not took or (sum(took) < A_ROUND if until is None else not until()):
         start = time.perf_counter()
