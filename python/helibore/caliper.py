@@ -207,5 +207,5 @@ class Caliper:
 def _frozen(values: Floats) -> Floats:
     """A read-only view."""
     view = values.view()
-    view.flags.writeable = False
+    view.setflags(write=False)
     return view
