@@ -254,8 +254,12 @@ def test_what_the_server_cannot_write_is_said_on_the_page(browser: Any, viewer: 
             "The section was not written: start = 5000, stop = 6000: the wall does not reach there.",
         ),
     ):
-        screen.evaluate(f"document.getElementById('snapshot').href = 'api/snapshot.html?{query}'")
-        screen.evaluate("document.getElementById('snapshot').click()")
+        # In one go: the page may draw between two, and then sets the address again.
+        screen.evaluate(f"""(() => {{
+            const link = document.getElementById('snapshot');
+            link.href = 'api/snapshot.html?{query}';
+            link.click();
+        }})()""")
         screen.until(f"document.getElementById('notice').textContent === {json.dumps(text)}")
         assert screen.is_visible("#notice")
     assert screen.url.startswith(viewer.url), "the page is still there"
