@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import re
+import threading
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,7 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 import helibore as hb
+from helibore.files.source import Gunzip
 
 pa = pytest.importorskip("pyarrow")
 from pyarrow import parquet  # noqa: E402
@@ -178,6 +180,59 @@ def test_gzip(tmp_path: Path) -> None:
     damaged[12] ^= 0xFF
     with pytest.raises(ValueError, match=r"^x.gz: damaged gzip stream"):
         hb.open(write(tmp_path, bytes(damaged), "x.gz"))
+
+
+def long_table(line_end: str = "\n") -> str:
+    """Some 4 MiB, of which pyarrow takes most, with missing cells, words and blank lines."""
+    rows = [f"{number},{number / 7 if number % 5 else ''},\u00b5 {number % 13}" for number in range(150_000)]
+    rows[70_000] = rows[140_000] = ""
+    return line_end.join(["# from the attic", "depth_m,radius_mm,remark", *rows, ""])
+
+
+@pytest.mark.parametrize("piece", [100_003, 1 << 24])
+@pytest.mark.parametrize("line_end", ["\n", "\r\n"])
+@pytest.mark.parametrize("encoding", ["utf-8", "cp1252"])
+def test_packed_and_translated_as_plain(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, piece: int, line_end: str, encoding: str
+) -> None:
+    monkeypatch.setattr("helibore.files.source.PIECE", piece)
+    callers = set()
+    readinto = Gunzip.readinto
+    monkeypatch.setattr(Gunzip, "readinto", lambda *given: callers.add(threading.get_ident()) or readinto(*given))
+    text = long_table(line_end)
+    plain = hb.open(write(tmp_path, text)).set()
+    other = text.encode(encoding)
+    for path in (write(tmp_path, other, "other.csv"), write(tmp_path, gzip.compress(other, 1), "other.gz")):
+        one = hb.open(path).set()
+        for name in ("depth_m", "radius_mm", "remark"):
+            np.testing.assert_array_equal(one[name].values, plain[name].values, strict=True)
+            assert one[name].missing == plain[name].missing
+        assert len(one["remark"].values) == 149_998
+    assert callers == {threading.get_ident()}, "a thread of pyarrow calls Python, also when we no longer listen"
+
+
+def test_what_is_wrong_far_down_in_packed_and_translated_tables(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("helibore.files.source.PIECE", 3 << 20)
+    text = long_table()
+    line = text.count("\n") + 1
+    for end, rule in {
+        "1,x,3\n": f"line {line}, column radius_mm: 'x' is not a number",
+        "1,2\n": f"line {line}: 2 cells where the header has 3",
+        "1,2," + "7" * (3 << 20) + "\n": f"line {line}: a line is longer than 1,048,576 bytes",
+        "1,2," + "7" * (10 << 20): f"line {line}: a line is longer than 1,048,576 bytes",
+    }.items():
+        for encoding in ("utf-8", "cp1252"):
+            refused(write(tmp_path, gzip.compress((text + end).encode(encoding), 1), "x.gz"), f"x.gz, {rule}")
+        refused(write(tmp_path, (text + end).encode("cp1252"), "x.csv"), f"x.csv, {rule}")
+    mixed = text.encode("cp1252") + b"1,2,\x81\n"
+    refused(
+        write(tmp_path, mixed, "x.csv"),
+        "x.csv: encodings are mixed: character maps to <undefined> past the first 2 MiB",
+    )
+    packed = gzip.compress(text.encode(), 1)
+    refused(write(tmp_path, packed[:-100], "x.gz"), "x.gz: truncated: the gzip stream ends early")
 
 
 def columns() -> st.SearchStrategy[dict[str, np.ndarray]]:

@@ -11,10 +11,10 @@ blank-separated columns are refused, not guessed. Units come from the header (``
 
 from __future__ import annotations
 
-import io
 import re
 from collections import Counter
 from collections.abc import Callable
+from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import islice
 from types import ModuleType
@@ -26,7 +26,7 @@ from .cells import NULL_TEXTS, ragged, read_cells, text_lines
 from .channel import EXACT, NO_HEADER, Array, Channel, LogFile, LogSet, unique
 from .headings import describe, is_number, is_units_row
 from .sectors import FEWEST
-from .source import LINE_LIMIT, UTF8_BOM, Source, complaint, decode
+from .source import LINE_LIMIT, Source, complaint, decode
 
 DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))
@@ -180,29 +180,45 @@ def _arrow() -> tuple[ModuleType, Any] | None:
 
 
 def _table(pa: ModuleType, csv: Any, source: Source, layout: Layout, head: str, encoding: str) -> Any:
-    """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall."""
+    """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall.
+
+    What has to be unpacked or translated is so here, and copied into memory of pyarrow's own: given a Python stream,
+    its threads go on calling it after an error, and abort a process that ends meanwhile.
+    """
     numbered = [str(position) for position in range(len(layout.names))]  # repeated names would be refused
     parse = csv.ParseOptions(delimiter=layout.delimiter, newlines_in_values=False)
 
-    def options(types: dict[str, Any] | None) -> dict[str, Any]:
-        return {
-            "read_options": csv.ReadOptions(
-                skip_rows=layout.skip, column_names=numbered, encoding=encoding, block_size=LINE_LIMIT
-            ),
-            "parse_options": parse,
-            "convert_options": csv.ConvertOptions(
+    def rows(content: Any, skip: int, types: dict[str, Any] | None) -> Any:
+        return csv.read_csv(
+            content,
+            csv.ReadOptions(skip_rows=skip, column_names=numbered, block_size=LINE_LIMIT),
+            parse,
+            csv.ConvertOptions(
                 null_values=[*NULL_TEXTS, *BLANKS], column_types=types, strings_can_be_null=True, timestamp_parsers=[]
             ),
-        }
+        )
 
-    start = UTF8_BOM if encoding == "utf8" and source.head.startswith(UTF8_BOM) else b""
+    def copied(text: bytes) -> Any:
+        memory = pa.BufferOutputStream()
+        memory.write(text)
+        return pa.BufferReader(memory.getvalue())
+
     try:
-        sample = csv.read_csv(io.BytesIO(start + head.encode(encoding)), **options(None))
+        sample = rows(copied(head.encode()), layout.skip, None)
         if not sample.num_rows:
             raise complaint(source.path, "a header and no rows", layout.skip)
         types = {name: _column_type(pa, sample.column(name)) for name in numbered}
-        path = source.stream() if source.compressed else str(source.path)
-        table = csv.read_csv(path, **options(types))
+        if encoding == "utf8" and not source.compressed:
+            table = rows(str(source.path), layout.skip, types)
+        else:
+            texts = (piece if encoding == "utf8" else piece.decode(encoding).encode() for piece in source.pieces())
+            parts: list[Future[Any]] = []
+            with ThreadPoolExecutor(1) as beside:  # a piece is parsed while the next is unpacked
+                for text in texts:
+                    if parts:
+                        parts[-1].result()
+                    parts.append(beside.submit(rows, copied(text), 0 if parts else layout.skip, types))
+            table = pa.concat_tables(part.result() for part in parts)
     except pa.ArrowInvalid as error:
         raise _explain(source, layout, error) from error
     except UnicodeDecodeError as error:

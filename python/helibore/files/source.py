@@ -23,6 +23,9 @@ LINE_LIMIT = 1 << 20
 HEAD = 1 << 16
 """Bytes looked at to tell the format."""
 
+PIECE = 1 << 21
+"""Step (bytes) in which a table is unpacked for a library that parses it; no less than its head is looked at."""
+
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
 
@@ -122,6 +125,22 @@ class Source:
                     raise self.line_too_long(number)
                 yield line
                 number += 1
+
+    def pieces(self) -> Iterator[bytes]:
+        """Yield the content in pieces of whole lines, some 2 MiB each; a line that does not fit is an error."""
+        with self.stream() as stream:
+            lines, rest = 0, b""
+            while more := read_exactly(stream, PIECE):
+                piece = rest + more
+                end = 1 + max(piece.rfind(b"\n"), piece.rfind(b"\r"))
+                if end:
+                    yield piece[:end]
+                    lines += piece.count(b"\n")
+                elif len(piece) > LINE_LIMIT:
+                    raise self.line_too_long(lines + 1)
+                rest = piece[end:]
+            if rest:
+                yield rest
 
     def line_too_long(self, line: int | None) -> ValueError:
         return complaint(self.path, f"a line is longer than {LINE_LIMIT:,} bytes", line)
