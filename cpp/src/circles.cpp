@@ -19,29 +19,6 @@ double square_distance(Point a, Point b) {
     return (a.x - b.x) * (a.x - b.x) + (a.y - b.y) * (a.y - b.y);
 }
 
-struct Found {
-    std::size_t index;
-    double square;
-};
-
-Found nearest(std::span<const Point> points, Point centre) {
-    Found found{0, square_distance(points[0], centre)};
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const double square = square_distance(points[i], centre);
-        if (square < found.square) found = {i, square};
-    }
-    return found;
-}
-
-Found farthest(std::span<const Point> points, Point centre) {
-    Found found{0, square_distance(points[0], centre)};
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const double square = square_distance(points[i], centre);
-        if (square > found.square) found = {i, square};
-    }
-    return found;
-}
-
 struct Trial {
     Point centre;
     double square;  // of the radius
@@ -67,7 +44,7 @@ struct Stop {
     std::size_t index;
     double along;
 };
-std::optional<Stop> first_met(std::span<const Point> points, Point centre, Point direction,
+std::optional<Stop> first_met(const Points& points, Point centre, Point direction,
                               std::initializer_list<std::size_t> rests) {
     const Point held = points[*rests.begin()];
     const double square = square_distance(held, centre);
@@ -84,12 +61,12 @@ std::optional<Stop> first_met(std::span<const Point> points, Point centre, Point
 
 // Uphill from a centre: away from the nearest point until a second is as near, then between two of them until a third
 // is, leaving behind the one in front, until the centre lies between the three it rests on.
-Circle climb(std::span<const Point> points, Point centre) {
-    const auto reached = [&] { return Circle{centre, std::sqrt(nearest(points, centre).square)}; };
+Circle climb(const Points& points, Point centre) {
+    const auto reached = [&] { return Circle{centre, std::sqrt(points.nearest(centre).square)}; };
     const auto go = [&](Point direction, double along) {
         centre = {centre.x + along * direction.x, centre.y + along * direction.y};
     };
-    std::size_t a = nearest(points, centre).index;
+    std::size_t a = points.nearest(centre).index;
     const double away = std::sqrt(square_distance(points[a], centre));
     if (away == 0.0) return reached();
     const Point outwards{(centre.x - points[a].x) / away, (centre.y - points[a].y) / away};
@@ -123,8 +100,7 @@ Circle climb(std::span<const Point> points, Point centre) {
 using Triple = std::array<std::size_t, 3>;
 
 // The three of four points, `joined` among them, that hold the largest circle without the fourth inside.
-std::optional<std::pair<Triple, Trial>> exchange(std::span<const Point> points, const Triple& held,
-                                                 std::size_t joined) {
+std::optional<std::pair<Triple, Trial>> exchange(const Points& points, const Triple& held, std::size_t joined) {
     std::optional<std::pair<Triple, Trial>> best;
     for (std::size_t leaves = 0; leaves < 3; ++leaves) {
         Triple next = held;
@@ -138,12 +114,12 @@ std::optional<std::pair<Triple, Trial>> exchange(std::span<const Point> points, 
 
 }  // namespace
 
-Circle inscribed_circle(std::span<const Point> points, Point start) {
-    const std::size_t n = points.size(), first = nearest(points, start).index;
+Circle inscribed_circle(const Points& points, Point start) {
+    const std::size_t n = points.size(), first = points.nearest(start).index;
     Triple held{first, (first + n / 3) % n, (first + 2 * n / 3) % n};
     auto circle = through(points[held[0]], points[held[1]], points[held[2]]);
     for (int i = 0; circle && i < most_exchanges; ++i) {
-        const Found inside = nearest(points, circle->centre);
+        const kernel::Found inside = points.nearest(circle->centre);
         if (inside.square >= circle->square * (1.0 - slack)) return {circle->centre, std::sqrt(inside.square)};
         const auto next = exchange(points, held, inside.index);
         if (!next || !(next->second.square < circle->square)) break;
@@ -153,13 +129,13 @@ Circle inscribed_circle(std::span<const Point> points, Point start) {
     return climb(points, start);
 }
 
-Circle enclosing_circle(std::span<const Point> points, Point start) {
-    std::array<std::size_t, 4> held{farthest(points, start).index};
-    held[1] = farthest(points, points[held[0]]).index;
+Circle enclosing_circle(const Points& points, Point start) {
+    std::array<std::size_t, 4> held{points.farthest(start).index};
+    held[1] = points.farthest(points[held[0]]).index;
     std::size_t count = 2;
     Trial circle = across(points[held[0]], points[held[1]]);
     for (int i = 0; i < most_exchanges; ++i) {
-        const Found outside = farthest(points, circle.centre);
+        const kernel::Found outside = points.farthest(circle.centre);
         if (outside.square <= circle.square * (1.0 + slack)) break;
         // The new circle rests on the offender and one or two of the held: the smallest that holds them all.
         const Point offender = points[outside.index];
@@ -186,7 +162,7 @@ Circle enclosing_circle(std::span<const Point> points, Point start) {
         if (!best || !(best->square > circle.square)) break;
         circle = *best, held = rests, count = size;
     }
-    return {circle.centre, std::sqrt(std::max(circle.square, farthest(points, circle.centre).square))};
+    return {circle.centre, std::sqrt(std::max(circle.square, points.farthest(circle.centre).square))};
 }
 
 }  // namespace helibore

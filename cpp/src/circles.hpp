@@ -5,7 +5,10 @@
 // it is given to the nearest one that no small move makes larger; the enclosing one is unique.
 #pragma once
 
-#include <span>
+#include <cstddef>
+#include <vector>
+
+#include "kernel.hpp"
 
 namespace helibore {
 
@@ -17,8 +20,37 @@ struct Circle {
     double radius = 0.0;
 };
 
-// Points around the origin in the order of their angle, three or more.
-Circle inscribed_circle(std::span<const Point> points, Point start);
-Circle enclosing_circle(std::span<const Point> points, Point start);
+// Points around the origin in the order of their angle, three or more; the first repeated until they fill packs of
+// lanes.
+class Points {
+  public:
+    Points(std::size_t size, const kernel::Functions& functions)
+        : size_(size), x_((size + kernel::lanes - 1) / kernel::lanes * kernel::lanes), y_(x_.size()), f_(functions) {}
+
+    std::size_t size() const { return size_; }
+    Point operator[](std::size_t i) const { return {x_[i], y_[i]}; }
+    void put(std::size_t i, Point point) {
+        x_[i] = point.x;
+        y_[i] = point.y;
+    }
+    // Once all are put.
+    void fill_packs() {
+        for (std::size_t i = size_; i < x_.size(); ++i) put(i, (*this)[0]);
+    }
+    kernel::Found nearest(Point centre) const {
+        return f_.nearest(x_.data(), y_.data(), x_.size(), centre.x, centre.y);
+    }
+    kernel::Found farthest(Point centre) const {
+        return f_.farthest(x_.data(), y_.data(), x_.size(), centre.x, centre.y);
+    }
+
+  private:
+    std::size_t size_;
+    std::vector<double> x_, y_;
+    const kernel::Functions& f_;
+};
+
+Circle inscribed_circle(const Points& points, Point start);
+Circle enclosing_circle(const Points& points, Point start);
 
 }  // namespace helibore

@@ -113,11 +113,20 @@ enum class Verdict : int {
 
 enum class Order : int { falls, level, rises };  // some value below the one before; some equal; all above
 
+struct Found {
+    std::size_t index;
+    double square;
+};
+
 struct Functions {
     const char* name;
     // Do all values lie in [low, high]? NaN does not.
     bool (*all_within)(const double* values, std::int64_t n, double low, double high);
     Order (*order)(const double* values, std::int64_t n);
+    // The least and the greatest squared distance of n points, a multiple of `lanes`, from (x, y), and the first point
+    // that has it.
+    Found (*nearest)(const double* xs, const double* ys, std::size_t n, double x, double y);
+    Found (*farthest)(const double* xs, const double* ys, std::size_t n, double x, double y);
     // Appends the samples that pass the filter, the first of them of the given rank, and returns how many of the n were
     // read: fewer only if the list is full.
     std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,

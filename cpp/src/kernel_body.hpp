@@ -4,7 +4,8 @@
 // so that no lane waits for another and nothing branches on data. Only add, multiply, divide, square root, minimum and
 // maximum in a fixed order: all instruction sets give the same bits.
 //
-// kernel_select.hpp finds the neighbours, kernel_estimate.hpp weighs them; here are the loops over samples.
+// kernel_select.hpp finds the neighbours, kernel_estimate.hpp weighs them; here are the loops over samples, and those
+// of a section's circles, whose lanes are its points.
 #pragma once
 
 #include "kernel_estimate.hpp"
@@ -91,9 +92,31 @@ Order order(const double* values, std::int64_t n) {
     return level ? Order::level : Order::rises;
 }
 
+template <class P, bool least>
+Found extreme(const double* xs, const double* ys, std::size_t n, double x, double y) {
+    const auto squares = [&](std::size_t i) {
+        const P dx = P::load(xs + i) - P(x), dy = P::load(ys + i) - P(y);
+        return dx * dx + dy * dy;
+    };
+    P of_lanes = squares(0);
+    for (std::size_t i = lanes; i < n; i += lanes)
+        of_lanes = least ? P::min(of_lanes, squares(i)) : P::max(of_lanes, squares(i));
+    double best[lanes];
+    of_lanes.store(best);
+    double square = best[0];
+    for (const double one : best)
+        if (least ? one < square : one > square) square = one;
+    for (std::size_t i = 0; i < n; i += lanes) {
+        const auto as_good = least ? P::less_equal(squares(i), P(square)) : P::less_equal(P(square), squares(i));
+        if (const unsigned bits = P::bits(as_good)) return {i + static_cast<std::size_t>(__builtin_ctz(bits)), square};
+    }
+    return {0, square};  // not a number
+}
+
 template <class P>
 constexpr Functions functions_of(const char* name) {
-    return {name, &all_within<P>, &order<P>, &gather<P>, &estimate<P>, &nominate<P>};
+    return {name,       &all_within<P>, &order<P>,   &extreme<P, true>, &extreme<P, false>,
+            &gather<P>, &estimate<P>,   &nominate<P>};
 }
 
 }  // namespace

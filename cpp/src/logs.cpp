@@ -10,7 +10,9 @@
 
 #include "circles.hpp"
 #include "degrees.hpp"
+#include "extremes.hpp"
 #include "helibore/error.hpp"
+#include "instruction_set.hpp"
 #include "parallel.hpp"
 
 namespace helibore {
@@ -57,8 +59,11 @@ Round round_of(const Turns& turns) {
 // Memory of one worker, the size of a turn: radii and diameters go round twice, so that no index wraps.
 struct Scratch {
     std::vector<double> radius, diameter;
-    std::vector<Point> points;
-    explicit Scratch(std::size_t sectors) : radius(2 * sectors + 2), diameter(2 * sectors), points(sectors) {}
+    Points points;
+    explicit Scratch(std::size_t sectors)
+        : radius(2 * sectors + 2),
+          diameter(2 * sectors),
+          points(sectors, kernel::functions_for(InstructionSet::automatic)) {}
 };
 
 void measure_diameters(const Round& round, Scratch& scratch, std::size_t turn, TurnLogs& logs) {
@@ -96,12 +101,13 @@ void measure_whole(const Round& round, Scratch& scratch, std::size_t turn, TurnL
     double sum = 0.0, squares = 0.0, cubes_0 = 0.0, cubes_90 = 0.0;
     for (std::size_t k = 0; k < K; ++k) {
         const double square = r[k] * r[k], x = r[k] * round.directions[k].x, y = r[k] * round.directions[k].y;
-        scratch.points[k] = {x, y};
+        scratch.points.put(k, {x, y});
         sum += r[k];
         squares += square;
         cubes_0 += square * x;
         cubes_90 += square * y;
     }
+    scratch.points.fill_packs();
     logs.mean[turn] = sum / static_cast<double>(K);
     logs.mean_square[turn] = squares / static_cast<double>(K);
     const Point centre{cubes_0 / squares * (2.0 / 3.0), cubes_90 / squares * (2.0 / 3.0)};
@@ -119,14 +125,14 @@ void measure(const Turns& turns, const Round& round, Scratch& scratch, std::size
     const std::size_t K = round.sectors;
     const std::span<const double> radius = turns.radius.subspan(turn * K, K);
     std::size_t there = 0;
-    double smallest = std::numeric_limits<double>::infinity(), largest = -smallest;
-    for (const double r : radius) {
-        there += r == r ? 1 : 0;
-        smallest = r < smallest ? r : smallest;  // false for NaN
-        largest = r > largest ? r : largest;
-    }
+    for (const double r : radius) there += r == r ? 1 : 0;
     logs.coverage[turn] = static_cast<double>(there) / static_cast<double>(K);
-    if (there > 0) logs.smallest[turn] = smallest, logs.largest[turn] = largest;
+    if (there > 0) {
+        Extremes extremes;
+        extremes.take(radius.data(), radius.data() + K);
+        logs.smallest[turn] = extremes.least();
+        logs.largest[turn] = extremes.greatest();
+    }
     if (there < K) return;
     std::copy(radius.begin(), radius.end(), scratch.radius.begin());
     std::copy(radius.begin(), radius.end(), scratch.radius.begin() + static_cast<std::ptrdiff_t>(K));

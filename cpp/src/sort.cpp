@@ -13,6 +13,7 @@
 #include <numeric>
 #include <utility>
 
+#include "extremes.hpp"
 #include "helix.hpp"
 #include "instruction_set.hpp"
 #include "lines.hpp"
@@ -78,26 +79,6 @@ bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, in
     return in_order;
 }
 
-// Of every eighth value each, which the compiler makes vectors of.
-struct alignas(64) Extremes {
-    double least[8], greatest[8];
-
-    Extremes() {
-        std::fill_n(least, 8, no_limit);
-        std::fill_n(greatest, 8, -no_limit);
-    }
-    void take(const double* values, const double* end) {
-        Extremes now = *this;  // values cannot be a part of it
-        for (std::size_t i = 0; values + i < end; ++i) {
-            double& low = now.least[i % 8];
-            double& high = now.greatest[i % 8];
-            low = values[i] < low ? values[i] : low;
-            high = values[i] > high ? values[i] : high;
-        }
-        *this = now;
-    }
-};
-
 // The least and greatest depth, once all rows are found valid.
 std::pair<double, double> survey(const SampleColumns& c, Crew& crew, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
@@ -109,12 +90,8 @@ std::pair<double, double> survey(const SampleColumns& c, Crew& crew, int threads
         extremes[static_cast<std::size_t>(w)].take(c.depth.data() + rows.start, c.depth.data() + rows.stop);
     });
     if (!valid) check_rows(c);
-    double least = no_limit, greatest = -no_limit;
-    for (const Extremes& of_worker : extremes) {
-        least = std::min(least, *std::min_element(of_worker.least, of_worker.least + 8));
-        greatest = std::max(greatest, *std::max_element(of_worker.greatest, of_worker.greatest + 8));
-    }
-    return {least, greatest};
+    for (const Extremes& of_worker : extremes) extremes[0].take(of_worker);
+    return {extremes[0].least(), extremes[0].greatest()};
 }
 
 // Which bucket a depth belongs to: a non-decreasing function of it.
