@@ -180,52 +180,59 @@ def _arrow() -> tuple[ModuleType, Any] | None:
 
 
 def _table(pa: ModuleType, csv: Any, source: Source, layout: Layout, head: str, encoding: str) -> Any:
-    """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall.
-
-    What has to be unpacked or translated is so here, and copied into memory of pyarrow's own: given a Python stream,
-    its threads go on calling it after an error, and abort a process that ends meanwhile.
-    """
-    numbered = [str(position) for position in range(len(layout.names))]  # repeated names would be refused
-    parse = csv.ParseOptions(delimiter=layout.delimiter, newlines_in_values=False)
-
-    def rows(content: Any, skip: int, types: dict[str, Any] | None) -> Any:
-        return csv.read_csv(
-            content,
-            csv.ReadOptions(skip_rows=skip, column_names=numbered, block_size=LINE_LIMIT),
-            parse,
-            csv.ConvertOptions(
-                null_values=[*NULL_TEXTS, *BLANKS], column_types=types, strings_can_be_null=True, timestamp_parsers=[]
-            ),
-        )
-
-    def copied(text: bytes) -> Any:
-        memory = pa.BufferOutputStream()
-        memory.write(text)
-        return pa.BufferReader(memory.getvalue())
-
+    """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall."""
     try:
-        sample = rows(copied(head.encode()), layout.skip, None)
+        sample = _rows(csv, _copied(pa, head.encode()), layout, layout.skip)
         if not sample.num_rows:
             raise complaint(source.path, "a header and no rows", layout.skip)
-        types = {name: _column_type(pa, sample.column(name)) for name in numbered}
+        types = {name: _column_type(pa, sample.column(name)) for name in sample.column_names}
         if encoding == "utf8" and not source.compressed:
-            table = rows(str(source.path), layout.skip, types)
+            table = _rows(csv, str(source.path), layout, layout.skip, types)
         else:
-            texts = (piece if encoding == "utf8" else piece.decode(encoding).encode() for piece in source.pieces())
-            parts: list[Future[Any]] = []
-            with ThreadPoolExecutor(1) as beside:  # a piece is parsed while the next is unpacked
-                for text in texts:
-                    if parts:
-                        parts[-1].result()
-                    parts.append(beside.submit(rows, copied(text), 0 if parts else layout.skip, types))
-            table = pa.concat_tables(part.result() for part in parts)
+            table = _unpacked(pa, csv, source, layout, encoding, types)
     except pa.ArrowInvalid as error:
         raise _explain(source, layout, error) from error
     except UnicodeDecodeError as error:
         raise complaint(source.path, f"encodings are mixed: {error.reason} past the first 2 MiB") from error
-    if any(types[name] == pa.string() and _spans_lines(table.column(name)) for name in numbered):
+    if any(kind == pa.string() and _spans_lines(table.column(name)) for name, kind in types.items()):
         raise _explain(source, layout, ValueError("a cell holds a line break"))
     return table
+
+
+def _rows(csv: Any, content: Any, layout: Layout, skip: int, types: dict[str, Any] | None = None) -> Any:
+    """The rows below the first ``skip`` lines, their columns named by number: repeated names would be refused."""
+    numbered = [str(position) for position in range(len(layout.names))]
+    return csv.read_csv(
+        content,
+        csv.ReadOptions(skip_rows=skip, column_names=numbered, block_size=LINE_LIMIT),
+        csv.ParseOptions(delimiter=layout.delimiter, newlines_in_values=False),
+        csv.ConvertOptions(
+            null_values=[*NULL_TEXTS, *BLANKS], column_types=types, strings_can_be_null=True, timestamp_parsers=[]
+        ),
+    )
+
+
+def _copied(pa: ModuleType, text: bytes) -> Any:
+    """The text in memory of pyarrow's own: given a Python object, its threads call Python.
+
+    They go on with that after an error, and abort a process that ends meanwhile.
+    """
+    memory = pa.BufferOutputStream()
+    memory.write(text)
+    return pa.BufferReader(memory.getvalue())
+
+
+def _unpacked(pa: ModuleType, csv: Any, source: Source, layout: Layout, encoding: str, types: dict[str, Any]) -> Any:
+    """The table of a source that this thread unpacks or translates, a piece being parsed meanwhile."""
+    parts: list[Future[Any]] = []
+    with ThreadPoolExecutor(1) as beside:
+        for piece in source.pieces():
+            text = piece if encoding == "utf8" else piece.decode(encoding).encode()
+            skip = 0 if parts else layout.skip
+            if parts:
+                parts[-1].result()
+            parts.append(beside.submit(_rows, csv, _copied(pa, text), layout, skip, types))
+    return pa.concat_tables(part.result() for part in parts)
 
 
 def _column_type(pa: ModuleType, column: Any) -> Any:

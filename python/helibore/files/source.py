@@ -24,7 +24,7 @@ HEAD = 1 << 16
 """Bytes looked at to tell the format."""
 
 PIECE = 1 << 21
-"""Step (bytes) in which a table is unpacked for a library that parses it; no less than its head is looked at."""
+"""Step (bytes) in which a table is unpacked; the first holds all lines above the rows, which are sought in as many."""
 
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
