@@ -2,7 +2,7 @@
 // journal scan (what it returns is intact and in order).
 //
 //   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -Icpp/include tests/cpp/fuzz_live.cpp
-//           cpp/src/wits.cpp cpp/src/journal.cpp -o fuzz_live && ./fuzz_live -max_total_time=600
+//           cpp/src/acquire/wits.cpp cpp/src/acquire/journal.cpp -o fuzz_live && ./fuzz_live -max_total_time=600
 //   g++ -DSEEDED=200000 (the same without fuzzer) ... && ./fuzz_live          random inputs from a grammar, no clang
 #include <cstdint>
 #include <cstdio>

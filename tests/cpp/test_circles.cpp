@@ -1,12 +1,12 @@
 // The nearest and the farthest of a section's points: on every instruction set the first that a plain loop finds.
-#include "../../cpp/src/circles.hpp"
+#include "measure/circles.hpp"
 
 #include <cmath>
 #include <random>
 
-#include "../../cpp/src/instruction_set.hpp"
 #include "check.hpp"
 #include "helibore/error.hpp"
+#include "search/kernel/instruction_set.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 // Crew: each share of each job runs once, never two of one number at once; exceptions come out and leave it usable.
 // Thousands of short jobs and calls, so that helpers start late, wake up late, linger, end and meet the next job; run
 // it under TSan, too. And Crews: what one call leaves serves the next.
-#include "../../cpp/src/parallel.hpp"
+#include "base/threads.hpp"
 
 #if defined(__unix__) || defined(__APPLE__)
 #include <sys/wait.h>

@@ -67,7 +67,7 @@ struct PathSettings {
 // position + radius (cos(toolface) frame[0] + sin(toolface) frame[1]).
 using Frame = std::array<Vector3, 3>;
 
-struct Pieces;  // private: src/pieces.hpp
+struct Pieces;  // private: src/surface/segments.hpp
 
 class Path {
   public:

@@ -1,0 +1,56 @@
+// Circles of a section: the largest that fits inside its points, and the smallest around them.
+//
+// Both rest on two or three points. A circle through such points is tried against all; the worst offender joins, one of
+// the others leaves, and the radius goes strictly one way, so that it ends. The inscribed circle grows from the centre
+// it is given to the nearest one that no small move makes larger; the enclosing one is unique.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "search/kernel/kernel.hpp"
+
+namespace helibore {
+
+struct Point {
+    double x = 0.0, y = 0.0;
+};
+struct Circle {
+    Point centre;
+    double radius = 0.0;
+};
+
+// Points around the origin in the order of their angle, three or more; the first repeated until they fill packs of
+// lanes.
+class Points {
+  public:
+    Points(std::size_t size, const kernel::Functions& functions)
+        : size_(size), x_((size + kernel::lanes - 1) / kernel::lanes * kernel::lanes), y_(x_.size()), f_(functions) {}
+
+    std::size_t size() const { return size_; }
+    Point operator[](std::size_t i) const { return {x_[i], y_[i]}; }
+    void put(std::size_t i, Point point) {
+        x_[i] = point.x;
+        y_[i] = point.y;
+    }
+    // Once all are put.
+    void fill_packs() {
+        for (std::size_t i = size_; i < x_.size(); ++i) put(i, (*this)[0]);
+    }
+    kernel::Found nearest(Point centre) const {
+        return f_.nearest(x_.data(), y_.data(), x_.size(), centre.x, centre.y);
+    }
+    kernel::Found farthest(Point centre) const {
+        return f_.farthest(x_.data(), y_.data(), x_.size(), centre.x, centre.y);
+    }
+
+  private:
+    std::size_t size_;
+    std::vector<double> x_, y_;
+    const kernel::Functions& f_;
+};
+
+Circle inscribed_circle(const Points& points, Point start);
+Circle enclosing_circle(const Points& points, Point start);
+
+}  // namespace helibore

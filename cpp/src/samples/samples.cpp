@@ -1,0 +1,266 @@
+// Insertion of sorted batches into the chunked samples of a hole, and look-ups by depth and rank.
+#include "samples/samples.hpp"
+
+#include <algorithm>
+#include <iterator>
+
+namespace helibore {
+namespace {
+
+// A row of a chunk, to compare and to copy.
+struct Row {
+    double depth, time, toolface, radius;
+
+    static Row of(const Chunk& chunk, Index i, bool timed) {
+        return {chunk.depth()[i], timed ? chunk.time()[i] : 0.0, chunk.toolface()[i], chunk.radius()[i]};
+    }
+    friend auto operator<=>(const Row&, const Row&) = default;
+};
+
+// Reads chunks row after row.
+class Reader {
+  public:
+    Reader(const Chunks& chunks, bool timed) : chunks_(chunks), timed_(timed) {}
+    bool at_end() const { return chunk_ == chunks_.size(); }
+    Row row() const { return Row::of(*chunks_[chunk_], offset_, timed_); }
+    void next() {
+        if (++offset_ == chunks_[chunk_]->count) {
+            offset_ = 0;
+            ++chunk_;
+        }
+    }
+
+  private:
+    const Chunks& chunks_;
+    std::size_t chunk_ = 0;
+    Index offset_ = 0;
+    bool timed_;
+};
+
+// Writes so many rows into chunks, as few and as equal as can be, and none larger than its rows: a row more in a full
+// chunk makes two halves of it, not one that is all but empty.
+class Writer {
+  public:
+    Writer(Index rows, bool timed) : timed_(timed), left_(rows), chunks_left_((rows + Chunk::full - 1) / Chunk::full) {}
+    void put(const Row& row) {
+        if (chunks.empty() || chunks.back()->free_room() == 0) {
+            chunks.push_back(std::make_shared<Chunk>((left_ + chunks_left_ - 1) / chunks_left_, timed_));
+            --chunks_left_;
+        }
+        --left_;
+        Chunk& c = *chunks.back();
+        c.depth()[c.count] = row.depth;
+        c.toolface()[c.count] = row.toolface;
+        c.radius()[c.count] = row.radius;
+        if (timed_) c.time()[c.count] = row.time;
+        ++c.count;
+    }
+
+    Chunks chunks;
+
+  private:
+    bool timed_;
+    Index left_, chunks_left_;
+};
+
+Index rows_of(const Chunks& chunks) {
+    Index rows = 0;
+    for (const auto& chunk : chunks) rows += chunk->count;
+    return rows;
+}
+
+// Merges chunks with the batch. Rows without a time keep their arrival order: old before new at equal
+// depth. Rows with one are compared whole, and equal rows are kept once.
+Chunks merge(const Chunks& old, SortedBatch& batch) {
+    Writer writer(rows_of(old) + batch.count, batch.timed);
+    Reader a(old, batch.timed), b(batch.chunks, batch.timed);
+    while (!a.at_end() || !b.at_end()) {
+        if (b.at_end()) {
+            writer.put(a.row());
+            a.next();
+        } else if (a.at_end()) {
+            writer.put(b.row());
+            b.next();
+        } else {
+            const Row x = a.row(), y = b.row();
+            const bool old_first = batch.timed ? x <= y : x.depth <= y.depth;
+            if (batch.timed && x == y) {
+                ++batch.redundant;
+                --batch.count;
+                b.next();
+            } else if (old_first) {
+                writer.put(x);
+                a.next();
+            } else {
+                writer.put(y);
+                b.next();
+            }
+        }
+    }
+    return std::move(writer.chunks);
+}
+
+// Chunks of a large batch, which share pages as far as they fill three quarters of them.
+Chunks full_chunks(Index count, bool timed, Pages& pages) {
+    const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
+    const Index a_page = static_cast<Index>(page_size / sizeof(double)) / size;
+    Chunks chunks;
+    chunks.reserve(static_cast<std::size_t>(total));
+    std::shared_ptr<double[]> page;
+    for (Index i = 0; i < total; ++i) {
+        if (i % a_page == 0) page = 4 * (count - i * Chunk::full) < 3 * a_page * Chunk::full ? nullptr : pages.take();
+        chunks.push_back(page ? std::make_shared<Chunk>(Chunk::full, Chunk::full,
+                                                        std::shared_ptr<double[]>(page, page.get() + i % a_page * size))
+                              : std::make_shared<Chunk>(Chunk::full, timed));
+    }
+    return chunks;
+}
+
+}  // namespace
+
+bool SortedBatch::any_within(double low, double high) const {
+    const auto chunk =
+        std::partition_point(chunks.begin(), chunks.end(), [&](const auto& c) { return c->last_depth() < low; });
+    if (chunk == chunks.end()) return false;
+    const double* depth = (*chunk)->depth();
+    return *std::lower_bound(depth, depth + (*chunk)->count, low) <= high;
+}
+
+// A small batch that does not fit behind the others begins a chunk with room for more of its size: a wall that is
+// streamed grows in whole chunks, one made at once has none to spare. What is left of a chunk is less than a batch.
+Chunks Samples::room_for(Index count, bool timed, Pages& pages) const {
+    constexpr Index most_appends = 256;
+    Chunks chunks;
+    if (count >= Chunk::full)
+        chunks = full_chunks(count, timed, pages);
+    else if (count_ == 0)
+        chunks = {std::make_shared<Chunk>(count, timed)};
+    else if (timed == timed_ && count <= chunks_.back()->free_room())
+        chunks = {chunks_.back()->room()};
+    else
+        chunks = {std::make_shared<Chunk>(count * std::min(most_appends, Chunk::full / count), timed)};
+    for (const auto& chunk : chunks) count -= chunk->count = std::min(Chunk::full, count);
+    return chunks;
+}
+
+Samples::Undo Samples::insert(SortedBatch& batch) {
+    if (batch.count == 0) return {};
+    if (count_ == 0) timed_ = batch.timed;
+    const Row front = Row::of(*batch.chunks.front(), 0, timed_);
+    const bool appends = count_ == 0 || (timed_ ? Row::of(*chunks_.back(), chunks_.back()->count - 1, true) < front
+                                                : last_depth() <= front.depth);
+    Undo undo = appends ? append(batch) : merge_in(batch);
+    undo.count = count_;
+    count_ += batch.count;
+    renumber(undo.first);
+    return undo;
+}
+
+Samples::Undo Samples::append(const SortedBatch& batch) {
+    Undo undo;
+    if (!chunks_.empty()) {
+        undo.first = chunks_.size() - 1;
+        undo.replaced = {chunks_.back()};
+        undo.tail_count = chunks_.back()->count;
+    }
+    if (!chunks_.empty() && batch.chunks.front()->lies_behind(*chunks_.back())) {
+        chunks_.back()->count += batch.count;
+    } else {
+        reserve(batch.chunks.size());
+        chunks_.insert(chunks_.end(), batch.chunks.begin(), batch.chunks.end());
+    }
+    undo.inserted = chunks_.size() - undo.first;
+    return undo;
+}
+
+Samples::Undo Samples::merge_in(SortedBatch& batch) {
+    auto first = std::partition_point(chunks_.begin(), chunks_.end(),
+                                      [&](const auto& c) { return c->last_depth() < batch.first_depth(); });
+    auto last = std::partition_point(first, chunks_.end(),
+                                     [&](const auto& c) { return c->first_depth() <= batch.last_depth(); });
+    // A short neighbour comes along, else many small batches would leave as many short chunks.
+    constexpr Index few = 512;
+    if (last != chunks_.end() && (*last)->count < few)
+        ++last;
+    else if (first != chunks_.begin() && (*std::prev(first))->count < few)
+        --first;
+    Undo undo;
+    undo.first = static_cast<std::size_t>(first - chunks_.begin());
+    undo.replaced = Chunks(first, last);
+    undo.tail_count = undo.replaced.empty() ? 0 : undo.replaced.back()->count;
+    const Chunks merged = merge(undo.replaced, batch);
+    undo.inserted = merged.size();
+    reserve(merged.size());
+    // Nothing below throws: the reservation may have moved the chunks, so their places are counted anew.
+    const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
+    const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.replaced.size()));
+    chunks_.insert(rest, merged.begin(), merged.end());
+    return undo;
+}
+
+// Room for further chunks, growing in steps that keep appends cheap.
+void Samples::reserve(std::size_t further) {
+    const std::size_t needed = chunks_.size() + further;
+    if (needed > chunks_.capacity()) chunks_.reserve(std::max(needed, 2 * chunks_.capacity()));
+    if (needed > first_rank_.capacity()) first_rank_.reserve(chunks_.capacity());
+}
+
+void Samples::undo(Undo&& undo) noexcept {
+    if (undo.inserted == 0) return;
+    const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
+    if (!undo.replaced.empty()) undo.replaced.back()->count = undo.tail_count;
+    const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.inserted));
+    chunks_.insert(rest, undo.replaced.begin(), undo.replaced.end());  // fits: the capacity never shrank
+    count_ = undo.count;
+    renumber(undo.first);
+}
+
+void Samples::renumber(std::size_t from) {
+    first_rank_.resize(chunks_.size());
+    for (std::size_t i = from; i < chunks_.size(); ++i)
+        first_rank_[i] = i == 0 ? 0 : first_rank_[i - 1] + chunks_[i - 1]->count;
+}
+
+Samples::Place Samples::place(Index rank) const {
+    const auto after = std::upper_bound(first_rank_.begin(), first_rank_.end(), rank);
+    const auto chunk = static_cast<std::size_t>(after - first_rank_.begin()) - 1;
+    return {chunk, rank - first_rank_[chunk]};
+}
+
+Index Samples::count_to(double depth) const {
+    const auto chunk =
+        std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return c->last_depth() <= depth; });
+    if (chunk == chunks_.end()) return count_;
+    const double* first = (*chunk)->depth();
+    const auto within = std::upper_bound(first, first + (*chunk)->count, depth) - first;
+    return first_rank_[static_cast<std::size_t>(chunk - chunks_.begin())] + within;
+}
+
+double Samples::depth(Index rank) const {
+    const Place at = place(rank);
+    return chunks_[at.chunk]->depth()[at.offset];
+}
+
+Samples::Place Samples::step_to(double low, Place hint, Index stride) const {
+    const auto holds = [&](std::size_t i) {
+        return i < chunks_.size() && low <= chunks_[i]->last_depth() && (i == 0 || chunks_[i - 1]->last_depth() < low);
+    };
+    Place at = hint;
+    if (!holds(at.chunk)) {
+        const auto chunk =
+            std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return c->last_depth() < low; });
+        at = {static_cast<std::size_t>(chunk - chunks_.begin()), 0};
+        if (chunk == chunks_.end()) return at;
+        const double* first = (*chunk)->depth();
+        at.offset = (std::lower_bound(first, first + (*chunk)->count, low) - first) / stride * stride;
+        return at;
+    }
+    const double* depth = chunks_[at.chunk]->depth();
+    const Index count = chunks_[at.chunk]->count;
+    at.offset = std::min(at.offset, count - 1) / stride * stride;
+    while (at.offset > 0 && depth[at.offset] >= low) at.offset = std::max<Index>(at.offset - stride, 0);
+    while (at.offset + stride < count && depth[at.offset + stride] < low) at.offset += stride;
+    return at;
+}
+
+}  // namespace helibore

@@ -1,0 +1,341 @@
+// Brings a batch of samples into canonical order, its rows checked on the way (row_rules.hpp).
+//
+// Recorded data mostly come in order already: one pass finds that out and copies. Otherwise
+//
+//     rows -> buckets by depth, each row put where it belongs in the chunks -> each bucket sorted by itself
+//
+// Both steps are stable, so rows without a time stay in the order of their arrival, and both are shared out to threads
+// in a way that does not show in the result.
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <numeric>
+#include <utility>
+
+#include "base/cache_lines.hpp"
+#include "base/extremes.hpp"
+#include "base/threads.hpp"
+#include "samples/helix.hpp"
+#include "samples/row_rules.hpp"
+#include "samples/samples.hpp"
+#include "search/kernel/instruction_set.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr Index rows_to_start = 32768, rows_to_wake = 256;  // that are worth a thread
+constexpr int slabs_a_thread = 8;                           // so that all end together
+
+// Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
+bool in_order(const SampleColumns& c, std::size_t i) {
+    if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
+    const double a[3] = {c.time[i - 1], wrap_toolface(c.toolface[i - 1]), c.radius[i - 1]};
+    const double b[3] = {c.time[i], wrap_toolface(c.toolface[i]), c.radius[i]};
+    return std::lexicographical_compare(a, a + 3, b, b + 3);
+}
+
+bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& f) {
+    const Index first = std::max<Index>(rows.start - 1, 0);
+    const kernel::Order order = f.order(c.depth.data() + first, rows.stop - first);
+    if (order != kernel::Order::level || c.time.empty()) return order != kernel::Order::falls;
+    for (Index i = first + 1; i < rows.stop; ++i)
+        if (!in_order(c, static_cast<std::size_t>(i))) return false;
+    return true;
+}
+
+// Rows into a chunk, the first of them to place `to`.
+void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, Index to, const kernel::Functions& f) {
+    const auto n = static_cast<std::size_t>(rows.stop - rows.start);
+    const double* toolface = c.toolface.data() + rows.start;
+    std::memcpy(chunk.depth() + to, c.depth.data() + rows.start, n * sizeof(double));
+    std::memcpy(chunk.radius() + to, c.radius.data() + rows.start, n * sizeof(double));
+    if (!c.time.empty()) std::memcpy(chunk.time() + to, c.time.data() + rows.start, n * sizeof(double));
+    if (f.all_within(toolface, rows.stop - rows.start, 0.0, std::nextafter(360.0, 0.0)))
+        std::transform(toolface, toolface + n, chunk.toolface() + to, [](double x) { return x + 0.0; });  // -0 is 0
+    else
+        std::transform(toolface, toolface + n, chunk.toolface() + to, wrap_toolface);
+}
+
+// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not.
+bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, int threads, const kernel::Functions& f) {
+    std::atomic<bool> in_order{true}, valid{true};
+    const Index a_part = std::min((batch.count + threads - 1) / threads, Chunk::full);
+    crew.for_each_part(threads, (batch.count + a_part - 1) / a_part, [&](int, Index part) {
+        const Index stop = std::min(batch.count, (part + 1) * a_part);
+        for (Index first = part * a_part; first < stop && in_order && valid;) {
+            const Index chunk = first / Chunk::full;
+            const Range rows{first, std::min(stop, (chunk + 1) * Chunk::full)};
+            if (!rows_valid(c, rows, f))
+                valid = false;
+            else if (!rows_in_order(c, rows, f))
+                in_order = false;
+            else
+                copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(chunk)], first % Chunk::full, f);
+            first = rows.stop;
+        }
+    });
+    if (!valid) check_rows(c);
+    return in_order;
+}
+
+// The least and greatest depth, once all rows are found valid.
+std::pair<double, double> survey(const SampleColumns& c, Crew& crew, int threads, const kernel::Functions& f) {
+    const auto n = static_cast<Index>(c.depth.size());
+    std::vector<Extremes> extremes(static_cast<std::size_t>(threads));
+    std::atomic<bool> valid{true};
+    crew.for_each_part(threads, (n + Chunk::full - 1) / Chunk::full, [&](int w, Index part) {
+        const Range rows{part * Chunk::full, std::min(n, (part + 1) * Chunk::full)};
+        if (!rows_valid(c, rows, f)) valid = false;
+        extremes[static_cast<std::size_t>(w)].take(c.depth.data() + rows.start, c.depth.data() + rows.stop);
+    });
+    if (!valid) check_rows(c);
+    for (const Extremes& of_worker : extremes) extremes[0].take(of_worker);
+    return {extremes[0].least(), extremes[0].greatest()};
+}
+
+// Which bucket a depth belongs to: a non-decreasing function of it.
+struct Buckets {
+    double least, scale;
+    Index count;
+
+    Buckets(double low, double high, Index buckets) : least(low), scale(0.0), count(buckets) {
+        if (high > low) scale = static_cast<double>(buckets) / (high - low);
+        if (!(scale < 1e300)) scale = 0.0;
+    }
+    Index of(double depth) const {
+        return std::clamp(static_cast<Index>((depth - least) * scale), Index{0}, count - 1);
+    }
+    // Finer ones for the depths of one of these.
+    Buckets bins(Index bucket, Index n) const {
+        if (scale == 0.0) return {least, least, n};
+        return {least + static_cast<double>(bucket) / scale, least + static_cast<double>(bucket + 1) / scale, n};
+    }
+};
+
+// Brings the rows of one bucket, [start, stop) of the chunks, into order.
+template <bool timed>
+class BucketSorter {
+  public:
+    void sort(SortedBatch& batch, Range rows, const Buckets& buckets, Index bucket) {
+        const auto n = static_cast<std::size_t>(rows.stop - rows.start);
+        if (n < 2) return;
+        if (rows_.size() < n) rows_.resize(n);
+        put_in_bins(batch, rows, buckets.bins(bucket, static_cast<Index>(n)));
+        for (std::size_t i = 1; i < n; ++i)
+            if (before(rows_[i], rows_[i - 1])) sift(i);
+        store(batch, rows);
+    }
+
+  private:
+    struct Row {
+        double depth, toolface, radius, time;
+    };
+
+    // Calls with each piece of a chunk the rows lie in: (chunk, offset in it, index in the rows, length).
+    template <class Call>
+    static void pieces(const SortedBatch& batch, Range rows, const Call& call) {
+        for (Index i = rows.start; i < rows.stop;) {
+            const Index offset = i % Chunk::full, n = std::min(rows.stop - i, Chunk::full - offset);
+            call(*batch.chunks[static_cast<std::size_t>(i / Chunk::full)], offset, i - rows.start, n);
+            i += n;
+        }
+    }
+
+    // A stable counting sort into about one bin a row; bins that stay large are sorted by comparison at once.
+    void put_in_bins(const SortedBatch& batch, Range rows, const Buckets& bins) {
+        const auto n = static_cast<std::size_t>(rows.stop - rows.start);
+        bin_.resize(std::max(bin_.size(), n));
+        starts_.assign(n + 1, 0);
+        std::uint32_t most = 0;
+        pieces(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
+            for (Index i = 0; i < length; ++i) {
+                const auto bin = static_cast<std::uint32_t>(bins.of(c.depth()[offset + i]));
+                bin_[static_cast<std::size_t>(at + i)] = bin;
+                most = std::max(most, ++starts_[bin + 1]);
+            }
+        });
+        std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
+        pieces(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
+            for (Index i = 0; i < length; ++i) {
+                Row& row = rows_[starts_[bin_[static_cast<std::size_t>(at + i)]]++];
+                row.depth = c.depth()[offset + i];
+                row.toolface = c.toolface()[offset + i];
+                row.radius = c.radius()[offset + i];
+                if constexpr (timed) row.time = c.time()[offset + i];
+            }
+        });
+        if (most <= 32) return;
+        // starts_[b] is now the end of bin b.
+        for (std::size_t b = 0, start = 0; b < n; start = starts_[b++])
+            if (starts_[b] - start > 32)
+                std::stable_sort(rows_.begin() + static_cast<std::ptrdiff_t>(start), rows_.begin() + starts_[b],
+                                 before);
+    }
+
+    static bool before(const Row& x, const Row& y) {
+        if constexpr (!timed) return x.depth < y.depth;
+        if (x.depth != y.depth) return x.depth < y.depth;
+        if (x.time != y.time) return x.time < y.time;
+        if (x.toolface != y.toolface) return x.toolface < y.toolface;
+        return x.radius < y.radius;
+    }
+
+    void sift(std::size_t i) {
+        const Row row = rows_[i];
+        for (; i > 0 && before(row, rows_[i - 1]); --i) rows_[i] = rows_[i - 1];
+        rows_[i] = row;
+    }
+
+    void store(SortedBatch& batch, Range rows) const {
+        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index length) {
+            const Row* from = rows_.data() + at;
+            for (Index i = 0; i < length; ++i) {
+                c.depth()[offset + i] = from[i].depth;
+                c.toolface()[offset + i] = from[i].toolface;
+                c.radius()[offset + i] = from[i].radius;
+                if constexpr (timed) c.time()[offset + i] = from[i].time;
+            }
+        });
+    }
+
+    std::vector<Row> rows_;
+    std::vector<std::uint32_t> bin_, starts_;
+};
+
+template <bool timed>
+void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, Crew& crew, int threads) {
+    std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(threads));
+    const auto sort_bucket = [&](int w, Index b) {
+        const auto i = static_cast<std::size_t>(b);
+        sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
+    };
+    crew.for_each_part(threads, buckets.count, sort_bucket);
+}
+
+// Where the rows of one bucket go. Eight of them are collected before they are written, a line of memory a column:
+// scattered single stores would have the processor fetch and write back each line several times.
+struct Collected {
+    Index start, next;  // the rows' places in the order of buckets
+    alignas(64) double rows[4][8];
+
+    // Writes the rows collected since the last place that is a multiple of 8.
+    void write(SortedBatch& batch) const {
+        const Index first = std::max(start, (next - 1) / 8 * 8), n = next - first;
+        if (n <= 0) return;
+        Chunk& chunk = *batch.chunks[static_cast<std::size_t>(first / Chunk::full)];
+        double* columns[4] = {chunk.depth(), chunk.toolface(), chunk.radius(), batch.timed ? chunk.time() : nullptr};
+        for (int c = 0; c < (batch.timed ? 4 : 3); ++c) {
+            double* to = columns[c] + first % Chunk::full;
+            if (n == 8)
+                stream_line(to, rows[c]);
+            else
+                std::copy_n(rows[c] + first % 8, n, to);
+        }
+    }
+};
+
+// Puts each row into its bucket. The rows are taken in slabs, each of which knows where in every bucket its own begin.
+void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
+                Crew& crew, int threads) {
+    const auto n = static_cast<Index>(c.depth.size());
+    const auto size = static_cast<std::size_t>(buckets.count);
+    const int slabs = threads == 1 ? 1 : slabs_a_thread * threads;
+    std::vector<std::vector<Index>> places(static_cast<std::size_t>(slabs));
+    crew.for_each_part(threads, slabs, [&](int, Index s) {
+        std::vector<Index> counts(size, 0);
+        const Range rows = part(n, slabs, static_cast<int>(s));
+        const Buckets which = buckets;  // on a stack of its own: another thread writes beside that one
+        const double* depth = c.depth.data();
+        for (Index i = rows.start; i < rows.stop; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
+        places[static_cast<std::size_t>(s)] = std::move(counts);
+    });
+    Index total = 0;
+    ends.resize(size);
+    for (std::size_t b = 0; b < size; ++b) {
+        for (auto& of_slab : places) total += std::exchange(of_slab[b], total);
+        ends[b] = total;
+    }
+    std::vector<std::vector<Collected>> collected(static_cast<std::size_t>(threads));
+    crew.for_each_part(threads, slabs, [&](int w, Index s) {
+        auto& mine = collected[static_cast<std::size_t>(w)];
+        mine.resize(size);
+        for (std::size_t b = 0; b < size; ++b) mine[b].start = mine[b].next = places[static_cast<std::size_t>(s)][b];
+        const Range rows = part(n, slabs, static_cast<int>(s));
+        for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
+            Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
+            const Index slot = bucket.next++ % 8;
+            bucket.rows[0][slot] = c.depth[i];
+            bucket.rows[1][slot] = wrap_toolface(c.toolface[i]);
+            bucket.rows[2][slot] = c.radius[i];
+            if (batch.timed) bucket.rows[3][slot] = c.time[i];
+            if (slot == 7) bucket.write(batch);
+        }
+        for (const Collected& bucket : mine)
+            if (bucket.next % 8 != 0) bucket.write(batch);
+        finish_streams();
+    });
+}
+
+// Timed rows equal in all four are kept once: what follows them moves up. Rare, so serial and simple.
+void drop_redundant(SortedBatch& batch) {
+    Index kept = 0;
+    double last[4] = {};
+    for (const auto& from : batch.chunks)
+        for (Index i = 0; i < from->count; ++i) {
+            const double row[4] = {from->depth()[i], from->time()[i], from->toolface()[i], from->radius()[i]};
+            if (kept > 0 && std::equal(row, row + 4, last)) {
+                ++batch.redundant;
+                continue;
+            }
+            Chunk& to = *batch.chunks[static_cast<std::size_t>(kept / Chunk::full)];
+            const Index at = kept++ % Chunk::full;
+            to.depth()[at] = row[0];
+            to.time()[at] = row[1];
+            to.toolface()[at] = row[2];
+            to.radius()[at] = row[3];
+            std::copy_n(row, 4, last);
+        }
+    batch.count = kept;
+    batch.chunks.resize(static_cast<std::size_t>((kept + Chunk::full - 1) / Chunk::full));
+    batch.chunks.back()->count = kept - static_cast<Index>(batch.chunks.size() - 1) * Chunk::full;
+}
+
+bool has_redundant(const SortedBatch& batch) {
+    const Chunk* chunk = nullptr;
+    Index last = 0;
+    for (const auto& next : batch.chunks)
+        for (Index i = 0; i < next->count; ++i) {
+            if (chunk && chunk->depth()[last] == next->depth()[i] && chunk->time()[last] == next->time()[i] &&
+                chunk->toolface()[last] == next->toolface()[i] && chunk->radius()[last] == next->radius()[i])
+                return true;
+            chunk = next.get();
+            last = i;
+        }
+    return false;
+}
+
+}  // namespace
+
+SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, Pages& pages, Crew& crew,
+                       const kernel::Functions& f) {
+    check_lengths(columns);
+    SortedBatch batch;
+    batch.count = static_cast<Index>(columns.depth.size());
+    batch.timed = !columns.time.empty();
+    if (batch.count == 0) return batch;
+    const int threads = crew.shares_worth(batch.count, rows_to_start, rows_to_wake);
+
+    batch.chunks = samples.room_for(batch.count, batch.timed, pages);
+    if (copy_if_in_order(columns, batch, crew, threads, f)) return batch;
+    const auto [least, greatest] = survey(columns, crew, threads, f);
+    const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
+    std::vector<Index> ends;
+    distribute(columns, batch, buckets, ends, crew, threads);
+    batch.timed ? sort_buckets<true>(batch, buckets, ends, crew, threads)
+                : sort_buckets<false>(batch, buckets, ends, crew, threads);
+    if (batch.timed && has_redundant(batch)) drop_redundant(batch);
+    return batch;
+}
+
+}  // namespace helibore

@@ -1,0 +1,76 @@
+// Scattered attributes: values at the samples ride the neighbours and weights that the radius was estimated from.
+//
+//     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
+//     radius
+//
+// Away from the kernel: it runs once for all channels and on demand, not with every append.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <limits>
+
+#include "search/search.hpp"
+
+namespace helibore {
+
+void Search::carry(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+                   std::span<const std::span<const double>> channels, std::span<double* const> out) const {
+    const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
+    const Index used = std::min<Index>(kernel::lanes, vertex_count - group * kernel::lanes);
+    std::vector<Neighbour> neighbours;
+    for (Index lane = 0; lane < used; ++lane) {
+        weigh(g, lane, scratch.list, neighbours);
+        for (std::size_t c = 0; c < channels.size(); ++c) {
+            double weights = 0.0, weighted = 0.0;
+            for (const Neighbour& n : neighbours) {
+                const double value = channels[c][static_cast<std::size_t>(n.rank)];
+                if (std::isnan(value)) continue;
+                weights += n.weight;
+                weighted += n.weight * value;
+            }
+            out[c][lane] = weights > 0.0 ? weighted / weights : std::numeric_limits<double>::quiet_NaN();
+        }
+    }
+}
+
+// The neighbours of one vertex in canonical order, with their weights relative to the nearest.
+void Search::weigh(const kernel::Group& g, Index lane, const kernel::CandidateList& list,
+                   std::vector<Neighbour>& neighbours) const {
+    neighbours.clear();
+    const double scale = g.trial[lane] * rules_.scale;
+    for (Index i = 0; i < list.count; ++i) {
+        const kernel::Candidate& c = list.rows[i];
+        const auto rank = static_cast<double>(c.rank);
+        if (rules_.windowed && !(g.window_first[lane] <= rank && rank < g.window_last[lane])) continue;
+        const double turn = std::abs(c.toolface - g.toolface[lane]);
+        const double across = scale * std::min(turn, 360.0 - turn), along = c.depth - g.depth[lane];
+        const double square = across * across + along * along;
+        constexpr std::uint64_t low = (std::uint64_t{1} << kernel::position_bits) - 1;
+        neighbours.push_back(
+            {(std::bit_cast<std::uint64_t>(square) & ~low) | static_cast<std::uint64_t>(i), square, 0.0, c.rank});
+    }
+    const auto nearer = [](const Neighbour& a, const Neighbour& b) { return a.key < b.key; };
+    const auto wanted = static_cast<std::size_t>(rules_.neighbors);
+    if (neighbours.size() > wanted) {
+        std::nth_element(neighbours.begin(), neighbours.begin() + rules_.neighbors, neighbours.end(), nearer);
+        neighbours.resize(wanted);
+    }
+    if (neighbours.empty()) return;
+    std::sort(neighbours.begin(), neighbours.end(),
+              [](const Neighbour& a, const Neighbour& b) { return a.rank < b.rank; });
+    const double least = std::min_element(neighbours.begin(), neighbours.end(), [](const auto& a, const auto& b) {
+                             return a.square < b.square;
+                         })->square;
+    const bool hit = least <= kernel::zero_square;
+    for (Neighbour& n : neighbours) {
+        if (n.square > rules_.max_square)
+            n.weight = 0.0;
+        else if (hit)
+            n.weight = n.square <= kernel::zero_square ? 1.0 : 0.0;
+        else
+            n.weight = std::pow(least / n.square, 0.5 * rules_.power);
+    }
+    std::erase_if(neighbours, [](const Neighbour& n) { return n.weight == 0.0; });
+}
+
+}  // namespace helibore

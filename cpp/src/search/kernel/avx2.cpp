@@ -1,0 +1,23 @@
+// The innermost loops for AVX2; cpp/CMakeLists.txt compiles this file with -mavx2.
+#include "search/kernel/kernel.hpp"
+
+#ifdef __AVX2__
+#include "search/kernel/pack_avx2.hpp"
+// The body comes after the pack it is compiled for.
+#include "search/kernel/body.hpp"
+
+namespace helibore::kernel {
+
+const Functions& avx2() {
+    static constexpr Functions functions = functions_of<Avx2Pack>("avx2");
+    return functions;
+}
+
+}  // namespace helibore::kernel
+#else
+namespace helibore::kernel {
+const Functions& avx2() {
+    return plain();
+}
+}  // namespace helibore::kernel
+#endif

@@ -1,0 +1,23 @@
+// The innermost loops for AVX-512; cpp/CMakeLists.txt compiles this file with -mavx512f and its kin.
+#include "search/kernel/kernel.hpp"
+
+#ifdef __AVX512F__
+#include "search/kernel/pack_avx512.hpp"
+// The body comes after the pack it is compiled for.
+#include "search/kernel/body.hpp"
+
+namespace helibore::kernel {
+
+const Functions& avx512() {
+    static constexpr Functions functions = functions_of<Avx512Pack>("avx512");
+    return functions;
+}
+
+}  // namespace helibore::kernel
+#else
+namespace helibore::kernel {
+const Functions& avx512() {
+    return plain();
+}
+}  // namespace helibore::kernel
+#endif

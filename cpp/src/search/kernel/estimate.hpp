@@ -1,0 +1,290 @@
+// What a vertex makes of its neighbours: the radius, iterated until it stands still or the list cannot decide.
+//
+// Neighbours are put in canonical order (their position in the list), in which the sums run: the order does not depend
+// on how they were found.
+#pragma once
+
+#include "search/kernel/select.hpp"
+
+namespace helibore::kernel {
+namespace {
+
+constexpr unsigned every_lane = (1u << lanes) - 1;
+
+// A bound must hold although squares, ratios and truncated keys are rounded: they err by less than these.
+constexpr double slack = 1.0 + 1e-9;
+
+// x^exponent for 0 < x <= 1, by the series of atanh and exp, in plain arithmetic (relative error below 1e-14 for
+// results that matter): the library's pow may differ between machines.
+inline double fractional_power(double x, double exponent) {
+    std::int64_t bits;
+    __builtin_memcpy(&bits, &x, sizeof bits);
+    std::int64_t two = ((bits >> 52) & 0x7ff) - 1023;
+    bits = (bits & 0x000fffffffffffff) | 0x3ff0000000000000;
+    double m;
+    __builtin_memcpy(&m, &bits, sizeof m);
+    if (m > 1.4142135623730951) {
+        m *= 0.5;
+        ++two;
+    }
+    const double s = (m - 1.0) / (m + 1.0);
+    double series = 0.0;
+    for (int odd = 23; odd >= 1; odd -= 2) series = series * (s * s) + 1.0 / odd;
+    constexpr double log2_e = 1.4426950408889634, ln_2 = 0.6931471805599453;
+    const double y = exponent * (static_cast<double>(two) + 2.0 * s * series * log2_e);
+    if (y < -1000.0) return 0.0;
+    const std::int64_t whole = static_cast<std::int64_t>(y - 0.5);  // y <= 0: rounds to the nearest
+    const double f = (y - static_cast<double>(whole)) * ln_2;
+    double result = 1.0;
+    for (int i = 16; i >= 1; --i) result = result * f / i + 1.0;
+    const std::int64_t scale_bits = (whole + 1023) << 52;
+    double scale;
+    __builtin_memcpy(&scale, &scale_bits, sizeof scale);
+    return result * scale;
+}
+
+// Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power.
+template <class P>
+inline P relative_weight(P square, P least, double power) {
+    const P ratio = least / square;
+    if (power == 2.0) return ratio;
+    double x[lanes];
+    ratio.store(x);
+    for (int i = 0; i < lanes; ++i) x[i] = x[i] > 1e-300 ? fractional_power(x[i], 0.5 * power) : 0.0;
+    return P::load(x);
+}
+
+// The neighbours of one pack of vertices, in canonical order, as the estimate needs them.
+template <class P>
+struct Neighbours {
+    P turn[max_neighbors];   // |toolface difference|, degrees
+    P along[max_neighbors];  // depth difference squared
+    P radius[max_neighbors];
+};
+
+// What the list says of the selected candidates; `best` holds their keys.
+template <class P, class Keys>
+inline void read_neighbours(const Group& g, const CandidateList& list, int neighbors, Keys* best,
+                            Neighbours<P>& found) {
+    for (int i = 0; i < (neighbors <= 8 ? 8 : neighbors); ++i) best[i] = Keys::position_key(best[i]);
+    if (neighbors <= 8)
+        sort_eight(best);
+    else
+        sort_any(best, neighbors);
+    const P depth = P::load(g.depth), toolface = P::load(g.toolface);
+    for (int i = 0; i < neighbors; ++i) {
+        std::int32_t at[lanes];
+        best[i].store_positions(at);
+        P at_depth, at_toolface;
+        P::read([&](int lane) -> const Candidate& { return list.rows[at[lane]]; }, at_depth, at_toolface,
+                found.radius[i]);
+        const P turn = P::abs(at_toolface - toolface), along = at_depth - depth;
+        found.turn[i] = P::min(turn, P(360.0) - turn);
+        found.along[i] = along * along;
+    }
+}
+
+// Returns the least squared distance among the candidates that are not neighbours.
+template <class P, bool windowed>
+inline P find_neighbours(const Group& g, P scale, const CandidateList& list, int neighbors, Neighbours<P>& found) {
+    P best[max_neighbors];
+    const P rejected = select<P>(Eye<P, windowed>(g, scale, list), neighbors, best);
+    read_neighbours(g, list, neighbors, best, found);
+    return rejected;
+}
+
+// The same by floats. The bound it returns is below the true one by what their rounding may have done, u = 2^-24: each
+// coordinate errs by u of the list's extent, their difference by as much again and, once scaled, by 2 u more; a float
+// square k, cut to 15 bits of fraction, stands for at least
+//
+//     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
+template <class P>
+inline P find_neighbours_narrow(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
+                                Neighbours<P>& found) {
+    using Narrow = typename P::Narrow;
+    using Single = typename Narrow::Single;
+    Narrow found_best[8];
+    const Narrow found_rejected = select_eight(NarrowEye<P>(g, scale, list), found_best);
+    Single best[8], rejected = found_rejected.candidate(0);
+    for (int j = 0; j < 8; ++j) best[j] = found_best[j].candidate(0);
+    if constexpr (Narrow::candidates == 2) {
+        Single second[8];
+        for (int j = 0; j < 8; ++j) second[j] = found_best[j].candidate(1);
+        rejected = Single::min(Single::min(rejected, found_rejected.candidate(1)), merge_eight(best, second));
+        if (neighbors < 8) sort_bitonic(best);
+    }
+    constexpr int last = (1 << narrow_position_bits) - 1;
+    const Single none = Single::tag(Single(narrow_none_square), Single(list.narrow_position[last]));
+    rejected = keep_first(best, neighbors, rejected, none);
+    const P least(rejected);
+    read_neighbours(g, list, neighbors, best, found);
+    constexpr double u = 1.0 / (1 << 24);
+    const P error = scale * P(8.0 * u * box.across) + P(4.0 * u * box.along);
+    return least * P(1.0 - 1.0 / (1 << 13)) - error * error * P(1 << 14);
+}
+
+template <class P>
+struct Estimate {
+    P radius, support, least, farthest;  // least and farthest: squared distances, used and selected
+};
+
+// Weights proportional to 1 / d without a division: the product of the other seven distances, each the product of those
+// before it and those behind it. A neighbour that is not used stands as 1 and changes no bit of the others.
+template <class P>
+inline void products_of_others(const P* squares, P limit, P* weight) {
+    P distance[8];
+    for (int i = 0; i < 8; ++i) distance[i] = P::blend(P::less_equal(squares[i], limit), P::sqrt(squares[i]), P(1.0));
+    weight[0] = P(1.0);
+    for (int i = 1; i < 8; ++i) weight[i] = weight[i - 1] * distance[i - 1];
+    P behind = distance[7];
+    for (int i = 6; i >= 0; --i) {
+        weight[i] = weight[i] * behind;
+        behind = behind * distance[i];
+    }
+}
+
+// sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any.
+// A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
+// where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
+// rounding could leave by an ulp.
+template <class P, int fixed>  // fixed: the number of neighbours where it is known to the compiler, else 0
+inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules) {
+    const int neighbors = fixed > 0 ? fixed : rules.neighbors;
+    constexpr auto room = static_cast<std::uint64_t>(fixed > 0 ? fixed : max_neighbors);
+    P least(missing_square), farthest(0.0), squares[room];
+    for (int i = 0; i < neighbors; ++i) {
+        const P across = scale * n.turn[i];
+        squares[i] = across * across + n.along[i];
+        least = P::min(least, squares[i]);
+        farthest = P::max(farthest, squares[i]);
+    }
+    P weights(0.0), weighted(0.0), support(0.0), low(missing_square), high(-missing_square);
+    const P limit(rules.max_square < missing_square ? rules.max_square : missing_square / 2);
+    const auto hits = P::less_equal(least, P(zero_square));
+    const bool any_hits = P::bits(hits) != 0;
+    P weight[room];
+    if (fixed == 8 && rules.power == 1.0)
+        products_of_others(squares, limit, weight);
+    else
+        for (int i = 0; i < neighbors; ++i)
+            weight[i] =
+                rules.power == 1.0 ? P(1.0) / P::sqrt(squares[i]) : relative_weight(squares[i], least, rules.power);
+    if (!any_hits && P::bits(P::less_equal(farthest, limit)) == every_lane) {  // mostly: every neighbour is used
+        for (int i = neighbors - 1; i >= 0; --i) {
+            weights = weights + weight[i];
+            weighted = weighted + weight[i] * n.radius[i];
+            low = P::min(low, n.radius[i]);
+            high = P::max(high, n.radius[i]);
+        }
+        support = P(static_cast<double>(neighbors));
+        return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
+    }
+    for (int i = neighbors - 1; i >= 0; --i) {
+        if (any_hits)
+            weight[i] = P::blend(hits, P::blend(P::less_equal(squares[i], P(zero_square)), P(1.0), P(0.0)), weight[i]);
+        const auto used = P::less_equal(squares[i], limit);
+        weight[i] = P::blend(used, weight[i], P(0.0));
+        weights = weights + weight[i];
+        weighted = weighted + weight[i] * n.radius[i];
+        support = support + P::blend(used, P(1.0), P(0.0));
+        low = P::blend(used, P::min(low, n.radius[i]), low);
+        high = P::blend(used, P::max(high, n.radius[i]), high);
+    }
+    return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
+}
+
+template <class P, bool windowed>
+Verdict estimate_group(Group& g, const CandidateList& list, const Rules& rules, const Box& box) {
+    auto active = P::less(P(0.0), P::load(g.active));
+    const P scale(rules.scale), max_square(rules.max_square), trial = P::load(g.trial);
+    const P discarded = P::load(g.discarded);
+    P current = trial, selected_at = trial, iterations = P::load(g.iterations), rejected(0.0);
+    P reach = P::load(g.reach_square);
+    Neighbours<P> neighbours;
+    bool selected = false, narrow = box.narrow;
+    if (narrow) fill_narrow_columns<P>(list, g);
+
+    const auto any = [](auto mask) { return P::bits(mask) != 0; };
+    // A squared distance found at one radius is at another at least this.
+    const auto at_least = [&](P square, P found_at) {
+        const P ratio = current / found_at;
+        return square * P::min(P(1.0), ratio * ratio);
+    };
+    const auto moved_since = [&](P then) { return P::both(active, P::less(P(0.0), P::abs(current - then))); };
+    const auto stop = [&](Verdict verdict) {
+        current.store(g.trial);
+        iterations.store(g.iterations);
+        reach.store(g.reach_square);
+        P::blend(active, P(1.0), P(0.0)).store(g.active);
+        return verdict;
+    };
+
+    for (;;) {
+        if (!selected) {
+            rejected = narrow ? find_neighbours_narrow<P>(g, current * scale, list, box, rules.neighbors, neighbours)
+                              : find_neighbours<P, windowed>(g, current * scale, list, rules.neighbors, neighbours);
+            selected_at = current;
+            selected = true;
+        }
+        const Estimate<P> next = rules.neighbors == 8 ? inverse_distance<P, 8>(neighbours, current * scale, rules)
+                                                      : inverse_distance<P, 0>(neighbours, current * scale, rules);
+        const P needed = P::min(next.farthest, max_square) * P(slack);
+        const auto doubtful = P::both(active, P::less_equal(at_least(rejected, selected_at), needed));
+        if (any(doubtful)) {
+            const bool moved = any(P::both(doubtful, moved_since(selected_at)));
+            if (moved || narrow) {
+                if (!moved) narrow = false;
+                selected = false;
+                continue;
+            }
+        }
+        if (any(P::both(moved_since(trial), P::less_equal(at_least(discarded, trial), needed))))
+            return stop(Verdict::refetch);
+        const P width = current * scale * P(box.width), height(box.height);
+        if (any(P::both(active, P::less_equal(P::min(width * width, height * height), needed))))
+            return stop(Verdict::widen);
+
+        iterations = P::blend(active, iterations + P(1.0), iterations);
+        reach = P::blend(active, P::max(reach, P::min(next.farthest, max_square)), reach);
+        const auto found = P::less(P(0.0), next.support);
+        const P radius = P::blend(found, next.radius, P(__builtin_nan("")));
+        P::blend(active, radius, P::load(g.radius)).store(g.radius);
+        P::blend(active, P::blend(found, P::sqrt(next.least), P(__builtin_nan(""))), P::load(g.nearest))
+            .store(g.nearest);
+        P::blend(active, next.support, P::load(g.support)).store(g.support);
+        const auto goes_on =
+            P::both(P::both(active, found), P::both(P::less(P(rules.tolerance), P::abs(radius - current)),
+                                                    P::less(iterations, P(static_cast<double>(rules.max_iterations)))));
+        current = P::blend(goes_on, radius, current);
+        active = goes_on;
+        if (!any(active)) return stop(Verdict::done);
+    }
+}
+
+template <class P>
+Verdict estimate(Group& group, const CandidateList& list, const Rules& rules, const Box& box) {
+    return rules.windowed ? estimate_group<P, true>(group, list, rules, box)
+                          : estimate_group<P, false>(group, list, rules, box);
+}
+
+template <class P, bool windowed>
+void nominate_group(Group& g, const CandidateList& list, const Rules& rules, unsigned char* keep) {
+    const P scale = P::load(g.trial) * P(rules.scale);
+    P best[max_neighbors];
+    const P rejected = select<P>(Eye<P, windowed>(g, scale, list), rules.neighbors, best);
+    P::min(P::load(g.discarded), rejected).store(g.discarded);
+    for (int i = 0; i < rules.neighbors; ++i) {
+        std::int32_t at[lanes];
+        best[i].store_positions(at);
+        for (const std::int32_t position : at) keep[position] = 1;
+    }
+}
+
+template <class P>
+void nominate(Group& group, const CandidateList& list, const Rules& rules, unsigned char* keep) {
+    rules.windowed ? nominate_group<P, true>(group, list, rules, keep)
+                   : nominate_group<P, false>(group, list, rules, keep);
+}
+
+}  // namespace
+}  // namespace helibore::kernel

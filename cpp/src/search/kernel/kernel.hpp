@@ -1,0 +1,145 @@
+// The border between the search (ordinary C++) and its innermost loops, which are compiled once for each instruction
+// set (plain.cpp, avx2.cpp, avx512.cpp) from one text (body.hpp). Only plain old structs
+// cross it, and nothing here includes the standard containers: a wide translation unit must not leak inline functions.
+//
+// Eight consecutive vertices of the helix form a group. They share one list of candidates:
+//
+//     toolface ->                          h = half height of the list beyond the group
+//     +------------------------------+     w = half width of the list beyond the group, degrees
+//     |   .   :    .      .   .      |
+//     |  .  1  2  3  4  5  6  7  8  .|     every sample outside the box is at least min(h, c w) away from
+//     |    .     .    :     .     .  |     every vertex of the group, c = metres a degree at its radius
+//     +------------------------------+
+//
+// A vertex is done when its farthest neighbour is nearer than that; otherwise the box grows.
+#pragma once
+
+#include <cstdint>
+
+namespace helibore::kernel {
+
+inline constexpr int lanes = 8;
+
+// A candidate's position in the list rides in the low 12 bits of its squared distance: one number is both the sorting
+// key and the payload. Squared distances that agree to 2^-40 are ties, decided by position, that is canonical order.
+inline constexpr int position_bits = 12;
+inline constexpr std::int64_t list_capacity = (std::int64_t{1} << position_bits) - 1;  // the last position is "none"
+inline constexpr int max_neighbors = 256;
+
+// Short lists are searched with floats first, at half the cost, the position in the low 8 bits. What floats cannot tell
+// apart is left to the doubles, so which of the two found the neighbours does not show.
+inline constexpr int narrow_position_bits = 8;
+inline constexpr std::int64_t narrow_capacity = (std::int64_t{1} << narrow_position_bits) - 16;
+
+// Squares up to this are distances of 0 (1e-20 m): products of eight larger ones stay in the range of a double.
+inline constexpr double zero_square = 1e-40;
+
+// Squares larger than any real squared distance: no such candidate, no such limit.
+inline constexpr double missing_square = 1e300;
+inline constexpr double boundless_square = 1e301;
+
+inline constexpr double none_depth = 1e150;  // squared: missing_square
+inline constexpr float narrow_none = 1e18f;  // squared: more than any real squared distance, and finite
+
+struct alignas(32) Candidate {
+    double depth, toolface, radius;
+    std::int64_t rank;  // in canonical order
+};
+
+// Columns of list_capacity + 1 values. Positions from count on, up to the next multiple of 16, and list_capacity itself
+// hold "none": depth none_depth, toolface and radius 0; in the narrow columns 0 and narrow_none.
+struct CandidateList {
+    Candidate* rows;
+    float* across;                 // toolface less the group's center, in (-180, 180]
+    float* along;                  // depth less the group's middle
+    const double* position;        // the bits of the integers 0, 1, 2, ...
+    const float* narrow_position;  // likewise
+    std::int64_t count;
+};
+
+// Writes the numbers first + i of the set bits i of a mask of 16 and returns how many; out has room for 16.
+static inline int store_set_bits(unsigned bits, std::int32_t first, std::int32_t* out) {
+    int count = 0;
+    for (; bits != 0; bits &= bits - 1) out[count++] = first + __builtin_ctz(bits);
+    return count;
+}
+
+struct Rules {
+    int neighbors;
+    int max_iterations;
+    double tolerance;
+    double power;
+    double max_square;  // max_distance squared, at most boundless_square
+    double scale;       // metres a degree at one metre of radius: angular_scale pi / 180
+    bool windowed;
+};
+
+struct Group {
+    double center, middle;  // toolface and depth half way between the first vertex and the last
+    double depth[lanes];
+    double toolface[lanes];
+    double window_first[lanes];  // ranks, window mode only: candidates in [first, last) count
+    double window_last[lanes];
+    double trial[lanes];      // the radius the next estimate starts from
+    double discarded[lanes];  // least squared distance, at `trial`, among candidates the list no longer holds
+    double radius[lanes];
+    double nearest[lanes];
+    double support[lanes];
+    double iterations[lanes];
+    double reach_square[lanes];  // largest squared distance at which one more sample would have changed an estimate
+    double active[lanes];        // 1 while the lane is not done, else 0
+};
+
+struct Box {
+    double height;  // h, metres; infinity when all depths are in the list
+    double width;   // w, degrees; infinity when all toolfaces are in the list
+    // Half the extent of the list around the group's center and middle, for the error of the narrow columns; narrow:
+    // may they be used?
+    double across, along;
+    bool narrow;
+};
+
+// Which samples go into the list: those within half_width of the group's center; any, if that is 180 or more.
+struct Filter {
+    double half_width;
+    bool wraps;  // is one of them across 0/360 from the center?
+};
+
+enum class Verdict : int {
+    done,     // all lanes converged
+    widen,    // some lane's neighbours may lie outside the box
+    refetch,  // the radius moved so far that discarded candidates may count again
+};
+
+enum class Order : int { falls, level, rises };  // some value below the one before; some equal; all above
+
+struct Found {
+    std::size_t index;
+    double square;
+};
+
+struct Functions {
+    const char* name;
+    // Do all values lie in [low, high]? NaN does not.
+    bool (*all_within)(const double* values, std::int64_t n, double low, double high);
+    Order (*order)(const double* values, std::int64_t n);
+    // The least and the greatest squared distance of n points, a multiple of `lanes`, from (x, y), and the first point
+    // that has it.
+    Found (*nearest)(const double* xs, const double* ys, std::size_t n, double x, double y);
+    Found (*farthest)(const double* xs, const double* ys, std::size_t n, double x, double y);
+    // Appends the samples that pass the filter, the first of them of the given rank, and returns how many of the n were
+    // read: fewer only if the list is full.
+    std::int64_t (*gather)(CandidateList& list, const Group& group, const double* depth, const double* toolface,
+                           const double* radius, std::int64_t n, std::int64_t rank, const Filter& filter);
+    // Iterates every active lane until it converges, or until the list cannot decide.
+    Verdict (*estimate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box);
+    // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the
+    // nearest of the others.
+    void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, unsigned char* keep);
+};
+
+const Functions& plain();
+const Functions& avx2();    // the plain functions where the compiler does not target x86-64
+const Functions& avx512();  // likewise
+
+}  // namespace helibore::kernel

@@ -1,0 +1,84 @@
+// Packs of floats that the x86 packs select with: eight vertices, each with one candidate at a time in AVX2 and with
+// two in AVX-512.
+#pragma once
+
+#include <immintrin.h>
+
+#include "search/kernel/kernel.hpp"
+
+namespace helibore::kernel {
+namespace {
+
+struct X86Narrow {
+    static constexpr int candidates = 1;
+    using Single = X86Narrow;
+    __m256 v;
+
+    X86Narrow() = default;
+    X86Narrow(__m256 x) : v(x) {}
+    explicit X86Narrow(float x) : v(_mm256_set1_ps(x)) {}
+
+    void store(float* p) const { _mm256_storeu_ps(p, v); }
+    static X86Narrow each_vertex(X86Narrow x) { return x; }
+    static X86Narrow each_candidate(const float* p) { return _mm256_broadcast_ss(p); }
+    Single candidate(int) const { return v; }
+
+    friend X86Narrow operator+(X86Narrow a, X86Narrow b) { return _mm256_add_ps(a.v, b.v); }
+    friend X86Narrow operator-(X86Narrow a, X86Narrow b) { return _mm256_sub_ps(a.v, b.v); }
+    friend X86Narrow operator*(X86Narrow a, X86Narrow b) { return _mm256_mul_ps(a.v, b.v); }
+    static X86Narrow min(X86Narrow a, X86Narrow b) { return _mm256_min_ps(a.v, b.v); }
+    static X86Narrow max(X86Narrow a, X86Narrow b) { return _mm256_max_ps(a.v, b.v); }
+
+    static __m256 low() { return _mm256_castsi256_ps(_mm256_set1_epi32((1 << narrow_position_bits) - 1)); }
+    static X86Narrow tag(X86Narrow square, X86Narrow position) {
+        return _mm256_or_ps(_mm256_andnot_ps(low(), square.v), position.v);
+    }
+    static X86Narrow position_key(X86Narrow key) {
+        return _mm256_or_ps(_mm256_and_ps(key.v, low()), _mm256_set1_ps(1.0f));
+    }
+    void store_positions(std::int32_t* at) const {
+        _mm256_storeu_ps(reinterpret_cast<float*>(at), _mm256_and_ps(v, low()));
+    }
+};
+
+#ifdef __AVX512F__
+struct X86NarrowPair {
+    static constexpr int candidates = 2;
+    using Single = X86Narrow;
+    __m512 v;  // vertex i in lanes 2 i and 2 i + 1, the former with the first candidate, the latter with the second
+
+    X86NarrowPair() = default;
+    X86NarrowPair(__m512 x) : v(x) {}
+    explicit X86NarrowPair(float x) : v(_mm512_set1_ps(x)) {}
+
+    static X86NarrowPair each_vertex(X86Narrow x) {
+        const __m512i twice = _mm512_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7);
+        return _mm512_permutexvar_ps(twice, _mm512_castps256_ps512(x.v));
+    }
+    static X86NarrowPair each_candidate(const float* p) {
+        double two;
+        __builtin_memcpy(&two, p, sizeof two);
+        return _mm512_castpd_ps(_mm512_set1_pd(two));
+    }
+    Single candidate(int which) const {
+        const __m512i pairs = _mm512_castps_si512(v);
+        return _mm256_castsi256_ps(_mm512_cvtepi64_epi32(which == 0 ? pairs : _mm512_srli_epi64(pairs, 32)));
+    }
+
+    friend X86NarrowPair operator+(X86NarrowPair a, X86NarrowPair b) { return _mm512_add_ps(a.v, b.v); }
+    friend X86NarrowPair operator-(X86NarrowPair a, X86NarrowPair b) { return _mm512_sub_ps(a.v, b.v); }
+    friend X86NarrowPair operator*(X86NarrowPair a, X86NarrowPair b) { return _mm512_mul_ps(a.v, b.v); }
+    static X86NarrowPair min(X86NarrowPair a, X86NarrowPair b) { return _mm512_min_ps(a.v, b.v); }
+    static X86NarrowPair max(X86NarrowPair a, X86NarrowPair b) { return _mm512_max_ps(a.v, b.v); }
+
+    // (square & ~low) | position in one instruction; 0xBA is that truth table.
+    static X86NarrowPair tag(X86NarrowPair square, X86NarrowPair position) {
+        const __m512i low = _mm512_set1_epi32((1 << narrow_position_bits) - 1);
+        return _mm512_castsi512_ps(
+            _mm512_ternarylogic_epi32(_mm512_castps_si512(square.v), low, _mm512_castps_si512(position.v), 0xBA));
+    }
+};
+#endif
+
+}  // namespace
+}  // namespace helibore::kernel

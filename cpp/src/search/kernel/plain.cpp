@@ -1,0 +1,12 @@
+// The innermost loops in plain C++.
+#include "search/kernel/body.hpp"
+#include "search/kernel/pack_plain.hpp"
+
+namespace helibore::kernel {
+
+const Functions& plain() {
+    static constexpr Functions functions = functions_of<PlainPack>("plain");
+    return functions;
+}
+
+}  // namespace helibore::kernel

@@ -1,0 +1,242 @@
+// The search around the kernel: which samples a group may need, and whether it has seen enough.
+#include "search/search.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "search/kernel/instruction_set.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr Index lanes = kernel::lanes;
+constexpr Index stride = 16;  // samples the depth bounds of a box are found to; a few too many do no harm
+
+}  // namespace
+
+// The depths and toolfaces a group covers.
+struct Search::Span {
+    double shallow, deep;
+    double half_width;  // toolface, degrees
+
+    Span(const kernel::Group& g, const Helix& helix)
+        : shallow(std::min(g.depth[0], g.depth[lanes - 1])),
+          deep(std::max(g.depth[0], g.depth[lanes - 1])),
+          half_width(half_width_of(helix)) {}
+
+    static double half_width_of(const Helix& helix) {
+        return 0.5 * static_cast<double>(lanes - 1) * 360.0 / static_cast<double>(helix.sectors);
+    }
+};
+
+Search::Scratch::Scratch()
+    : rows(std::make_unique_for_overwrite<kernel::Candidate[]>(kernel::list_capacity + 1)),
+      across(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 1)),
+      along(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 1)),
+      list{rows.get(), across.get(), along.get(), kernel::position_table(), kernel::narrow_position_table(), 0},
+      keep(kernel::list_capacity + 1) {
+    rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
+}
+
+// "None" up to the next multiple of sixteen.
+void Search::Scratch::pad() {
+    for (std::int64_t i = list.count; i % 16 != 0; ++i) list.rows[i] = {kernel::none_depth, 0.0, 0.0, 0};
+}
+
+Search::Search(const Settings& settings)
+    : settings_(settings), functions_(&kernel::functions_for(settings.instruction_set)) {
+    rules_.neighbors = settings.neighbors;
+    rules_.max_iterations = settings.max_iterations;
+    rules_.tolerance = settings.tolerance;
+    rules_.power = settings.power;
+    rules_.max_square = std::min(settings.max_distance * settings.max_distance, kernel::boundless_square);
+    rules_.scale = settings.angular_scale * std::numbers::pi / 180.0;
+    rules_.windowed = settings.window.has_value();
+    const Helix helix{0.0, settings.start_toolface, settings.pitch, settings.sectors};
+    toolface_.resize(static_cast<std::size_t>(settings.sectors));
+    for (Index k = 0; k < settings.sectors; ++k) toolface_[static_cast<std::size_t>(k)] = helix.toolface(k);
+}
+
+kernel::Group Search::start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const {
+    kernel::Group g;  // results are set by the kernel
+    g.middle = 0.5 * (helix.depth(group * lanes) + helix.depth(group * lanes + lanes - 1));
+    g.center =
+        wrap_toolface(toolface_[static_cast<std::size_t>(group * lanes % helix.sectors)] + Span::half_width_of(helix));
+    Index sector = group * lanes % helix.sectors;
+    for (Index i = 0; i < lanes; ++i) {
+        const Index k = group * lanes + i;
+        g.depth[i] = helix.depth(k);
+        g.toolface[i] = toolface_[static_cast<std::size_t>(sector)];
+        if (++sector == helix.sectors) sector = 0;
+        g.trial[i] = settings_.bit_diameter / 2.0;
+        g.active[i] = k < vertex_count ? 1.0 : 0.0;
+        g.iterations[i] = g.reach_square[i] = 0.0;
+        g.window_first[i] = g.window_last[i] = 0.0;
+        if (rules_.windowed) {
+            const Index n = samples.size(), window = std::min(*settings_.window, n);
+            const Index first = std::clamp<Index>(samples.count_to(g.depth[i]) - *settings_.window / 2, 0, n - window);
+            g.window_first[i] = static_cast<double>(first);
+            g.window_last[i] = static_cast<double>(first + window);
+        }
+    }
+    return g;
+}
+
+// The group with its estimates; the list then holds the neighbours of every vertex at its last trial radius.
+kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
+                            Scratch& scratch) const {
+    kernel::Group g = start(samples, helix, group, vertex_count);
+    if (rules_.windowed) {
+        constexpr kernel::Box everything{no_limit, no_limit, 0.0, 0.0, false};
+        do fetch_window(samples, g, scratch);
+        while (functions_->estimate(g, scratch.list, rules_, everything) != kernel::Verdict::done);
+    } else {
+        search_box(samples, Span(g, helix), g, scratch);
+    }
+    return g;
+}
+
+void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+                 GroupResult& result) const {
+    const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
+    const Index used = std::min(lanes, vertex_count - group * lanes);
+    double reach = 0.0;
+    for (Index i = 0; i < used; ++i) {
+        result.radius[i] = g.radius[i];
+        result.nearest[i] = g.nearest[i];
+        result.support[i] = static_cast<std::uint16_t>(g.support[i]);
+        result.iterations[i] = static_cast<std::uint8_t>(g.iterations[i]);
+        reach = std::max(reach, g.reach_square[i]);
+    }
+    if (rules_.windowed)
+        window_reach(samples, g, used, result);
+    else {
+        // Rounded outwards; missing_square (too few samples, no limit) is out of any hole's reach.
+        reach = std::sqrt(reach) * (1.0 + 1e-6);
+        const Span span(g, helix);
+        result.shallow = span.shallow - reach;
+        result.deep = span.deep + reach;
+    }
+}
+
+// A window changes when a sample falls between it and the vertex or into it, or, where the end of the samples has cut
+// it short on one side, when there are more on that side.
+void Search::window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const {
+    result.shallow = no_limit;
+    result.deep = -no_limit;
+    const Index n = samples.size();
+    for (Index i = 0; i < used; ++i) {
+        const Index centered = samples.count_to(g.depth[i]) - *settings_.window / 2;
+        const auto first = static_cast<Index>(g.window_first[i]), last = static_cast<Index>(g.window_last[i]);
+        const bool all = n < *settings_.window;
+        const bool cut_above = all || centered < 0;
+        const bool cut_below = all || centered + *settings_.window > n;
+        result.shallow =
+            std::min(result.shallow, cut_above || n == 0 ? -no_limit : std::min(samples.depth(first), g.depth[i]));
+        result.deep =
+            std::max(result.deep, cut_below || n == 0 ? no_limit : std::max(samples.depth(last - 1), g.depth[i]));
+    }
+}
+
+void Search::search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const {
+    if (scratch.half_height == 0.0) scratch.half_height = first_guess(samples);
+    double half_height = scratch.half_height;
+    for (;;) {
+        double least_trial = no_limit;
+        for (Index i = 0; i < lanes; ++i)
+            if (g.active[i] > 0.0) least_trial = std::min(least_trial, g.trial[i]);
+        const double width = half_height / (least_trial * rules_.scale);
+        const double low = span.shallow - half_height, high = span.deep + half_height;
+        const bool all_depths = samples.size() == 0 || (low <= samples.first_depth() && high >= samples.last_depth());
+        const double across = span.half_width + width + 1e-9;
+        const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
+        fetch_box(samples, low, high, filter, g, scratch);
+        const std::int64_t count = scratch.list.count;
+        const bool narrow = rules_.neighbors <= std::min<std::int64_t>(count, 8) && count <= kernel::narrow_capacity &&
+                            across + span.half_width < 180.0;
+        const kernel::Box box{all_depths ? no_limit : half_height, across < 180.0 ? width : no_limit, across,
+                              0.5 * (high - low), narrow};
+        const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
+        if (verdict == kernel::Verdict::done) break;
+        if (verdict == kernel::Verdict::widen) half_height *= 1.5;
+    }
+    // The next group's first box: where samples are spread evenly, few vertices need 2.4 times the mean area.
+    const double mean = std::accumulate(g.reach_square, g.reach_square + lanes, 0.0) / lanes;
+    if (mean < kernel::missing_square) {
+        scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
+        scratch.half_height = std::sqrt(2.4 * scratch.mean_square);
+    }
+}
+
+// The distance within which a vertex would find its neighbours if the samples were spread evenly.
+double Search::first_guess(const Samples& samples) const {
+    const double n = static_cast<double>(std::max<Index>(samples.size(), 1));
+    const double length = samples.size() == 0 ? 0.0 : samples.last_depth() - samples.first_depth();
+    const double around = std::numbers::pi * settings_.bit_diameter * settings_.angular_scale;
+    const double area_a_sample = std::max(length, settings_.bit_diameter) * around / n;
+    const double guess = 1.2 * std::sqrt(settings_.neighbors * area_a_sample / std::numbers::pi);
+    return std::min(guess, 1.001 * settings_.max_distance);
+}
+
+void Search::fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter, kernel::Group& g,
+                       Scratch& scratch) const {
+    scratch.list.count = 0;
+    std::fill_n(g.discarded, lanes, kernel::boundless_square);
+    scratch.place = samples.step_to(low, scratch.place, stride);
+    Samples::Place place = scratch.place;
+    for (; place.chunk < samples.chunks().size(); ++place.chunk, place.offset = 0) {
+        const Chunk& chunk = *samples.chunks()[place.chunk];
+        Index stop = place.offset;
+        while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
+        stop = std::min(stop, chunk.count);
+        gather(chunk, place.offset, stop, samples.rank(place), filter, g, scratch);
+        if (stop < chunk.count) break;
+    }
+    scratch.pad();
+}
+
+void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scratch) const {
+    scratch.list.count = 0;
+    std::fill_n(g.discarded, lanes, kernel::boundless_square);
+    if (samples.size() == 0) return scratch.pad();
+    constexpr kernel::Filter everything{360.0, true};
+    const auto rank = static_cast<Index>(*std::min_element(g.window_first, g.window_first + lanes));
+    const auto last = static_cast<Index>(*std::max_element(g.window_last, g.window_last + lanes));
+    for (Samples::Place place = samples.place(rank);; ++place.chunk, place.offset = 0) {
+        const Chunk& chunk = *samples.chunks()[place.chunk];
+        const Index stop = std::min(chunk.count, place.offset + last - samples.rank(place));
+        gather(chunk, place.offset, stop, samples.rank(place), everything, g, scratch);
+        if (samples.rank(place) + stop - place.offset >= last) break;
+    }
+    scratch.pad();
+}
+
+// Rows [start, stop) of a chunk into the list, the first of them of the given rank; where the list fills up, all but
+// the nearest so far make room.
+void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
+                    kernel::Group& g, Scratch& scratch) const {
+    while (start < stop) {
+        const Index read = functions_->gather(scratch.list, g, chunk.depth() + start, chunk.toolface() + start,
+                                              chunk.radius() + start, stop - start, rank, filter);
+        start += read;
+        rank += read;
+        if (start < stop) shrink(g, scratch);
+    }
+}
+
+void Search::shrink(kernel::Group& g, Scratch& scratch) const {
+    scratch.pad();
+    std::fill(scratch.keep.begin(), scratch.keep.end(), static_cast<unsigned char>(0));
+    functions_->nominate(g, scratch.list, rules_, scratch.keep.data());
+    kernel::CandidateList& list = scratch.list;
+    std::int64_t kept = 0;
+    for (std::int64_t i = 0; i < list.count; ++i) {
+        if (!scratch.keep[static_cast<std::size_t>(i)]) continue;
+        list.rows[kept++] = list.rows[i];
+    }
+    list.count = kept;
+}
+
+}  // namespace helibore

@@ -1,0 +1,108 @@
+// Volumes of hexahedra, and whether their corners stand upright.
+//
+//        7 ---- 6        the outer quad over the inner one; edges run straight, faces are the bilinear
+//       /|     /|        patches between them, which neighbours share: volumes add up without gaps
+//      4 ---- 5 |
+//      | 3 ---| 2        V = integral of det J over the unit cube, in three determinants (Grandy 1997,
+//      |/     |/         UCRL-ID-128886, eq. 14, there with corners in the order 0 1 3 2 4 5 7 6)
+//      0 ---- 1
+#include <algorithm>
+#include <atomic>
+#include <limits>
+
+#include "base/number_text.hpp"
+#include "base/threads.hpp"
+#include "helibore/error.hpp"
+#include "helibore/surface.hpp"
+#include "samples/helix.hpp"
+
+namespace helibore {
+namespace {
+
+constexpr Index cells_a_part = 4096;
+constexpr Index none = std::numeric_limits<Index>::max();
+
+Vector3 operator-(const Vector3& a, const Vector3& b) {
+    return {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
+}
+Vector3 operator+(const Vector3& a, const Vector3& b) {
+    return {a[0] + b[0], a[1] + b[1], a[2] + b[2]};
+}
+double determinant(const Vector3& a, const Vector3& b, const Vector3& c) {
+    return a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
+}
+
+struct Corners {
+    Vector3 of[8];
+    Corners(std::span<const Vector3> vertices, const Hexahedron& hexahedron) {
+        for (std::size_t i = 0; i < 8; ++i) of[i] = vertices[static_cast<std::size_t>(hexahedron[i])];
+    }
+};
+
+double volume_of(const Corners& c) {
+    const Vector3 &x0 = c.of[0], &x1 = c.of[1], &x3 = c.of[2], &x2 = c.of[3];
+    const Vector3 &x4 = c.of[4], &x5 = c.of[5], &x7 = c.of[6], &x6 = c.of[7];
+    const Vector3 a = x6 - x0, b = x7 - x1, d = x7 - x2, e = x3 - x0, f = x5 - x0, g = x7 - x4;
+    return (determinant(b + a, d, e) + determinant(a, d + f, g) + determinant(b, f, g + e)) / 12.0;
+}
+
+// Do the three edges at every corner keep their order, that of the axes?
+bool upright(const Corners& c) {
+    constexpr std::size_t edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
+                                         {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
+    bool all = true;
+    for (std::size_t i = 0; i < 8; ++i) {
+        const Vector3& at = c.of[i];
+        all &= determinant(c.of[edges[i][0]] - at, c.of[edges[i][1]] - at, c.of[edges[i][2]] - at) > 0.0;
+    }
+    return all;
+}
+
+// Calls visit(row) for all rows below `count`, shared out to threads.
+template <class Visit>
+void for_each_row(Index count, int threads, const Visit& visit) {
+    for_each_part((count + cells_a_part - 1) / cells_a_part, threads, [&](int, Index part_index) {
+        const Index stop = std::min(count, (part_index + 1) * cells_a_part);
+        for (Index row = part_index * cells_a_part; row < stop; ++row) visit(row);
+    });
+}
+
+// "shells[1] at vertex 7, depth 12.5": the outer side of the hexahedron in this row.
+std::string place_of(const HelixRadii& radii, const VolumeLayout& layout, Index row) {
+    const Helix helix{radii.start_depth, radii.start_toolface, radii.pitch, radii.sectors};
+    for (std::size_t layer = 0; layer < layout.layers.size(); ++layer) {
+        for (const HexahedronRun& run : layout.layers[layer]) {
+            const Index k = row - run.inner.shift;
+            if (k < run.inner.k.start || k >= run.inner.k.stop) continue;
+            return "shells[" + std::to_string(layer) + "] at vertex " + std::to_string(k) + ", depth " +
+                   number_text(helix.depth(k));
+        }
+    }
+    throw InternalError("row " + std::to_string(row) + " belongs to no layer");
+}
+
+}  // namespace
+
+void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
+                     std::span<const Hexahedron> hexahedra, int threads) {
+    std::atomic<Index> first{none};
+    for_each_row(static_cast<Index>(hexahedra.size()), threads, [&](Index row) {
+        if (upright(Corners(vertices, hexahedra[static_cast<std::size_t>(row)]))) return;
+        for (Index least = first; row < least && !first.compare_exchange_weak(least, row);) {
+        }
+    });
+    if (first == none) return;
+    throw InputError(place_of(radii, layout, first) +
+                     ": folds over itself; the path bends or turns more sharply there than the shell is thick");
+}
+
+std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads) {
+    std::vector<double> out(hexahedra.size());
+    for_each_row(static_cast<Index>(hexahedra.size()), threads, [&](Index row) {
+        const auto at = static_cast<std::size_t>(row);
+        out[at] = volume_of(Corners(vertices, hexahedra[at]));
+    });
+    return out;
+}
+
+}  // namespace helibore

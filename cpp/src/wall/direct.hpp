@@ -1,0 +1,52 @@
+// Direct connection (Energies 2021, 14, 291, Eq. 6): while drilling, a sample that falls in the cell of a vertex that
+// is not settled yet stands for that vertex at once, provisionally; once settled the vertex is interpolated like any
+// other.
+//
+//         |<- 360/K ->|
+//     ----+-----------+----   pitch/2 above
+//         |           |
+//         |     k     |       of the samples in it the last in canonical order counts: while drilling, the newest
+//         |           |
+//     ----+-----------+----   pitch/2 below
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "samples/helix.hpp"
+#include "samples/samples.hpp"
+
+namespace helibore {
+
+// The radii of samples that stand for the vertices [start, start + radii.size()); NaN: none does.
+struct DirectRadii {
+    Index start = 0;
+    std::vector<double> radii;
+
+    bool stands_for(Index k) const {
+        return start <= k && k - start < static_cast<Index>(radii.size()) &&
+               !std::isnan(radii[static_cast<std::size_t>(k - start)]);
+    }
+    // What a vertex shows whose estimate is `radius`.
+    double shown(Index k, double radius) const {
+        return stands_for(k) ? radii[static_cast<std::size_t>(k - start)] : radius;
+    }
+    // The vertices of a range that samples may stand for; mostly few, or none.
+    Range among(Range range) const {
+        const Index first = std::max(range.start, start);
+        return {first, std::max(first, std::min(range.stop, start + static_cast<Index>(radii.size())))};
+    }
+    // What the vertices of a range show.
+    void show(Range range, double* radius) const {
+        const Range some = among(range);
+        for (Index k = some.start; k < some.stop; ++k) radius[k - range.start] = shown(k, radius[k - range.start]);
+    }
+};
+
+DirectRadii direct_radii(const Samples& samples, const Helix& helix, Range vertices);
+
+// The vertices of [0, count) where the two differ: sorted, never touching.
+std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& after, Index count);
+
+}  // namespace helibore

@@ -1,0 +1,73 @@
+// What a wall consists of. wall.cpp changes it, read.cpp reads it; both hold its lock.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "helibore/wall.hpp"
+#include "samples/samples.hpp"
+#include "search/search.hpp"
+#include "wall/direct.hpp"
+#include "wall/vertices.hpp"
+
+namespace helibore {
+
+inline constexpr Index lanes = kernel::lanes;
+inline constexpr Index groups_a_part = 16;  // of the work shared out to threads
+
+inline Index groups_of(Index vertices) {
+    return (vertices + lanes - 1) / lanes;
+}
+
+struct Wall::State {
+    State(const Settings& s, std::shared_ptr<Pages> pages_of_walls, std::shared_ptr<Crews> crews_of_walls)
+        : settings(s),
+          search((s.validate(), s)),
+          pages(pages_of_walls ? std::move(pages_of_walls) : std::make_shared<Pages>()),
+          crews(crews_of_walls ? std::move(crews_of_walls) : std::make_shared<Crews>()) {
+        if (s.start_depth) helix.start_depth = *s.start_depth;
+        scratches.resize(static_cast<std::size_t>(s.threads));
+    }
+
+    Change append(const SampleColumns& columns);
+    Change update(const SortedBatch& batch, Crew& crew);
+    Helix helix_now() const;
+    Index count_now(const Helix& next) const;
+    void measure_hulls(const std::vector<Index>& old, Index kept);
+    bool advances(const SortedBatch& batch) const;
+    std::vector<Index> touched_groups(const SortedBatch& batch, Index open) const;
+    void search_groups(Crew& crew, const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
+                       Vertices& into, std::vector<GroupResult>& staged);
+    std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
+                               Index new_count, const DirectRadii& next_direct) const;
+    Index settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
+                        const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
+
+    // Of a range of vertices; read.cpp.
+    VertexColumns read(Range range) const;
+    std::vector<double> depth(Range range) const;
+    std::vector<double> toolface(Range range) const;
+    std::vector<double> radius(Range range) const;
+    std::vector<std::uint8_t> provisional(Range range) const;
+
+    mutable std::mutex lock;
+    Settings settings;
+    Search search;
+    std::shared_ptr<Pages> pages;
+    std::shared_ptr<Crews> crews;
+    Samples samples;
+    Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
+    Vertices vertices;
+    Index count = 0;
+    Index settled = 0;
+    double far_end = std::numeric_limits<double>::quiet_NaN();  // of the samples that `settled` was found with
+    DirectRadii direct;
+    std::vector<Search::Scratch> scratches;
+};
+
+}  // namespace helibore

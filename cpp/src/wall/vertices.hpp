@@ -1,0 +1,91 @@
+// What a wall keeps of its vertices, in blocks so that a growing hole never copies what it has.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <memory>
+#include <vector>
+
+#include "search/search.hpp"
+
+namespace helibore {
+
+class Vertices {
+  public:
+    static constexpr Index block_size = 4096;
+    static constexpr Index groups_per_block = block_size / kernel::lanes;
+
+    struct Block {
+        std::array<double, block_size> radius;
+        std::array<double, block_size> nearest;
+        std::array<std::uint16_t, block_size> support;
+        std::array<std::uint8_t, block_size> iterations;
+        std::array<double, groups_per_block> shallow, deep;  // GroupResult's, for each group
+    };
+
+    // Makes room for vertices [0, count); those below `kept` keep their values.
+    void grow(Index count, Index kept) {
+        const auto needed = static_cast<std::size_t>(blocks_of(count));
+        if (needed > blocks_.capacity()) blocks_.reserve(std::max(needed, 2 * blocks_.capacity()));
+        while (blocks_.size() < needed) blocks_.push_back(std::unique_ptr<Block>(new Block));  // not zeroed
+        hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // forgets those that a failed append measured
+        hulls_.resize(needed);
+    }
+
+    static Index blocks_of(Index vertices) { return (vertices + block_size - 1) / block_size; }
+
+    Block& block(Index b) { return *blocks_[static_cast<std::size_t>(b)]; }
+    const Block& block(Index b) const { return *blocks_[static_cast<std::size_t>(b)]; }
+
+    void put(Index group, Index vertex_count, const GroupResult& result) {
+        Block& to = block(group / groups_per_block);
+        const Index g = group % groups_per_block, first = g * kernel::lanes;
+        const Index n = std::min<Index>(kernel::lanes, vertex_count - group * kernel::lanes);
+        std::copy_n(result.radius, n, to.radius.begin() + first);
+        std::copy_n(result.nearest, n, to.nearest.begin() + first);
+        std::copy_n(result.support, n, to.support.begin() + first);
+        std::copy_n(result.iterations, n, to.iterations.begin() + first);
+        to.shallow[static_cast<std::size_t>(g)] = result.shallow;
+        to.deep[static_cast<std::size_t>(g)] = result.deep;
+    }
+
+    // The depths between which a new sample can change a block; all depths while it is not measured.
+    struct Hull {
+        double shallow = -no_limit, deep = no_limit;
+    };
+    const Hull& hull(Index b) const { return hulls_[static_cast<std::size_t>(b)]; }
+    // Of a block that is full.
+    void measure_hull(Index b) {
+        const Block& of = block(b);
+        Hull several[8];  // eight at a time, which the compiler makes vectors of
+        std::fill_n(several, 8, Hull{no_limit, -no_limit});
+        for (std::size_t g = 0; g < of.deep.size(); ++g) {
+            Hull& hull = several[g % 8];
+            hull.shallow = of.shallow[g] < hull.shallow ? of.shallow[g] : hull.shallow;
+            hull.deep = of.deep[g] > hull.deep ? of.deep[g] : hull.deep;
+        }
+        Hull all = several[0];
+        for (const Hull& hull : several) all = {std::min(all.shallow, hull.shallow), std::max(all.deep, hull.deep)};
+        hulls_[static_cast<std::size_t>(b)] = all;
+    }
+
+    // A member of the blocks for a range of vertices.
+    template <class Out, class T, std::size_t n>
+    std::vector<Out> column(std::array<T, n> Block::* member, Range range) const {
+        std::vector<Out> out;
+        out.reserve(static_cast<std::size_t>(range.stop - range.start));
+        for (Index k = range.start; k < range.stop;) {
+            const Index first = k % block_size, length = std::min(range.stop - k, block_size - first);
+            const auto from = (block(k / block_size).*member).begin() + first;
+            out.insert(out.end(), from, from + length);
+            k += length;
+        }
+        return out;
+    }
+
+  private:
+    std::vector<std::unique_ptr<Block>> blocks_;
+    std::vector<Hull> hulls_;
+};
+
+}  // namespace helibore

@@ -1,0 +1,273 @@
+// The one stateful class: samples in, changed vertices out.
+//
+// An append is: sort the batch, insert it, find the groups of vertices it can change (GroupResult::shallow and deep say
+// what each depends on), search those anew beside the old values, compare, and only then write. Whatever throws does so
+// before the writing, and the insertion is undone.
+#include "helibore/wall.hpp"
+
+#include <algorithm>
+#include <bit>
+#include <iterator>
+#include <utility>
+
+#include "base/number_text.hpp"
+#include "base/threads.hpp"
+#include "helibore/error.hpp"
+#include "search/kernel/instruction_set.hpp"
+#include "wall/state.hpp"
+
+namespace helibore {
+namespace {
+
+// Groups that are worth a thread, and its share is cut into parts small enough that all end together.
+constexpr Index groups_to_start = 256, groups_to_wake = 4;
+constexpr double most_vertices = 2147483648.0;
+
+// Merges [start, stop) into sorted ranges that never touch.
+void add_range(std::vector<Range>& ranges, Range range) {
+    if (range.start == range.stop) return;
+    if (!ranges.empty() && ranges.back().stop == range.start)
+        ranges.back().stop = range.stop;
+    else
+        ranges.push_back(range);
+}
+
+// The first of values[from, to) that is `good`, or `to`. Sixteen at a time, which the compiler compares as vectors:
+// every append looks through the last block.
+template <class Good>
+Index first_that(const double* values, Index from, Index to, const Good& good) {
+    for (; from + 16 <= to; from += 16) {
+        bool any = false;
+        for (Index i = 0; i < 16; ++i) any |= good(values[from + i]);
+        if (any) break;
+    }
+    while (from < to && !good(values[from])) ++from;
+    return from;
+}
+
+// The last block, which every append looks through: its hull is left unmeasured while it grows.
+Index growing_block(Index vertex_count) {
+    return Vertices::blocks_of(vertex_count) - 1;
+}
+
+// Two sorted lists of ranges as one.
+std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>& b) {
+    std::vector<Range> both;
+    both.reserve(a.size() + b.size());
+    std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both),
+               [](const Range& x, const Range& y) { return x.start < y.start; });
+    std::vector<Range> ranges;
+    for (const Range& range : both) {
+        if (!ranges.empty() && range.start <= ranges.back().stop)
+            ranges.back().stop = std::max(ranges.back().stop, range.stop);
+        else
+            ranges.push_back(range);
+    }
+    return ranges;
+}
+
+}  // namespace
+
+Change Wall::State::append(const SampleColumns& columns) {
+    const std::scoped_lock held(lock);
+    const StandardArithmetic standard;
+    const Shift shift(crews.get(), settings.threads);
+    SortedBatch batch = sort_batch(columns, samples, *pages, shift.crew(), search.functions());
+    if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
+        throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
+                                     : "time: missing, but the samples before carry one; give it for all or none");
+    Samples::Undo undo = samples.insert(batch);
+    try {
+        return update(batch, shift.crew());
+    } catch (...) {
+        samples.undo(std::move(undo));
+        throw;
+    }
+}
+
+// The helix starts at start_depth, or at the sample that comes first along it.
+Helix Wall::State::helix_now() const {
+    const bool down = settings.pitch > 0.0;
+    const double start = settings.start_depth.value_or(down ? samples.first_depth() : samples.last_depth());
+    return {start, settings.start_toolface, settings.pitch, settings.sectors};
+}
+
+Index Wall::State::count_now(const Helix& next) const {
+    const bool down = settings.pitch > 0.0;
+    const double stop = settings.stop_depth.value_or(down ? samples.last_depth() : samples.first_depth());
+    const double vertices_needed = next.count(stop);
+    if (!(vertices_needed <= most_vertices))
+        throw InputError("the wall from " + number_text(next.start_depth) + " m to " + number_text(stop) +
+                         " m would have " + number_text(vertices_needed) + " vertices: must be at most 2147483648");
+    return static_cast<Index>(vertices_needed);
+}
+
+// A wall has vertices from its first sample on.
+Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
+    if (samples.size() == 0) return {};
+    const Helix next = helix_now();
+    const Index new_count = count_now(next);
+    const bool moved = count > 0 && next.start_depth != helix.start_depth;
+    const Index kept = moved ? 0 : count;                                // vertices that may keep their values
+    const Index open = !moved && advances(batch) ? settled / lanes : 0;  // no group before it can change
+
+    Vertices moved_vertices;
+    Vertices& into = moved ? moved_vertices : vertices;
+    into.grow(new_count, kept);
+    std::vector<Index> old = moved ? std::vector<Index>{} : touched_groups(batch, open);
+    if (kept % lanes != 0 && new_count > kept && (old.empty() || old.back() != kept / lanes))
+        old.push_back(kept / lanes);  // the last group gains vertices
+    const Range fresh{groups_of(kept), groups_of(new_count)};
+    std::vector<GroupResult> staged(old.size());
+    search_groups(crew, next, old, fresh, new_count, into, staged);
+    for (Index b = Vertices::blocks_of(kept); b < growing_block(new_count); ++b) into.measure_hull(b);
+
+    Change change;
+    change.accepted = batch.count;
+    change.redundant = batch.redundant;
+    change.settled = settled_after(next, into, open, new_count, old, staged);
+    DirectRadii next_direct;
+    if (settings.direct) next_direct = direct_radii(samples, next, {change.settled, new_count});
+    change.ranges = compare(old, staged, new_count, next_direct);
+    if (settings.direct) change.ranges = joined(change.ranges, direct_changes(direct, next_direct, kept));
+    change.ranges.reserve(change.ranges.size() + 1);
+    add_range(change.ranges, {kept, std::max(kept, new_count)});
+
+    // Nothing below throws.
+    if (moved) std::swap(vertices, moved_vertices);
+    for (std::size_t i = 0; i < old.size(); ++i) vertices.put(old[i], new_count, staged[i]);
+    helix = next;
+    count = new_count;
+    settled = change.settled;
+    far_end = next.pitch > 0.0 ? samples.last_depth() : samples.first_depth();
+    std::swap(direct, next_direct);
+    measure_hulls(old, kept);
+    return change;
+}
+
+// The hulls of the blocks that were there and have other values now, or are full.
+void Wall::State::measure_hulls(const std::vector<Index>& old, Index kept) {
+    Index measured = -1;
+    const auto measure = [&](Index b) {
+        if (b < growing_block(count) && b != std::exchange(measured, b)) vertices.measure_hull(b);
+    };
+    for (const Index group : old) measure(group / Vertices::groups_per_block);
+    if (kept > 0) measure(growing_block(kept));
+}
+
+// Does the batch lie at the far end of the hole or beyond? What is settled then stays as it is, and need not be looked
+// at, so that an append costs no more where the hole is long.
+bool Wall::State::advances(const SortedBatch& batch) const {
+    return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
+}
+
+// The groups from `open` on whose values some sample of the batch can change, in order.
+std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index open) const {
+    std::vector<Index> touched;
+    if (batch.count == 0) return touched;
+    const Index groups = groups_of(count);
+    for (Index b = open / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
+        const Vertices::Hull& hull = vertices.hull(b);
+        if (hull.deep < batch.first_depth() || hull.shallow > batch.last_depth()) continue;
+        const Vertices::Block& block = vertices.block(b);
+        const Index first = b * Vertices::groups_per_block;
+        const Index n = std::min(Vertices::groups_per_block, groups - first);
+        const auto reaches = [top = batch.first_depth()](double deep) { return deep >= top; };
+        for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, reaches)) < n; ++g) {
+            const auto i = static_cast<std::size_t>(g);
+            if (block.shallow[i] <= batch.last_depth() && batch.any_within(block.shallow[i], block.deep[i]))
+                touched.push_back(first + g);
+        }
+    }
+    return touched;
+}
+
+// Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
+void Wall::State::search_groups(Crew& crew, const Helix& on, const std::vector<Index>& old, Range fresh,
+                                Index vertex_count, Vertices& into, std::vector<GroupResult>& staged) {
+    const auto old_count = static_cast<Index>(old.size());
+    const Index total = old_count + fresh.stop - fresh.start;
+    const int shares = crew.shares_worth(total, groups_to_start, groups_to_wake);
+    const Index a_part = std::clamp<Index>(total / (8 * shares), 1, groups_a_part);
+    const Index parts = (total + a_part - 1) / a_part;
+    const auto search_part = [&](int worker, Index part_index) {
+        Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
+        GroupResult result;
+        const Index stop = std::min(total, (part_index + 1) * a_part);
+        for (Index i = part_index * a_part; i < stop; ++i) {
+            const auto at = static_cast<std::size_t>(i);
+            if (i < old_count) {
+                search.run(samples, on, old[at], vertex_count, scratch, staged[at]);
+            } else {
+                const Index group = fresh.start + i - old_count;
+                search.run(samples, on, group, vertex_count, scratch, result);
+                into.put(group, vertex_count, result);
+            }
+        }
+    };
+    crew.for_each_part(shares, parts, search_part);
+}
+
+// The vertices of searched groups that differ in any bit from what is there, or are not there yet.
+std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
+                                        Index new_count, const DirectRadii& next_direct) const {
+    const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
+    std::vector<Range> ranges;
+    for (std::size_t i = 0; i < groups.size(); ++i) {
+        const Vertices::Block& block = vertices.block(groups[i] / Vertices::groups_per_block);
+        const GroupResult& now = staged[i];
+        for (Index lane = 0; lane < lanes && groups[i] * lanes + lane < std::min(count, new_count); ++lane) {
+            const Index k = groups[i] * lanes + lane;
+            const auto at = static_cast<std::size_t>(k % Vertices::block_size);
+            const double shown = direct.shown(k, block.radius[at]), next = next_direct.shown(k, now.radius[lane]);
+            const bool same = bits(next) == bits(shown) && bits(now.nearest[lane]) == bits(block.nearest[at]) &&
+                              now.support[lane] == block.support[at] && now.iterations[lane] == block.iterations[at];
+            if (!same) add_range(ranges, {k, k + 1});
+        }
+    }
+    return ranges;
+}
+
+// The first vertex whose group a sample at the far end of the hole, or beyond, could still change, once the staged
+// groups are in their place; not before group `from`.
+Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
+                                 const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
+    const bool down = on.pitch > 0.0;
+    const double end = down ? samples.last_depth() : samples.first_depth();
+    const auto open = [&](double bound) { return down ? bound >= end : bound <= end; };
+    const auto bound = [&](const auto& depths) { return down ? depths.deep : depths.shallow; };
+    const Index groups = groups_of(vertex_count);
+    std::size_t next = 0;  // of the staged
+    for (Index b = from / Vertices::groups_per_block; b * Vertices::groups_per_block < groups; ++b) {
+        const Index first = b * Vertices::groups_per_block, last = std::min(groups, first + Vertices::groups_per_block);
+        const bool as_measured = next == old.size() || old[next] >= last;
+        if (as_measured && !open(bound(of.hull(b)))) continue;
+        const double* bounds = down ? of.block(b).deep.data() : of.block(b).shallow.data();
+        for (Index g = std::max(first, from); g < last; ++g) {
+            const Index stop = next < old.size() ? std::min(old[next], last) : last;
+            g = first + first_that(bounds, g - first, stop - first, open);
+            if (g < stop) return g * lanes;
+            if (g < last && open(bound(staged[next++]))) return g * lanes;
+        }
+    }
+    // A last group that is not full may gain vertices, and depend on more than now, unless the wall ends there.
+    return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
+}
+
+Wall::Wall(const Settings& settings, std::shared_ptr<Pages> pages, std::shared_ptr<Crews> crews)
+    : state_([&] {
+          const StandardArithmetic standard;
+          return std::make_unique<State>(settings, std::move(pages), std::move(crews));
+      }()) {}
+Wall::~Wall() = default;
+Wall::Wall(Wall&&) noexcept = default;
+Wall& Wall::operator=(Wall&&) noexcept = default;
+
+const Settings& Wall::settings() const {
+    return state_->settings;
+}
+Change Wall::append(const SampleColumns& samples) {
+    return state_->append(samples);
+}
+
+}  // namespace helibore
