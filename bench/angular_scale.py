@@ -2,9 +2,9 @@
 
 A sample around the corner and one a little farther up are not alike: washouts, breakouts and spirals go on for
 decimetres along the hole, while a lobe ends within centimetres around it. ``angular_scale`` stretches the arc in the
-distance, so that neighbours come from above and below first. Here 28 m of ``helibore.hole.Hole.example`` (oval, spiral,
-rough, washed and broken out), seen by tools of various density with 0.5 mm noise: rms of the rebuilt radius less the
-true one, mm. The default is 1, true arcs, which favours no direction; the published method has 2.
+distance, so that neighbours come from above and below first. Here 28 m of ``helibore.simulation.hole.Hole.example``
+(oval, spiral, rough, washed and broken out), seen by tools of various density with 0.5 mm noise: rms of the rebuilt
+radius less the true one, mm. The default is 1, true arcs, which favours no direction; the published method has 2.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from __future__ import annotations
 import numpy as np
 
 import helibore as hb
-from helibore.hole import Hole
+from helibore.simulation.hole import Hole
 
 SCALES = (1.0, 2.0, 4.0, 8.0)
 TOOLS = {  # samples a turn, m a turn

@@ -27,9 +27,9 @@ from pathlib import Path
 import numpy as np
 
 import helibore as hb
-from helibore.eccentering import find_centres, recentre
+from helibore.preparation.eccentering import find_centres, recentre
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python"))
+sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python" / "preparation"))
 from test_eccentering import BELL_WASHOUT, WASHOUT, Simulated
 
 HALF = {"missing": "half circle"}

@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 
 import helibore as hb
-from helibore.surface import Surface, WallLike, surface_of
+from helibore.mesh.surface import Surface, WallLike, surface_of
 
 SECTORS = 64
 

@@ -21,7 +21,7 @@ import numpy as np
 
 import helibore as hb
 from bench.measure import in_turn, ratio
-from helibore.vtk_mesh import vtk_mesh
+from helibore.mesh.vtk_mesh import vtk_mesh
 
 SECTORS = 64
 

@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bench.measure import in_turn, milliseconds, ratio
-from helibore.sector_image import SectorImage
+from helibore.images.sector_image import SectorImage
 
 SECTORS, PITCH, QUADS = 64, 0.1, 1_000_000
 

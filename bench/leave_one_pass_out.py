@@ -32,8 +32,8 @@ from pathlib import Path
 import numpy as np
 
 import helibore as hb
-from helibore.passes import arm_sides, evaluate, find_bias, find_shifts
-from helibore.sensors import Sensor, observe_by_depth
+from helibore.preparation.passes import arm_sides, evaluate, find_bias, find_shifts
+from helibore.preparation.sensors import Sensor, observe_by_depth
 
 FILE = Path(__file__).parents[2] / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 TOP, BOTTOM = 3080.0, 3240.0

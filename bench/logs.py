@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 
 from bench.measure import in_turn, milliseconds, ratio
-from helibore.logs import turn_logs
+from helibore.logs.turn_logs import turn_logs
 
 SECTORS, VERTICES = 64, 2_500_000
 

@@ -13,7 +13,7 @@ import numpy as np
 
 import helibore as hb
 from helibore import _core
-from helibore.threads import available_threads
+from helibore.base.threads import available_threads
 
 A_ROUND = 0.1  # seconds
 

@@ -24,7 +24,7 @@ import numpy as np
 import trimesh
 
 import helibore as hb
-from helibore.simulate import Hole, simulate
+from helibore.simulation.tool import Hole, simulate
 
 SECTORS, PITCH = 64, 0.1
 PEER = """

@@ -19,7 +19,7 @@ from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 import helibore as hb
-from helibore.simulate import Bed, Hole, Simulation, Tool, simulate
+from helibore.simulation.tool import Bed, Hole, Simulation, Tool, simulate
 from helibore.viewer import Attribute, Viewer
 
 FLAGS = ["--headless=new", "--no-sandbox", "--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader"]

@@ -5,23 +5,23 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
-from helibore.caliper import Caliper
-from helibore.changes import Change
-from helibore.reconstruction import reconstruct
-from helibore.sector_image import SectorImage
-from helibore.settings import Settings
-from helibore.surface import Surface
-from helibore.survey import Path, Survey
-from helibore.volume import Volume
-from helibore.wall import Wall
+from helibore.base.settings import Settings
+from helibore.images.sector_image import SectorImage
+from helibore.mesh.surface import Surface
+from helibore.mesh.volume import Volume
+from helibore.samples.caliper import Caliper
+from helibore.trajectory.survey import Path, Survey
+from helibore.wall.append_result import Change
+from helibore.wall.reconstruct import reconstruct
+from helibore.wall.wall import Wall
 
 if TYPE_CHECKING:
     from helibore import plot as plot
-    from helibore.archive import load as load
     from helibore.files import open as open  # noqa: A004
     from helibore.live.live import Live
-    from helibore.preparation import Preparation, prepare
+    from helibore.preparation.prepare import Preparation, prepare
     from helibore.viewer import view as view
+    from helibore.wall.archive import load as load
 
 __all__ = [
     "Caliper",
@@ -54,11 +54,11 @@ def __getattr__(name: str) -> Any:
 
         return Live
     if name == "load":
-        from helibore.archive import load
+        from helibore.wall.archive import load
 
         return load
     if name in ("Preparation", "prepare"):
-        from helibore import preparation
+        from helibore.preparation import prepare as preparation
 
         return getattr(preparation, name)
     if name == "open":

@@ -9,7 +9,7 @@ import numpy as np
 
 import helibore as hb
 from helibore.live.configuration import parse
-from helibore.simulate import Hole, Lift, Tool, simulate
+from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 CONFIGURATION = """
 [wall]

@@ -8,7 +8,7 @@ import helibore as hb
 from helibore import Live
 from helibore.live import wits
 from helibore.live.configuration import parse
-from helibore.simulate import Hole, Lift, Tool, simulate
+from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 SECOND = 1_000_000_000
 

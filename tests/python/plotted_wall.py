@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 import helibore as hb
-from helibore.simulate import Hole, Tool, simulate
+from helibore.simulation.tool import Hole, Tool, simulate
 
 BIT = 0.216
 

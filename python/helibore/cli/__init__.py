@@ -20,14 +20,14 @@ import click
 VERBS = {
     "demo": "helibore.cli.demo:demo",
     "inspect": "helibore.cli.inspect:inspect",
-    "live": "helibore.live.command:live",
+    "live": "helibore.cli.live:live",
     "logs": "helibore.cli.logs:logs",
     "mesh": "helibore.cli.mesh:mesh",
     "plot": "helibore.cli.plot:plot",
     "reconstruct": "helibore.cli.reconstruct:reconstruct",
     "report": "helibore.cli.report:report",
     "simulate": "helibore.cli.simulate:simulate",
-    "view": "helibore.viewer.command:view",
+    "view": "helibore.cli.view:view",
 }
 """Where the command of each verb is."""
 

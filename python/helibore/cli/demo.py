@@ -24,8 +24,8 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
     helibore demo
     """
     from helibore import plot
-    from helibore.demo import drill, error, rebuild
     from helibore.plot.paper import require_matplotlib
+    from helibore.simulation.demo import drill, error, rebuild
 
     require_matplotlib()
     if not output.is_dir():

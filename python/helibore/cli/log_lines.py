@@ -8,15 +8,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from helibore.caliper import BASIS_TEXT
-from helibore.units import INCH, size_text
+from helibore.base.units import INCH, size_text
+from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
-    from helibore.annulus import Annulus
-    from helibore.arrays import Floats
-    from helibore.image_breakouts import ImageBreakouts
-    from helibore.logs import Logs
-    from helibore.zones import Classification
+    from helibore.base.arrays import Floats
+    from helibore.images.image_breakouts import ImageBreakouts
+    from helibore.logs.annulus import Annulus
+    from helibore.logs.turn_logs import Logs
+    from helibore.logs.zones import Classification
 
 BARREL = 0.158987294928
 """Cubic metres in an oilfield barrel, 42 US gallons."""

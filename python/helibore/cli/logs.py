@@ -1,7 +1,7 @@
 """``helibore logs SOURCE -o well.las``: every turn, or step of depth, of a wall measured, as a file of logs.
 
 Options become calls of `Wall.logs`, `annulus`, `Wall.zones` and `SectorImage.breakouts` here; what each log is, is
-``helibore.logs``' business, and what is printed ``log_lines``'.
+``helibore.logs.turn_logs``' business, and what is printed ``log_lines``'.
 """
 
 from __future__ import annotations
@@ -20,10 +20,10 @@ from helibore.cli.terminal import Terminal
 from helibore.cli.wall_source import takes_a_wall, wall_from
 
 if TYPE_CHECKING:
-    from helibore.log_table import LogColumn, LogTable
-    from helibore.logs import Logs
-    from helibore.wall import Wall
-    from helibore.zones import Classification, Criteria
+    from helibore.base.tables import LogColumn, LogTable
+    from helibore.logs.turn_logs import Logs
+    from helibore.logs.zones import Classification, Criteria
+    from helibore.wall.wall import Wall
 
 
 class LogsCommand(Sectioned):
@@ -59,9 +59,9 @@ def logs(output: Path, quiet: bool, **options: Any) -> None:
     SOURCE and what makes the wall of it are those of `helibore plot`. With --from and --to, rows between them. Rows a
     turn have the class of hole, too (CLASS). Every file states bit size, windows, definitions and criteria.
     """
-    from helibore.annulus import annulus
     from helibore.cli.log_lines import breakout_lines, lines, zone_lines
-    from helibore.log_files import check_ending, save_table
+    from helibore.files.log_files import check_ending, save_table
+    from helibore.logs.annulus import annulus
 
     images = dict(_image_file(text) for text in options["breakouts"])
     tables = [output, *([options["zones"]] if options["zones"] else []), *images.values()]
@@ -84,7 +84,7 @@ def logs(output: Path, quiet: bool, **options: Any) -> None:
     columns = [*one.columns, *(column for each in annuli for column in each.columns())]
     facts = one.zones.criteria.facts() if one.zones else {}
     if one.columns:
-        from helibore.zones import CLASSES
+        from helibore.logs.zones import CLASSES
 
         facts["class"] = CLASSES
     work: list[tuple[Path, LogTable | None]] = [(output, one.rows.table(columns, facts))]
@@ -122,8 +122,8 @@ class _Measured:
 
 
 def _measured(wall: Wall, options: dict[str, Any]) -> _Measured:
-    from helibore.caliper import BASIS_TEXT
-    from helibore.zones import classify
+    from helibore.logs.zones import classify
+    from helibore.samples.caliper import BASIS_TEXT
 
     shaped = wall.basis == "azimuthal"
     if not shaped and (options["zones"] or options["criteria"] or options["scaled"]):
@@ -153,8 +153,8 @@ def _measured(wall: Wall, options: dict[str, Any]) -> _Measured:
 
 def _criteria(wall: Wall, options: dict[str, Any]) -> Criteria:
     """The criteria of the trade, or those in proportion to the bit, with what the options set."""
-    from helibore import units
-    from helibore.zones import Criteria
+    from helibore.base import units
+    from helibore.logs.zones import Criteria
 
     shares = ("symmetry", "opening_level")
     known = [field.name for field in fields(Criteria)]

@@ -13,19 +13,19 @@ from typing import Any
 import click
 import numpy as np
 
-from helibore.archive import ENDING as ARCHIVE
-from helibore.cli.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
 from helibore.cli.plot import check_folder
 from helibore.cli.quantities import LENGTH
 from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, refuse_beside_settings, taking
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import written_lines
 from helibore.cli.wall_source import SETTINGS, Sourced, takes_a_wall, wall_from
-from helibore.surface import SURFACE_ENDINGS, Surface
-from helibore.survey import Path as WellPath
-from helibore.survey import Reference
-from helibore.volume import VOLUME_ENDINGS, Volume
-from helibore.wall import Wall
+from helibore.mesh.surface import SURFACE_ENDINGS, Surface
+from helibore.mesh.volume import VOLUME_ENDINGS, Volume
+from helibore.runs.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
+from helibore.trajectory.survey import Path as WellPath
+from helibore.trajectory.survey import Reference
+from helibore.wall.archive import ENDING as ARCHIVE
+from helibore.wall.wall import Wall
 
 COLORED = (".glb", ".ply")
 COLORLESS = (ARCHIVE, ".obj", ".stl")
@@ -73,8 +73,8 @@ def _make(command: click.Command, options: dict[str, Any], expected: str) -> Non
         raise ValueError(f"{output}: the ending must be one of {', '.join(endings)}")
     _check_heeded(output, shells, color_by, options)
     check_folder(output)
-    from helibore.run import placing
-    from helibore.run_settings import checksum, settings_file
+    from helibore.runs.run import placing
+    from helibore.runs.run_settings import checksum, settings_file
 
     files = inputs(options)
     for file in files:
@@ -109,7 +109,7 @@ def _check_heeded(output: Path, shells: tuple[float, ...], color_by: str | None,
 
 def _path(options: dict[str, Any]) -> tuple[WellPath | None, list[tuple[str, str]]]:
     """The path of the survey, where there is one."""
-    from helibore.run import first_station
+    from helibore.runs.run import first_station
 
     file = open_survey(options)
     if file is None:
@@ -142,8 +142,8 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
     """The colours of an image: its customary map, between percentiles where it has a range."""
-    from helibore.colors import customary_map
-    from helibore.normalization import PERCENTILES
+    from helibore.base.colors import customary_map
+    from helibore.images.normalization import PERCENTILES
 
     values = made.attributes[name] if name in wall.images else np.empty(0)
     there = values[np.isfinite(values)]
@@ -156,7 +156,7 @@ def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any
 
 
 def _lines(found: Sourced, made: Surface | Volume) -> list[tuple[str, str]]:
-    from helibore.caliper import BASIS_TEXT
+    from helibore.samples.caliper import BASIS_TEXT
 
     cells = f"{len(made.hexes):,} hexahedra" if isinstance(made, Volume) else f"{len(made.quads):,} quads"
     lines = [("wall", f"{BASIS_TEXT[found.wall.basis]}; {cells}")]

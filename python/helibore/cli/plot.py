@@ -148,7 +148,7 @@ def _scale(text: str | None) -> int | None:
 
 def _looks(options: dict[str, Any]) -> dict[str, Look]:
     """Colours by name of an image."""
-    from helibore import units
+    from helibore.base import units
     from helibore.plot import Look
 
     looks: dict[str, dict[str, Any]] = {}

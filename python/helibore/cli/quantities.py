@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Generic, TypeVar
 
 import click
 
-from helibore import units
+from helibore.base import units
 
 if TYPE_CHECKING:
     Parameter = click.ParamType

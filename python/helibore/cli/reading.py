@@ -20,10 +20,10 @@ from click.core import ParameterSource
 from helibore.cli.quantities import LENGTH
 
 if TYPE_CHECKING:
+    from helibore.base.settings import Settings
+    from helibore.channels.roles import RoleMap
     from helibore.files.channel import LogFile
-    from helibore.roles import RoleMap
-    from helibore.run import Opened
-    from helibore.settings import Settings
+    from helibore.runs.run import Opened
 
 Command = Callable[..., Any]
 FILE = click.Path(path_type=Path)
@@ -87,7 +87,7 @@ def refuse_beside_settings(ctx: click.Context, allowed: tuple[str, ...]) -> None
 
 def wall_settings(options: dict[str, Any]) -> Settings:
     """Return the settings that the options of a verb name; those it does not have are the defaults."""
-    from helibore.settings import Settings
+    from helibore.base.settings import Settings
 
     found = {each.name: options[each.name] for each in fields(Settings) if each.name in options}
     if options["pitch"] < 0:  # the helix starts at its deep end
@@ -97,14 +97,14 @@ def wall_settings(options: dict[str, Any]) -> Settings:
 
 def nulls(options: dict[str, Any]) -> tuple[float, ...]:
     """Return the numbers that mean no value."""
-    from helibore.run_settings import NULLS
+    from helibore.runs.run_settings import NULLS
 
     return tuple(options["absent"]) or NULLS
 
 
 def open_calipers(files: Sequence[Path], options: dict[str, Any], tracked: bool = False) -> tuple[Opened, ...]:
     """Open caliper files with the roles that guess, maps and options give their channels."""
-    from helibore.run import opened
+    from helibore.runs.run import opened
 
     maps = options["maps"]
     if len(maps) not in (0, 1, len(files)):
@@ -125,7 +125,7 @@ def open_survey(options: dict[str, Any]) -> Opened | None:
     """Open the survey file, where there is one."""
     if options["survey"] is None:
         return None
-    from helibore.run import opened
+    from helibore.runs.run import opened
 
     columns = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
     name, file = options["survey_set"], options.get("survey_map")
@@ -136,7 +136,7 @@ def open_track(options: dict[str, Any]) -> Opened | None:
     """Open the file that has depth and toolface by time, where there is one."""
     if options["track"] is None:
         return None
-    from helibore.run import opened
+    from helibore.runs.run import opened
 
     return opened(options["track"], nulls(options), lambda log: _roles(log, None, options["track_map"], {}, {}))
 
@@ -145,8 +145,8 @@ def _roles(
     log: LogFile, set_name: str | None, map_file: Path | None, columns: dict[str, Any], arms: dict[str, Any]
 ) -> RoleMap:
     """The set's roles: guessed, laid over by a map, laid over by options."""
-    from helibore.role_map import read_map, spelled
-    from helibore.roles import guess
+    from helibore.channels.role_map import read_map, spelled
+    from helibore.channels.roles import guess
 
     roles = read_map(map_file, log) if map_file is not None else guess(log.set(set_name))
     if set_name is not None and roles.set_name != set_name:

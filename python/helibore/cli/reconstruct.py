@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from helibore.archive import ENDING as ARCHIVE
 from helibore.cli.quantities import ANGLE, BIT, LENGTH, LENGTH_OR_NONE, TIME, Parameter
 from helibore.cli.reading import (
     COLUMNS,
@@ -30,12 +29,13 @@ from helibore.cli.reading import (
 from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import wall_lines, written_lines
-from helibore.surface import SURFACE_ENDINGS
+from helibore.mesh.surface import SURFACE_ENDINGS
+from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
-    from helibore.arrays import Floats
-    from helibore.run import Run
-    from helibore.run_settings import RunSettings
+    from helibore.base.arrays import Floats
+    from helibore.runs.run import Run
+    from helibore.runs.run_settings import RunSettings
 
 ENDINGS = (*SURFACE_ENDINGS, ARCHIVE)
 REPEATABLE = ("output", "quiet", "threads", "from_settings")
@@ -182,7 +182,7 @@ def reconstruct(
     run = _repeat(ctx, from_settings, terminal) if from_settings is not None else _read(caliper, options, terminal)
     _work(run, terminal, options["threads"])
     with terminal.stage("save", f"Writing {output.name}"):
-        from helibore.run import save
+        from helibore.runs.run import save
 
         expected = run.settings.output_blake2b
         settings = save(run, output)
@@ -206,7 +206,7 @@ def _read(caliper: tuple[Path, ...], options: dict[str, Any], terminal: Terminal
     if options["reference"] == "carried" and options["survey"] is None:
         raise click.UsageError("--reference carried: needs --survey")
     with terminal.stage("import", "Loading helibore"):
-        from helibore.run import read
+        from helibore.runs.run import read
     with terminal.stage("read", f"Reading {', '.join(file.name for file in caliper)}"):
         track = open_track(options)
         found = open_calipers(caliper, options, track is not None)
@@ -218,15 +218,15 @@ def _repeat(ctx: click.Context, from_settings: Path, terminal: Terminal) -> Run:
     """Open and read what the settings of an earlier run name."""
     refuse_beside_settings(ctx, REPEATABLE)
     with terminal.stage("import", "Loading helibore"):
-        from helibore.run import read, reopened
-        from helibore.run_settings import read_settings
+        from helibore.runs.run import read, reopened
+        from helibore.runs.run_settings import read_settings
     with terminal.stage("read", f"Reading what {from_settings.name} names"):
         settings = read_settings(from_settings)
         return read(settings, *reopened(settings))
 
 
 def _work(run: Run, terminal: Terminal, threads: int | None) -> None:
-    from helibore.run import place, rebuild
+    from helibore.runs.run import place, rebuild
 
     with terminal.stage("rebuild", "Rebuilding the wall"):
         rebuild(run, threads)
@@ -252,9 +252,9 @@ def _check_output(output: Path, options: dict[str, Any]) -> None:
 
 def _settings(options: dict[str, Any]) -> RunSettings:
     """The options as the settings of a run; files are added when they have been read."""
-    from helibore.conditioning import Echo
-    from helibore.preparation import Preparation
-    from helibore.run_settings import PathSettings, RunSettings
+    from helibore.preparation.conditioning import Echo
+    from helibore.preparation.prepare import Preparation
+    from helibore.runs.run_settings import PathSettings, RunSettings
 
     echo = None
     if options["mud_velocity"] is not None or options["tool_radius"] is not None:
@@ -285,7 +285,7 @@ def _settings(options: dict[str, Any]) -> RunSettings:
 
 def _write_centres(run: Run, file: Path) -> None:
     """Publish the tool's centre in each turn as columns of a table."""
-    from helibore.table_writing import write_table
+    from helibore.files.table_writing import write_table
 
     if run.prepared is None or run.prepared.centres is None or run.prepared.centre_depth is None:
         return
@@ -305,7 +305,7 @@ def _write_centres(run: Run, file: Path) -> None:
 
 def _lines(run: Run) -> Iterator[tuple[str, str]]:
     """Yield what was read, what was done to it, and the wall, as labels and texts."""
-    from helibore.run import told
+    from helibore.runs.run import told
 
     if run.prepared is None or run.wall is None or run.surface is None:
         return
@@ -329,7 +329,7 @@ def _lines(run: Run) -> Iterator[tuple[str, str]]:
 
 def _inside(run: Run) -> Floats:
     """The radii of the samples in the wall's interval."""
-    from helibore.run import interval
+    from helibore.runs.run import interval
 
     if run.prepared is None:
         raise RuntimeError("no samples are prepared; this is a bug in helibore")

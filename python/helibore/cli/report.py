@@ -36,7 +36,7 @@ def report(output: Path, quiet: bool, **options: Any) -> None:
     require_matplotlib()
     terminal = Terminal(quiet)
     found = wall_from(options, terminal)
-    from helibore.report import report as write
+    from helibore.plot.report import report as write
 
     with terminal.stage("report", "Writing the report"):
         write(found.wall, output, told=found.told, **drawing_options(options, found))

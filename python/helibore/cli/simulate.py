@@ -22,9 +22,9 @@ from helibore.cli.quantities import BIT, LENGTH, Parameter
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
-    from helibore.arrays import Floats
-    from helibore.hole import Hole
-    from helibore.simulate import Simulation
+    from helibore.base.arrays import Floats
+    from helibore.simulation.hole import Hole
+    from helibore.simulation.tool import Simulation
 
 
 PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "faults", "quiet")
@@ -93,8 +93,8 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
         return
     if folder is None:
         raise click.UsageError("no FOLDER to write to, and no --wits ADDRESS to play to")
-    from helibore.simulate import Lift, Tool
-    from helibore.simulate import simulate as run
+    from helibore.simulation.tool import Lift, Tool
+    from helibore.simulation.tool import simulate as run
 
     terminal = Terminal(quiet)
     hole = _hole(options["start"], options["stop"], options["bit_diameter"], options["plain"], seed)
@@ -118,8 +118,8 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
 
 def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
     """Play a rig; its configuration for the listening side goes to stdout first, before anything takes time."""
-    from helibore.live.rig import Faults, Rig, configuration, connect, play, scheme_of
-    from helibore.simulate import Lift
+    from helibore.simulation.rig import Faults, Rig, configuration, connect, play, scheme_of
+    from helibore.simulation.tool import Lift
 
     context = click.get_current_context()
     for parameter in context.command.params:
@@ -142,7 +142,7 @@ def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
 
 
 def _hole(start: float, stop: float, bit_diameter: float, plain: bool, seed: int) -> Hole:
-    from helibore.simulate import Hole
+    from helibore.simulation.tool import Hole
 
     if plain:
         return Hole(start=start, stop=stop, bit_diameter=bit_diameter, seed=seed)
@@ -150,8 +150,8 @@ def _hole(start: float, stop: float, bit_diameter: float, plain: bool, seed: int
 
 
 def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None:
-    from helibore.atomic_file import write_whole
-    from helibore.table_writing import write_table
+    from helibore.base.atomic_file import write_whole
+    from helibore.files.table_writing import write_table
 
     write_table(
         folder / f"caliper.{ending}",

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore.units import INCH, size_text
+from helibore.base.units import INCH, size_text
 
 if TYPE_CHECKING:
     import helibore
-    from helibore.arrays import Floats
+    from helibore.base.arrays import Floats
 
 
 def diameters(wall: helibore.Wall) -> Floats:
@@ -58,7 +58,7 @@ def wall_lines(wall: helibore.Wall, quads: int, samples_mean: float) -> list[tup
 
 def written_lines(output: Path, blake2b: str, expected: str) -> Iterator[tuple[str, str]]:
     """Yield what was written, and whether a run that was repeated from settings gave the same to the last bit."""
-    from helibore.run_settings import settings_file
+    from helibore.runs.run_settings import settings_file
 
     yield "wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB), {settings_file(output).name}"
     if expected:

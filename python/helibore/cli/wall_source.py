@@ -18,17 +18,17 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from helibore.archive import ENDING as ARCHIVE
 from helibore.cli.quantities import BIT, LENGTH, LENGTH_OR_NONE
 from helibore.cli.reading import COLUMNS, FILE, Command, nulls, open_calipers, taking, wall_settings
+from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
-    from helibore.caliper import Caliper
     from helibore.cli.terminal import Terminal
-    from helibore.run import Run
-    from helibore.sector_image import SectorImage
-    from helibore.survey import Path as WellPath
-    from helibore.wall import Wall
+    from helibore.images.sector_image import SectorImage
+    from helibore.runs.run import Run
+    from helibore.samples.caliper import Caliper
+    from helibore.trajectory.survey import Path as WellPath
+    from helibore.wall.wall import Wall
 
 SETTINGS = ".toml"
 
@@ -87,7 +87,7 @@ def wall_from(options: dict[str, Any], terminal: Terminal, path: WellPath | None
             found = Sourced(helibore.load(source), source.stem, [("wall", f"{source.name}: archive of a wall")])
     elif ending == SETTINGS:
         with terminal.stage("rebuild", f"Repeating {source.name}"):
-            from helibore.run import repeat
+            from helibore.runs.run import repeat
 
             found = _sourced(repeat(source), Path(source.stem).stem)
     elif source is not None:
@@ -133,8 +133,8 @@ def _check_heeded(options: dict[str, Any]) -> None:
 
 def _azimuthal(source: Path, options: dict[str, Any], terminal: Terminal) -> Sourced:
     """A caliper file, read as `reconstruct` reads it."""
-    from helibore.run import read, rebuild
-    from helibore.run_settings import RunSettings
+    from helibore.runs.run import read, rebuild
+    from helibore.runs.run_settings import RunSettings
 
     with terminal.stage("read", f"Reading {source.name}"):
         settings = RunSettings(caliper=(), wall=wall_settings(options), nulls=nulls(options))
@@ -146,7 +146,7 @@ def _azimuthal(source: Path, options: dict[str, Any], terminal: Terminal) -> Sou
 
 def _sourced(run: Run, name: str) -> Sourced:
     """What a run made, and what it tells of it."""
-    from helibore.run import told
+    from helibore.runs.run import told
 
     if run.wall is None or run.prepared is None:
         raise RuntimeError("a run without a wall; this is a bug in helibore")
@@ -163,7 +163,7 @@ def _round(options: dict[str, Any], terminal: Terminal) -> Sourced:
             caliper, told, name = _gauge(options), [("wall", "gauge hole: not measured")], "Gauge hole"
     with terminal.stage("rebuild", f"Rebuilding the wall from {len(caliper):,} samples"):
         import helibore
-        from helibore.run import check_some
+        from helibore.runs.run import check_some
 
         settings = wall_settings(options)
         check_some(Path(options["average"] or name).name, caliper.depth, settings)
@@ -173,10 +173,10 @@ def _round(options: dict[str, Any], terminal: Terminal) -> Sourced:
 def _average(spelling: str, options: dict[str, Any]) -> tuple[Caliper, list[tuple[str, str]]]:
     """The mean diameters of a channel; what no caliper holds is missing, and counted."""
     import helibore
-    from helibore import units
-    from helibore.caliper import LARGEST_RADIUS
-    from helibore.files.columns import column
-    from helibore.roles import guess
+    from helibore.base import units
+    from helibore.channels.columns import column
+    from helibore.channels.roles import guess
+    from helibore.samples.caliper import LARGEST_RADIUS
 
     file, _, name = spelling.rpartition(":")
     if not file:

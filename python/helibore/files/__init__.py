@@ -3,8 +3,8 @@
     delimited.py  CSV, TSV, ; and | tables      las.py       LAS 2.0, LAS 3.0        json_log.py  JSON Well Log Format
     columnar.py   Parquet, NPZ                  dlis.py      DLIS (RP66 V1)          witsml.py    WITSML 1.4.1.1
 
-What a channel *means* is guessed, with reasons, in ``helibore.roles``; ``columns.py`` turns channels and meanings into
-a Caliper, a Survey or an image.
+What a channel *means* is guessed, with reasons, in ``helibore.channels.roles``; ``helibore.channels.columns`` turns
+channels and meanings into a Caliper, a Survey or an image.
 """
 
 from __future__ import annotations
@@ -13,8 +13,8 @@ from collections.abc import Callable, Iterable
 from os import PathLike
 from pathlib import Path
 
-from .channel import CUSTOMARY_NULLS, Channel, LogFile, LogSet, SectorAxis
-from .source import Source, tell_format
+from helibore.files.channel import CUSTOMARY_NULLS, Channel, LogFile, LogSet, SectorAxis
+from helibore.files.source import Source, tell_format
 
 __all__ = ["CUSTOMARY_NULLS", "Channel", "LogFile", "LogSet", "SectorAxis", "open"]
 
@@ -60,17 +60,17 @@ def open(path: str | PathLike[str], nulls: Iterable[float] = CUSTOMARY_NULLS) ->
 def _reader(name: str) -> Callable[[Source, tuple[float, ...]], LogFile]:
     """The reader of a format, imported when it is needed."""
     if name == "las":
-        from .las import read
+        from helibore.files.las import read
     elif name == "dlis":
-        from .dlis import read
+        from helibore.files.dlis import read
     elif name == "json":
-        from .json_log import read
+        from helibore.files.json_log import read
     elif name == "witsml":
-        from .witsml import read
+        from helibore.files.witsml import read
     elif name == "parquet":
-        from .columnar import read_parquet as read
+        from helibore.files.columnar import read_parquet as read
     elif name == "npz":
-        from .columnar import read_npz as read
+        from helibore.files.columnar import read_npz as read
     else:
-        from .delimited import read
+        from helibore.files.delimited import read
     return read

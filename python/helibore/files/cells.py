@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from .channel import EXACT, Array
-from .headings import to_float
-from .source import LINE_LIMIT, Source, complaint
+from helibore.files.channel import EXACT, Array
+from helibore.files.headings import to_float
+from helibore.files.source import LINE_LIMIT, Source, complaint
 
 NULL_TEXTS = ("", "-", "--", "null", "NULL", "(null)", "N/A", "n/a", "NA", "#N/A", "None")
 _NULLS = frozenset(NULL_TEXTS)

@@ -3,7 +3,7 @@
     LogFile  --sets-->  LogSet  --channels-->  Channel: name, unit as written, shape (n,) or (n, K), values
 
 A channel loads its values when first asked. Declared and customary nulls, empty cells and infinities become NaN and
-are counted. Units and meanings are not judged here: see ``helibore.roles``.
+are counted. Units and meanings are not judged here: see ``helibore.channels.roles``.
 """
 
 from __future__ import annotations
@@ -19,17 +19,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 
-from .headings import not_a_number, to_float
-from .source import complaint
+from helibore.files.headings import not_a_number, to_float
+from helibore.files.source import complaint
 
 if TYPE_CHECKING:
-    from helibore.caliper import Caliper
-    from helibore.conditioning import Echo
-    from helibore.roles import RoleMap
-    from helibore.survey import Survey
-
-    from .columns import SectorColumns
-    from .readings import Readings, WallSamples
+    from helibore.channels.columns import SectorColumns
+    from helibore.channels.readings import Readings, WallSamples
+    from helibore.channels.roles import RoleMap
+    from helibore.preparation.conditioning import Echo
+    from helibore.samples.caliper import Caliper
+    from helibore.trajectory.survey import Survey
 
 Array = npt.NDArray[Any]
 
@@ -217,7 +216,7 @@ class LogSet:
         remarks: list[str] | None = None,
         line_of: Callable[[int], int] | None = None,
     ) -> None:
-        from .sectors import join_sectors
+        from helibore.files.sectors import join_sectors
 
         self.path = path
         self.name = name
@@ -273,13 +272,13 @@ class LogSet:
         self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
     ) -> Readings:
         """Return what each sensor read in each row, for :func:`helibore.prepare`. See :func:`readings.readings`."""
-        from .readings import readings
+        from helibore.channels.readings import readings
 
         return readings(self, roles, bit_diameter, echo)
 
     def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
         """Return the wall samples as they stand in the file. See :func:`readings.samples`."""
-        from .readings import samples
+        from helibore.channels.readings import samples
 
         return samples(self, roles, bit_diameter)
 
@@ -288,19 +287,19 @@ class LogSet:
 
         ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges them first.
         """
-        from helibore.preparation import prepare
+        from helibore.preparation.prepare import prepare
 
         return prepare(self.readings(roles, bit_diameter)).caliper
 
     def survey(self, roles: RoleMap | None = None) -> Survey:
         """Return the directional survey of the set as a :class:`helibore.Survey`. See :func:`columns.survey`."""
-        from . import columns
+        from helibore.channels import columns
 
         return columns.survey(self, roles)
 
     def image(self, name: str, roles: RoleMap | None = None) -> SectorColumns:
         """Return a sector image and its depth. See :func:`columns.image`."""
-        from . import columns
+        from helibore.channels import columns
 
         return columns.image(self, name, roles)
 

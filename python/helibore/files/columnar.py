@@ -16,9 +16,9 @@ from typing import Any
 
 import numpy as np
 
-from .channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
-from .headings import describe
-from .source import GZIP_FREE, GZIP_RATIO, Source, complaint, missing_library
+from helibore.files.channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
+from helibore.files.headings import describe
+from helibore.files.source import GZIP_FREE, GZIP_RATIO, Source, complaint, missing_library
 
 OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",

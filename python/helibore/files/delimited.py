@@ -22,11 +22,11 @@ from typing import Any
 
 import numpy as np
 
-from .cells import NULL_TEXTS, ragged, read_cells, text_lines
-from .channel import EXACT, NO_HEADER, Array, Channel, LogFile, LogSet, unique
-from .headings import describe, is_number, is_units_row
-from .sectors import FEWEST
-from .source import LINE_LIMIT, Source, complaint, decode
+from helibore.files.cells import NULL_TEXTS, ragged, read_cells, text_lines
+from helibore.files.channel import EXACT, NO_HEADER, Array, Channel, LogFile, LogSet, unique
+from helibore.files.headings import describe, is_number, is_units_row
+from helibore.files.sectors import FEWEST
+from helibore.files.source import LINE_LIMIT, Source, complaint, decode
 
 DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))

@@ -16,8 +16,8 @@ from typing import Any
 
 import numpy as np
 
-from .channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
-from .source import Source, complaint, missing_library
+from helibore.files.channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
+from helibore.files.source import Source, complaint, missing_library
 
 
 def read(source: Source, nulls: tuple[float, ...]) -> LogFile:

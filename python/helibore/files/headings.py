@@ -2,7 +2,7 @@
 
     "pfc1_x_in" -> "in"      "Depth [ft]" -> "ft"      "MD" -> ""
 
-Only the spelling is read here; what a unit means is in ``helibore.units``.
+Only the spelling is read here; what a unit means is in ``helibore.base.units``.
 """
 
 from __future__ import annotations

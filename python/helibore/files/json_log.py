@@ -15,9 +15,9 @@ from typing import Any
 
 import numpy as np
 
-from .channel import Array, Channel, LogFile, LogSet, unique
-from .headings import describe
-from .source import Source, complaint, decode, read_exactly
+from helibore.files.channel import Array, Channel, LogFile, LogSet, unique
+from helibore.files.headings import describe
+from helibore.files.source import Source, complaint, decode, read_exactly
 
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""

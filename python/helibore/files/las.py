@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from .channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
-from .las_rows import Rows, read_rows
-from .source import Source, complaint, missing_library
+from helibore.files.channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
+from helibore.files.las_rows import Rows, read_rows
+from helibore.files.source import Source, complaint, missing_library
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")

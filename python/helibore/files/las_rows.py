@@ -16,9 +16,9 @@ from pathlib import Path
 
 import numpy as np
 
-from .channel import Array
-from .headings import not_a_number, to_float
-from .source import complaint
+from helibore.files.channel import Array
+from helibore.files.headings import not_a_number, to_float
+from helibore.files.source import complaint
 
 NULL_WORDS = frozenset({"", "-", "--", "nan", "null", "(null)", "n/a", "#n/a", "na", "none", "-nan"})
 # Windows spelled not-a-number and infinity this way: 1.#QNAN, -1.#IND, 1.#INF.

@@ -13,7 +13,7 @@ from collections.abc import Callable
 
 import numpy as np
 
-from .channel import Array, Channel, SectorAxis
+from helibore.files.channel import Array, Channel, SectorAxis
 
 FEWEST = 4
 """Fewer columns than this are not taken for an image: pairs and triples of sensors are common."""

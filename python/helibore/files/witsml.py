@@ -19,10 +19,10 @@ from typing import BinaryIO
 
 import numpy as np
 
-from .channel import Array, Channel, LogFile, LogSet, unique
-from .headings import to_float
-from .las_rows import NULL_WORDS
-from .source import LINE_LIMIT, Source, complaint
+from helibore.files.channel import Array, Channel, LogFile, LogSet, unique
+from helibore.files.headings import to_float
+from helibore.files.las_rows import NULL_WORDS
+from helibore.files.source import LINE_LIMIT, Source, complaint
 
 NESTING = 32
 """Deepest element that is read; WITSML reaches 6."""

@@ -24,7 +24,8 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path as FilePath
 from typing import Any
 
-from helibore import units
+from helibore.base import units
+from helibore.images.sector_image import Reference
 from helibore.live import wits
 from helibore.live.address import Address, check_allowed, read_address
 from helibore.live.file_names import RULE, can_be_file
@@ -32,8 +33,7 @@ from helibore.live.layout import REFERENCES, Layout, read_layout
 from helibore.live.pass_rules import PassNumbers, PassRules, read_layers, read_pass_numbers, read_passes
 from helibore.live.store_settings import Store, read_store
 from helibore.live.tables import Table
-from helibore.sector_image import Reference
-from helibore.wall import Wall
+from helibore.wall.wall import Wall
 
 RIG_ITEMS = ("bit_depth", "hole_depth", "rotation", "activity")
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}

@@ -12,7 +12,7 @@ import threading
 
 import numpy as np
 
-from helibore.arrays import Floats
+from helibore.base.arrays import Floats
 
 
 class ImageRows:

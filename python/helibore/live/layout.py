@@ -14,8 +14,8 @@ from typing import cast, get_args
 import numpy as np
 import numpy.typing as npt
 
+from helibore.images.sector_image import Direction, Origin, Reference, SectorImage
 from helibore.live.tables import Table
-from helibore.sector_image import Direction, Origin, Reference, SectorImage
 
 REFERENCES = ("high-side", "north")
 """What toolface 0 is, on a path that grows with its survey; a carried reference depends on how far it was carried."""

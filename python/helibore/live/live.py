@@ -23,7 +23,8 @@ from typing import NamedTuple, TypeVar
 import numpy as np
 import numpy.typing as npt
 
-from helibore.arrays import column
+from helibore.base.arrays import column
+from helibore.images.sector_image import SectorImage
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load
 from helibore.live.events import gather
@@ -35,9 +36,8 @@ from helibore.live.model import Model, Rows
 from helibore.live.openings import check_meaning, recorded_configuration
 from helibore.live.pass_log import Pass
 from helibore.live.update import Update, merge
-from helibore.sector_image import SectorImage
-from helibore.survey import Path, Survey
-from helibore.wall import Wall
+from helibore.trajectory.survey import Path, Survey
+from helibore.wall.wall import Wall
 
 RECORD = np.dtype(
     [("sequence", "u8"), ("wall", "i8"), ("monotonic", "i8"), ("offset", "i8"), ("length", "u4"), ("connection", "u4"),

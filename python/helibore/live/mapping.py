@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from helibore.angles import wrapped
+from helibore.base.angles import wrapped
 from helibore.live import wits
 from helibore.live.configuration import ImageItems, Item, Source
 from helibore.live.events import Event, EventBook, Flag

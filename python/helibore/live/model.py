@@ -16,7 +16,7 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
-from helibore.angles import wrapped
+from helibore.base.angles import wrapped
 from helibore.live import journal
 from helibore.live.clock import SECOND, ModelClock
 from helibore.live.configuration import Configuration
@@ -30,7 +30,7 @@ from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
 from helibore.live.update import Update, joined
-from helibore.wall import Wall
+from helibore.wall.wall import Wall
 
 Rows = npt.NDArray[np.void]
 PENDING = np.dtype(

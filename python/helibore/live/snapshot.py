@@ -23,7 +23,7 @@ import shutil
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
-from helibore.atomic_file import write_whole
+from helibore.base.atomic_file import write_whole
 from helibore.live.clock import utc
 from helibore.live.events import Event
 from helibore.live.file_names import escaped

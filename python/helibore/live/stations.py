@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from helibore.survey import Path, Survey
+from helibore.trajectory.survey import Path, Survey
 
 
 class Stations:

@@ -14,17 +14,17 @@ from dataclasses import asdict, dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.arrays import Floats
-from helibore.caliper import Caliper
+from helibore.base.arrays import Floats
+from helibore.images.sector_image import SectorImage
 from helibore.live.events import Event
 from helibore.live.file_names import RULE, can_be_file
 from helibore.live.image_rows import sorted_rows
 from helibore.live.layout import Layout
 from helibore.live.live import Live
 from helibore.live.pass_log import Pass
-from helibore.sector_image import SectorImage
-from helibore.survey import Path
-from helibore.wall import Wall, _Moment
+from helibore.samples.caliper import Caliper
+from helibore.trajectory.survey import Path
+from helibore.wall.wall import Wall, _Moment
 
 Rows = tuple[tuple[Floats, Floats], str, Layout | None]
 """Of an image: (depth, values) in order of arrival, unit, and how its sectors lie."""

@@ -15,7 +15,7 @@ import re
 import numpy as np
 import numpy.typing as npt
 
-from helibore import units
+from helibore.base import units
 from helibore.live import witsml
 from helibore.live.configuration import Source
 from helibore.live.events import Event, EventBook

@@ -15,11 +15,11 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING, Any
 
-from helibore import units
+from helibore.base import units
+from helibore.images.sector_image import Reference
 from helibore.live.layout import read_layout
 from helibore.live.pass_rules import read_pass_numbers
 from helibore.live.tables import Table
-from helibore.sector_image import Reference
 
 if TYPE_CHECKING:
     from helibore.live.configuration import Source

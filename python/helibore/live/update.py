@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from helibore.changes import Change
 from helibore.live.events import Event, gather
+from helibore.wall.append_result import Change
 
 MOST_RANGES = 1024
 

@@ -3,7 +3,7 @@
     across(toolface) = r(toolface) + r(toolface + 180)      by area = 2 sqrt(mean(r^2))
 
 Of more turns than a picture has rows, a row shows the mean, the least and the greatest of its turns, so that no
-washout of one turn is lost. Derived logs for files are in ``helibore.logs``.
+washout of one turn is lost. Derived logs for files are in ``helibore.logs.turn_logs``.
 """
 
 from __future__ import annotations
@@ -12,9 +12,9 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from helibore.arrays import Floats
-from helibore.helix import WallLike
-from helibore.logs import turn_logs
+from helibore.base.arrays import Floats
+from helibore.logs.turn_logs import turn_logs
+from helibore.samples.helix import WallLike
 
 
 @dataclass(frozen=True)

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from helibore.arrays import Floats
-from helibore.colors import ColorScale, check_map, customary_map
-from helibore.helix import helix_of
-from helibore.normalization import percentile_limits, sliding_window
+from helibore.base.arrays import Floats
+from helibore.base.colors import ColorScale, check_map, customary_map
+from helibore.images.normalization import percentile_limits, sliding_window
+from helibore.images.sector_image import SectorImage
 from helibore.plot.calipers import diameters
 from helibore.plot.raster import at_points
 from helibore.plot.scales import NEARLY_ALL, Lines, nice_limits, usual_scale
@@ -27,12 +27,12 @@ from helibore.plot.sections import Section, sections_at, telling_depths
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
 from helibore.plot.true_depth import true_depth
-from helibore.sector_image import SectorImage
+from helibore.samples.helix import helix_of
 
 if TYPE_CHECKING:
     from helibore.plot.calipers import Diameters
-    from helibore.survey import Path, Reference
-    from helibore.wall import Wall
+    from helibore.trajectory.survey import Path, Reference
+    from helibore.wall.wall import Wall
 
 RADIUS = "Radius"
 REFERENCES = tuple(reference for reference in SIDES if reference)
@@ -48,7 +48,7 @@ class Look:
     limits
         Values of the first and the last colour.
     color_map
-        One of `helibore.colors.COLOR_MAPS`.
+        One of `helibore.base.colors.COLOR_MAPS`.
     log
         Whether colours follow the logarithm.
     window

@@ -10,11 +10,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore import __version__
-from helibore.caliper import BASIS_TEXT
+from helibore.base.units import INCH
 from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
 from helibore.plot.tracks import GREY
-from helibore.units import INCH
+from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
     from helibore.plot.content import Content

@@ -21,7 +21,7 @@ from helibore.plot.tracks import HEAD, Stretch
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from helibore.wall import Wall
+    from helibore.wall.wall import Wall
 
 MARGIN, GAP, FOOTER = 10.0, 2.0, 10.0
 """Millimetres around the sheet, between tracks, and at the foot."""

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from helibore.wall import Wall
+    from helibore.wall.wall import Wall
 
 BODY = 96.0
 """Millimetres of width of the shaded body."""

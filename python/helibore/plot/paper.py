@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from helibore.units import INCH, MILLIMETRE
+from helibore.base.units import INCH, MILLIMETRE
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

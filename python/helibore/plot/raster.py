@@ -16,8 +16,8 @@ from typing import Protocol
 
 import numpy as np
 
-from helibore.arrays import Floats, Integers
-from helibore.sector_image import SectorImage
+from helibore.base.arrays import Floats, Integers
+from helibore.images.sector_image import SectorImage
 
 
 class HelixSettings(Protocol):

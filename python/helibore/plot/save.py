@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from helibore.atomic_file import write_whole
+from helibore.base.atomic_file import write_whole
 from helibore.plot.paper import MM
 
 if TYPE_CHECKING:

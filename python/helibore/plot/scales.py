@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.arrays import Floats
+from helibore.base.arrays import Floats
 
 FINE_SCALES = (20, 40, 200)
 COARSEST = 500

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore.arrays import Floats
+from helibore.base.arrays import Floats
 from helibore.plot.calipers import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
@@ -23,7 +23,7 @@ from helibore.plot.tracks import GREY, LENGTHS, SIDES, UNDERGAUGE, WASHOUT
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from helibore.wall import Wall
+    from helibore.wall.wall import Wall
 
 WIDTH, HEIGHT = 47.0, 54.0
 """Millimetres that a section takes, with its caption."""

@@ -14,16 +14,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore.arrays import Floats
+from helibore.base.arrays import Floats
 from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
+from helibore.plot.shading import View, shade
 from helibore.plot.tracks import GREY
-from helibore.shading import View, shade
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from helibore.colors import ColorScale
-    from helibore.wall import Wall
+    from helibore.base.colors import ColorScale
+    from helibore.wall.wall import Wall
 
 LENGTH = 12.0
 """Metres of hole in a body, unless another length is asked for."""

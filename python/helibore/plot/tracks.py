@@ -17,17 +17,17 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from helibore.arrays import Floats
-from helibore.caliper import Basis
-from helibore.colors import MISSING, ColorScale
+from helibore.base.arrays import Floats
+from helibore.base.colors import MISSING, ColorScale
+from helibore.base.settings import Settings
+from helibore.base.units import INCH, MILLIMETRE
+from helibore.images.sector_image import SectorImage
 from helibore.plot.calipers import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, length_text
 from helibore.plot.true_depth import TrueDepth
-from helibore.sector_image import SectorImage
-from helibore.settings import Settings
-from helibore.units import INCH, MILLIMETRE
+from helibore.samples.caliper import Basis
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -16,10 +16,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore.arrays import Floats
+from helibore.base.arrays import Floats
 
 if TYPE_CHECKING:
-    from helibore.survey import Path
+    from helibore.trajectory.survey import Path
 
 SURFACE = 0.001
 """Metres: a survey that begins no farther from depth 0 begins there."""

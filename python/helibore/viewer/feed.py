@@ -15,7 +15,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.arrays import numbers
+from helibore.base.arrays import numbers
 from helibore.viewer import dirty, frames
 from helibore.viewer.messages import Vertices
 from helibore.viewer.scene import Attribute, Helix, Scene

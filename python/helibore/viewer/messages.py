@@ -23,7 +23,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.arrays import numbers
+from helibore.base.arrays import numbers
 
 Texels = npt.NDArray[np.uint16]
 

@@ -22,7 +22,7 @@ from typing import Any, Protocol
 import numpy as np
 import numpy.typing as npt
 
-from helibore.arrays import numbers
+from helibore.base.arrays import numbers
 from helibore.viewer import messages, overview
 from helibore.viewer.history import History
 from helibore.viewer.messages import Texels, Vertices

@@ -5,7 +5,7 @@
 // Static: one range everywhere, the same colour is the same value. Dynamic: the range of each depth is the mean plus and
 // minus two standard deviations of a window around it, which brings out layers; then the same colour is NOT the same value.
 
-import definition from '../../../color_maps.json' with { type: 'json' };
+import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { niceStep } from './lod.js';
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 

@@ -1,0 +1,1 @@
+"""What every folder may use. It knows nothing of boreholes."""

@@ -1,0 +1,20 @@
+"""Angles brought into one turn: [0, 360) degrees, or [0, 180) for axes, which have no beginning and no end.
+
+    -10 -> 350      360 -> 0      -1e-20 -> 0: its remainder is 360 - 1e-20, which rounds to 360
+
+Not here: differences of angles, which the core wraps to [-180, 180).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+
+
+def wrapped(angle: Floats, period: float = 360.0) -> Floats:
+    """Return angles in [0, ``period``), degrees; NaN stays. The array itself where all of them lie there."""
+    if angle.size and angle.min() >= 0.0 and angle.max() < period:
+        return angle
+    turned = angle % period
+    return np.where(turned == period, 0.0, turned)

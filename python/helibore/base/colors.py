@@ -1,0 +1,228 @@
+"""Colours of values: the maps of the trade, scales between two values, and the grey of what is missing.
+
+    share = (value - low) / (high - low), of logarithms on a log scale       colour = map[share]       missing: grey
+
+``color_maps.json`` is the only definition of the maps: meshes, pictures and the viewer's page read it. No map comes
+near the grey. Not here: how low and high are found (``normalization``).
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.colors import Colormap, Normalize
+
+Colors = npt.NDArray[np.uint8]
+
+_DEFINITION: dict[str, Any] = json.loads(Path(__file__).with_name("color_maps.json").read_text(encoding="utf-8"))
+
+
+def _rgb(text: str) -> tuple[int, int, int]:
+    return int(text[0:2], 16), int(text[2:4], 16), int(text[4:6], 16)
+
+
+MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
+"""Red, green, blue of a value that is missing: a grey that no map comes near."""
+
+
+@dataclass(frozen=True)
+class ColorMap:
+    """A colour map: evenly spaced stops, linear between.
+
+    Attributes
+    ----------
+    label
+        What it is for, as a menu shows it.
+    stops
+        (red, green, blue) from the least value to the greatest, 0 to 255.
+    safe
+        Whether its order survives red and green weakness: lightness alone tells it.
+    """
+
+    label: str
+    stops: tuple[tuple[int, int, int], ...]
+    safe: bool
+
+
+COLOR_MAPS: dict[str, ColorMap] = {
+    name: ColorMap(of["label"], tuple(map(_rgb, of["stops"].split())), of.get("safe", False))
+    for name, of in _DEFINITION["maps"].items()
+}
+"""All maps by name: image, viridis, cividis, gamma, resistivity, caliper, difference."""
+
+
+def check_map(color_map: str) -> None:
+    """Raise a ValueError that lists the maps unless ``color_map`` is one of them."""
+    if color_map not in COLOR_MAPS:
+        raise ValueError(f"color_map = {color_map!r}: must be one of {', '.join(COLOR_MAPS)}")
+
+
+def color_table(color_map: str, count: int = 256) -> Colors:
+    """Return a map as ``count`` colours, (count, 3) uint8, from the least value to the greatest.
+
+    Raises
+    ------
+    ValueError
+        ``color_map = 'jet': must be one of image, viridis, ...``.
+    """
+    check_map(color_map)
+    stops = np.array(COLOR_MAPS[color_map].stops, dtype=np.float64)
+    at = np.linspace(0, len(stops) - 1, count)
+    channels = [np.interp(at, np.arange(len(stops)), stops[:, channel]) for channel in range(3)]
+    return np.floor(np.column_stack(channels) + 0.5).astype(np.uint8)
+
+
+def customary_map(name: str, unit: str = "") -> str:
+    """Return the map that the trade expects for a quantity, by its name and unit.
+
+    >>> customary_map("GRAS"), customary_map("APRA", "ohm.m"), customary_map("ABDC", "g/cm3")
+    ('gamma', 'resistivity', 'image')
+    """
+    if name.lower().startswith(("gr", "gamma")) or "api" in unit.lower():
+        return "gamma"
+    if unit.lower().startswith("ohm") or name.lower().startswith("res"):
+        return "resistivity"
+    return "caliper" if name.lower().startswith(("radius", "diameter", "caliper")) else "image"
+
+
+@dataclass(frozen=True)
+class ColorScale:
+    """A colour map between two values.
+
+    Parameters
+    ----------
+    low, high
+        Values of the first and the last colour; what lies beyond takes them, too.
+    color_map
+        One of `COLOR_MAPS`.
+    log
+        Whether colours follow the logarithm; both ends must then be above 0.
+    reverse
+        Turn the map round.
+
+    Raises
+    ------
+    ValueError
+        ``limits = (0, 20): must be above 0 on a log scale``; on ends that are not finite or not in order, and on
+        an unknown map.
+    """
+
+    low: float
+    high: float
+    color_map: str = "viridis"
+    log: bool = False
+    reverse: bool = False
+
+    def __post_init__(self) -> None:
+        check_map(self.color_map)
+        ends = (self.low, self.high)
+        if not (all(map(math.isfinite, ends)) and ends[0] < ends[1]):
+            raise ValueError(f"limits = {ends}: must be two finite numbers, the first below the second")
+        if self.log and ends[0] <= 0:
+            raise ValueError(f"limits = {ends}: must be above 0 on a log scale")
+
+    def share(self, values: Floats) -> Floats:
+        """Return how far along the scale each value lies, 0 to 1; NaN where missing. Same shape, a new array.
+
+        Raises
+        ------
+        ValueError
+            ``values[17] = -2: must be above 0 on a log scale (3 of 100 are not) ...``.
+        """
+        low, high = self.low, self.high
+        if self.log:
+            check_positive(values)
+            values, low, high = np.log(values), math.log(low), math.log(high)
+        share: Floats = np.where(np.isfinite(values), np.clip((values - low) / (high - low), 0, 1), np.nan)
+        return 1 - share if self.reverse else share
+
+    def colors(self, values: Floats) -> Colors:
+        """Return (..., 4) uint8 red, green, blue, 255 of values of any shape; missing ones are `MISSING`."""
+        share = self.share(values)
+        there = np.isfinite(share)
+        place = np.where(there, np.rint(np.where(there, share, 0) * (_FINE - 1)), _FINE).astype(np.intp)
+        return _table_with_missing(self.color_map)[place]
+
+    def matplotlib(self) -> tuple[Colormap, Normalize]:
+        """Return the scale as matplotlib has it, missing values in their grey: ``cmap, norm = scale.matplotlib()``.
+
+        Raises
+        ------
+        ImportError
+            If matplotlib is not installed; it comes with the extra ``plot``.
+        """
+        try:
+            from matplotlib.colors import ListedColormap, LogNorm, Normalize
+        except ImportError as error:
+            raise ImportError('a picture needs matplotlib: pip install "helibore[plot]"') from error
+        table = color_table(self.color_map, 256) / 255.0
+        drawn = ListedColormap(table[::-1] if self.reverse else table, name=self.color_map)
+        red, green, blue = (part / 255.0 for part in MISSING)
+        norm = (LogNorm if self.log else Normalize)(self.low, self.high, clip=False)
+        return drawn.with_extremes(bad=(red, green, blue)), norm
+
+
+_FINE = 1024
+
+
+@cache
+def _table_with_missing(color_map: str) -> Colors:
+    """Its colours in 1024 steps and, last, the grey of what is missing, (1025, 4)."""
+    table = np.full((_FINE + 1, 4), 255, dtype=np.uint8)
+    table[:_FINE, :3] = color_table(color_map, _FINE)
+    table[_FINE, :3] = MISSING
+    return table
+
+
+def check_positive(values: Floats) -> None:
+    """Raise a ValueError that names the first value a log scale cannot show; missing ones are no matter."""
+    wrong = np.flatnonzero(np.ravel(values) <= 0)
+    if wrong.size:
+        place = ", ".join(str(index) for index in np.unravel_index(wrong[0], np.shape(values)))
+        raise ValueError(
+            f"values[{place}] = {np.ravel(values)[wrong[0]]:g}: must be above 0 on a log scale ({wrong.size} of "
+            f"{np.size(values)} are not); make them NaN to show them as missing"
+        )
+
+
+def colors_of(
+    values: Floats, limits: tuple[float, float] | None = None, color_map: str = "viridis", log: bool = False
+) -> Colors:
+    """Colour values between two limits, by default the least and the greatest of them.
+
+    Parameters
+    ----------
+    values
+        float64 of any shape; NaN where missing.
+    limits
+        Values of the first and the last colour. By default values that are all alike take the first colour.
+    color_map, log
+        As in `ColorScale`.
+
+    Returns
+    -------
+    (..., 4) uint8: red, green, blue, 255; missing values are `MISSING`.
+    """
+    if limits is not None:
+        return ColorScale(*limits, color_map=color_map, log=log).colors(values)
+    if log:
+        check_positive(values)
+    there = values[np.isfinite(values)]
+    low, high = (float(there.min()), float(there.max())) if there.size else (1.0, 2.0)
+    return ColorScale(low, high if high > low else _above(low), color_map, log).colors(values)
+
+
+def _above(value: float) -> float:
+    """A number above ``value`` by more than rounding, for a scale whose only value is at its foot."""
+    return value + max(abs(value), 1.0)

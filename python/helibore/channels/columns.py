@@ -1,0 +1,205 @@
+"""Channels with roles become what the rest takes: a column in core units, a survey, a sector image.
+
+Metres, degrees and seconds from here. Rows without a value are left out and counted. What the wall is made from is in
+``readings``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base import units
+from helibore.channels import plausibility as suspect
+from helibore.channels.roles import ROLES, Role, RoleMap, guess
+from helibore.files.channel import NO_HEADER, LogSet
+from helibore.files.source import complaint
+from helibore.images.sector_image import Direction, Origin, Reference, SectorImage
+from helibore.trajectory.survey import Survey
+
+Floats = npt.NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class SectorColumns:
+    """A sector image as it stands in the file; `sector_image` makes of it what walls carry.
+
+    Attributes
+    ----------
+    name, unit
+        As in the file.
+    depth
+        (n,) float64, metres, strictly growing or strictly falling.
+    values
+        (n, K), NaN where missing.
+    first, step
+        Angle of the first sector and from one to the next, degrees, as the file or a map states; None where neither
+        does. Whether a sector starts or is centred there is for the caller to know: files do not say.
+    members
+        The columns it was joined from.
+    dropped
+        Rows left out because they have no depth.
+    """
+
+    name: str
+    unit: str
+    depth: Floats
+    values: npt.NDArray[np.floating]
+    first: float | None
+    step: float | None
+    members: tuple[str, ...]
+    dropped: int
+
+    def __repr__(self) -> str:
+        rows, sectors = self.values.shape
+        ends = f"{self.depth[0]:g} to {self.depth[-1]:g} m"
+        return f"SectorColumns({self.name!r}, {self.unit!r}, {rows} rows x {sectors} sectors, {ends})"
+
+    def sector_image(
+        self,
+        origin: Origin,
+        reference: Reference,
+        direction: Direction | None = None,
+        offset: float | None = None,
+        reach: float | None = None,
+        name: str | None = None,
+    ) -> SectorImage:
+        """Return the image that a wall carries: ``wall.images["GR"] = file.image("GRAS").sector_image(...)``.
+
+        Parameters
+        ----------
+        origin, reference
+            As in `SectorImage`: files do not say what of sector 1 lies at its angle, nor what the angles count from.
+        direction
+            None: as ``step`` says, clockwise where it does not.
+        offset
+            Degrees; None: ``first``, 0 where the file does not say.
+        reach, name
+            As in `SectorImage`; ``name`` None: the channel's.
+
+        Raises
+        ------
+        ValueError
+            ``GRAS: 8 sectors, 22.5 deg apart: must be 45``; as `SectorImage`, with the channel's name.
+        """
+        even, step = 360.0 / self.values.shape[1], self.step
+        if step is not None and not abs(abs(step) - even) <= 0.005 * even:  # NaN: not evenly spaced
+            apart = f"{step:g} deg apart" if np.isfinite(step) else "unevenly spaced"
+            raise ValueError(f"{self.name}: {self.values.shape[1]} sectors, {apart}: must be {even:g} around the hole")
+        if direction is None:
+            direction = "counterclockwise" if step is not None and step < 0 else "clockwise"
+        offset = (self.first or 0.0) if offset is None else offset
+        try:
+            return SectorImage(
+                self.depth, self.values, name or self.name, self.unit,
+                origin=origin, reference=reference, direction=direction, offset=offset, reach=reach,
+            )  # fmt: skip
+        except ValueError as error:
+            raise ValueError(f"{self.name}: {error}") from error
+
+
+def column(one: LogSet, role: Role) -> Floats:
+    """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error."""
+    kind = ROLES[role.role]
+    values = one.numbers(role.channel)
+    if not kind:
+        return values
+    if not role.unit and role.role != "time":
+        inferred = suspect.unstated_angle(values) if kind == units.ANGLE else ""
+        if not inferred:
+            stated = (
+                f'state it in a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in its option'
+            )
+            rule = f"unit missing: {stated}; {role.role} is {kind}"
+            raise complaint(one.path, rule, column=role.channel)
+        return values
+    try:
+        factor = units.factor(role.unit, kind) if role.unit else 1.0
+        return values if factor == 1.0 else values * factor
+    except ValueError as error:
+        raise complaint(one.path, str(error), column=role.channel) from error
+
+
+def needed(one: LogSet, roles: RoleMap, role: str) -> Role:
+    """The channel that has a role, or an error that says how to name one."""
+    found = roles.one(role)
+    if found is None:
+        near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]
+        how = f'name one by an option or in a map ([channels."..."] role = "{role}")'
+        rule = f"no channel has the role {role}: {how}{''.join(near)}; the channels are {', '.join(one.names)}"
+        raise complaint(one.path, rule + about_names(one))
+    return found
+
+
+def about_names(one: LogSet) -> str:
+    """What explains that a channel is not told by its name: there is no header, or names repeat."""
+    return "".join(f"; {remark}" for remark in one.remarks if NO_HEADER in remark or "columns are named" in remark)
+
+
+def survey(one: LogSet, roles: RoleMap | None = None) -> Survey:
+    """Return the directional survey of a set.
+
+    Stations without depth, inclination or azimuth are left out; the set's remarks say how many.
+
+    Raises
+    ------
+    ValueError
+        If a column is not there, its unit is missing or wrong, degrees look like radians, or depth does not grow.
+    """
+    roles = roles or guess(one)
+    named = {role: needed(one, roles, role) for role in ("depth", "inclination", "azimuth")}
+    columns = {role: column(one, found) for role, found in named.items()}
+    suspect.depths(one, named["depth"], columns["depth"])
+    suspect.survey_angles(one, named["inclination"], named["azimuth"], columns["inclination"], columns["azimuth"])
+    keep = np.isfinite(columns["depth"]) & np.isfinite(columns["inclination"]) & np.isfinite(columns["azimuth"])
+    if not keep.all():
+        remark = f"survey: {int(np.count_nonzero(~keep))} of {one.rows} stations left out: a value is missing"
+        if remark not in one.remarks:
+            one.remarks.append(remark)
+    rows = np.flatnonzero(keep)
+    depth = columns["depth"][rows]
+    falls = np.flatnonzero(np.diff(depth) <= 0)
+    if falls.size:
+        first = int(falls[0])
+        kind = "repeats" if depth[first] == depth[first + 1] else "falls from"
+        rule = f"depth {depth[first + 1]:g} m {kind} {depth[first]:g} m: must grow"
+        raise complaint(one.path, rule, one.place(int(rows[first + 1])), named["depth"].channel)
+    try:
+        return Survey(depth, columns["inclination"][rows], columns["azimuth"][rows])
+    except ValueError as error:
+        raise complaint(one.path, str(error)) from error
+
+
+def image(one: LogSet, name: str, roles: RoleMap | None = None) -> SectorColumns:
+    """Return a sector image with its depth; rows without a depth are left out and counted.
+
+    Raises
+    ------
+    ValueError
+        If the channel has no sectors, or depth does not strictly grow or strictly fall.
+    """
+    roles = roles or guess(one)
+    channel = one[name]
+    if len(channel.shape) != 2:
+        images = [each.channel for each in roles.all("image", "radius-image")]
+        raise complaint(one.path, f"has no sectors; the images are {', '.join(images) or 'none'}", column=name)
+    named = needed(one, roles, "depth")
+    depth = column(one, named)
+    rows = np.flatnonzero(np.isfinite(depth))
+    if not rows.size:
+        raise complaint(one.path, "has no value", column=named.channel)
+    steps = np.diff(depth[rows])
+    wrong = np.flatnonzero(steps <= 0 if steps.sum() >= 0 else steps >= 0)
+    if wrong.size:
+        at = int(wrong[0])
+        before, after = depth[rows[at]], depth[rows[at + 1]]
+        place = one.place(int(rows[at + 1]))
+        rule = f"depth {after:g} m after {before:g} m: an image's depth must strictly grow or strictly fall"
+        raise complaint(one.path, rule, place, named.channel)
+    role = roles.roles.get(name) or Role(name, "image", "")
+    dropped = one.rows - rows.size
+    return SectorColumns(
+        name, channel.unit, depth[rows], channel.values[rows], role.first, role.step, channel.members, dropped
+    )

@@ -1,0 +1,40 @@
+"""What stands out in the depths of a set: where in metres, direction, repeats, gaps, as sentences. Changes nothing."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from helibore.base import units
+from helibore.channels.roles import RoleMap, measures
+from helibore.files.channel import LogSet
+
+
+def depth_remarks(one: LogSet, roles: RoleMap) -> list[str]:
+    """Depths in metres where the file has other units, their direction, repeats and gaps (over three median steps)."""
+    role = roles.one("depth")
+    if role is None or one[role.channel].is_text:
+        return []
+    depth = one.numbers(role.channel)
+    steps = np.diff(depth[np.isfinite(depth)])
+    if not steps.size:
+        return []
+    found = []
+    metre = units.factor(role.unit, units.LENGTH) if measures(role.unit) == units.LENGTH else 1.0
+    if metre != 1.0:
+        found.append(f"{role.channel}: {metre * np.nanmin(depth):.2f} to {metre * np.nanmax(depth):.2f} m")
+    rising, falling, level = (int(np.count_nonzero(mask)) for mask in (steps > 0, steps < 0, steps == 0))
+    if rising and falling:
+        found.append(f"{role.channel}: rises {rising:,} and falls {falling:,} times: passes, or samples in no order")
+    elif falling:
+        found.append(f"{role.channel}: falls: logged upwards")
+    if level:
+        found.append(f"{role.channel}: {level:,} rows repeat the depth before")
+    sizes = np.abs(steps[steps != 0])
+    if sizes.size:
+        usual = float(np.median(sizes))
+        gaps = sizes[sizes > 3.0 * usual]
+        stated = f"{usual:.6g} x {role.unit}" if role.unit[:1].isdigit() else f"{usual:.6g} {role.unit}"
+        found.append(f"{role.channel}: median step {stated}".rstrip())
+        if gaps.size:
+            found.append(f"{role.channel}: {gaps.size:,} gaps, the largest {gaps.max():.6g} {role.unit}".rstrip())
+    return found

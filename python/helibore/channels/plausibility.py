@@ -1,0 +1,137 @@
+"""Values that cannot be, or hardly are, what their role says: each check names the channel, the number and the rule.
+
+    median radius 0.216 m                          an 8.5 in bit: looks like a diameter
+    toolface between 0 and 6.28, stated in deg     looks like radians
+    median radius 108 m                            the unit looks like mm
+
+A role confirmed by a map skips the checks that only suspect; what no borehole can have stays an error.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base import units
+from helibore.channels.roles import Role
+from helibore.files.channel import LogSet
+from helibore.files.source import complaint
+
+Floats = npt.NDArray[np.float64]
+
+# Common bit diameters, inches. A radius near one of the first is more likely its diameter, unless twice the radius is
+# near one of the second, which are then the real hole.
+SMALL_BITS = (7.875, 8.375, 8.5, 8.75, 9.5, 9.875, 10.625, 12.25)
+LARGE_BITS = (16.0, 17.5)
+
+RADIUS_RANGE = (0.02, 1.0)
+"""Metres: medians outside belong to no borehole, so the unit is wrong."""
+
+FEW = 5
+"""With fewer values than this nothing is suspected."""
+
+
+MANY = 1 << 16
+"""Of more values than this, evenly chosen ones tell the median."""
+
+
+def present(values: Floats) -> Floats:
+    """The values that are numbers, as one column; not a copy where all are."""
+    flat = values.reshape(-1)
+    return flat[np.isfinite(flat)] if np.isnan(flat.min(initial=0.0)) else flat
+
+
+def lengths(one: LogSet, role: Role, values: Floats, bit_diameter: float | None) -> None:
+    """Check a radius or diameter, in metres, for the wrong unit and for a diameter in a radius's place."""
+    found = present(values)
+    if not found.size:
+        raise complaint(one.path, "every value is missing", column=role.channel)
+    median = float(np.median(found if found.size <= MANY else found[:: found.size // MANY]))
+    scale = 2.0 if role.role == "diameter" else 1.0
+    low, high = (scale * bound for bound in RADIUS_RANGE)
+    if not low <= median <= high:
+        likely = _likely_unit(role.unit, median, low, high)
+        rule = f"median {median:.3g} m after reading {role.unit}: no {role.role} of a borehole{likely}"
+        raise complaint(one.path, rule, column=role.channel)
+    if role.role == "diameter" or (bit_diameter is None and (role.confirmed or found.size < FEW)):
+        return
+    if _looks_like_diameter(median, bit_diameter):
+        rule = (
+            f'median {median:.3g}: looks like a diameter, where a radius is expected; state role = "diameter" in a map'
+        )
+        if bit_diameter is None:
+            rule += f', or give the bit diameter or confirm role = "{role.role}" there'
+        else:
+            rule += f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
+        raise complaint(one.path, rule, column=role.channel)
+
+
+def _likely_unit(unit: str, median: float, low: float, high: float) -> str:
+    """Name the units in which the same numbers would make a borehole."""
+    raw = median / units.factor(unit, units.LENGTH)
+    fitting = [name for name in ("m", "cm", "mm", "in", "ft") if low <= raw * units.factor(name, units.LENGTH) <= high]
+    return f" (would fit {' or '.join(fitting)})" if fitting else ""
+
+
+def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
+    if bit_diameter is not None:
+        return median > 1.5 * bit_diameter / 2.0 and abs(median / bit_diameter - 1.0) < 0.25
+    inches = median / units.INCH
+
+    def near(value: float, sizes: tuple[float, ...]) -> bool:
+        return any(-0.005 <= value / size - 1.0 <= 0.03 for size in sizes)
+
+    return near(inches, SMALL_BITS) and not near(2.0 * inches, LARGE_BITS)
+
+
+def depths(one: LogSet, role: Role, values: Floats) -> None:
+    """Check measured depths, in metres: negative throughout, they make a mirror image of the hole."""
+    found = present(values)
+    if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
+        return
+    rule = (
+        f"{found.min():g} to {found.max():g} m: negative throughout (elevations?), and depth counts positive down the "
+        'hole; write it so, or confirm role = "depth" in a map'
+    )
+    raise complaint(one.path, rule, column=role.channel)
+
+
+def unstated_angle(values: Floats) -> str:
+    """Return "deg" where angles without a unit can only be degrees (one is beyond 2 pi), else ``""``."""
+    found = values[np.isfinite(values)]
+    return "deg" if found.size and float(np.abs(found).max()) > 2.0 * np.pi + 1e-6 else ""
+
+
+def angles(one: LogSet, role: Role, values: Floats) -> None:
+    """Check a toolface, in degrees: within two turns, and not radians read as degrees."""
+    found = present(values)
+    if not found.size:
+        raise complaint(one.path, "every value is missing", column=role.channel)
+    low, high = float(found.min()), float(found.max())
+    if low < -720.0 or high > 720.0:
+        row = int(np.argmax(np.abs(values) > 720.0))
+        rule = f"{values[row]:g} deg: an angle lies within -720 and 720"
+        raise complaint(one.path, rule, one.place(row), role.channel)
+    within = -np.pi - 1e-3 <= low and high <= 2.0 * np.pi + 1e-3 and high - low > 3.0
+    if within and not role.confirmed and found.size >= 4 * FEW:
+        rule = f"values between {low:.3g} and {high:.3g} {role.unit}: looks like radians; state the unit in a map"
+        raise complaint(one.path, f"{rule} or as {role.channel}:rad", column=role.channel)
+
+
+def survey_angles(one: LogSet, inclined: Role, turned: Role, inclination: Floats, azimuth: Floats) -> None:
+    """Check inclination and azimuth, in degrees: their ranges, and radians read as degrees."""
+    for role, values, low, high in ((inclined, inclination, 0.0, 180.0), (turned, azimuth, -360.0, 360.0)):
+        wrong = np.flatnonzero(np.isfinite(values) & ((values < low - 1e-6) | (values > high + 1e-6)))
+        if wrong.size:
+            row = int(wrong[0])
+            rule = f"{values[row]:g} deg: {role.role} lies within {low:g} and {high:g}"
+            raise complaint(one.path, rule, one.place(row), role.channel)
+    both = np.isfinite(inclination) & np.isfinite(azimuth)
+    if (inclined.confirmed and turned.confirmed) or np.count_nonzero(both) < FEW:
+        return
+    spread = float(np.ptp(azimuth[both]))
+    steepest, largest = float(inclination[both].max()), float(np.abs(azimuth[both]).max())
+    # A vertical hole has small inclinations, but its azimuths wander over the whole circle.
+    if 0.0 < steepest <= np.pi and largest <= 2.0 * np.pi + 1e-3 and spread > 0.0:
+        rule = f"no azimuth is beyond {largest:.3g} and no inclination beyond {steepest:.3g}: looks like radians"
+        raise complaint(one.path, rule + "; state the units in a map", column=turned.channel)

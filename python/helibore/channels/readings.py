@@ -1,0 +1,376 @@
+"""Channels with roles become readings: what each sensor read in each row, in metres, degrees and seconds.
+
+    radius        one sensor at its angle            radius-image  one a sector, at first + i * step
+    diameter      two, half of it each, at its       travel-time   as a radius or an image, through the mud by an Echo
+                  angle and opposite
+
+Readings say nothing of flaws in the log; ``helibore.preparation.prepare`` judges, places and corrects them. Nothing is
+converted on a suspicion: a diameter in a radius's place, radians in a degree's, a unit that cannot be right are errors
+that say so (``suspect``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base import units
+from helibore.channels import plausibility as suspect
+from helibore.channels.columns import about_names, column, needed
+from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess
+from helibore.files.channel import LogSet
+from helibore.files.source import complaint
+from helibore.preparation.conditioning import Echo
+from helibore.preparation.sensors import Sensor
+
+Floats = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
+Mask = npt.NDArray[np.bool_]
+
+UNSTATED = {
+    units.ANGLE: "deg, as one beyond 2 pi must be (no unit stated)",
+    units.TIME: "s, as no unit is stated",
+}
+"""What a channel without a unit is taken for, by what it measures."""
+
+NORTH = ("n", "north", "m", "mtf", "magnetic", "0")
+HIGH_SIDE = ("h", "hs", "high side", "high-side", "g", "gtf", "gravity", "top", "1")
+
+
+@dataclass(frozen=True)
+class Readings:
+    """The readings of a set's sensors, row by row as they stand in the file.
+
+    Attributes
+    ----------
+    source
+        The set they come from: for places in errors.
+    depth, toolface
+        Of each row, (n,) m and degrees; NaN where missing. Toolfaces are 0 where the set has none.
+    sensors, radii
+        p sensors and the radius each read in each row, (n,) m, NaN where missing.
+    arm
+        Which of ``channels`` each sensor's readings stand in, (p,) int64.
+    channels
+        Names of the wall channels.
+    across
+        Whether a diameter was halved for a sensor, (p,): it holds nothing of where the tool's centre was.
+    time
+        Seconds, (n,), or None.
+    pass_number
+        Pass of each row, (n,) int64, or None where the set numbers none; -1 where the row has none.
+    reference
+        What toolfaces count from: "north", "high-side", "automatic", or "" for the wall's own reference.
+    high_side
+        For each row, where the set has a toolface-reference channel: (n,) bool; else None.
+    turning
+        Whether the set has a toolface.
+    missing
+        Channel to how many of its values are missing.
+    notes
+        One sentence for each channel used: its role, unit and reason.
+    """
+
+    source: LogSet
+    depth: Floats
+    toolface: Floats
+    sensors: tuple[Sensor, ...]
+    radii: tuple[Floats, ...]
+    arm: Integers
+    channels: tuple[str, ...]
+    across: tuple[bool, ...]
+    time: Floats | None = None
+    pass_number: Integers | None = None
+    reference: str = ""
+    high_side: Mask | None = None
+    turning: bool = True
+    missing: dict[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        return f"Readings({self.name}, {self.rows} rows of {', '.join(self.channels)})"
+
+    @property
+    def rows(self) -> int:
+        """Rows in the set."""
+        return self.source.rows
+
+    @property
+    def name(self) -> str:
+        """The file's name."""
+        return self.source.path.name
+
+
+@dataclass(frozen=True)
+class WallSamples:
+    """Wall points of a set, in file order; a row's points follow one another.
+
+    Attributes
+    ----------
+    depth, toolface, radius
+        Metres, degrees in [0, 360), metres; (n,) float64.
+    time
+        Seconds, None where the set has no time.
+    row
+        Row of the set each point came from, (n,) int64.
+    rows
+        Rows in the set.
+    dropped
+        Channel to how many of its values were missing and left out.
+    notes
+        One sentence for each channel used: its role, unit and reason.
+    """
+
+    depth: Floats
+    toolface: Floats
+    radius: Floats
+    time: Floats | None
+    row: Integers
+    rows: int
+    dropped: dict[str, int] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def readings(
+    one: LogSet,
+    roles: RoleMap | None = None,
+    bit_diameter: float | None = None,
+    echo: Echo | None = None,
+    tracked: bool = False,
+) -> Readings:
+    """Turn the channels of a set into readings.
+
+    Parameters
+    ----------
+    one
+        A set of an opened file.
+    roles
+        What each channel means; guessed where None.
+    bit_diameter
+        Metres. Known, it decides whether a radius is one; else a ``bit-diameter`` channel does.
+    echo
+        How travel times become radii.
+    tracked
+        Depths and toolfaces come by time from somewhere else: the set needs none, but a time.
+
+    Raises
+    ------
+    ValueError
+        If there is no depth or wall channel; a unit is missing, unknown or of the wrong kind; a depth is NaN or
+        infinite; or values cannot be what their role says.
+    """
+    roles = roles or guess(one)
+    arms = roles.all(*WALL)
+    if not arms:
+        raise complaint(one.path, _no_arms(one, roles))
+    depth = np.full(one.rows, np.nan)
+    if not tracked or roles.one("depth"):
+        depth = _depth(one, needed(one, roles, "depth"))
+    turning = roles.one("toolface")
+    toolface = np.zeros(one.rows)
+    if turning is not None:
+        toolface = column(one, turning)
+        suspect.angles(one, turning, toolface)
+    bit = bit_diameter if bit_diameter is not None else _bit(one, roles)
+    sensors: list[Sensor] = []
+    radii: list[Floats] = []
+    arm: list[int] = []
+    for number, role in enumerate(arms):
+        radius = _radius(one, role, bit, echo)
+        angles = _angles(one, role, radius.shape[1], turning is not None or tracked)
+        values = list(radius.T) if len(angles) == radius.shape[1] else [0.5 * radius[:, 0]] * 2
+        sensors += [Sensor(role.channel, role.offset, angle, role.latency) for angle in angles]
+        radii += values
+        arm += [number] * len(angles)
+    across = tuple(arms[number].role == "diameter" for number in arm)
+    time = _time(one, roles)
+    if tracked and time is None:
+        needed(one, roles, "time")
+    return Readings(
+        one, depth, toolface, tuple(sensors), tuple(radii), np.array(arm, dtype=np.int64),
+        tuple(role.channel for role in arms), across, time, _passes(one, roles),
+        turning.reference if turning else "", _high_side(one, roles), turning is not None,
+        _count_missing(one, roles, depth, toolface, time), _notes(roles, arms),
+    )  # fmt: skip
+
+
+def samples(one: LogSet, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
+    """Bring the readings of a set into one frame, in file order; nothing is judged. Errors as :func:`readings`."""
+    from helibore.preparation.prepare import Preparation
+    from helibore.preparation.sample_columns import Samples
+
+    found = readings(one, roles, bit_diameter)
+    seen = Samples.observed([found], Preparation(), None, [], {})
+    return WallSamples(
+        seen.depth, seen.toolface, seen.radius, seen.time, seen.row, one.rows, found.missing, found.notes
+    )
+
+
+def _depth(one: LogSet, role: Role) -> Floats:
+    depth = column(one, role)
+    row = one[role.channel].odd_row
+    if row is not None:
+        raise complaint(one.path, "NaN or infinite: a depth must be finite, or empty", one.place(row), role.channel)
+    suspect.depths(one, role, depth)
+    return depth
+
+
+def _no_arms(one: LogSet, roles: RoleMap) -> str:
+    """What is missing, and what the set can be used for instead."""
+    means = [each.channel for each in roles.all("mean-diameter")]
+    if means:
+        return (
+            f"{', '.join(means)}: a mean diameter has no direction; no channel has the role radius or diameter "
+            "(--average of helibore plot and logs, or hb.Caliper.from_average, takes it for a round hole)"
+        )
+    rule = "no channel has the role radius, diameter or radius-image: name one by an option or in a map"
+    images = [each.channel for each in roles.all("image")]
+    if images:
+        return f"{rule} (its images {', '.join(images)} lie on a gauge hole with --gauge --image of helibore plot)"
+    if roles.one("inclination") is not None and roles.one("azimuth") is not None:
+        return f"{rule} (it holds a survey, which --survey takes)"
+    return f"{rule}, such as --radius NAME:in; the channels are {', '.join(one.names)}{about_names(one)}"
+
+
+def _radius(one: LogSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
+    """Readings of a wall channel as (n, p) radii or diameters, metres."""
+    values = column(one, arm).reshape(one.rows, -1)
+    if arm.role == "travel-time":
+        if echo is None:
+            rule = "a travel time needs the velocity in the mud and the tool's radius"
+            raise complaint(one.path, rule, column=arm.channel)
+        values = echo.radius(values)
+    suspect.lengths(one, arm, values, bit)
+    if arm.role in ("radius", "diameter") and values.shape[1] != 1:
+        rule = f"a {arm.role} has one value a row, this has {values.shape[1]}: its role is radius-image"
+        raise complaint(one.path, rule, column=arm.channel)
+    return values
+
+
+def _angles(one: LogSet, arm: Role, width: int, turning: bool) -> list[float]:
+    """Where the sensors of one channel look, degrees from the toolface."""
+    if width > 1 or arm.role == "radius-image":
+        if arm.first is None or arm.step is None:
+            rule = "the angles of its sectors are not stated: set first and step (degrees) in a map"
+            raise complaint(one.path, rule, column=arm.channel)
+        return [arm.first + arm.step * sector for sector in range(width)]
+    if arm.angle is None and not turning:
+        rule = "no toolface: name the toolface channel, or the angle of this one, by an option or in a map"
+        raise complaint(one.path, rule, column=arm.channel)
+    if arm.angle is not None and not turning and not arm.confirmed and arm.turns:
+        rule = "an arm pair that turns with the tool needs a toolface: name the channel, or confirm the angle, in a map"
+        raise complaint(one.path, rule, column=arm.channel)
+    angle = arm.angle or 0.0
+    return [angle, angle + 180.0] if arm.role == "diameter" else [angle]
+
+
+def _bit(one: LogSet, roles: RoleMap) -> float | None:
+    """Median of the bit-diameter channel, metres."""
+    role = roles.one("bit-diameter")
+    if role is None or not role.unit:
+        return None
+    values = column(one, role)
+    return float(np.median(values[np.isfinite(values)])) if np.isfinite(values).any() else None
+
+
+def _time(one: LogSet, roles: RoleMap) -> Floats | None:
+    """Seconds: as stated, or since 1970 where the file holds dates."""
+    role = roles.one("time")
+    if role is None:
+        return None
+    channel = one[role.channel]
+    if not channel.is_text:
+        return column(one, role)
+    seconds = np.full(one.rows, np.nan)
+    for row, cell in enumerate(channel.values):
+        if cell:
+            try:
+                seconds[row] = np.datetime64(cell.rstrip("Z"), "us").astype(np.int64) / 1e6
+            except ValueError:
+                rule = f"{cell[:40]!r} is no ISO 8601 date and time"
+                raise complaint(one.path, rule, one.place(row), role.channel) from None
+    return seconds
+
+
+def _passes(one: LogSet, roles: RoleMap) -> Integers | None:
+    role = roles.one("pass")
+    if role is None:
+        return None
+    values = one.numbers(role.channel)
+    known = np.isfinite(values)
+    broken = np.flatnonzero(known & (np.floor(values) != values))
+    if broken.size:
+        row = int(broken[0])
+        raise complaint(one.path, f"{values[row]:g}: a pass is a whole number", one.place(row), role.channel)
+    return np.where(known, values, -1.0).astype(np.int64)
+
+
+def _high_side(one: LogSet, roles: RoleMap) -> Mask | None:
+    """Which rows count from the high side, by the words of the toolface-reference channel."""
+    role = roles.one("toolface-reference")
+    if role is None:
+        return None
+    channel = one[role.channel]
+    words = channel.values if channel.is_text else [f"{value:g}" for value in channel.values]
+    tagged = np.zeros(one.rows, dtype=bool)
+    for row, word in enumerate(words):
+        bare = str(word).strip().lower()
+        tagged[row] = bare in HIGH_SIDE
+        if not tagged[row] and bare not in NORTH:
+            rule = (
+                f"{str(word)[:40]!r}: must be one of {', '.join(NORTH)} (north) or {', '.join(HIGH_SIDE)} (high side)"
+            )
+            raise complaint(one.path, rule, one.place(row), role.channel)
+    return tagged
+
+
+def _count_missing(one: LogSet, roles: RoleMap, depth: Floats, toolface: Floats, time: Floats | None) -> dict[str, int]:
+    """How many values of each channel used are missing, where any are."""
+    named = {"depth": depth, "toolface": toolface, "time": time}
+    counts = {}
+    for role in roles.all("depth", "toolface", "time"):
+        values = named[role.role]
+        if values is not None and (role.role != "time" or one[role.channel].is_text):
+            counts[role.channel] = int(np.count_nonzero(~np.isfinite(values)))
+        elif values is not None:
+            counts[role.channel] = one[role.channel].missing
+    for role in roles.all(*WALL):
+        counts[role.channel] = one[role.channel].missing
+    return {name: count for name, count in counts.items() if count}
+
+
+def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
+    used = [*roles.all("depth", "toolface", "toolface-reference", "time", "pass", "bit-diameter"), *arms]
+    return (*(note(role) for role in used), *_together(arms))
+
+
+def _together(arms: list[Role]) -> list[str]:
+    """Channels that look in one direction, as two calipers of one well do: said, for their biases differ."""
+    by_direction: dict[tuple[str, float, float], list[str]] = {}
+    for role in arms:
+        if role.angle is not None:
+            by_direction.setdefault((role.role, role.angle, role.offset), []).append(role.channel)
+    return [
+        f"{' and '.join(names)} are {kind} in one direction: merged; name those to use by an option or in a map"
+        for (kind, _, _), names in by_direction.items()
+        if len(names) > 1
+    ]
+
+
+def note(role: Role) -> str:
+    """The sentence that says what a channel is taken for, where it sits, and why."""
+    parts = [f"{role.channel} is {role.role}"]
+    kind = units.LENGTH if role.role == "bit-diameter" else role.role
+    if kind not in ("pass", "toolface-reference"):
+        parts.append(f"in {role.unit or UNSTATED.get(ROLES.get(kind, kind), 'no stated unit')}")
+    if role.angle is not None:
+        parts.append(f"at {role.angle:g} deg")
+    if role.offset:
+        parts.append(f"{role.offset:g} m up the string")
+    if role.latency:
+        parts.append(f"{role.latency:g} s late")
+    if role.reference:
+        parts.append(f"from {role.reference}")
+    return f"{' '.join(parts)}: {role.reason}"

@@ -1,0 +1,225 @@
+"""The role map: a TOML file that overrides guessed roles, printed by ``helibore inspect`` ready to edit.
+
+    set = "MAIN"                       # which set of the file; left out when there is one
+    [channels."pfc1_x_in"]
+    role = "diameter"                  # one of helibore.channels.roles.ROLES
+    unit = "in"
+    angle = 0.0                        # degrees from the toolface (radius, diameter)
+    offset = 1.2                       # metres from where the depth is counted up the string to this sensor
+    latency = 0.5                      # seconds from its measurement to its time stamp
+    first = 11.25                      # images: angle of the first sector's centre, and from one to the next
+    step = 22.5
+    reference = "north"                # toolface: counts from north, high-side or automatic (by inclination)
+
+What a map does not name keeps its guess. What it names is confirmed: checks that only suspect a wrong column are off.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import textwrap
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from helibore.channels.roles import REFERENCES, ROLES, SINGLE, WALL, Role, RoleMap, guess, measures
+from helibore.files.channel import LogFile, LogSet
+
+KEYS = {
+    "role": str, "unit": str, "angle": float, "first": float, "step": float, "offset": float, "latency": float,
+    "reference": str,
+}  # fmt: skip
+ANGLES, PLACE = ("angle", "first", "step"), ("offset", "latency")
+SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit>[^:]+))?")
+
+
+def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
+    """Return roles as a TOML map, reasons as comments, and the channels without a role as comments to be edited.
+
+    ``warning`` says, as the first comment, why the file is refused as it stands.
+    """
+    lines = [f"# Refused as it stands: {warning}".replace("\n", " "), ""] if warning else []
+    if roles.set_name and with_set:
+        lines += [f"set = {quoted(roles.set_name)}", ""]
+    for role in roles:
+        if role.role == "none":
+            continue
+        lines += [f"# {role.reason}".replace("\n", " "), f"[channels.{quoted(role.channel)}]"]
+        lines.append(f'role = "{role.role}"')
+        if role.unit or (ROLES[role.role] and role.role != "time"):
+            comment = "" if role.unit else "   # not stated in the file: fill it in"
+            lines.append(f"unit = {quoted(role.unit)}{comment}")
+        lines += [f"{key} = {float(getattr(role, key))!r}" for key in ANGLES if getattr(role, key) is not None]
+        lines += [f"{key} = {getattr(role, key)!r}" for key in PLACE if getattr(role, key)]
+        if role.reference:
+            lines.append(f"reference = {quoted(role.reference)}")
+        lines.append("")
+    return "\n".join([*lines, *_without_role(roles)])
+
+
+def _without_role(roles: RoleMap) -> list[str]:
+    """Channels without a role: as entries to fill in where the set cannot be used without them, else by name."""
+    rest = [role for role in roles if role.role == "none"]
+    if not rest:
+        return []
+    if roles.one("depth") and roles.all(*WALL, "image", "mean-diameter", "inclination"):
+        names = ", ".join(quoted(role.channel) for role in rest)
+        return [*textwrap.wrap(f"Without a role: {names}", 116, initial_indent="# ", subsequent_indent="# "), ""]
+    about = f"Without a role; take the # away and fill in. Roles: {', '.join(ROLES)}"
+    lines = [*textwrap.wrap(about, 116, initial_indent="# ", subsequent_indent="# "), ""]
+    for role in rest:
+        entry = [f"[channels.{quoted(role.channel)}]", f'role = ""   # {role.reason}', f"unit = {quoted(role.unit)}"]
+        lines += [*(f"# {line}".replace("\n", " ") for line in entry), ""]
+    return lines
+
+
+def quoted(text: str) -> str:
+    """Return text as a TOML basic string."""
+    escaped = text.replace("\\", "\\\\").replace('"', '\\"')
+    return '"' + "".join(c if c.isprintable() else f"\\u{ord(c):04x}" for c in escaped) + '"'
+
+
+def read_map(path: str | Path, file: LogFile) -> RoleMap:
+    """Read a TOML map and lay it over the guessed roles of the set it names.
+
+    Raises
+    ------
+    ValueError
+        Naming map, channel and rule: not TOML, an unknown key, role, channel or unit, a unit of the wrong kind, one
+        role given twice.
+    """
+    import tomllib
+
+    path = Path(path)
+    try:
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise ValueError(f"{path.name}: not TOML: {error}") from error
+    unknown = set(tree) - {"set", "channels"}
+    if unknown:
+        raise ValueError(f"{path.name}: {min(unknown)}: must be one of set, channels")
+    entries = tree.get("channels", {})
+    if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
+        raise ValueError(f"{path.name}: channels must be tables, set must be a name")
+    return overlay(guess(file.set(tree.get("set"))), file.set(tree.get("set")), entries, path.name)
+
+
+def overlay(roles: RoleMap, one: LogSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
+    """Return the roles with entries laid over them; ``place`` names the map in errors, ``why`` in roles."""
+    changed = dict(roles.roles)
+    for name, entry in entries.items():
+        if name not in one:
+            raise ValueError(f"{place}: no channel {name!r}; the set holds {', '.join(one.names)}")
+        base = changed.get(name) or Role(name, "none", "", one[name].unit)
+        changed[name] = _entry(base, entry, f"{place}: {name}", why)
+    for role in SINGLE:
+        stated = [each for each in changed.values() if each.role == role and each.confirmed]
+        if len(stated) > 1:
+            raise ValueError(f"{place}: {stated[1].channel}: {stated[0].channel} is the {role} already")
+        for each in list(changed.values()):
+            if stated and each.role == role and not each.confirmed:
+                reason = f"{stated[0].channel} is mapped as the {role}"
+                changed[each.channel] = replace(each, role="none", reason=reason)
+    return RoleMap(roles.set_name, changed)
+
+
+def _entry(base: Role, entry: Any, place: str, why: str) -> Role:
+    if not isinstance(entry, dict):
+        raise ValueError(f"{place}: must be a table")
+    for key, value in entry.items():
+        if key not in KEYS:
+            raise ValueError(f"{place}: {key}: must be one of {', '.join(KEYS)}")
+        number = isinstance(value, int | float) and not isinstance(value, bool)
+        if not (number if KEYS[key] is float else isinstance(value, str)):
+            raise ValueError(f"{place}: {key} = {value!r}: must be {'a number' if KEYS[key] is float else 'text'}")
+    role = entry.get("role", base.role)
+    if role not in ROLES:
+        raise ValueError(f"{place}: role = {role!r}: must be one of {', '.join(ROLES)}")
+    unit = entry.get("unit", base.unit)
+    if unit and ROLES[role] and measures(unit) != ROLES[role]:
+        raise ValueError(f"{place}: unit = {unit!r}: must be a unit of {ROLES[role]} for a {role}")
+    reference = entry.get("reference", base.reference)
+    if "reference" in entry and (role != "toolface" or reference not in REFERENCES):
+        rule = f"must be one of {', '.join(REFERENCES)}, of a toolface"
+        raise ValueError(f"{place}: reference = {reference!r}: {rule}")
+    angle, first, step = (
+        float(entry[key]) if key in entry else getattr(base, key) if role == base.role else None for key in ANGLES
+    )
+    offset, latency = (float(entry.get(key, getattr(base, key))) for key in PLACE)
+    if not (math.isfinite(offset) and math.isfinite(latency)):
+        raise ValueError(f"{place}: offset = {offset:g}, latency = {latency:g}: must be finite")
+    if (offset or latency) and role not in WALL:
+        raise ValueError(f"{place}: offset and latency belong to a sensor: a role of {', '.join(WALL)}")
+    return Role(base.channel, role, why, unit, angle, first, step, offset, latency, reference, confirmed=True)
+
+
+def spelled(
+    one: LogSet, roles: RoleMap, columns: Mapping[str, str | None], arms: Mapping[str, Sequence[str]]
+) -> RoleMap:
+    """Lay columns spelled ``NAME[@ANGLE][:UNIT]`` over roles, as options of the command line do.
+
+    Parameters
+    ----------
+    one, roles
+        The set, and the roles so far.
+    columns
+        Role to column, for roles that one channel has; None leaves the role as it is.
+    arms
+        Role to columns, for wall channels. When any is given, no other channel keeps such a role.
+
+    Raises
+    ------
+    ValueError
+        If a column is not in the set, an angle is given to what has none, or a unit is unknown or of the wrong kind.
+    """
+    wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
+    wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
+    entries: dict[str, Any] = {}
+    for role, spelling in wanted + wall:
+        name, angle, unit = _parted(one, spelling)
+        entry: dict[str, Any] = {"role": role} | ({"unit": unit} if unit else {})
+        if angle is not None and role not in WALL:
+            raise ValueError(f"{one.path.name}: {spelling}: an angle belongs to a {' or '.join(arms)}")
+        if role in WALL and len(one[name].shape) == 1:
+            angle = _own_angle(roles, name, role, wanted_toolface(roles, columns)) if angle is None else angle
+            entry |= {} if angle is None else {"angle": angle}
+        if name in entries:
+            raise ValueError(f"{one.path.name}: column {name}: is given two roles, {entries[name]['role']} and {role}")
+        entries[name] = entry
+    if wall:
+        kept = {
+            each.channel: replace(each, role="none", reason="other columns are named") if each.role in WALL else each
+            for each in roles
+        }
+        roles = RoleMap(roles.set_name, kept)
+    laid = overlay(roles, one, entries, one.path.name, "named by an option")
+    for name, entry in entries.items():
+        if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians stay suspect
+            laid.roles[name] = replace(laid.roles[name], confirmed=False)
+    return laid
+
+
+def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | None:
+    """Angle of an arm that is named without one: what is known of it already, or, of a radius, the toolface."""
+    known = roles.roles.get(name)
+    if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):
+        return known.angle
+    return 0.0 if turning and role != "diameter" else None
+
+
+def wanted_toolface(roles: RoleMap, columns: Mapping[str, str | None]) -> bool:
+    """Whether there is, or will be, a toolface channel."""
+    return columns.get("toolface") is not None or roles.one("toolface") is not None
+
+
+def _parted(one: LogSet, spelling: str) -> tuple[str, float | None, str | None]:
+    """Name, angle and unit of ``NAME[@ANGLE][:UNIT]``; a name that stands in the file as it is spelled has neither."""
+    if spelling in one:
+        return spelling, None, None
+    match = SPELLING.fullmatch(spelling)
+    if match is None or match["name"] not in one:
+        wanted = match["name"] if match else spelling
+        raise ValueError(f"{one.path.name}: column {wanted!r}: not in the file, which has {', '.join(one.names)}")
+    return match["name"], float(match["angle"]) if match["angle"] else None, match["unit"]

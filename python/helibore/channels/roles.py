@@ -1,0 +1,345 @@
+"""What each channel of a set means: a guess with its reason, and the small TOML map that overrides it.
+
+    name, description, unit, shape  --guess-->  role: depth, toolface, radius, diameter, inclination, image ...
+    [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (a map: what it names, it decides)
+
+A guess reads names and units, never the size of the numbers. Nothing is converted here (``files.columns`` does that).
+A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one. ``angle`` is counted from the
+toolface channel where there is one, else from the toolface reference.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field, replace
+
+from helibore.base import units
+from helibore.files.channel import Channel, LogSet
+from helibore.files.headings import describe
+
+ROLES: dict[str, str] = {
+    "depth": units.LENGTH,
+    "time": units.TIME,
+    "toolface": units.ANGLE,
+    "radius": units.LENGTH,
+    "diameter": units.LENGTH,
+    "mean-diameter": units.LENGTH,
+    "radius-image": units.LENGTH,
+    "travel-time": units.TIME,
+    "image": "",
+    "inclination": units.ANGLE,
+    "azimuth": units.ANGLE,
+    "tvd": units.LENGTH,
+    "north": units.LENGTH,
+    "east": units.LENGTH,
+    "bit-diameter": units.LENGTH,
+    "pass": "",
+    "toolface-reference": "",
+    "none": "",
+}
+"""Every role, and what its unit must measure ("" for any)."""
+
+SINGLE = (
+    "depth", "time", "toolface", "inclination", "azimuth", "tvd", "north", "east", "bit-diameter", "pass",
+    "toolface-reference",
+)  # fmt: skip
+"""Roles that one channel of a set can have; the first pattern below that fits wins."""
+
+WALL = ("radius", "diameter", "radius-image", "travel-time")
+"""Roles whose values are wall points."""
+
+REFERENCES = ("north", "high-side", "automatic")
+"""What a toolface channel may count from; automatic: north in a steep hole, else the high side, by inclination."""
+
+# Role, pattern of the whole name (unit suffix taken off, lower case), pattern anywhere in the description.
+# Within a role the earlier pattern wins, so "md" is taken before "tdep".
+PATTERNS: tuple[tuple[str, str, str], ...] = (
+    ("depth", r"md|m\.?depth|measured ?depth|depth[_ ]?md|md[_ ]?depth", r"^measured depth$"),
+    ("depth", r"dept|depth|depthmd|dmd|hole[_ ]?depth", r"^depth$|\bdepth hole\b|\bmeasured depth\b"),
+    ("depth", r"tdep|bdep|index", r"\bframe \d+ depth\b"),
+    ("time", r"time|t|etim|elapsed|elapsed[_ ]?time|timestamp|utc|date[_ ]?time|dtimstn", r"^(elapsed )?time$"),
+    ("toolface", r"toolface|tool[_ ]face|tf|tfo|gtf|mtf|hstf|sgtf|smtf", r"\btool ?face\b"),
+    ("toolface", r"rb|hsrb|rbof|p1az|p1no|relative[_ ]bearing", r"\brelative bearing\b"),
+    ("toolface", r"(at\d?)?[gm]tfm?", r"^$ never"),
+    ("inclination", r"incl?|inclination|incdeg|innm|inclm?", r"\binclination\b"),
+    ("inclination", r"devi?(_.*)?|deviation|hdev|drift", r"\bhole deviation\b"),
+    ("azimuth", r"azi?|azim|azimuth|azideg|hazi|azin?m?", r"\b(hole )?azimuth\b"),
+    ("tvd", r"tvd|tvdss", r"\btrue vertical depth\b"),
+    ("north", r"n/s|n|ns|north|northing|dispns", r"^(northing|north[- ]south)\b"),
+    ("east", r"e/w|e|ew|east|easting|dispew", r"^(easting|east[- ]west)\b"),
+    ("bit-diameter", r"bs|bit[_ ]?size|bit[_ ]?d(iam(eter)?)?", r"\bbit ?size\b"),
+    ("pass", r"pass([_ ]?(no|nr|number|id))?", r"^pass( number)?$"),
+    ("toolface-reference", r"(toolface|tf)[_ ]?(ref(erence)?|type)", r"^toolface (reference|type)$"),
+)
+NO_RULE = "no rule fits"
+
+RADIUS = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?(radius|radi)|r")
+DIAMETER = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?diam(eter)?|dia|d")
+# One of the two arms of an X-Y caliper: pfc1_x, cal_y, c1, xcal, caliper_2.
+ARM = re.compile(
+    r"(?:.*(?:cal|caliper|pfc|arm|diam)[a-z]*\d?[_ ]?)(x|y)|(x|y)[_ ]?cal(?:iper)?|(?:c|cal|caliper)[_ ]?([12])"
+)
+SIDE = re.compile(r"\bcaliper\b.*\b(horizontal|vertical)\b|\b(horizontal|vertical)\b.*\bcaliper\b", re.IGNORECASE)
+ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
+MEAN = re.compile(r"hcal|cali?|calcm|caliper|.*cal.*(ave|avg|mean).*|(ave|avg|mean)[_ ]?cal.*|[du]cav")
+# The largest or smallest diameter of a row, which is neither a mean nor in any direction: cal_max_diameter, CMAX, HMIN.
+EXTREME = re.compile(r".*(cal|diam).*(max|min).*|(max|min).*(cal|diam).*|[ch](max|min)")
+CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosity|salinity)\b)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Role:
+    """The role of one channel.
+
+    Attributes
+    ----------
+    channel
+        The channel's name.
+    role
+        One of ``ROLES``.
+    reason
+        Why, as a sentence.
+    unit
+        Unit to read it in, ``""`` where none is known.
+    angle
+        For a radius or diameter: where it stands, degrees from the toolface. None: not known.
+    first, step
+        For an image: angle of its first sector and from one to the next, in degrees. None: not stated.
+    offset, latency
+        For the sensor of a wall channel: metres up the string from where the depth is counted, and seconds from the
+        measurement to its time stamp.
+    reference
+        For a toolface: what it counts from, one of ``REFERENCES``; "": what the wall's toolface counts from.
+    confirmed
+        Whether a map states this role: checks that only suspect a wrong column are then left out.
+    """
+
+    channel: str
+    role: str
+    reason: str
+    unit: str = ""
+    angle: float | None = None
+    first: float | None = None
+    step: float | None = None
+    offset: float = 0.0
+    latency: float = 0.0
+    reference: str = ""
+    confirmed: bool = False
+
+    @property
+    def turns(self) -> bool:
+        """Whether it is one of an arm pair, whose angle counts from the tool and says nothing without a toolface."""
+        return "arm pair" in self.reason
+
+
+@dataclass(frozen=True)
+class RoleMap:
+    """The roles of a set's channels, by channel name, in file order."""
+
+    set_name: str | None = None
+    roles: dict[str, Role] = field(default_factory=dict)
+
+    def __iter__(self) -> Iterator[Role]:
+        return iter(self.roles.values())
+
+    def __getitem__(self, channel: str) -> Role:
+        return self.roles[channel]
+
+    def all(self, *roles: str) -> list[Role]:
+        """Every channel that has one of these roles."""
+        return [each for each in self if each.role in roles]
+
+    def one(self, role: str) -> Role | None:
+        """The channel that has this role, None when none has it."""
+        found = self.all(role)
+        return found[0] if found else None
+
+
+def guess(one: LogSet) -> RoleMap:
+    """Guess the role of every channel of a set.
+
+    Parameters
+    ----------
+    one
+        A set of an opened file.
+
+    Returns
+    -------
+    RoleMap
+        One role a channel, each with its reason; ``none`` where nothing fits.
+    """
+    roles = {channel.name: _none(channel, NO_RULE) for channel in one}
+    _single_roles(one, roles)
+    has_toolface = any(role.role == "toolface" for role in roles.values())
+    for channel in one:
+        if roles[channel.name].role != "none" or channel.is_text:
+            continue
+        if len(channel.shape) == 2:
+            roles[channel.name] = _image_role(channel)
+        elif channel.shape[0] != one.rows:
+            roles[channel.name] = _none(channel, f"{channel.shape[0]} values beside {one.rows} rows: an axis")
+        else:
+            roles[channel.name] = _wall_role(channel, has_toolface) or roles[channel.name]
+    _text_roles(one, roles, has_toolface)
+    _pair_arms(roles)
+    return RoleMap(one.name, roles)
+
+
+def _text_roles(one: LogSet, roles: dict[str, Role], has_toolface: bool) -> None:
+    """A column of text named like one that is needed and missing: taken, so that reading it tells the bad cell."""
+    taken = {each.role for each in roles.values()}
+    for channel in one:
+        if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
+            continue
+        for role, name, _ in PATTERNS:
+            wanted = role in ("depth", "toolface", "inclination", "azimuth") and role not in taken
+            if wanted and re.fullmatch(name, stem(channel)) and _fits(channel, ROLES[role]):
+                reason = f"named {channel.name}, but not every cell is a number"
+                roles[channel.name] = Role(channel.name, role, reason, channel.unit)
+                taken.add(role)
+                break
+        found = None if taken & set(WALL) else _wall_role(channel, has_toolface or "toolface" in taken)
+        if roles[channel.name].role == "none" and found is not None and found.role in WALL:
+            roles[channel.name] = replace(found, reason=f"{found.reason}, but not every cell is a number")
+
+
+def _none(channel: Channel, reason: str) -> Role:
+    return Role(channel.name, "none", reason, channel.unit)
+
+
+def stem(channel: Channel) -> str:
+    """The channel's name in lower case without the unit it ends in: ``pfc1_x_in`` -> ``pfc1_x``."""
+    name = channel.name.lower()
+    unit = describe(channel.name).lower()
+    if unit and name.endswith(unit) and not name[: -len(unit)].endswith(("[", "(")):
+        name = name[: -len(unit)].rstrip("_ ") or name
+    return re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name).strip()
+
+
+def measures(unit: str) -> str:
+    """Return what a unit measures: length, angle, time, or ``""`` when ``helibore.base.units`` does not know it."""
+    for kind in (units.LENGTH, units.ANGLE, units.TIME):
+        try:
+            units.factor(unit, kind)
+        except ValueError:
+            continue
+        return kind
+    return ""
+
+
+def _fits(channel: Channel, kind: str) -> bool:
+    """Whether a channel's unit allows a role: of the right kind, or not stated."""
+    return not kind or not channel.unit or measures(channel.unit) == kind
+
+
+def _single_roles(one: LogSet, roles: dict[str, Role]) -> None:
+    """Give depth, time, toolface ... to the channel that fits best; tell the others who took it."""
+    inclined = False
+    for role, name, described in PATTERNS:
+        for channel in one:
+            if (
+                len(channel.shape) != 1
+                or channel.shape[0] != one.rows
+                or (channel.is_text and role not in ("time", "toolface-reference"))
+            ):
+                continue
+            how = _match(channel, name, described)
+            if not how or roles[channel.name].role != "none":
+                continue
+            if not _fits(channel, ROLES[role]):
+                reason = f"{how}, like {role}, but {channel.unit!r} is no known unit of {ROLES[role]}"
+                roles[channel.name] = _none(channel, reason)
+                continue
+            owner = next((each.channel for each in roles.values() if each.role == role), None)
+            if owner is not None:
+                roles[channel.name] = _none(channel, f"{how}, like {role}; {owner} is taken for it")
+            elif role == "azimuth" and not inclined:
+                reason = f"{how}, but there is no inclination: no survey (an angle around the hole is a toolface)"
+                roles[channel.name] = _none(channel, reason)
+            else:
+                index = " and it is the index" if channel.name == one.index else ""
+                roles[channel.name] = Role(channel.name, role, how + index, channel.unit)
+                inclined = inclined or role == "inclination"
+    first = one[one.index] if one.index else None
+    placed = any(each.role == "depth" for each in roles.values())
+    if first is None or placed or first.is_text or roles[first.name].role != "none":
+        return
+    if measures(first.unit) == units.LENGTH:
+        roles[first.name] = Role(first.name, "depth", "it is the index and a length", first.unit)
+
+
+def _match(channel: Channel, name: str, described: str) -> str:
+    if re.fullmatch(name, stem(channel)):
+        return f"named {channel.name}"
+    found = re.search(described, channel.description, re.IGNORECASE) if channel.description else None
+    return f'described as "{channel.description}"' if found else ""
+
+
+def _image_role(channel: Channel) -> Role:
+    """An image; one in a unit of length is a caliper image."""
+    sectors = channel.shape[1]
+    if channel.members:
+        reason = f"{sectors} columns {channel.members[0]} to {channel.members[-1]}, numbered without a gap, one unit"
+    else:
+        reason = f"stored as an array of {sectors}"
+    role = "image"
+    if measures(channel.unit) == units.LENGTH:
+        role, reason = "radius-image", f"{reason}, in a unit of length"
+    elif _is_echo(channel):
+        role, reason = "travel-time", f"{reason}, in a unit of time, named or described as a travel time"
+    first = step = None
+    axis = channel.axis
+    if axis is not None and measures(axis.unit) == units.ANGLE:
+        scale = units.factor(axis.unit, units.ANGLE)
+        first = axis.first * scale if axis.first == axis.first else None
+        step = axis.step * scale if axis.step == axis.step else None
+        reason += f"; its axis starts at {axis.first:g} {axis.unit}, step {axis.step:g}"
+    else:
+        reason += "; the angle of its first sector is not stated"
+    return Role(channel.name, role, reason, channel.unit, first=first, step=step)
+
+
+def _is_echo(channel: Channel) -> bool:
+    """Whether a channel is named or described as a travel time, in a unit of time."""
+    named = ECHO.fullmatch(stem(channel)) or re.search(r"\btravel ?time\b", channel.description, re.IGNORECASE)
+    return bool(named) and measures(channel.unit) == units.TIME
+
+
+def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
+    """Radius, diameter, arm, travel time or mean diameter."""
+    if _is_echo(channel):
+        reason = f"named or described as a travel time ({channel.description or channel.name})"
+        return Role(channel.name, "travel-time", reason, channel.unit, 0.0 if has_toolface else None)
+    if not _fits(channel, units.LENGTH):
+        return None
+    name, unit = stem(channel), channel.unit
+    if side := SIDE.search(channel.description):
+        vertical = (side[1] or side[2]).lower() == "vertical"
+        angle = 0.0 if vertical else 90.0
+        reason = f'described as "{channel.description}": a diameter through {angle:g} and {angle + 180:g} deg'
+        return Role(channel.name, "diameter", reason, unit, angle)
+    if arm := ARM.fullmatch(name):
+        letter = (arm[1] or arm[2] or {"1": "x", "2": "y"}[arm[3]]).lower()
+        angle = {"x": 0.0, "y": 90.0}[letter]
+        reason = f"named like the {letter} arm pair of a caliper: across the hole at {angle:g} deg from the toolface"
+        return Role(channel.name, "diameter", reason, unit, angle)
+    if EXTREME.fullmatch(name):
+        return _none(channel, f"named {channel.name}: the largest or smallest of a row has no direction and is no mean")
+    if RADIUS.fullmatch(name):
+        return Role(channel.name, "radius", f"named {channel.name}", unit, 0.0 if has_toolface else None)
+    if DIAMETER.fullmatch(name) and has_toolface:
+        return Role(channel.name, "diameter", f"named {channel.name}", unit, 0.0)
+    if MEAN.fullmatch(name) or DIAMETER.fullmatch(name) or (unit and CALIPER_TEXT.search(channel.description)):
+        reason = f"named or described as a caliper ({channel.description or channel.name}) without a direction"
+        return Role(channel.name, "mean-diameter", reason, unit)
+    return None
+
+
+def _pair_arms(roles: dict[str, Role]) -> None:
+    """An arm named x or y without its partner is no X-Y caliper: it loses its angle."""
+    arms = [each for each in roles.values() if each.role == "diameter" and each.turns]
+    if len({arm.angle for arm in arms}) == 1:
+        for arm in arms:
+            reason = "named like one arm pair of an X-Y caliper, but its partner at right angles is missing"
+            roles[arm.channel] = replace(arm, role="none", reason=reason, angle=None)

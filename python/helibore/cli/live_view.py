@@ -1,0 +1,151 @@
+"""``helibore live --view``: the viewer's page beside the live wall.
+
+    server's drawing thread --show(update)--> Feed of the viewer (a thread of its own) --> pages
+    command's loop ---------refresh()-------> the wall begins with its first vertex; bit depth, path, sources
+
+The page is served from the start, before a journal is begun, so that a port in use is told then; until the first vertex
+it says what it waits for. It shows layer ``main``. A path that ends above the wall is drawn on straight; one that
+begins below its top, or none, is a vertical hole. What the page looks like is ``helibore/viewer``; nothing of it is
+loaded without ``--view``.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from helibore.live.live import Live
+from helibore.live.update import Update
+from helibore.samples.helix import helix_of
+
+if TYPE_CHECKING:
+    from helibore.trajectory.survey import Path
+    from helibore.viewer.feed import Feed
+
+AHEAD = 100.0
+"""Metres the shown path goes on below the wall, for what is drilled next."""
+
+
+class Window:
+    """A page that follows a live wall; served at once.
+
+    Parameters
+    ----------
+    well
+        Its name on the page.
+    host, port
+        Address to serve on. Port 0 takes a free one.
+
+    Attributes
+    ----------
+    url : str
+        Where the page is.
+
+    Raises
+    ------
+    ModuleNotFoundError
+        Without the extra ``view``; the text names it.
+    ValueError
+        If the package was built without the page.
+    OSError
+        If the port is taken; the text names it.
+    """
+
+    def __init__(self, well: str = "", *, host: str = "127.0.0.1", port: int = 0) -> None:
+        from helibore.cli.view import check_page
+        from helibore.viewer.run import Server
+        from helibore.viewer.scene import Scene
+
+        check_page()
+        self.scene = Scene()
+        self.scene.state(feed="Reading the journal.")
+        self._server = Server(self.scene, host=host, port=port, token=None)
+        self.url = self._server.url
+        self._well = well
+        self._live: Live | None = None
+        self._feed: Feed | None = None
+        self._path_moved = True
+        self._newest: float | None = None
+        self._path_stop = float("inf")
+
+    def follow(self, live: Live) -> None:
+        """Say whose wall is to be shown."""
+        self._live = live
+
+    def show(self, update: Update) -> None:
+        """Note what changed; returns at once."""
+        if update.path_from is not None:
+            self._path_moved = True
+        if change := update.changes.get("main"):
+            self._newest = time.time()
+            if self._feed:
+                self._feed.update(change)
+
+    def refresh(self, states: Mapping[str, str]) -> None:
+        """Begin the wall when it has a vertex, follow the bit, the path and the sources.
+
+        To be called a few times a second, with what each source is doing.
+        """
+        live = self._wanted()
+        if self._feed is None and len(live.wall):
+            self._begin()
+        elif self._feed and (self._path_moved or self._path_stop < self._span()[1]):
+            self._path_moved = False
+            self._feed.set_path(self._path())
+        bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
+        self.scene.state(bit_depth=bit[0] if bit else None, newest=self._newest, feed=self._told(states))
+
+    def tell(self, text: str) -> None:
+        """Say on the page what keeps the wall from being shown."""
+        self.scene.state(feed=text)
+
+    def close(self) -> None:
+        """Say on the page that the run has ended, and stop serving. May be called twice."""
+        self.scene.state(ended=True)
+        if self._feed:
+            self._feed.close()
+        self._server.close()
+
+    def __enter__(self) -> Window:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
+
+    def _begin(self) -> None:
+        from helibore.viewer.feed import Feed
+
+        self._path_moved = False
+        feed = Feed(self._wanted().wall, path=self._path(), attributes={}, well=self._well, scene=self.scene)
+        feed.start()
+        self._feed = feed
+        feed.update()  # what was drawn meanwhile
+
+    def _told(self, states: Mapping[str, str]) -> str:
+        """What the sources are doing; before the wall begins, how far samples have come too."""
+        told = "; ".join(f"{name}: {state}" for name, state in states.items())
+        if self._feed:
+            return told
+        model = self._wanted().model
+        received, waiting = model.counts["received"], model.waiting
+        return f"{told}. {received:,} samples received" + (f", {waiting:,} wait for their depth." if waiting else ".")
+
+    def _wanted(self) -> Live:
+        assert self._live is not None, "follow comes first"
+        return self._live
+
+    def _span(self) -> tuple[float, float]:
+        """Shallowest and deepest vertex, metres."""
+        wall = self._wanted().wall
+        return helix_of(wall).ends(len(wall))
+
+    def _path(self) -> Path | None:
+        """The path so far, far enough for the wall and what comes next; None where it cannot carry the wall."""
+        top, bottom = self._span()
+        path = self._wanted().model.stations.reaching(bottom + AHEAD)
+        if path is None or path.start_depth > top:
+            self._path_stop = float("inf")
+            return None
+        self._path_stop = path.stop_depth
+        return path

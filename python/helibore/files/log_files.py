@@ -1,0 +1,235 @@
+"""Tables of logs as files: LAS 2.0 and CSV as text, Parquet through pyarrow, DLIS through dliswriter.
+
+    save_table(wall.logs().table(), "well.las")          the ending tells the format
+
+            missing values           facts (bit size, basis, windows ...)
+    .las    -999.25                  ~Parameter
+    .csv    empty                    comment lines above the header
+    .parquet  null                   metadata of the schema
+    .dlis   -999.25                  parameters; channels have units and long names
+
+Files are written whole or not at all. Reading them back is the business of ``hb.open``.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import importlib
+import io
+import os
+import re
+import tempfile
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.base.atomic_file import write_whole
+from helibore.base.tables import LogColumn, LogTable
+
+ENDINGS = (".las", ".csv", ".parquet", ".dlis")
+NULL = -999.25
+LAS_LINE = 256
+"""The longest line of an unwrapped LAS 2.0 file; longer rows are wrapped at 80."""
+
+_DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}
+_STEP_DECIMALS = 5
+
+
+def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = "") -> None:
+    """Write a table of logs; the ending of the name tells the format.
+
+    Parameters
+    ----------
+    table
+        What is written, in its order.
+    filename
+        Ends in .las, .csv, .parquet or .dlis; replaced if it is there.
+    well
+        Name of the well, for the formats that have a place for it.
+
+    Raises
+    ------
+    ValueError
+        ``well.xls: the ending must be one of .las, .csv, .parquet, .dlis``.
+    ImportError
+        ``.parquet`` needs pyarrow and ``.dlis`` dliswriter; the text names the extra that brings it.
+    OSError
+        If the folder cannot be written to; the old file stays.
+    """
+    path = Path(filename)
+    check_ending(path)
+    writers: dict[str, Callable[[LogTable, str], Callable[[BinaryIO], object]]] = {
+        ".las": _las,
+        ".csv": _csv,
+        ".parquet": _parquet,
+        ".dlis": _dlis,
+    }
+    write_whole(path, writers[path.suffix.lower()](table, well))
+
+
+def check_ending(filename: str | os.PathLike[str]) -> None:
+    """Refuse a name that `save_table` cannot write, or cannot without a library that is not installed."""
+    path = Path(filename)
+    ending = path.suffix.lower()
+    if ending not in ENDINGS:
+        raise ValueError(f"{path}: the ending must be one of {', '.join(ENDINGS)}")
+    try:
+        if ending == ".parquet":
+            import pyarrow as _
+        elif ending == ".dlis":
+            import dliswriter as _  # noqa: F401
+    except ImportError as error:
+        needs = {".parquet": "pyarrow", ".dlis": "dliswriter"}[ending]
+        raise ImportError(f'{ending} needs {needs}: pip install "helibore[{ending[1:]}]"') from error
+
+
+def _texts(column: LogColumn, missing: str) -> list[str]:
+    """Fixed decimals: a hundredth of a millimetre and finer, and no digits that mean nothing."""
+    decimals = _DECIMALS.get(column.unit, 6) if column.decimals is None else column.decimals
+    return [f"{value:.{decimals}f}" if value == value else missing for value in column.values.tolist()]
+
+
+def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+    """LAS 2.0 (CWLS): version, well, curve, parameter, ascii; text goes in the value field, before the colon."""
+    texts = [_texts(column, f"{NULL:.2f}") for column in table]
+    widths = [max(map(len, column)) for column in texts]
+    wrapped = sum(widths) + len(widths) > LAS_LINE
+    depth = table.depth.values
+    lines = [
+        "~Version Information",
+        _las_line("VERS", "", "2.0", "CWLS LOG ASCII STANDARD - VERSION 2.0"),
+        _las_line("WRAP", "", "YES" if wrapped else "NO", f"{'Several lines' if wrapped else 'One line'} a depth"),
+        "~Well Information",
+        _las_line("STRT", "M", texts[0][0], "First depth"),
+        _las_line("STOP", "M", texts[0][-1], "Last depth"),
+        _las_line("STEP", "M", _las_step(depth), "Step; 0 where no even step fits the decimals"),
+        _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
+        _las_line("COMP", "", "", "Company"),
+        _las_line("WELL", "", _one_line(well), "Well"),
+        _las_line("FLD", "", "", "Field"),
+        _las_line("LOC", "", "", "Location"),
+        _las_line("SRVC", "", "helibore", "Made by"),
+        "~Curve Information",
+        *(_las_line(column.mnemonic, column.unit.upper(), "", _one_line(column.description)) for column in table),
+        "~Parameter Information",
+        *(_las_line(_mnemonic(name), *_unit_and_value(text), _one_line(name)) for name, text in table.facts.items()),
+        "~A  " + ("" if wrapped else " ".join(c.mnemonic for c in table)),
+    ]  # fmt: skip
+    rows = zip(
+        *([text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)), strict=True
+    )
+    for row in rows:
+        lines += _wrap(row) if wrapped else [" ".join(row)]
+    content = ("\n".join(lines) + "\n").encode("ascii", "replace")
+    return lambda file: file.write(content)
+
+
+def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
+    return f"{mnemonic:<9}.{unit:<5} {value:>14} : {description}"
+
+
+def _unit_and_value(text: str) -> tuple[str, str]:
+    """A fact that is a length or a volume has its unit where LAS looks for it."""
+    quantity = re.fullmatch(r"([-+.\deE]+) (m|m3|deg|s)", text)
+    return (quantity[2].upper(), quantity[1]) if quantity else ("", _one_line(text))
+
+
+def _las_step(depth: Floats) -> str:
+    if depth.size < 2:
+        return "0"
+    step = round(float(depth[-1] - depth[0]) / (depth.size - 1), _STEP_DECIMALS)
+    even = np.abs(depth - (depth[0] + step * np.arange(depth.size))).max() < 10.0**-_STEP_DECIMALS
+    return f"{step:.{_STEP_DECIMALS}f}" if even else "0"
+
+
+def _wrap(row: tuple[str, ...]) -> list[str]:
+    """Depth on a line of its own, the rest in lines of at most 80 characters, as wrapped files must be."""
+    lines, line = [row[0].strip()], ""
+    for text in row[1:]:
+        if line and len(line) + 1 + len(text) > 80:
+            lines.append(line)
+            line = ""
+        line = f"{line} {text}" if line else text
+    return [*lines, line] if line else lines
+
+
+def _mnemonic(name: str) -> str:
+    return re.sub(r"[^A-Z0-9]+", "_", name.upper()).strip("_")
+
+
+def _one_line(text: str) -> str:
+    """LAS has colons and line breaks for its own use."""
+    return " ".join(text.replace(":", ";").split())
+
+
+def _csv(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+    facts = {"well": well} | table.facts if well else table.facts
+    lines = [f"# {name}: {' '.join(text.split())}" for name, text in facts.items()]
+    lines.append(",".join(f"{column.mnemonic} ({column.unit})" if column.unit else column.mnemonic for column in table))
+    lines += map(",".join, zip(*(_texts(column, "") for column in table), strict=True))
+    content = ("\n".join(lines) + "\n").encode()
+    return lambda file: file.write(content)
+
+
+def _parquet(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+    import pyarrow
+    from pyarrow import parquet
+
+    arrays = [pyarrow.array(column.values, from_pandas=True) for column in table]  # NaN becomes null
+    schema = pyarrow.schema(
+        [
+            pyarrow.field(of.mnemonic, pyarrow.float64(), metadata={"unit": of.unit, "description": of.description})
+            for of in table
+        ],
+        metadata={"well": well} | table.facts if well else table.facts,
+    )
+    rows = pyarrow.Table.from_arrays(arrays, schema=schema)
+    return lambda file: parquet.write_table(rows, file)
+
+
+def _dlis(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+    import dliswriter
+
+    def write(file: BinaryIO) -> None:
+        """Written to a place of its own first: dliswriter takes names of files, not files."""
+        with tempfile.TemporaryDirectory() as folder, _silent():
+            path = Path(folder) / "logs.dlis"
+            _dlis_file(dliswriter, table, well).write(path, output_chunk_size=2**24)
+            file.write(path.read_bytes())
+
+    return write
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Keep dliswriter's progress bar and its doubts about m3 (allowed by RP66 V1, appendix B) off stderr."""
+    module: Any = importlib.import_module("dliswriter.file.writer")
+    bar = module.progressbar
+    module.progressbar = lambda records, **_: records
+    try:
+        with contextlib.redirect_stderr(io.StringIO()):
+            yield
+    finally:
+        module.progressbar = bar
+
+
+def _dlis_file(dliswriter: Any, table: LogTable, well: str) -> Any:
+    file = dliswriter.DLISFile()
+    logical = file.add_logical_file()
+    logical.add_origin("ORIGIN", file_set_number=1, well_name=well or None, creation_time=None, product="helibore")
+    channels = [
+        logical.add_channel(
+            of.mnemonic,
+            data=np.where(np.isnan(of.values), NULL, of.values),
+            units=of.unit or None,
+            long_name=of.description,
+        )
+        for of in table
+    ]
+    logical.add_frame("LOGS", channels=channels, index_type="BOREHOLE-DEPTH")
+    for name, text in table.facts.items():
+        logical.add_parameter(_mnemonic(name), long_name=name, values=[text])
+    return file

@@ -1,0 +1,1 @@
+"""Sector images: rows of values around the hole."""

@@ -1,0 +1,291 @@
+"""Breakouts that an image shows: dark sectors on opposite sides of the hole, where the radius shows less or nothing.
+
+    relative = value / median of its row         dark: relative < ``dark``
+
+    toolface  0        90       180       270       360
+              |         ####               ####      |       two dark arcs, half a turn apart: a row of a breakout
+              |          ##                          |       one alone: a spall, a joint, a tool mark; not a breakout
+
+Broken wall scatters the pulse of a televiewer and lets mud into a pad's button, so both read low there, long before the
+lobes are an inch deep. `ImageCriteria` says what is dark, how wide, how opposite and how long; every output states it.
+An image says where a breakout is and how wide it opens, not how deep it is: that is the radius's (``zones``).
+
+Not here: joints and beds, which are sinusoids; the dark bands that a decentred tool leaves, unless they are narrow.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats, Integers
+from helibore.base.tables import LogColumn, LogTable
+from helibore.images.sector_image import SectorImage
+from helibore.logs.breakouts import Axes, axial_mean, lobe_of
+
+Rows = npt.NDArray[np.bool_]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImageCriteria:
+    """What makes rows of an image a breakout.
+
+    Attributes
+    ----------
+    dark
+        A sector is dark below this share of the median of its row, in (0, 1).
+    least_opening, most_opening
+        Degrees: a dark arc narrower than the first is a speck, one wider than the second is no lobe.
+    opposite
+        Degrees that two arcs may be off half a turn.
+    least_length
+        Metres of hole that make a breakout.
+    join
+        Metres between two breakouts that do not part them, if their axes agree within ``opposite``.
+    """
+
+    dark: float = 0.6
+    least_opening: float = 10.0
+    most_opening: float = 100.0
+    opposite: float = 30.0
+    least_length: float = 0.05
+    join: float = 0.02
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (math.isfinite(value) and value >= 0):
+                raise ValueError(f"{field.name} = {value}: must be finite and not negative")
+        if not 0 < self.dark < 1:
+            raise ValueError(f"dark = {self.dark}: must be in (0, 1)")
+        if not self.least_opening < self.most_opening <= 180:
+            raise ValueError(
+                f"least_opening = {self.least_opening}, most_opening = {self.most_opening}: the first must be less "
+                "than the second, that at most 180"
+            )
+        if self.opposite > 90:
+            raise ValueError(f"opposite = {self.opposite}: must be at most 90")
+
+    def facts(self) -> dict[str, str]:
+        """Return the criteria as texts; every output states them."""
+        units = {"dark": "of the row's median", "least_length": "m", "join": "m"}
+        return {
+            f"criterion {name.replace('_', ' ')}": f"{value:.6g} {units.get(name, 'deg')}"
+            for name, value in asdict(self).items()
+        }
+
+
+@dataclass(frozen=True)
+class DarkLobe:
+    """One side of a breakout, from the mean row of its stretch.
+
+    Attributes
+    ----------
+    toolface
+        Of its middle by darkness, [0, 360), degrees from the image's reference.
+    opening
+        The angle over which the mean row is dark, degrees.
+    relative
+        The least share of the row's median.
+    """
+
+    toolface: float
+    opening: float
+    relative: float
+
+
+@dataclass(frozen=True)
+class ImageBreakout:
+    """A stretch of hole with dark sectors on opposite sides.
+
+    Attributes
+    ----------
+    start, stop
+        Measured depths, metres, start above stop.
+    toolface
+        Of its axis, [0, 180), degrees from the image's reference.
+    deviation
+        Standard deviation of the rows' axes about it, degrees (axial, Mardia).
+    lobes
+        The one at ``toolface`` first.
+    """
+
+    start: float
+    stop: float
+    toolface: float
+    deviation: float
+    lobes: tuple[DarkLobe, DarkLobe]
+
+    @property
+    def length(self) -> float:
+        """Metres of hole."""
+        return self.stop - self.start
+
+
+@dataclass(frozen=True)
+class ImageBreakouts:
+    """All breakouts of an image; made by `SectorImage.breakouts`.
+
+    Attributes
+    ----------
+    image
+        Where they were found.
+    zones
+        In order of depth.
+    criteria
+        What they were found with.
+    """
+
+    image: SectorImage
+    zones: tuple[ImageBreakout, ...]
+    criteria: ImageCriteria
+
+    def axis(self) -> Axes:
+        """Return mean axis and spread, weighted by length; NaN where there are none."""
+        return axial_mean(np.array([of.toolface for of in self.zones]), np.array([of.length for of in self.zones]))
+
+    def facts(self) -> dict[str, str]:
+        """Return what they were found in, and with."""
+        image = self.image
+        return {
+            "image": f"{image.name}, {image.sectors} sectors",
+            "toolface 0": image.reference,
+            "breakout": "sectors of an image that are dark on opposite sides",
+            **self.criteria.facts(),
+        }
+
+    def table(self) -> LogTable:
+        """Return them, one a row, with the criteria among the facts: to be saved by `log_files.save_table`.
+
+        Raises
+        ------
+        ValueError
+            If there is none.
+        """
+        if not self.zones:
+            raise ValueError(f"no breakouts in image '{self.image.name}' by the criteria given")
+        return LogTable(list(self._columns()), self.facts())
+
+    def _columns(self) -> Iterator[LogColumn]:
+        zones = self.zones
+
+        def column(mnemonic: str, unit: str, description: str, values: list[float]) -> LogColumn:
+            return LogColumn(mnemonic, unit, description, np.array(values, dtype=np.float64))
+
+        yield column("DEPT", "m", "Middle of the breakout", [(of.start + of.stop) / 2 for of in zones])
+        yield column("TOP", "m", "Top of the breakout", [of.start for of in zones])
+        yield column("BOTTOM", "m", "Bottom of the breakout", [of.stop for of in zones])
+        yield column("AXIS", "deg", "Toolface of its axis, 0 to 180", [of.toolface for of in zones])
+        yield column("AXISDEV", "deg", "Axial standard deviation of its rows", [of.deviation for of in zones])
+        for number in range(2):
+            lobes = [of.lobes[number] for of in zones]
+            yield column(f"LOBE{number + 1}", "deg", "Toolface of the lobe", [of.toolface for of in lobes])
+            yield column(f"OPEN{number + 1}", "deg", "Opening of the lobe", [of.opening for of in lobes])
+            yield column(f"REL{number + 1}", "", "Least value over the row's median", [of.relative for of in lobes])
+
+    def __repr__(self) -> str:
+        return f"ImageBreakouts({len(self.zones)} in image {self.image.name!r})"
+
+
+def find_breakouts(image: SectorImage, criteria: ImageCriteria | None = None) -> ImageBreakouts:
+    """Find where an image is dark on opposite sides of the hole: `SectorImage.breakouts`."""
+    criteria = ImageCriteria() if criteria is None else criteria
+    relative, toolface = _relative(image)
+    dark = relative < criteria.dark
+    row, first, count = _arcs(dark)
+    step = 360 / image.sectors
+    lobes = (count * step >= criteria.least_opening - 1e-9) & (count * step <= criteria.most_opening + 1e-9)
+    row, middle = row[lobes], first[lobes] + (count[lobes] - 1) / 2
+    broken = _paired(row, middle * step, image.depth.size, criteria.opposite)
+    axes = _axes(np.where(broken[:, None], relative, np.nan), toolface, criteria.dark)
+    low, high = image._cover()
+    zones = []
+    for top, stop in _stretches(broken, axes, low, high, criteria):
+        rows = top + np.flatnonzero(broken[top:stop])
+        ends = (float(low[top]), float(high[stop - 1]))
+        zones.append(_zone(relative[rows], axes[rows], toolface, criteria.dark, ends))
+    return ImageBreakouts(image, tuple(zones), criteria)
+
+
+def _relative(image: SectorImage) -> tuple[Floats, Floats]:
+    """Values over their row's median, sectors clockwise, and the sectors' toolfaces; NaN where there is no value."""
+    values, toolface = image.values, image.toolface
+    wrong = np.argwhere(values < 0)
+    if wrong.size:
+        row, sector = wrong[0]
+        raise ValueError(
+            f"image '{image.name}', values[{row}, {sector}] = {values[row, sector]:g}: must not be negative where "
+            "dark is a share of the row's median"
+        )
+    median = np.full(len(values), np.nan)
+    there = np.isfinite(values).any(axis=1)
+    median[there] = np.nanmedian(values[there], axis=1)
+    median[median == 0] = np.nan
+    relative = values / median[:, None]
+    return (relative, toolface) if image.direction == "clockwise" else (relative[:, ::-1], toolface[::-1])
+
+
+def _arcs(dark: Rows) -> tuple[Integers, Integers, Integers]:
+    """Runs of dark sectors around the hole: row, first sector, number of sectors; none in a row dark all round."""
+    row, first = np.nonzero(dark & ~np.roll(dark, 1, axis=1))
+    end_row, last = np.nonzero(dark & ~np.roll(dark, -1, axis=1))
+    # In a row whose last run goes on at sector 0, that run's end comes first: move it behind the others.
+    over = np.flatnonzero(np.diff(end_row, prepend=-1))
+    wraps = last[over] < first[over]
+    ends = np.append(over, last.size)
+    for begin, stop in zip(ends[:-1][wraps], ends[1:][wraps], strict=True):
+        last[begin:stop] = np.roll(last[begin:stop], -1)
+    return row, first, (last - first) % dark.shape[1] + 1
+
+
+def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Rows:
+    """Rows with two arcs half a turn apart, within ``opposite`` degrees."""
+    found = np.zeros(rows, dtype=np.bool_)
+    most = int(np.bincount(row).max()) if row.size else 0
+    for apart in range(1, most):
+        same = row[apart:] == row[:-apart]
+        off = np.abs((middle[apart:] - middle[:-apart]) % 360 - 180)
+        found[row[apart:][same & (off <= opposite + 1e-9)]] = True
+    return found
+
+
+def _axes(relative: Floats, toolface: Floats, dark: float) -> Floats:
+    """The axis of each row in degrees: half the direction of the doubled angles, weighted by darkness."""
+    weight = np.maximum(dark - np.nan_to_num(relative, nan=dark), 0)
+    angles: Floats = np.degrees(np.angle(weight @ np.exp(2j * np.radians(toolface)))) / 2
+    return angles
+
+
+def _stretches(
+    broken: Rows, axes: Floats, low: Floats, high: Floats, criteria: ImageCriteria
+) -> Iterator[tuple[int, int]]:
+    """Rows [top, stop) of breakouts, joined over short gaps and parted where the axis turns away."""
+    joined: list[list[int]] = []
+    for row in np.flatnonzero(broken).tolist():
+        if joined:
+            last = joined[-1][1] - 1
+            turned = abs((axes[row] - axes[last] + 90) % 180 - 90)
+            if low[row] - high[last] <= criteria.join + 1e-9 and turned <= criteria.opposite:
+                joined[-1][1] = row + 1
+                continue
+        joined.append([row, row + 1])
+    for top, stop in joined:
+        if high[stop - 1] - low[top] >= criteria.least_length - 1e-9:
+            yield top, stop
+
+
+def _zone(relative: Floats, axes: Floats, toolface: Floats, dark: float, ends: tuple[float, float]) -> ImageBreakout:
+    there = np.isfinite(relative)
+    count = there.sum(axis=0)
+    mean = np.where(there, relative, 0.0).sum(axis=0) / np.maximum(count, 1)
+    darkness = np.where(count > 0, 1 - mean, 0.0)
+    spread = axial_mean(axes % 180)
+    sides = []
+    for side in (spread.mean, spread.mean + 180):
+        lobe = lobe_of(darkness, side, float(toolface[0]), 1 - dark)
+        sides.append(DarkLobe(lobe.toolface, lobe.opening, 1 - lobe.height))
+    return ImageBreakout(*ends, spread.mean, spread.deviation, (sides[0], sides[1]))

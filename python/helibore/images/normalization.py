@@ -1,0 +1,127 @@
+"""Where a colour scale begins and ends: one range everywhere (static), or the range of a window that slides (dynamic).
+
+    static    low, high = percentiles 2 and 98 of all values                 the same colour is the same value
+    dynamic   share = 1/2 + (value - mean) / (4 s)  of the window            brings out layers; colours are NOT values
+
+mean and s are mean and standard deviation of all values within half a window above and below, so that the scale spans
+mean - 2 s to mean + 2 s, as in the viewer. LWD images of scalars (gamma, density) are customarily shown static.
+"""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats, column
+from helibore.base.colors import check_positive
+
+PERCENTILES = (2.0, 98.0)
+WINDOW = 1.0
+
+
+def percentile_limits(
+    values: npt.ArrayLike, percentiles: tuple[float, float] = PERCENTILES, log: bool = False
+) -> tuple[float, float]:
+    """Return the two ends of a static scale: percentiles of the values that are there.
+
+    Parameters
+    ----------
+    values
+        Numbers of any shape; NaN where missing.
+    percentiles
+        Two in [0, 100], the first below the second; (0, 100) gives the least and the greatest.
+    log
+        For a log scale: values must be above 0.
+
+    Raises
+    ------
+    ValueError
+        ``values: all 96 are missing``; ``values: 98 % or more are 60: no range ...``; on a log scale as `ColorScale`.
+    """
+    low, high = percentiles
+    if not 0 <= low < high <= 100:
+        raise ValueError(f"percentiles = {percentiles}: must be two numbers in [0, 100], the first below the second")
+    flat = column("values", np.ravel(values))
+    there = flat[np.isfinite(flat)]
+    if not there.size:
+        raise ValueError(f"values: all {flat.size} are missing")
+    if log:
+        check_positive(flat.reshape(np.shape(values)))
+    ends = np.percentile(there, [low, high])
+    if not ends[0] < ends[1]:
+        raise ValueError(
+            f"values: constant, {ends[0]:g} at both the {low:g} and the {high:g} percentile: give limits=(low, high)"
+        )
+    return float(ends[0]), float(ends[1])
+
+
+def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:
+    """Normalise rows of values by the window around each of them: dynamic normalisation.
+
+    Parameters
+    ----------
+    depth
+        (n,) metres, rising.
+    values
+        (n, S) or (n,); NaN where missing.
+    window
+        Metres; half of it above and half below each row, both ends included.
+    log
+        Normalise logarithms; values must be above 0.
+
+    Returns
+    -------
+    The shape of ``values``, owned: 0 to 1, 0.5 at the window's mean, 0 and 1 two standard deviations from it; 0.5 where
+    a window is constant; NaN where the value is missing.
+
+    Raises
+    ------
+    ValueError
+        On depths that do not rise, shapes that do not fit, a window that is not above 0, or only missing values.
+    """
+    depths = column("depth", depth)
+    shape = np.shape(values)
+    if len(shape) not in (1, 2) or shape[0] != depths.size:
+        raise ValueError(
+            f"values: must be of shape ({depths.size},) or ({depths.size}, sectors), one row a depth: {shape}"
+        )
+    falls = np.flatnonzero(~(np.diff(depths) > 0))
+    if falls.size:
+        raise ValueError(f"depth[{falls[0] + 1}] = {depths[falls[0] + 1]:g}: must rise")
+    if not (math.isfinite(window) and window > 0):
+        raise ValueError(f"window = {window}: must be finite and above 0")
+    rows = column("values", np.ravel(values)).reshape(depths.size, -1)
+    if not np.isfinite(rows).any():
+        raise ValueError(f"values: all {rows.size} are missing")
+    if log:
+        check_positive(rows.reshape(shape))
+        rows = np.log(rows)
+    first = np.searchsorted(depths, depths - window / 2, side="left")
+    stop = np.searchsorted(depths, depths + window / 2, side="right")
+    mean, spread = _moments(rows, first, stop)
+    off = rows - mean[:, None]
+    steady = spread == 0  # 0 / 0 there: the value is the mean
+    share = np.divide(off, 4 * spread[:, None], out=np.where(np.isnan(off), np.nan, 0.0), where=~steady[:, None])
+    result: Floats = np.clip(0.5 + share, 0, 1)
+    return result.reshape(shape)
+
+
+def _moments(rows: Floats, first: npt.NDArray[np.int64], stop: npt.NDArray[np.int64]) -> tuple[Floats, Floats]:
+    """Mean and standard deviation of the values of each row's window [first, stop); NaN and 0 where it holds none.
+
+    Sums of squares about the overall mean: about zero they would drown a small spread in rounding.
+    """
+    middle = float(np.nanmean(rows))
+    there = np.isfinite(rows)
+    off = np.where(there, rows - middle, 0.0)
+    sums = [np.concatenate([[0.0], np.cumsum(of.sum(axis=1))]) for of in (there.astype(np.float64), off, off * off)]
+    count, total, square = (of[stop] - of[first] for of in sums)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = total / count
+        variance = square / count - mean * mean
+    # What is left of equal values is rounding of the sums.
+    rounding = 1e-12 * max(float(sums[2][-1]) / max(float(sums[0][-1]), 1.0), np.finfo(float).tiny)
+    spread: Floats = np.sqrt(np.where(variance > rounding, variance, 0.0))
+    return middle + mean, spread

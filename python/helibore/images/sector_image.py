@@ -1,0 +1,323 @@
+"""A sector image: rows of values around the hole, and the value each quad of a wall takes from it.
+
+    origin "edge":    sector 1 starts at ``offset``        |  1  |  2  |  3  | ...
+    origin "centre":  sector 1 is centred on ``offset``  1 |  2  |  3  | ...
+                                                       offset
+
+    image = hb.SectorImage(depth, values, name="GR", unit="gAPI", origin="edge", reference="high-side")
+    surface.attributes["GR"] = image.on(wall)
+
+A row covers half the way to its neighbours, but at most ``reach``: beyond it the image has a gap, and gaps stay NaN.
+It maps rows of evenly spaced sectors. Scattered values and colours are not its business.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.angles import wrapped
+from helibore.base.arrays import Floats, Integers, column
+from helibore.base.threads import thread_count
+from helibore.samples.helix import WallLike
+
+if TYPE_CHECKING:
+    from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria
+    from helibore.trajectory.survey import Path
+
+Origin = Literal["centre", "edge"]
+Direction = Literal["clockwise", "counterclockwise"]
+Reference = Literal["high-side", "north", "carried"]
+Method = Literal["cell", "linear"]
+
+FINE = 360
+"""Least sectors of an image that was turned into another reference: no border moves by more than half a degree."""
+
+REACH = 0.75
+"""Default reach of a row in median spacings: uneven rows meet, one absent row leaves a gap."""
+
+
+class SectorImage:
+    """Rows of evenly spaced sectors around the hole.
+
+    Parameters
+    ----------
+    depth
+        (n,) metres, in any order, no two alike. Copied.
+    values
+        (n, S) one row a depth, one column a sector, S at least 2; NaN where missing. Copied.
+    name, unit
+        What the values are.
+    origin
+        What of sector 1 lies at ``offset``: its ``"centre"``, or the ``"edge"`` where it starts. Tools differ, and a
+        wrong choice turns the image by half a sector, so there is no default.
+    reference
+        What toolface 0 is: ``"high-side"``, ``"north"``, or ``"carried"`` as by a path of that reference. On a wall
+        with a path of another reference the image is turned (`onto`); a wall without a path does not know, so there it
+        must be what the wall's toolfaces count from.
+    direction
+        The way sectors count, looking downhole.
+    offset
+        Toolface of sector 1's origin, degrees.
+    reach
+        How far above and below its depth a row may speak, metres; None: 0.75 of the median spacing.
+
+    Attributes
+    ----------
+    depth, values
+        Sorted by depth, float64, read-only.
+    missing
+        Number of values that are NaN.
+
+    Raises
+    ------
+    ValueError
+        ``depth[4] = 1000: already the depth of row 3``; on shapes that do not fit, infinite or only missing values, an
+        unknown word, and one row without a reach.
+    """
+
+    def __init__(
+        self,
+        depth: npt.ArrayLike,
+        values: npt.ArrayLike,
+        name: str,
+        unit: str = "",
+        *,
+        origin: Origin,
+        reference: Reference,
+        direction: Direction = "clockwise",
+        offset: float = 0.0,
+        reach: float | None = None,
+    ) -> None:
+        _one_of("origin", origin, get_args(Origin))
+        _one_of("reference", reference, get_args(Reference))
+        _one_of("direction", direction, get_args(Direction))
+        if not math.isfinite(offset):
+            raise ValueError(f"offset = {offset}: must be finite")
+        self.name, self.unit = name, unit
+        self.origin, self.reference, self.direction, self.offset = origin, reference, direction, float(offset)
+        depths = column("depth", depth)
+        order = _order(depths)
+        self.depth = depths[order]
+        self.values = _rows(values, depths.size)[order]
+        self.depth.flags.writeable = self.values.flags.writeable = False
+        self.missing = int(np.isnan(self.values).sum())
+        self.reach = _reach(reach, self.depth)
+
+    @property
+    def sectors(self) -> int:
+        """S, sectors a row."""
+        return int(self.values.shape[1])
+
+    @property
+    def toolface(self) -> Floats:
+        """(S,) toolface of each sector's centre, degrees in [0, 360); owned."""
+        number = np.arange(self.sectors, dtype=np.float64) + (0.0 if self.origin == "centre" else 0.5)
+        way = 1 if self.direction == "clockwise" else -1
+        return wrapped(self.offset + way * number * (360 / self.sectors))
+
+    def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
+        """Find where the image is dark on opposite sides of the hole: `helibore.images.image_breakouts`.
+
+        Parameters
+        ----------
+        criteria
+            What is dark, how wide, how opposite, how long; None: the defaults.
+
+        Raises
+        ------
+        ValueError
+            On a negative value: dark is a share of the row's median.
+
+        Examples
+        --------
+        >>> row = np.where(np.isin(np.arange(36), [8, 9, 10, 26, 27, 28]), 20.0, 100.0)  # dark at 90 and 270
+        >>> image = SectorImage([10.0, 10.1], [row, row], "AMP", origin="centre", reference="north")
+        >>> image.breakouts().zones[0].toolface
+        90.0
+        """
+        from helibore.images.image_breakouts import find_breakouts
+
+        return find_breakouts(self, criteria)
+
+    def onto(self, path: Path, method: Method = "cell") -> SectorImage:
+        """Turn the image into the reference of a path, which is what the toolfaces of its wall count from.
+
+        Every row is turned by the angle between the two references at its depth, and cut into at least `FINE` sectors,
+        each with the value of the cell that holds its centre (``method="cell"``), or linear between centres of cells.
+
+        Returns
+        -------
+        SectorImage
+            New. Rows beyond the path, and where one of the references is undefined, are missing.
+
+        Raises
+        ------
+        ValueError
+            If no row is left, or the image itself is carried: by which path, it does not know.
+        """
+        from helibore.trajectory.references import defined, onto_path
+
+        _one_of("method", method, get_args(Method))
+        if self.reference == "carried":
+            raise ValueError(f"image {self.name!r}: carried by a path of its own, it cannot be turned onto another")
+        high_side = self.reference == "high-side"
+        there = np.flatnonzero((self.depth >= path.start_depth) & (self.depth <= path.stop_depth))
+        there = there[defined(path, self.depth[there], high_side)]
+        if not there.size:
+            raise ValueError(
+                f"image {self.name!r}: from {self.reference} to {path.reference}: no row lies where the path has both"
+            )
+        turn = onto_path(np.zeros(there.size), self.depth[there], path, high_side)
+        sectors = self.sectors * math.ceil(FINE / self.sectors)
+        fine = (np.arange(sectors, dtype=np.float64) + 0.5) * (360 / sectors)
+        way = 1 if self.direction == "clockwise" else -1
+        place = (
+            (fine - turn[:, None] - self.offset) * way * self.sectors / 360
+        )  # in sectors from the first one's centre
+        place -= 0.5 if self.origin == "edge" else 0.0
+        values = np.full((self.depth.size, sectors), np.nan)
+        values[there] = _around(self.values[there], place, method)
+        return SectorImage(
+            self.depth, values, self.name, self.unit, origin="edge", reference=path.reference, reach=self.reach
+        )
+
+    def on(self, wall: WallLike, method: Method = "cell") -> Floats:
+        """Return one value for every quad the whole wall has room for.
+
+        Parameters
+        ----------
+        wall
+            Whose helix the quads lie on; its radii play no part. Where it has a path that counts toolfaces from
+            something else, this is ``image.onto(wall.path)`` on it.
+        method
+            ``"cell"``: the cell that holds the quad's centre; a centre on a border takes the cell beyond it, deeper or
+            next in number. ``"linear"``: linear in depth between rows and, periodically, in toolface between sector
+            centres; NaN where a cell with a say is missing, above the first row and below the last.
+
+        Returns
+        -------
+        (vertices - sectors - 1,) float64, owned; row k is the quad of vertex k. NaN where the image has a gap.
+        `Surface.attributes` drops the rows of quads that a surface does not have.
+
+        Raises
+        ------
+        ValueError
+            If no quad's centre lies within the image's depths, or the method is not known.
+        """
+        _one_of("method", method, get_args(Method))
+        path: Path | None = getattr(wall, "path", None)
+        if path is not None and path.reference != self.reference:
+            return self.onto(path, method).on(wall, method)
+        K, pitch = wall.settings.sectors, wall.settings.pitch
+        count = max(wall.radius.size - K - 1, 0)
+        if not count:
+            return np.empty(0)
+        self._check_meets(wall, count)
+        # Sectors from the start of sector 1, for one turn: toolfaces repeat from turn to turn.
+        toolface = wall.settings.start_toolface + (np.arange(K, dtype=np.float64) + 0.5) * (360 / K)
+        turned = (toolface - self.offset) * (1 if self.direction == "clockwise" else -1) * self.sectors / 360
+        sector = turned + 0.5 if self.origin == "centre" else turned
+        quads, values, threads = (wall.start_depth, pitch, count), self.values.ravel(), thread_count(None)
+        if method == "cell":
+            low, high = self._cover()
+            return _core.cell_values(self.depth, values, low, high, quads, sector, threads)
+        return _core.linear_values(self.depth, values, self.reach, quads, sector - 0.5, threads)
+
+    def _check_meets(self, wall: WallLike, count: int) -> None:
+        """Refuse a wall without a quad whose centre lies within reach of the image."""
+        K, step = wall.settings.sectors, wall.settings.pitch / wall.settings.sectors
+        top, bottom = self.depth[0] - self.reach, self.depth[-1] + self.reach
+        near = [(end - wall.start_depth) / step - (K + 1) / 2 for end in (top, bottom)]
+        candidates = np.clip(np.rint(np.add.outer(near, [-1, 0, 1])), 0, count - 1)
+        depths = wall.start_depth + (candidates + (K + 1) / 2) * step
+        if not ((depths >= top) & (depths <= bottom)).any():
+            ends = sorted(wall.start_depth + (k + (K + 1) / 2) * step for k in (0, count - 1))
+            raise ValueError(
+                f"image '{self.name}' reaches from {top:g} to {bottom:g} m: no quad of the wall, "
+                f"{ends[0]:g} to {ends[1]:g} m, has its centre there"
+            )
+
+    def _cover(self) -> tuple[Floats, Floats]:
+        """The depths [low, high) that each row covers: half the way to its neighbours, at most its reach."""
+        low, high = self.depth - self.reach, self.depth + self.reach
+        near = np.diff(self.depth) <= 2 * self.reach
+        middle = self.depth[:-1] + np.diff(self.depth) / 2
+        low[1:][near] = high[:-1][near] = middle[near]
+        return low, high
+
+    def __repr__(self) -> str:
+        return (
+            f"SectorImage({self.name!r}, {self.unit!r}, {self.depth.size} rows x {self.sectors} sectors, "
+            f"{self.depth[0]:g} to {self.depth[-1]:g} m, {self.missing} missing, {self.origin} of sector 1 at "
+            f"{self.offset:g} deg from {self.reference}, {self.direction})"
+        )
+
+
+def _around(rows: Floats, place: Floats, method: Method) -> Floats:
+    """The value of each row at places around it, in sectors from the centre of the first."""
+    low = np.floor(place + 0.5 if method == "cell" else place)
+    first = low.astype(np.int64) % rows.shape[1]
+    values: Floats = np.take_along_axis(rows, first, axis=1)
+    if method == "linear":
+        share = place - low
+        values = (1 - share) * values + share * np.take_along_axis(rows, (first + 1) % rows.shape[1], axis=1)
+    return values
+
+
+def _one_of(name: str, word: str, known: tuple[str, ...]) -> None:
+    if word not in known:
+        *others, last = (repr(each) for each in known)
+        raise ValueError(f"{name} = {word!r}: must be {', '.join(others)} or {last}")
+
+
+def _order(depths: Floats) -> Integers:
+    """The rows from the shallowest to the deepest."""
+    if not depths.size:
+        raise ValueError("depth: must have at least one row")
+    wrong = np.flatnonzero(~np.isfinite(depths))
+    if wrong.size:
+        raise ValueError(f"depth[{wrong[0]}] = {depths[wrong[0]]}: must be finite")
+    order: Integers = np.argsort(depths, kind="stable")
+    twice = np.flatnonzero(np.diff(depths[order]) == 0)
+    if twice.size:
+        row, again = order[twice[0]], order[twice[0] + 1]
+        raise ValueError(f"depth[{again}] = {depths[again]:g}: already the depth of row {row}")
+    return order
+
+
+def _rows(values: npt.ArrayLike, count: int) -> Floats:
+    shape = np.shape(values)
+    if len(shape) != 2 or shape[0] != count or shape[1] < 2:
+        raise ValueError(f"values: must be of shape ({count}, sectors), one row a depth and 2 sectors or more: {shape}")
+    rows = column("values", np.ravel(values)).reshape(shape)
+    if np.isinf(rows).any():
+        row, sector = np.argwhere(np.isinf(rows))[0]
+        raise ValueError(f"values[{row}, {sector}] = {rows[row, sector]}: must be finite, or NaN where missing")
+    if np.isnan(rows).all():
+        raise ValueError(f"values: all {rows.size} are missing")
+    return rows
+
+
+def _reach(reach: float | None, depth: Floats) -> float:
+    if reach is None:
+        if depth.size < 2:
+            raise ValueError("reach: must be given for an image of one row")
+        return REACH * float(np.median(np.diff(depth)))
+    if not (math.isfinite(reach) and reach > 0):
+        raise ValueError(f"reach = {reach}: must be finite and above 0")
+    return float(reach)
+
+
+class SectorImages(dict[str, SectorImage]):
+    """Images of a wall by name: an array, which lacks depth and layout, is refused where it is put in."""
+
+    def __setitem__(self, name: str, image: SectorImage) -> None:
+        if not isinstance(image, SectorImage):
+            rule = "must be a SectorImage, which knows its depths and where sector 1 lies"
+            raise ValueError(f"images[{name!r}]: {rule}, not {type(image).__name__}")
+        super().__setitem__(name, image)

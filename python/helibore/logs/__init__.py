@@ -1,0 +1,1 @@
+"""What each turn of a wall measures, and what that means."""

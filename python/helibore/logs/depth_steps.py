@@ -1,0 +1,86 @@
+"""Logs of turns gathered into steps of depth.
+
+    |--o----o----o--|--o----o----o----o--|      a turn belongs to the step that holds its middle
+       step i              step i + 1           missing in any turn: missing in the step
+
+Areas are averaged, not diameters; the volume of a step is its mean area times its height, whatever the pitch. A step
+counts when turns reach within half a pitch of both its ends, as a turn counts when it is full.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from helibore.base.angles import wrapped
+from helibore.base.arrays import Floats, Integers
+from helibore.logs.log_columns import COLUMNS
+
+if TYPE_CHECKING:
+    from helibore.logs.turn_logs import Logs
+
+_EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
+
+
+def by_step(logs: Logs, step: float) -> Logs:
+    """Gather the turns of each step: `Logs.by_step`."""
+    if logs.step is not None:
+        raise ValueError(f"these logs are by steps of {logs.step:g} m already: gather those of turns")
+    pitch = abs(logs.pitch)
+    if not (math.isfinite(step) and step >= pitch * (1 - 1e-9)):
+        raise ValueError(f"step = {step:g}: must be at least the pitch, {pitch:g} m")
+    order = slice(None) if logs.pitch > 0 else slice(None, None, -1)
+    number, turns, starts = _steps(logs.depth[order], pitch, step)
+
+    def gather(values: Floats, rule: str) -> Floats:
+        return _gather(values[order][turns], starts, rule)
+
+    gathered: dict[str, Any] = {
+        of.name: gather(getattr(logs, of.name), of.by_step) for of in COLUMNS if of.by_step != "own"
+    }
+    square = gather((logs.equivalent_diameter / 2) ** 2, "mean")
+    return replace(
+        logs,
+        **gathered,
+        depth=(number.astype(np.float64) + 0.5) * float(step),
+        equivalent_diameter=2 * np.sqrt(square),
+        c1_toolface=_axis(logs.c1_toolface[order][turns], starts),
+        volume=np.pi * square * step,
+        excess=square / (logs.bit_diameter / 2) ** 2 - 1,
+        step=float(step),
+    )
+
+
+def _steps(depth: Floats, pitch: float, step: float) -> tuple[Integers, slice, Integers]:
+    """Numbers of the steps that count, the turns that lie in them, and where each step's turns start among those."""
+    if not depth.size:
+        return np.empty(0, np.int64), slice(0, 0), np.empty(0, np.int64)
+    number = np.floor(depth / step + 1e-9).astype(np.int64)
+    reach = pitch * (0.5 + 1e-6)
+    first = number[0] if depth[0] - pitch / 2 <= number[0] * step + reach else number[0] + 1
+    last = number[-1] if depth[-1] + pitch / 2 >= (number[-1] + 1) * step - reach else number[-1] - 1
+    turns = slice(*np.searchsorted(number, (first, max(first, last + 1))).tolist())
+    inside = number[turns]
+    starts = np.flatnonzero(np.diff(inside, prepend=first - 1)).astype(np.int64)
+    return inside[starts], turns, starts
+
+
+def _gather(values: Floats, starts: Integers, rule: str) -> Floats:
+    if not values.size:
+        return values.copy()
+    if rule == "mean":
+        mean: Floats = np.add.reduceat(values, starts) / np.diff(starts, append=values.size)
+        return mean
+    extreme: Floats = _EXTREMES[rule].reduceat(values, starts)
+    return extreme
+
+
+def _axis(toolface: Floats, starts: Integers) -> Floats:
+    """The mean of axes, for which 1 and 179 degrees are near: half the direction of the doubled angles."""
+    if not toolface.size:
+        return toolface.copy()
+    mean = np.add.reduceat(np.exp(2j * np.radians(toolface)), starts)
+    return wrapped(np.degrees(np.angle(mean)) / 2, 180.0)

@@ -1,0 +1,297 @@
+"""Logs of a wall: what every full turn of its helix, or every step of depth, measures.
+
+    area = 1/2 int r^2 dtoolface = pi mean(r^2)        equivalent diameter = 2 sqrt(mean(r^2))
+
+    logs = wall.logs()                      one row a turn
+    metre = logs.by_step(1.0)               one row a metre
+    logs.table(), logs.save("well.las")     with mnemonics, units and the facts they were made with
+
+The mean over evenly spaced toolfaces is the periodic trapezoid rule: for a smooth hole its error falls faster than any
+power of the sectors, where the area of the polygon loses 2.5 % at 16. A turn with a missing radius has no area, since
+what is missing need not be like what is there; `coverage` says how much there is. The last turn counts when it is full.
+Not here: casing and cement (``annulus``), what kind of hole it is (``zones``), the formats of files (``log_files``).
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.arrays import Floats, column
+from helibore.base.tables import LogColumn, LogTable
+from helibore.base.threads import thread_count
+from helibore.samples.caliper import BASIS_TEXT, Basis
+from helibore.samples.helix import WallLike, basis_of
+
+if TYPE_CHECKING:
+    from helibore.samples.caliper import Caliper
+    from helibore.trajectory.survey import Path
+
+RUGOSITY_WINDOW = 1.0
+"""Metres of hole that rugosity is measured over by default."""
+
+
+@dataclass(frozen=True, eq=False)
+class Logs:
+    """Columns of one row a turn or a step, each (rows,) float64, owned; made by `turn_logs`.
+
+    Lengths are metres; 0 and 90 are toolfaces, so on a high-side wall `diameter_0` is the vertical diameter. Diameters
+    go through the axis of the hole. Missing is NaN: unless said otherwise a row is missing unless all its vertices are
+    there.
+
+    Attributes
+    ----------
+    depth
+        Mean depth of the turn's vertices, or middle of the step.
+    mean, smallest, largest
+        Radius; the latter two of what is there.
+    equivalent_diameter
+        Diameter of the circle of the same area, from the integral, not from the polygon.
+    c1, c1_toolface, c2
+        Largest diameter, where it lies (degrees in [0, 180)), and the diameter at right angles to it.
+    least_diameter
+        Smallest diameter.
+    diameter_0, diameter_90
+        The pair at fixed toolfaces: 0 to 180 and 90 to 270.
+    ovality_api, ovality_dnv
+        (max - min) / (max + min) of the diameters (API RP 1111, 17B), and twice that (DNV-ST-F101, ISO 13623).
+    out_of_roundness
+        Largest less smallest diameter (API 5L, 7-1).
+    centre_0, centre_90
+        The centre of the area, from the axis towards toolfaces 0 and 90.
+    inscribed_diameter, inscribed_0, inscribed_90
+        The largest circle with no vertex inside, what passes; and its centre. No small move makes it larger.
+    enclosing_diameter
+        The smallest circle around all vertices.
+    rugosity
+        Root mean square of the radii over `rugosity_window` metres around the turn, less each sector's straight line
+        along the hole. NaN, too, within half a window of an end or a missing radius.
+    volume
+        Of the hole over one pitch or step, cubic metres.
+    excess
+        That volume over the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
+    coverage
+        Vertices with a radius, as a fraction of all.
+    nearest
+        Largest distance from a vertex to the nearest sample used; NaN where no vertex has any or the wall does not say.
+    age
+        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN
+        where there is none, or the samples carry no time.
+    bit_diameter, sectors, pitch, step
+        Metres; vertices a turn; metres a turn; metres a row, None for one row a turn.
+    rugosity_window
+        Metres.
+    basis
+        What the wall is made from, as in `Caliper`.
+    reference
+        What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"carried"``; "": it has none.
+    """
+
+    depth: Floats
+    mean: Floats
+    smallest: Floats
+    largest: Floats
+    equivalent_diameter: Floats
+    c1: Floats
+    c1_toolface: Floats
+    c2: Floats
+    least_diameter: Floats
+    diameter_0: Floats
+    diameter_90: Floats
+    ovality_api: Floats
+    ovality_dnv: Floats
+    out_of_roundness: Floats
+    centre_0: Floats
+    centre_90: Floats
+    inscribed_diameter: Floats
+    inscribed_0: Floats
+    inscribed_90: Floats
+    enclosing_diameter: Floats
+    rugosity: Floats
+    volume: Floats
+    excess: Floats
+    coverage: Floats
+    nearest: Floats
+    age: Floats
+    bit_diameter: float
+    sectors: int
+    pitch: float
+    rugosity_window: float
+    basis: Basis
+    step: float | None = None
+    reference: str = ""
+
+    def __len__(self) -> int:
+        """Return the number of rows."""
+        return int(self.depth.size)
+
+    @property
+    def height(self) -> float:
+        """Metres of hole in a row."""
+        return abs(self.pitch) if self.step is None else self.step
+
+    def by_step(self, step: float) -> Logs:
+        """Return the logs of every step of depth, from turns whose middle lies in it: `helibore.logs.depth_steps`.
+
+        Parameters
+        ----------
+        step
+            Metres, at least the pitch. Steps begin at whole multiples of it.
+
+        Raises
+        ------
+        ValueError
+            ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are by steps already.
+        """
+        from helibore.logs.depth_steps import by_step
+
+        return by_step(self, step)
+
+    def between(self, top: float | None, bottom: float | None) -> Logs:
+        """Return the rows whose depth lies in [top, bottom]; None: no end."""
+        inside = self.rows_between(top, bottom)
+        columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
+        return replace(self, **columns)
+
+    def rows_between(self, top: float | None, bottom: float | None) -> npt.NDArray[np.bool_]:
+        """(rows,) which rows `between` keeps."""
+        least, most = (-math.inf if top is None else top), (math.inf if bottom is None else bottom)
+        inside: npt.NDArray[np.bool_] = (self.depth >= least) & (self.depth <= most)
+        return inside
+
+    def facts(self) -> dict[str, str]:
+        """Return what the logs were made with, as texts; every file states them."""
+        return {
+            "basis": BASIS_TEXT[self.basis],
+            "bit diameter": f"{self.bit_diameter:.6g} m",
+            "sectors": str(self.sectors),
+            "pitch": f"{self.pitch:.6g} m",
+            "toolface 0": TOOLFACE_0[self.reference],
+            "row": "one full turn" if self.step is None else f"{self.step:.6g} m of depth",
+            "rugosity window": f"{self.rugosity_window:.6g} m",
+            "ovality": "OVAL_API = (max - min)/(max + min); OVAL_DNV = twice that",
+            "missing": "a value is missing where a radius of its turn or step is",
+        }
+
+    def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
+        """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
+        from helibore.logs.log_columns import COLUMNS
+
+        own = [LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name)) for of in COLUMNS]
+        return LogTable([*own, *more], {**self.facts(), **(facts or {})})
+
+    def save(
+        self,
+        filename: str | os.PathLike[str],
+        more: Iterable[LogColumn] = (),
+        facts: Mapping[str, str] | None = None,
+    ) -> None:
+        """Write the logs to .las, .csv, .parquet or .dlis: `helibore.files.log_files.save_table` with `table`."""
+        from helibore.files.log_files import save_table
+
+        save_table(self.table(more, facts), filename)
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Logs(empty)"
+        row = "turns" if self.step is None else f"steps of {self.step:g} m"
+        return f"Logs({len(self)} {row}, {self.depth[0]:g} to {self.depth[-1]:g} m, {BASIS_TEXT[self.basis]})"
+
+
+TOOLFACE_0 = {
+    "high-side": "high side of the hole",
+    "north": "north",
+    "carried": "north at the top of the path, carried down it without twist",
+    "": "that of the samples; the wall has no path that says what it is",
+}
+"""What toolfaces count from, for files."""
+
+COLUMN_NAMES = tuple(field.name for field in fields(Logs) if field.type == "Floats")
+
+
+def turn_logs(
+    wall: WallLike,
+    bit_diameter: float | None = None,
+    rugosity_window: float = RUGOSITY_WINDOW,
+    threads: int | None = None,
+) -> Logs:
+    """Measure every full turn of a wall: `Wall.logs`.
+
+    Parameters
+    ----------
+    wall
+        Radii on a helix; it is not changed.
+    bit_diameter
+        Metres; what `Logs.excess` compares with; None: the wall's own.
+    rugosity_window
+        Metres; rounded to an odd number of turns, at least 3; `Logs.rugosity_window` is what was used.
+    threads
+        None: all cores. The result does not depend on it.
+
+    Raises
+    ------
+    ValueError
+        ``bit_diameter = 0: must be finite and above 0``; on a window without sense.
+    """
+    bit = float(getattr(wall.settings, "bit_diameter", math.nan) if bit_diameter is None else bit_diameter)
+    for name, value in (("bit_diameter", bit), ("rugosity_window", rugosity_window)):
+        if not (math.isfinite(value) and value > 0):
+            raise ValueError(f"{name} = {value}: must be finite and above 0")
+    K, pitch = wall.settings.sectors, wall.settings.pitch
+    window = max(3, 2 * round((rugosity_window / abs(pitch) - 1) / 2) + 1)
+    radius = column("radius", wall.radius)
+    found: dict[str, Any] = _core.turn_columns(radius, K, wall.settings.start_toolface, window, thread_count(threads))
+    square, turns = found.pop("mean_square"), radius.size // K
+    depth = wall.start_depth + (np.arange(turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
+    path: Path | None = getattr(wall, "path", None)
+    most, least = found["c1"], found["least_diameter"]
+    ovality = (most - least) / (most + least)
+    return Logs(
+        depth=depth,
+        equivalent_diameter=2 * np.sqrt(square),
+        ovality_api=ovality,
+        ovality_dnv=2 * ovality,
+        out_of_roundness=most - least,
+        volume=np.pi * square * abs(pitch),
+        excess=square / (bit / 2) ** 2 - 1,
+        nearest=_nearest(wall, turns),
+        age=_ages(getattr(wall, "samples", None), depth, abs(pitch)),
+        bit_diameter=bit,
+        sectors=K,
+        pitch=pitch,
+        rugosity_window=window * abs(pitch),
+        basis=basis_of(wall),
+        reference=path.reference if path is not None else "",
+        **found,
+    )
+
+
+def _nearest(wall: WallLike, turns: int) -> Floats:
+    nearest: npt.NDArray[np.float64] | None = getattr(wall, "nearest", None)
+    if nearest is None:
+        return np.full(turns, np.nan)
+    K = wall.settings.sectors
+    most: Floats = np.fmax.reduce(nearest[: turns * K].reshape(turns, K), axis=1)
+    return most
+
+
+def _ages(samples: Caliper | None, depth: Floats, height: float) -> Floats:
+    """Time from the newest sample within half a turn's height of each depth to the newest of all."""
+    ages = np.full(depth.size, np.nan)
+    if samples is None or samples.time is None or not depth.size:
+        return ages
+    middles = np.sort(depth)  # samples are in the order of depth
+    bounds = np.searchsorted(samples.depth, np.append(middles - height / 2, middles[-1] + height / 2))
+    some = bounds[1:] > bounds[:-1]
+    starts = bounds[:-1][some]
+    if starts.size:
+        newest = np.maximum.reduceat(samples.time[: bounds[-1]], starts)
+        ages[some] = samples.time.max() - newest
+    return ages if depth[0] <= depth[-1] else ages[::-1].copy()

@@ -1,0 +1,356 @@
+"""What kind of hole each turn is, gathered into zones: gauge, washout, breakout, key seat, undergauge.
+
+With C1 the largest diameter, C2 the one at right angles to it and the bit, each turn is the first of these that fits:
+
+    undergauge   least diameter  < bit - 0.25 in
+    washout      C2 - bit       >= 0.5 in                                     enlarged all around
+    breakout     C1 - C2        >= 1 in, and both ends of C1 share in it      two lobes, opposite
+    key seat     one end of C1 is 0.25 in high, and the other does not share in it     one lobe
+    gauge        all else
+
+An end of C1 is as high as it stands out of the circle of C2 around the centre of the area.
+
+These are the four-arm criteria of the trade (JewelSuite's defaults; the undergauge limit is ours), read from the whole
+section instead of four pads; `Criteria` sets them and every output states them. Turns of a kind become a zone when they
+are long enough. A turn with a missing radius is of no kind.
+
+Not here: azimuth and opening of the lobes (``breakouts``), stress.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, fields
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats
+from helibore.base.tables import LogColumn, LogTable
+from helibore.base.units import INCH
+from helibore.logs.breakouts import Axes, Lobe, axial_mean, lobes_of
+from helibore.logs.turn_logs import Logs, turn_logs
+from helibore.samples.helix import WallLike
+
+KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
+"""Kinds by their code in files, from 0."""
+CLASSES = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS))
+
+GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
+NO_KIND = -1
+CRITERIA_BIT = 8.5 * INCH
+"""The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criteria:
+    """What makes a turn, and a zone, of a kind. Lengths in metres.
+
+    Attributes
+    ----------
+    elongation
+        Least C1 - C2 of a breakout.
+    washout
+        Least C2 - bit of a washout.
+    key_seat
+        Least height of a key seat over the circle of C2.
+    undergauge
+        How much less than the bit the least diameter must be.
+    symmetry
+        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; with less it is
+        one-sided. 0.5 as six-arm practice has it.
+    opening_level
+        Share of a lobe's height at which its opening is measured, in (0, 1).
+    least_length
+        Metres of hole that make a zone.
+    join
+        Metres between two zones of a kind that do not part them, unless they are a zone of another kind or missing.
+    """
+
+    elongation: float = 1.0 * INCH
+    washout: float = 0.5 * INCH
+    key_seat: float = 0.25 * INCH
+    undergauge: float = 0.25 * INCH
+    symmetry: float = 0.5
+    opening_level: float = 0.25
+    least_length: float = 0.3
+    join: float = 1.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (math.isfinite(value) and value >= 0):
+                raise ValueError(f"{field.name} = {value}: must be finite and not negative")
+        if self.symmetry > 1:
+            raise ValueError(f"symmetry = {self.symmetry}: must be in [0, 1]")
+        if not 0 < self.opening_level < 1:
+            raise ValueError(f"opening_level = {self.opening_level}: must be in (0, 1)")
+
+    @classmethod
+    def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
+        """Return criteria that are to this bit what the defaults are to `CRITERIA_BIT`, 8.5 in.
+
+        Elongation, washout, key seat and undergauge scale with the bit. The trade gives its limits in inches whatever
+        the hole: in one of 4 in, lobes of a fifth of its diameter pass under an elongation of 1 in.
+
+        Parameters
+        ----------
+        bit_diameter
+            Metres.
+        **others
+            Attributes that are to be something else.
+
+        Examples
+        --------
+        >>> round(Criteria.scaled(0.104).elongation * 1000, 1)
+        12.2
+        """
+        if not (math.isfinite(bit_diameter) and bit_diameter > 0):
+            raise ValueError(f"bit_diameter = {bit_diameter}: must be finite and above 0")
+        share = bit_diameter / CRITERIA_BIT
+        scaled = {name: getattr(cls, name) * share for name in ("elongation", "washout", "key_seat", "undergauge")}
+        return cls(**{**scaled, **others})
+
+    def facts(self) -> dict[str, str]:
+        """Return the criteria as texts; every output states them."""
+        shares = ("symmetry", "opening_level")
+        return {
+            f"criterion {name.replace('_', ' ')}": f"{value:.6g}" if name in shares else f"{value:.6g} m"
+            for name, value in asdict(self).items()
+        }
+
+
+@dataclass(frozen=True)
+class Zone:
+    """A stretch of hole of one kind.
+
+    Attributes
+    ----------
+    kind
+        One of `KINDS`, never ``"gauge"``.
+    start, stop
+        Measured depths, metres, start above stop.
+    enlargement
+        Median of C1 - bit over the zone, metres; of the least diameter - bit where undergauge.
+    elongation
+        Median of C1 - C2, metres.
+    toolface
+        Of a breakout, its axis, [0, 180); of a key seat, where it lies, [0, 360); else NaN. Degrees.
+    deviation
+        Standard deviation of the turns' axes about it, degrees (axial, Mardia); NaN where there is none.
+    lobes
+        The two of a breakout or the one of a key seat; see `Lobe`.
+    """
+
+    kind: str
+    start: float
+    stop: float
+    enlargement: float
+    elongation: float
+    toolface: float
+    deviation: float
+    lobes: tuple[Lobe, ...]
+
+    @property
+    def length(self) -> float:
+        """Metres of hole."""
+        return self.stop - self.start
+
+
+class Classification:
+    """Kinds of all turns and the zones they make; made by `classify`.
+
+    Attributes
+    ----------
+    logs
+        Of the turns.
+    kind
+        (turns,) int8 code in `KINDS`, of the zone a turn lies in; 0 (gauge) outside, -1 where a radius is missing.
+    zones
+        In order of depth.
+    criteria
+        What they were found with.
+    """
+
+    def __init__(self, logs: Logs, kind: npt.NDArray[np.int8], zones: tuple[Zone, ...], criteria: Criteria) -> None:
+        self.logs, self.kind, self.zones, self.criteria = logs, kind, zones, criteria
+
+    def of(self, kind: str) -> tuple[Zone, ...]:
+        """Return the zones of a kind.
+
+        Raises
+        ------
+        ValueError
+            ``kind = 'cave': must be one of gauge, washout, ...``.
+        """
+        if kind not in KINDS:
+            raise ValueError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
+        return tuple(zone for zone in self.zones if zone.kind == kind)
+
+    def breakout_axis(self) -> Axes:
+        """Return mean axis and spread of all breakouts, weighted by length; NaN where there are none."""
+        found = self.of("breakout")
+        return axial_mean(np.array([zone.toolface for zone in found]), np.array([zone.length for zone in found]))
+
+    def column(self) -> LogColumn:
+        """Return the kinds as a log, ``CLASS``: `Logs.table` and `Logs.save` take it as one of ``more``."""
+        return LogColumn("CLASS", "", f"Class of hole, {CLASSES}", np.where(self.kind < 0, np.nan, self.kind), 0)
+
+    def facts(self) -> dict[str, str]:
+        """Return what the logs were made with, the criteria, and what the numbers of ``CLASS`` are."""
+        return {**self.logs.facts(), **self.criteria.facts(), "class": CLASSES}
+
+    def table(self) -> LogTable:
+        """Return the zones, one a row, with the criteria among the facts: to be saved by `log_files.save_table`.
+
+        Raises
+        ------
+        ValueError
+            If there is no zone.
+        """
+        if not self.zones:
+            raise ValueError("no zones: the hole is gauge, or missing, by the criteria given")
+        return LogTable(list(self._zone_columns()), self.facts())
+
+    def _zone_columns(self) -> Iterator[LogColumn]:
+        def column(
+            mnemonic: str, unit: str, description: str, values: list[float], decimals: int | None = None
+        ) -> LogColumn:
+            return LogColumn(mnemonic, unit, description, np.array(values, dtype=np.float64), decimals)
+
+        zones = self.zones
+        yield column("DEPT", "m", "Middle of the zone", [(of.start + of.stop) / 2 for of in zones])
+        yield column("TOP", "m", "Top of the zone", [of.start for of in zones])
+        yield column("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones])
+        codes = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS) if code)
+        yield column("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0)
+        yield column("ENLARGE", "m", "Largest diameter less bit, median", [of.enlargement for of in zones])
+        yield column("ELONG", "m", "Largest diameter less the one across it, median", [of.elongation for of in zones])
+        yield column("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones])
+        yield column("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones])
+        for number in range(2):
+            lobes = [of.lobes[number] if number < len(of.lobes) else Lobe(math.nan, math.nan, math.nan) for of in zones]
+            yield column(f"LOBE{number + 1}", "deg", "Toolface of the lobe", [of.toolface for of in lobes])
+            yield column(f"OPEN{number + 1}", "deg", "Opening of the lobe", [of.opening for of in lobes])
+            yield column(
+                f"HIGH{number + 1}", "m", "Height of the lobe over the circle of C2", [of.height for of in lobes]
+            )
+
+    def __repr__(self) -> str:
+        counts = ", ".join(f"{len(self.of(kind))} {kind}" for kind in KINDS[1:] if self.of(kind))
+        return f"Classification({len(self.kind)} turns: {counts or 'no zones'})"
+
+
+def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None) -> Classification:
+    """Tell gauge hole, washouts, breakouts, key seats and undergauge hole apart: `Wall.zones`.
+
+    Parameters
+    ----------
+    wall
+        Radii on a helix.
+    criteria
+        None: the defaults.
+    logs
+        `turn_logs` of the same wall, where they are at hand.
+
+    Raises
+    ------
+    ValueError
+        If ``logs`` are by steps, or of another wall.
+    """
+    criteria = Criteria() if criteria is None else criteria
+    logs = turn_logs(wall) if logs is None else logs
+    K = wall.settings.sectors
+    radius = wall.radius
+    if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
+        raise ValueError("logs: must be those of the turns of the same wall")
+    radius = radius[: len(logs) * K].reshape(-1, K)
+    start = float(wall.settings.start_toolface)
+    fits = _kinds(logs, criteria, radius, start)
+    kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
+    zones = []
+    for code in (WASHOUT, UNDERGAUGE, BREAKOUT, KEY_SEAT):  # what is enlarged all around does not join lobes
+        for first, stop in _runs(fits == code, kind == GAUGE, criteria, abs(logs.pitch)):
+            kind[first:stop] = code
+            inside = first + np.flatnonzero(fits[first:stop] == code)
+            zones.append(_zone(code, first, stop, inside, logs, radius, start, criteria))
+    return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
+
+
+def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> npt.NDArray[np.int8]:
+    """The kind that each turn fits by itself."""
+    bit = logs.bit_diameter
+    elongation = logs.c1 - logs.c2
+    missing = np.isnan(logs.mean)
+    washed = ~missing & (logs.c2 - bit >= criteria.washout)
+    under = ~missing & (logs.least_diameter < bit - criteria.undergauge)
+    lower, higher = _ends(logs, radius, start)
+    total = lower + higher
+    both = 2 * lower >= criteria.symmetry * total
+    kind = np.full(len(logs), GAUGE, dtype=np.int8)
+    kind[both & (elongation >= criteria.elongation)] = BREAKOUT
+    kind[~both & (higher >= criteria.key_seat)] = KEY_SEAT
+    kind[washed] = WASHOUT
+    kind[under] = UNDERGAUGE
+    kind[missing] = NO_KIND
+    return kind
+
+
+def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
+    """How far the two ends of C1 stand out of the circle of C2 around the centre of the area, the lower first."""
+    K = logs.sectors
+    rows = np.arange(len(logs))
+    number = np.rint((np.nan_to_num(logs.c1_toolface) - start) * (K / 360)).astype(np.int64)
+    ends = []
+    for at in (number % K, (number + K // 2) % K):
+        toolface = np.radians(start + at * (360 / K))
+        x = radius[rows, at] * np.cos(toolface) - logs.centre_0
+        y = radius[rows, at] * np.sin(toolface) - logs.centre_90
+        ends.append(np.hypot(x, y) - logs.c2 / 2)
+    return np.minimum(*ends), np.maximum(*ends)
+
+
+def _runs(
+    fits: npt.NDArray[np.bool_], free: npt.NDArray[np.bool_], criteria: Criteria, pitch: float
+) -> Iterator[tuple[int, int]]:
+    """Turns [first, stop) that fit and are free, joined over short stretches that are free, long enough to count."""
+    edges = np.flatnonzero(np.diff(fits & free, prepend=False, append=False)).reshape(-1, 2).tolist()
+    joined: list[list[int]] = []
+    for first, stop in edges:
+        last = joined[-1][1] if joined else 0
+        if joined and (first - last) * pitch <= criteria.join + 1e-9 and free[last:first].all():
+            joined[-1][1] = stop
+        else:
+            joined.append([first, stop])
+    for first, stop in joined:
+        if (stop - first) * pitch >= criteria.least_length - 1e-9:
+            yield first, stop
+
+
+def _zone(
+    code: int,
+    first: int,
+    stop: int,
+    inside: npt.NDArray[np.int64],
+    logs: Logs,
+    radius: Floats,
+    start: float,
+    criteria: Criteria,
+) -> Zone:
+    ends = sorted((float(logs.depth[first]), float(logs.depth[stop - 1])))
+    size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
+    toolface = deviation = math.nan
+    lobes: tuple[Lobe, ...] = ()
+    if code in (BREAKOUT, KEY_SEAT):
+        toolface, deviation, lobes = lobes_of(logs, inside, radius, start, criteria.opening_level, code == BREAKOUT)
+    return Zone(
+        kind=KINDS[code],
+        start=ends[0] - logs.height / 2,
+        stop=ends[1] + logs.height / 2,
+        enlargement=float(np.median(size)),
+        elongation=float(np.median((logs.c1 - logs.c2)[inside])),
+        toolface=toolface,
+        deviation=deviation,
+        lobes=lobes,
+    )

@@ -1,0 +1,1 @@
+"""Surfaces, volumes and their file formats."""

@@ -1,0 +1,245 @@
+"""The wall in space: a surface of quads along the path, a snapshot with attributes.
+
+    surface = wall.surface(path)                   # the wall along a survey's path
+    surface.attributes["GR"] = image.on(wall)      # one value a quad
+    surface.save("well.glb", color_by="GR")
+
+Vertices are (north, east, down). Where the wall has no radius there is no vertex, and no quad touches the gap: a
+mesh never holds NaN. ``vertex_index`` and ``quad_index`` tell which vertex of the wall each row belongs to.
+"""
+
+from __future__ import annotations
+
+import os
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from helibore import _core
+from helibore.base.arrays import Floats, Integers, column
+from helibore.base.threads import thread_count
+from helibore.mesh.attributes import Attributes
+from helibore.mesh.metadata import notes_of
+from helibore.samples.caliper import Basis
+from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, spread, vertices_between
+from helibore.trajectory.survey import Path, core_path
+
+if TYPE_CHECKING:
+    import trimesh
+
+
+SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
+"""Of the files that `Surface.save` writes."""
+
+
+class Surface:
+    """Quads of the wall; made by `Wall.surface`. A snapshot: a wall that grows does not change it.
+
+    Attributes
+    ----------
+    vertices
+        (n, 3) float64, north, east and down in metres; owned.
+    quads
+        (q, 4) int64 rows of ``vertices``, counter-clockwise seen from the formation: normals point away from the axis.
+        (k, k+1, k+1+K, k+K) for vertex k of a helix with K sectors that grows downwards; (k, k+K, k+1+K, k+1) for one
+        that grows upwards.
+    attributes
+        `Attributes`, one value a quad.
+    basis
+        What the wall is made from, as in `Caliper`; files say it.
+    helix
+        Where vertices lie along and around the hole.
+    notes
+        Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
+    """
+
+    def __init__(
+        self,
+        vertices: Floats,
+        quads: Integers,
+        vertex_ranges: Integers,
+        quad_ranges: Integers,
+        wall_radius: Floats,
+        helix: Helix,
+        basis: Basis = "azimuthal",
+    ) -> None:
+        self.vertices, self.quads = vertices, quads
+        self.helix, self.basis, self.notes = helix, basis, dict[str, str]()
+        self._vertex_ranges, self._quad_ranges = vertex_ranges, quad_ranges
+        self._wall_radius = wall_radius
+        self.attributes = Attributes("quad", _spread_if_gapped(quad_ranges), helix.quads(wall_radius.size))
+
+    @cached_property
+    def vertex_index(self) -> Integers:
+        """The vertex of the wall that each row of ``vertices`` is, (n,) int64."""
+        return spread(self._vertex_ranges)
+
+    @cached_property
+    def quad_index(self) -> Integers:
+        """The vertex k of the wall that each quad belongs to, its corner nearest to k = 0, (q,) int64."""
+        return spread(self._quad_ranges)
+
+    @cached_property
+    def radius(self) -> Floats:
+        """The radius at each row of ``vertices``, metres, (n,) float64."""
+        return self._wall_radius[self.vertex_index]
+
+    def quad_radius(self) -> Floats:
+        """The mean radius of the corners of each quad, metres, (q,) float64."""
+        corners = self.radius[self.quads]
+        return (corners[:, 0] + corners[:, 1] + corners[:, 2] + corners[:, 3]) / 4
+
+    def triangles(self) -> Integers:
+        """Two triangles a quad, (2 q, 3) int64, both cut from the quad's first corner to its third: quad i gives 2 i
+        and 2 i + 1, facing outwards.
+        """
+        return self.quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+
+    def to_trimesh(self) -> trimesh.Trimesh:
+        """Return a `trimesh.Trimesh` of the triangles in (north, east, down).
+
+        Vertices stay as they are (``process=False``), and each attribute becomes a face attribute, repeated for the two
+        triangles of a quad.
+        """
+        import trimesh
+
+        return trimesh.Trimesh(
+            self.vertices,
+            self.triangles(),
+            face_attributes={name: np.repeat(values, 2) for name, values in self.attributes.items()},
+            process=False,
+        )
+
+    def save(
+        self,
+        filename: str | os.PathLike[str],
+        color_by: str | None = None,
+        limits: tuple[float, float] | None = None,
+        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        color_map: str = "viridis",
+        log: bool = False,
+    ) -> None:
+        """Write the surface to a file, whole or not at all; the ending tells the format.
+
+        =======  ===============  ===========  =========================================================================
+        ending   axes             numbers      holds
+        =======  ===============  ===========  =========================================================================
+        .glb     (east, up,       float32 on   triangles, a colour for every quad, attributes (``_GR`` for GR; -999.25
+                 -north)          a local      for missing values). Positions are local to a node whose translation is
+                                  origin       in full precision, so map coordinates keep their millimetres
+        .ply     (east, north,    float64      quads, with ``radius`` and all attributes by name; colours at vertices,
+                 up)                           the mean of the quads around
+        .obj     (east, north,    text, 1e-8   triangles
+                 up)
+        .stl     (east, north,    float32      triangles; refused where float32 would move a vertex by over a millimetre
+                 up)
+        .vtu     (east, north,    float64      quads, all attributes, ``radius``, ``depth``, ``toolface`` at vertices;
+                 up)                           missing values are NaN; for ParaView, PyVista, VisIt
+        .vtp     as .vtu                       the same as polygons
+        .vtkhdf  as .vtu                       the same in HDF5; `append_to` adds parts. Needs the extra ``vtkhdf``
+        =======  ===============  ===========  =========================================================================
+
+        Each says what the wall is made from and the units, where it holds texts: `notes` are in the mesh's extras
+        (.glb), in comments (.ply, .obj) and in the field data (VTK); .stl has room for the basis alone.
+
+        Parameters
+        ----------
+        filename
+            Ends in one of these; replaced if it is there.
+        color_by
+            The attribute that colours .glb and .ply, and that VTK's formats show first; by default the radius. Missing
+            values are grey.
+        limits
+            Values at the two ends of the colours; by default the least and the greatest.
+        origin
+            North, east and down of the point that becomes (0, 0, 0) in the file, metres.
+        color_map, log
+            The colours and whether they follow the logarithm: `helibore.base.colors.ColorScale`.
+
+        Raises
+        ------
+        ValueError
+            On an ending, attribute or map that is not known, a surface without quads, and for .stl as above.
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        ImportError
+            Naming the extra that .vtkhdf needs.
+        """
+        from helibore.mesh.mesh_files import save_surface
+
+        save_surface(self, filename, color_by, limits, origin, color_map, log)
+
+    def append_to(
+        self,
+        filename: str | os.PathLike[str],
+        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Add this surface as a further part to a .vtkhdf file, or begin one.
+
+        Surfaces of neighbouring intervals meet without overlap or gap: a file that got each as the hole grew holds the
+        whole wall. The part is added to a copy, which then takes the file's place; a reader never meets half a part.
+
+        Parameters
+        ----------
+        filename
+            Ends in .vtkhdf; a file of `save` or of `append_to`, with the same attributes and origin.
+        origin
+            As for `save`.
+
+        Raises
+        ------
+        ValueError
+            On another ending or attributes than the parts before, and on files that are not VTKHDF.
+        OSError, ImportError
+            As `save`.
+        """
+        from helibore.mesh.vtkhdf import append_mesh
+
+        append_mesh(self, filename, origin)
+
+    def __repr__(self) -> str:
+        return f"Surface({len(self.vertices)} vertices, {len(self.quads)} quads, {self.attributes!r})"
+
+
+def surface_of(
+    wall: WallLike,
+    path: Path | None = None,
+    start: float | None = None,
+    stop: float | None = None,
+    threads: int | None = None,
+) -> Surface:
+    """Place the wall along ``path`` and join it into quads: `Wall.surface`.
+
+    Parameters
+    ----------
+    wall
+        Radii on a helix.
+    path
+        Where the hole goes; None: straight down from (0, 0, 0), toolface 0 to the north.
+    start, stop
+        Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices from ``start`` up to,
+        but without, ``stop``, so that surfaces of neighbouring intervals meet without overlap or gap. It reaches one
+        turn beyond ``stop``.
+    threads
+        None: all cores. The result does not depend on it.
+
+    Raises
+    ------
+    ValueError
+        If the path does not reach a vertex, or its reference is undefined there (``vertex 7 at depth 12: ...``), or the
+        wall has nothing between ``start`` and ``stop``.
+    """
+    radius, helix = wall.radius, helix_of(wall)
+    first, last = vertices_between(helix, radius.size, start, stop)
+    stretch = column("radius", radius[first : last + helix.sectors + 1])
+    vertices, quads, vertex_ranges, quad_ranges = _core.surface(
+        helix, first, stretch, core_path(path), thread_count(threads)
+    )
+    surface = Surface(vertices, quads, vertex_ranges, quad_ranges, radius, helix, basis_of(wall))
+    surface.notes = notes_of(wall, path)
+    return surface
+
+
+def _spread_if_gapped(ranges: Integers) -> Integers | range:
+    return range(*ranges[0].tolist()) if len(ranges) == 1 else spread(ranges)

@@ -1,0 +1,244 @@
+"""The hole thickened outwards: shells around the wall and the hexahedra between them, a snapshot with attributes.
+
+    volume = wall.volume(path, shells=[0.05, 0.20])           # two layers: 0 to 0.05 m and 0.05 to 0.20 m
+    volume.hang("RT", [shallow.on(wall), deep.on(wall)], unit="ohm.m")
+
+    axis |      wall    shells[0]        shells[1]
+         |       |  layer 0  |   layer 1    |
+         0 ----- r --------- r + 0.05 ----- r + 0.20
+
+Where a shell has no radius there is no vertex, and no hexahedron touches the gap. Every hexahedron has positive volume;
+shells that would make it otherwise are refused.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from collections.abc import Sequence
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.arrays import Floats, Integers, column
+from helibore.base.threads import thread_count
+from helibore.mesh.attributes import Attributes
+from helibore.mesh.metadata import notes_of
+from helibore.samples.caliper import Basis
+from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, numbered, spread, vertices_between
+from helibore.trajectory.survey import Path, core_path
+
+VOLUME_ENDINGS = (".vtu", ".vtkhdf")
+"""Of the files that `Volume.save` writes."""
+
+
+class Volume:
+    """Hexahedra around the wall; made by `Wall.volume`. A snapshot.
+
+    Attributes
+    ----------
+    vertices
+        (n, 3) float64, north, east and down in metres: the wall's, then those of each shell outwards; owned.
+    hexes
+        (h, 8) int64 rows of ``vertices``: inner quad, then the outer quad over it (VTK's order, positive volume); the
+        layer next to the wall first.
+    attributes
+        `Attributes`, one value a hexahedron.
+    helix
+        Where vertices lie along and around the hole.
+    basis
+        What the wall is made from, as in `Caliper`.
+    notes
+        Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
+    """
+
+    def __init__(
+        self,
+        vertices: Floats,
+        hexes: Integers,
+        shell_ranges: Sequence[Integers],
+        layer_ranges: Sequence[Integers],
+        shells: Sequence[Floats],
+        helix: Helix,
+        basis: Basis = "azimuthal",
+    ) -> None:
+        self.vertices, self.hexes = vertices, hexes
+        self.helix, self.basis, self.notes = helix, basis, dict[str, str]()
+        self._shells, self._shell_ranges, self._layer_ranges = shells, shell_ranges, layer_ranges
+        self._whole = helix.quads(shells[0].size)
+        index = np.concatenate([spread(ranges) + layer * self._whole for layer, ranges in enumerate(layer_ranges)])
+        self.attributes = Attributes("hexahedron", index, self._whole * len(layer_ranges))
+
+    @property
+    def layers(self) -> int:
+        """Layers of hexahedra: one less than there are shells, the wall included."""
+        return len(self._layer_ranges)
+
+    @cached_property
+    def vertex_index(self) -> Integers:
+        """The vertex of the wall that each row of ``vertices`` lies on or over, (n,) int64."""
+        return np.concatenate([spread(ranges) for ranges in self._shell_ranges])
+
+    @cached_property
+    def vertex_shell(self) -> Integers:
+        """The shell each row of ``vertices`` lies on, 0 = the wall, (n,) int64."""
+        return numbered(self._shell_ranges)
+
+    @cached_property
+    def hex_index(self) -> Integers:
+        """The vertex k of the wall whose quad each hexahedron stands on, (h,) int64."""
+        return np.concatenate([spread(ranges) for ranges in self._layer_ranges])
+
+    @cached_property
+    def hex_layer(self) -> Integers:
+        """The layer each hexahedron lies in, 0 = next to the wall, (h,) int64."""
+        return numbered(self._layer_ranges)
+
+    @cached_property
+    def radius(self) -> Floats:
+        """The radius at each row of ``vertices``, metres, (n,) float64."""
+        shells = zip(self._shells, self._shell_ranges, strict=True)
+        return np.concatenate([radius[spread(ranges)] for radius, ranges in shells])
+
+    def hang(self, name: str, layers: Sequence[npt.ArrayLike | float], unit: str = "") -> None:
+        """Give every layer values of its own: shallow, medium and deep resistivity, say, as one attribute.
+
+        Parameters
+        ----------
+        name, unit
+            Of the attribute.
+        layers
+            From the wall outwards, one a layer: values for every quad that the whole wall has room for, as
+            `SectorImage.on` gives them, or one number for the layer.
+
+        Raises
+        ------
+        ValueError
+            ``GR has values for 2 layers: must be 3``; if a layer's values are not that many.
+        """
+        if len(layers) != self.layers:
+            raise ValueError(f"{name} has values for {len(layers)} layers: must be {self.layers}")
+        columns = []
+        for number, values in enumerate(layers):
+            if isinstance(values, (int, float)):
+                columns.append(np.full(self._whole, float(values)))
+            else:
+                columns.append(column(f"{name}[{number}]", values, self._whole, "the whole wall's quads"))
+        self.attributes[name] = np.concatenate(columns)[self.attributes.index]
+        self.attributes.units[name] = unit
+
+    def hex_volume(self, threads: int | None = None) -> Floats:
+        """Return the volume of each hexahedron, cubic metres, (h,) float64.
+
+        Exact for faces that are the bilinear patches between their corners, which neighbours share: the volumes of a
+        layer add up to what lies between its shells.
+        """
+        return _core.hexahedron_volumes(self.vertices, self.hexes, thread_count(threads))
+
+    def save(
+        self,
+        filename: str | os.PathLike[str],
+        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Write the volume to a file, whole or not at all; the ending tells the format.
+
+        =======  ========================================================================================
+        .vtu     VTK's XML for ParaView, PyVista, VisIt: hexahedra, float64, all attributes, uncompressed
+        .vtkhdf  the same as HDF5; `append_to` adds further intervals. Needs the extra ``vtkhdf``
+        =======  ========================================================================================
+
+        Axes are (east, north, up). Vertices carry ``radius``, ``depth`` and ``toolface``; hexahedra the attributes and
+        ``layer``. Missing values are NaN. `notes` and units are in the field data.
+
+        Parameters
+        ----------
+        filename
+            Ends in .vtu or .vtkhdf; replaced if it is there.
+        origin
+            North, east and down of the point that becomes (0, 0, 0) in the file, metres.
+
+        Raises
+        ------
+        ValueError
+            On another ending, a volume without hexahedra, an origin that is not finite.
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        """
+        from helibore.mesh.mesh_files import save_volume
+
+        save_volume(self, filename, origin)
+
+    def append_to(
+        self,
+        filename: str | os.PathLike[str],
+        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+    ) -> None:
+        """Add this volume as a further part to a .vtkhdf file, or begin one: `Surface.append_to`."""
+        from helibore.mesh.vtkhdf import append_mesh
+
+        append_mesh(self, filename, origin)
+
+    def __repr__(self) -> str:
+        return f"Volume({len(self.vertices)} vertices, {len(self.hexes)} hexes, {self.attributes!r})"
+
+
+def volume_of(
+    wall: WallLike,
+    path: Path | None = None,
+    shells: Sequence[float | npt.ArrayLike | WallLike] = (0.05, 0.20),
+    start: float | None = None,
+    stop: float | None = None,
+    threads: int | None = None,
+) -> Volume:
+    """Thicken the wall outwards, shell by shell, into hexahedra: `Wall.volume`.
+
+    Parameters
+    ----------
+    wall, path, start, stop, threads
+        As for `surface_of`.
+    shells
+        From the wall outwards, one or more, each one of: a thickness in metres; thicknesses, one for every vertex of
+        the wall (NaN: nothing there); or a second wall on the same helix, taken as it is. Thicknesses all count from
+        the wall itself, not from the shell before: ``[0.05, 0.20]`` gives layers of 0.05 and 0.15 m.
+
+    Raises
+    ------
+    ValueError
+        As `surface_of`; naming shell, vertex and depth where a shell does not lie beyond the one before, and where the
+        path bends so sharply that a shell folds over itself; if a second wall has another helix.
+    """
+    radius, helix = wall.radius, helix_of(wall)
+    first, last = vertices_between(helix, radius.size, start, stop)
+    stretch = slice(first, last + helix.sectors + 1)
+    radii = [radius, *(_shell(number, shell, helix, radius) for number, shell in enumerate(shells))]
+    vertices, hexes, shell_ranges, layer_ranges = _core.volume(
+        helix,
+        first,
+        [column("radius", values[stretch]) for values in radii],
+        core_path(path),
+        thread_count(threads),
+    )
+    volume = Volume(vertices, hexes, shell_ranges, layer_ranges, radii, helix, basis_of(wall))
+    volume.notes = notes_of(wall, path)
+    return volume
+
+
+def _shell(number: int, shell: Any, helix: Helix, radius: Floats) -> Floats:
+    """The radii of a shell at every vertex of the wall."""
+    name = f"shells[{number}]"
+    if hasattr(shell, "settings"):
+        if helix_of(shell) != helix:
+            raise ValueError(f"{name}: must be a wall on the same helix (start_depth, start_toolface, pitch, sectors)")
+        beyond, second = np.full(radius.size, np.nan), shell.radius
+        common = min(radius.size, second.size)
+        beyond[:common] = second[:common]
+        return beyond
+    if np.ndim(shell) == 0:
+        if not math.isfinite(shell):
+            raise ValueError(f"{name} = {shell}: must be finite")
+        thicker: Floats = radius + float(shell)
+        return thicker
+    return radius + column(name, shell, radius.size, "radius")

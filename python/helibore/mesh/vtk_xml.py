@@ -1,0 +1,114 @@
+"""Meshes as VTK XML: .vtu (unstructured grid: quads or hexahedra) and .vtp (polygons: quads).
+
+    <VTKFile type="UnstructuredGrid" ...>
+      ... <DataArray type="Float64" Name="GR" format="appended" offset="1234"/> ...
+      <AppendedData encoding="raw">_| bytes of array 0 (uint64) | array 0 | bytes of array 1 | array 1 | ...
+
+Written here, for the library that writes it (VTK, 0.5 GB) is a thousand times the size of this file, takes several
+times as long because it compresses by default, and reports a full disk on stderr only. The layout is that of "VTK File
+Formats" (Kitware); the tests read every file back with PyVista. Uncompressed: float64 radii hardly shrink.
+"""
+
+from __future__ import annotations
+
+import html
+from collections.abc import Iterable
+from typing import Any, BinaryIO
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.mesh.vtk_mesh import VtkMesh
+
+_TYPES = {"f8": "Float64", "f4": "Float32", "i8": "Int64", "i4": "Int32", "u1": "UInt8"}
+_PIECE = 1 << 24  # bytes written at a time
+
+
+def _quoted(text: str) -> str:
+    return f'"{html.escape(text)}"'
+
+
+class _Appended:
+    """The arrays behind the XML, and the elements that say where each lies."""
+
+    def __init__(self) -> None:
+        self.arrays: list[npt.NDArray[Any]] = []
+        self._offset = 0
+
+    def element(self, name: str, array: npt.NDArray[Any]) -> str:
+        little = np.require(array, array.dtype.newbyteorder("<"), "C")
+        offset, self._offset = self._offset, self._offset + 8 + little.nbytes
+        self.arrays.append(little)
+        kind = f"{little.dtype.kind}{little.dtype.itemsize}"
+        components = ' NumberOfComponents="3"' if little.ndim == 2 else ""
+        return (
+            f'<DataArray type="{_TYPES[kind]}" Name={_quoted(name)}{components} format="appended" offset="{offset}"/>'
+        )
+
+
+def write_vtu(file: BinaryIO, mesh: VtkMesh) -> None:
+    """Write an unstructured grid."""
+    appended = _Appended()
+    cells = [
+        *_connectivity(appended, mesh),
+        appended.element("types", np.full(len(mesh.corners), mesh.cell_type, "u1")),
+    ]
+    piece = f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfCells="{len(mesh.corners)}">'
+    _write(file, "UnstructuredGrid", piece, [*_values(appended, mesh), "<Cells>", *cells, "</Cells>"], mesh, appended)
+
+
+def write_vtp(file: BinaryIO, mesh: VtkMesh) -> None:
+    """Write polygons."""
+    appended = _Appended()
+    cells = _connectivity(appended, mesh)
+    piece = (
+        f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" '
+        f'NumberOfPolys="{len(mesh.corners)}">'
+    )
+    _write(file, "PolyData", piece, [*_values(appended, mesh), "<Polys>", *cells, "</Polys>"], mesh, appended)
+
+
+def _connectivity(appended: _Appended, mesh: VtkMesh) -> list[str]:
+    count, corners = mesh.corners.shape
+    ends = np.arange(corners, count * corners + 1, corners, dtype=mesh.corners.dtype)
+    return [appended.element("connectivity", mesh.corners.reshape(-1)), appended.element("offsets", ends)]
+
+
+def _values(appended: _Appended, mesh: VtkMesh) -> Iterable[str]:
+    yield "<PointData>"
+    yield from (appended.element(name, of) for name, of in mesh.point_values.items())
+    yield "</PointData>"
+    yield f"<CellData Scalars={_quoted(mesh.active)}>"
+    yield from (appended.element(name, of) for name, of in mesh.cell_values.items())
+    yield "</CellData>"
+    yield f"<Points>{appended.element('Points', mesh.points)}</Points>"
+
+
+def _note(name: str, text: str) -> str:
+    """A text of the field data: the codes of its bytes, and 0."""
+    codes = " ".join(map(str, [*text.encode(), 0]))
+    return f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="1" format="ascii">{codes}</DataArray>'
+
+
+def _write(file: BinaryIO, kind: str, piece: str, elements: Iterable[str], mesh: VtkMesh, appended: _Appended) -> None:
+    lines = [
+        '<?xml version="1.0"?>',
+        f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
+        f"<{kind}>",
+        "<FieldData>",
+        *(_note(name, text) for name, text in mesh.notes.items()),
+        "</FieldData>",
+        piece,
+        *elements,
+        "</Piece>",
+        f"</{kind}>",
+        '<AppendedData encoding="raw">',
+        "_",
+    ]
+    file.write("\n".join(lines).encode())
+    for array in appended.arrays:
+        file.write(np.uint64(array.nbytes).astype("<u8").tobytes())
+        content = array.reshape(-1).view(np.uint8).data
+        for start in range(0, len(content), _PIECE):
+            file.write(content[start : start + _PIECE])
+    file.write(b"\n</AppendedData>\n</VTKFile>\n")

@@ -1,0 +1,146 @@
+"""Meshes as VTKHDF, VTK's HDF5: written whole, or grown part by part as the hole does. Needs the extra ``vtkhdf``.
+
+    /VTKHDF  Version, Type = "UnstructuredGrid"
+      NumberOfPoints, NumberOfCells, NumberOfConnectivityIds    (parts,)
+      Points, Connectivity, Offsets, Types                      all parts, one behind the other
+      PointData/radius ...   CellData/GR ...   FieldData/basis ...
+
+Connectivity and Offsets count from 0 in each part. Surfaces of neighbouring intervals meet without overlap or gap, so a
+file that got each in turn holds the whole wall. HDF5 works in memory here, and what it made takes the file's place:
+readers meet the parts before or the parts after, and never a lock; and HDF5 never meets a full disk, for which it has
+been seen to end the program. Layout: "VTKHDF file format" (Kitware), 2.2.
+"""
+
+from __future__ import annotations
+
+import io
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.atomic_file import write_whole
+from helibore.mesh.vtk_mesh import VtkMesh, check_origin, vtk_mesh
+
+if TYPE_CHECKING:
+    import h5py
+
+    from helibore.mesh.surface import Surface
+    from helibore.mesh.volume import Volume
+
+ENDING = ".vtkhdf"
+_CHUNK, _LARGE_CHUNK = 1 << 13, 1 << 16  # rows: a file of a few turns stays small, a large one has few pieces
+_FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file must have in common
+_COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
+
+
+def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
+    """Write a file of one part."""
+    content = io.BytesIO()
+    with _h5py().File(content, "w", libver="v110") as file:
+        _begin(file.create_group("VTKHDF"), mesh)
+        _add(file["VTKHDF"], mesh)
+    write_whole(path, lambda file: file.write(content.getbuffer()))
+
+
+def append_mesh(
+    mesh: Surface | Volume, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
+) -> None:
+    """Add a part to a file, or begin one: `Surface.append_to`."""
+    path = Path(filename)
+    if path.suffix.lower() != ENDING:
+        raise ValueError(f"{path}: only {ENDING} files take further parts")
+    check_origin(origin)
+    part = vtk_mesh(mesh, origin)
+    if len(part.corners) == 0:
+        raise ValueError(f"{path}: the mesh has no cells to save")
+    if not path.exists():
+        save_vtkhdf(path, part)
+        return
+    content = io.BytesIO(path.read_bytes())
+    with _opened(path, content) as group:
+        _require_alike(path, group, part)
+        _add(group, part)
+    write_whole(path, lambda file: file.write(content.getbuffer()))
+
+
+def _h5py() -> Any:
+    try:
+        import h5py
+    except ImportError as error:
+        raise ImportError('needs h5py: pip install "helibore[vtkhdf]"') from error
+    return h5py
+
+
+@contextmanager
+def _opened(path: Path, content: io.BytesIO) -> Iterator[h5py.Group]:
+    try:
+        opened = _h5py().File(content, "r+", libver="v110")
+    except OSError as error:
+        raise ValueError(f"{path}: not an HDF5 file, or a damaged one") from error
+    with opened as file:
+        if "VTKHDF" not in file:
+            raise ValueError(f"{path}: an HDF5 file, but not VTKHDF")
+        yield file["VTKHDF"]
+
+
+def _columns(mesh: VtkMesh) -> dict[str, npt.NDArray[Any]]:
+    """The arrays that grow with every part."""
+    count, corners = mesh.corners.shape
+    return {
+        "NumberOfPoints": np.array([len(mesh.points)]),
+        "NumberOfCells": np.array([count]),
+        "NumberOfConnectivityIds": np.array([count * corners]),
+        "Points": mesh.points,
+        "Connectivity": mesh.corners.reshape(-1),
+        "Offsets": np.arange(0, count * corners + 1, corners, dtype=mesh.corners.dtype),
+        "Types": np.full(count, mesh.cell_type, "u1"),
+        **{f"PointData/{name}": of for name, of in mesh.point_values.items()},
+        **{f"CellData/{name}": of for name, of in mesh.cell_values.items()},
+    }
+
+
+def _begin(group: h5py.Group, mesh: VtkMesh) -> None:
+    """Everything but rows."""
+    for name in (*mesh.cell_values, *mesh.notes):
+        if "/" in name or name in ("", "."):
+            raise ValueError(f"attributes[{name!r}]: a name must not be empty, '.' or hold '/' in a VTKHDF file")
+    group.attrs["Version"] = np.array([2, 2], dtype="i8")
+    group.attrs["Type"] = np.bytes_("UnstructuredGrid")
+    for name, of in _columns(mesh).items():
+        kind = np.dtype("i8") if name in (*_COUNTS, "Connectivity", "Offsets") else of.dtype
+        chunk = 64 if name in _COUNTS else _CHUNK if len(of) < _LARGE_CHUNK else _LARGE_CHUNK
+        group.create_dataset(
+            name, (0, *of.shape[1:]), kind, maxshape=(None, *of.shape[1:]), chunks=(chunk, *of.shape[1:])
+        )
+    for name, text in mesh.notes.items():
+        group.create_dataset(f"FieldData/{name}", data=[text.encode()])
+
+
+def _add(group: h5py.Group, mesh: VtkMesh) -> None:
+    """Add the rows of one part."""
+    for name, of in _columns(mesh).items():
+        rows = group[name]
+        before = rows.shape[0]
+        rows.resize(before + len(of), axis=0)
+        rows[before:] = of
+
+
+def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:
+    """Refuse a part that has other attributes or another kind of cells than those before."""
+    kind = {int(each) for each in group["Types"][:1]}
+    if kind - {part.cell_type}:
+        raise ValueError(f"{path}: holds cells of VTK type {kind.pop()}, the part has type {part.cell_type}")
+    there = {f"{of}/{name}" for of in ("PointData", "CellData") for name in group[of]}
+    own = {name for name in _columns(part) if "/" in name}
+    if there != own:
+        differ = ", ".join(sorted(name.partition("/")[2] for name in there ^ own))
+        raise ValueError(f"{path}: every part must have the same attributes; these are not in both: {differ}")
+    for name, text in part.notes.items():
+        before = group["FieldData"].get(name)
+        if before is not None and name in _FRAME and before[0].decode() != text:
+            raise ValueError(f"{path}: was written with {name} = {before[0].decode()}, the part has {text}")

@@ -1,0 +1,342 @@
+"""A report of a wall as one HTML page that needs nothing else: no request leaves it, every picture is inside.
+
+    from helibore.plot.report import report
+    report(wall, "well.html", title="F-12")         # opens in any browser, prints on A4 at the scale it says
+
+Summary, pictures, diameters by interval, zones, data quality, settings. Plain text templates, every word escaped: six
+tables need no template library, and so the page needs only the extra ``plot``. What is drawn is ``plot``'s business,
+what is measured that of ``logs`` and ``zones``.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from helibore import __version__
+from helibore.base.atomic_file import write_whole
+from helibore.base.units import size_text
+from helibore.logs.turn_logs import TOOLFACE_0
+from helibore.plot.calipers import Diameters
+from helibore.plot.content import Drawing, content_of
+from helibore.plot.header import facts
+from helibore.plot.paper import MM
+from helibore.plot.tracks import LENGTHS
+from helibore.samples.caliper import BASIS_TEXT
+
+if TYPE_CHECKING:
+    from helibore.logs.zones import Classification
+    from helibore.plot.content import Content
+    from helibore.wall.wall import Wall
+
+PAPER = (210.0, 268.0)
+"""Millimetres of a picture: as wide as A4, and as high as the margins below leave."""
+ROWS = 24
+"""Intervals in the table of diameters, at most."""
+MOST_GAPS = 10
+SETTING_UNITS = dict.fromkeys(("bit_diameter", "pitch", "start_depth", "stop_depth", "max_distance", "tolerance"), "m")
+SETTING_UNITS["start_toolface"] = "deg"
+NO_SETTING = {"start_depth": "that of the samples", "stop_depth": "that of the samples", "window": "all samples"}
+STYLE = """
+:root { color-scheme: light; }
+body { font: 15px/1.5 system-ui, "Segoe UI", Helvetica, Arial, sans-serif; color: #22303c; background: #fff;
+       max-width: 200mm; margin: 2rem auto; padding: 0 5mm; }
+h1 { font-size: 1.9rem; margin: 0; } h2 { font-size: 1.25rem; margin: 2.2rem 0 .5rem; }
+p.lead { color: #5d6b77; margin: .2rem 0 1rem; } .warning { color: #b3261e; font-weight: 600; }
+table { border-collapse: collapse; width: 100%; font-size: .84rem; font-variant-numeric: tabular-nums; }
+th, td { padding: .25rem .5rem; border-bottom: 1px solid #dfe4e8; text-align: left; vertical-align: top; }
+thead th { border-bottom: 1.5px solid #22303c; vertical-align: bottom; }
+td.number, th.number { text-align: right; } td.number { white-space: nowrap; }
+tbody th { font-weight: 400; color: #5d6b77; width: 26%; }
+thead th, td.number { padding: .25rem .3rem; }
+td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
+td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
+nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
+@page { size: A4; margin: 12mm 0; }
+@media print { body { margin: 0; max-width: 200mm; } nav { display: none; } tr { break-inside: avoid; }
+  figure { break-inside: avoid; } h2 { break-after: avoid; } thead { display: table-header-group; } }
+"""
+
+
+@dataclass(frozen=True)
+class Row:
+    """An interval: ends (m), mean, least and greatest diameter (m), volume (m3), excess, share of turns measured."""
+
+    top: float
+    bottom: float
+    mean: float
+    least: float
+    greatest: float
+    volume: float
+    excess: float
+    measured: float
+
+
+def report(
+    wall: Wall, filename: str | os.PathLike[str], *, told: Sequence[tuple[str, str]] = (), **options: Any
+) -> None:
+    """Write a report of a wall as one self-contained HTML page, whole or not at all.
+
+    Parameters
+    ----------
+    wall
+        At least one full turn.
+    filename
+        Replaced if it is there.
+    told
+        (label, sentence) of what was read, dropped and corrected on the way to the wall.
+    **options
+        As in `helibore.plot.Drawing`.
+
+    Raises
+    ------
+    ValueError
+        As `helibore.plot.log`.
+    ImportError
+        Without matplotlib.
+    OSError
+        If the file cannot be written; the old one is then as it was.
+    """
+    content = page(wall, told, **options).encode()
+    write_whole(filename, lambda file: file.write(content))
+
+
+def page(wall: Wall, told: Sequence[tuple[str, str]] = (), **options: Any) -> str:
+    """Return the report as HTML: `report` without the file."""
+    content = content_of(wall, Drawing(**options))
+    zones = wall.zones() if wall.basis == "azimuthal" else None
+    title = html.escape(content.drawing.title or "Borehole wall")
+    warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{html.escape(BASIS_TEXT[wall.basis])}.</p>'
+    parts = [
+        ("summary", "Summary", warned + _summary(content, zones)),
+        ("pictures", "Pictures", _pictures(wall, content, options)),
+        ("diameters", "Diameters and volumes", _diameters(content)),
+        ("zones", "Zones", _zones(zones, content)),
+        ("quality", "Data quality", _quality(content, told)),
+        ("settings", "Settings", _settings(content, zones)),
+    ]
+    links = "".join(f'<a href="#{name}">{heading}</a>' for name, heading, _ in parts)
+    body = "\n".join(f'<section id="{name}"><h2>{heading}</h2>\n{text}</section>' for name, heading, text in parts)
+    lead = html.escape(content.drawing.subtitle)
+    return (
+        f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<title>{title}</title>\n'
+        f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>{STYLE}</style></head>\n'
+        f'<body><h1>{title}</h1><p class="lead">{lead}</p><nav>{links}</nav>\n{body}\n'
+        f"<footer>helibore {html.escape(__version__)}. Depths are measured depths in metres; toolfaces count clockwise "
+        f"looking downhole.</footer></body></html>\n"
+    )
+
+
+def table(head: Sequence[str], rows: Iterable[Sequence[str]], numbers: bool = True) -> str:
+    """Return a table of texts, each escaped; ``numbers``: all but the first column are set flush right."""
+
+    def cells(tag: str, row: Sequence[str]) -> str:
+        found = []
+        for at, text in enumerate(row):
+            kinds = ["number"] * (numbers and at > 0) + ["missing"] * (tag == "td" and not text)
+            name = f' class="{" ".join(kinds)}"' if kinds else ""
+            found.append(f"<{tag}{name}>{html.escape(text)}</{tag}>")
+        return f"<tr>{''.join(found)}</tr>"
+
+    return (
+        f"<table><thead>{cells('th', head)}</thead><tbody>{''.join(cells('td', row) for row in rows)}</tbody></table>"
+    )
+
+
+def pairs(rows: Iterable[tuple[str, str]]) -> str:
+    """Return a table of labels and texts."""
+    lines = (f"<tr><th>{html.escape(label)}</th><td>{html.escape(text)}</td></tr>" for label, text in rows)
+    return f"<table><tbody>{''.join(lines)}</tbody></table>"
+
+
+def number(value: float, decimals: int = 3) -> str:
+    """Return a number as text; "" where it is missing, which the page shows in grey."""
+    return f"{round(value, decimals) + 0.0:,.{decimals}f}" if math.isfinite(value) else ""  # + 0.0: never "-0.0"
+
+
+def in_unit(length: float, content: Content, inch_decimals: int = 3) -> str:
+    """Return a length in the unit that the picture has for diameters; a millimetre has one decimal."""
+    unit = content.drawing.unit
+    return number(length / LENGTHS[unit], inch_decimals if unit == "in" else 1)
+
+
+def intervals(turns: Diameters, content: Content) -> list[Row]:
+    """Measure the interval in steps of a round length; turns that are not whole have no volume."""
+    length = content.bottom - content.top
+    steps = (mantissa * 10.0**power for power in range(-1, 5) for mantissa in (1, 2, 5))
+    step = next(step for step in steps if length / step <= ROWS)
+    cuts = [content.top, *np.arange(math.floor(content.top / step + 1) * step, content.bottom - 1e-6, step)]
+    bit, pitch = content.wall.settings.bit_diameter, abs(content.wall.settings.pitch)
+    rows = []
+    for top, bottom in zip(cuts, [*cuts[1:], content.bottom], strict=True):
+        inside = (turns.depth >= top) & (turns.depth < bottom)
+        area = turns.area[inside]
+        there = np.isfinite(area)
+        square = float(np.sum(area[there] ** 2))
+        count = int(there.sum())
+        volume = square * math.pi / 4 * pitch if count else math.nan
+        rows.append(
+            Row(
+                float(top), float(bottom), float(area[there].mean()) if count else math.nan,
+                _reduced(np.fmin, turns.least[inside]), _reduced(np.fmax, turns.greatest[inside]), volume,
+                square / (count * bit**2) - 1 if count else math.nan, float(there.mean()) if there.size else 0.0,
+            )
+        )  # fmt: skip
+    return rows
+
+
+def _reduced(least_or_most: np.ufunc, values: Any) -> float:
+    return float(least_or_most.reduce(values)) if values.size else math.nan
+
+
+def _summary(content: Content, zones: Classification | None) -> str:
+    turns = content.turns
+    inside = (turns.depth >= content.top) & (turns.depth <= content.bottom)
+    area = turns.area[inside]
+    rows = [(label, text) for label, text, _ in facts(content)]
+    if np.isfinite(area).any() and content.wall.basis != "gauge":
+        there = area[np.isfinite(area)]
+        unit, (least, most) = content.drawing.unit, (in_unit(there.min(), content), in_unit(there.max(), content))
+        sizes = f"{size_text(there.mean())} mean, {least} to {most} {unit} by turn"
+        rows.append(("Diameter by area", sizes))
+        pitch, bit = abs(content.wall.settings.pitch), content.wall.settings.bit_diameter
+        volume = math.pi / 4 * float((there**2).sum()) * pitch
+        excess = 100 * float((there**2).mean() / bit**2 - 1)
+        measured = f"{volume:,.3f} m³ over {there.size * pitch:,.1f} m measured"
+        rows.append(("Hole volume", f"{measured}; {excess:+.1f} % against bit size"))
+    if zones is not None:
+        counts = {zone.kind: 0.0 for zone in zones.zones}
+        for zone in zones.zones:
+            counts[zone.kind] += zone.length
+        rows.append(
+            (
+                "Zones of the whole wall",
+                ", ".join(f"{kind} {length:,.1f} m" for kind, length in counts.items()) or "none",
+            )
+        )
+        axis = zones.breakout_axis()
+        if math.isfinite(axis.mean):
+            spread = number(axis.deviation, 0)
+            rows.append(("Breakout axis", f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"))
+    images = [f"{name} ({image.unit or 'no unit'})" for name, image in content.wall.images.items()]
+    rows.append(("Images", ", ".join(images) or "none"))
+    return pairs(rows)
+
+
+def _pictures(wall: Wall, content: Content, options: dict[str, Any]) -> str:
+    from helibore.plot.log import pages
+    from helibore.plot.save import rendered
+
+    figures = []
+    for at, figure in enumerate(pages(wall, PAPER, **options), 1):
+        words = f"Log of {content.drawing.title or 'the wall'}, part {at}: depth, caliper, images at 1:{content.scale}"
+        width = figure.get_size_inches()[0] * MM
+        picture = base64.b64encode(rendered([figure], ".png")).decode()
+        shown = f'<img style="width:{width:g}mm" alt="{html.escape(words)}" src="data:image/png;base64,{picture}">'
+        # Printed on A4 at 100 %, 210 mm are 210 mm; what is wider is shrunk, and then the scale is not true.
+        wide = f"<figcaption>{width:g} mm wide: on narrower paper the depth scale is not true.</figcaption>"
+        figures.append(f"<figure>{shown}{wide if width > PAPER[0] + 1e-6 else ''}</figure>")
+    return "\n".join(figures)
+
+
+def _diameters(content: Content) -> str:
+    if content.wall.basis == "gauge":
+        return "<p>The hole was not measured.</p>"
+    unit = content.drawing.unit
+    head = ("From [m]", "To [m]", f"By area [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]", "Volume [m³]",
+            "Excess [%]", "Measured [%]")  # fmt: skip
+    rows = []
+    for row in intervals(content.turns, content):
+        sizes = [in_unit(size, content) for size in (row.mean, row.least, row.greatest)]
+        rest = [number(row.volume, 4), number(100 * row.excess, 1), number(100 * row.measured, 1)]
+        rows.append([number(row.top, 2), number(row.bottom, 2), *sizes, *rest])
+    note = (
+        "By area: mean of the diameters of circles of each turn's area. Least and greatest: across the hole. Volume, "
+        "excess over the bit's: of whole turns only; measured: share of turns that are whole."
+    )
+    return table(head, rows) + f"<p>{note}</p>"
+
+
+def _zones(zones: Classification | None, content: Content) -> str:
+    if zones is None:
+        return "<p>A shape was not measured: no zones.</p>"
+    found = [zone for zone in zones.zones if zone.stop > content.top and zone.start < content.bottom]
+    if not found:
+        return "<p>None by the criteria below: what was measured of the hole is gauge by them.</p>"
+    unit = content.drawing.unit
+    head = ("Kind", "From [m]", "To [m]", f"Enlargement [{unit}]", f"Elongation [{unit}]", "Toolface [°]", "s.d. [°]",
+            "Openings [°]")  # fmt: skip
+    rows = []
+    for zone in found:
+        openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes)
+        sizes = (in_unit(zone.enlargement, content, 2), in_unit(zone.elongation, content, 2))
+        angles = (number(zone.toolface, 0) or "–", number(zone.deviation, 1) or "–", openings or "–")
+        rows.append([zone.kind, number(zone.start, 2), number(zone.stop, 2), *sizes, *angles])
+    return table(head, rows)
+
+
+def _quality(content: Content, told: Sequence[tuple[str, str]]) -> str:
+    wall = content.wall
+    inside = (wall.depth >= content.top) & (wall.depth <= content.bottom)
+    nearest = wall.nearest[inside]
+    there = nearest[np.isfinite(nearest)]
+    without = 100 * (1 - there.size / max(nearest.size, 1))
+    rows = [("Without support", f"{without:.2f} % of the vertices: no sample in reach")]
+    if there.size:
+        half, most = np.percentile(there, [50, 99])
+        away = f"{half * 1e3:.0f} mm away for half of the vertices, {most * 1e3:.0f} mm for 99 %"
+        rows.append(("Nearest sample", away))
+    coverage = content.turns.coverage
+    broken = int((coverage < 1).sum())
+    rows.append(("Coverage", f"{100 * float(coverage.mean()):.2f} % of the wall, {broken:,} turns not whole"))
+    for name, image in wall.images.items():
+        share = 100 * image.missing / image.values.size
+        rows.append((f"Image {name}", f"{image.depth.size:,} rows, {share:.1f} % of the values missing"))
+    gaps = largest_gaps(content.turns, abs(wall.settings.pitch))
+    if gaps:
+        rows.append(("Largest gaps", "; ".join(f"{top:,.2f} to {bottom:,.2f} m" for top, bottom in gaps)))
+    said = "<p>What was read, left out and corrected:</p>" + pairs(told) if told else ""
+    return pairs(rows) + said
+
+
+def largest_gaps(turns: Diameters, pitch: float) -> list[tuple[float, float]]:
+    """Return the longest stretches, at most ten, whose turns lack a radius somewhere; the longest first."""
+    broken = np.concatenate([[False], turns.coverage < 1, [False]])
+    edges = np.flatnonzero(np.diff(broken.astype(np.int8)))
+    runs = [(first, stop - 1) for first, stop in zip(edges[::2], edges[1::2], strict=True)]
+    runs.sort(key=lambda run: run[0] - run[1])
+    ends = [(turns.depth[first] - pitch / 2, turns.depth[last] + pitch / 2) for first, last in runs[:MOST_GAPS]]
+    return [(float(top), float(bottom)) for top, bottom in ends]
+
+
+def _settings(content: Content, zones: Classification | None) -> str:
+    settings = asdict(content.wall.settings)
+    rows = {name.replace("_", " "): _setting_text(name, value) for name, value in settings.items()}
+    if zones is not None:
+        rows |= zones.facts()
+    rows["toolface 0"] = TOOLFACE_0[content.reference]
+    return pairs([*rows.items(), *_made_from(content.wall.made_from)])
+
+
+def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
+    """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
+    for name, value in made_from.items():
+        of_a_run = name == "files" and isinstance(value, list)
+        if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):
+            yield from (("made from", f"{one['name']}, BLAKE2b {one['blake2b']}") for one in value)
+        else:
+            yield f"made from: {name}", str(value)
+
+
+def _setting_text(name: str, value: Any) -> str:
+    """A setting of the wall with its unit, in words where it is none."""
+    if value is None or isinstance(value, bool):
+        return NO_SETTING.get(name, "none") if value is None else "yes" if value else "no"
+    return f"{value:.10g} {SETTING_UNITS.get(name, '')}".strip()

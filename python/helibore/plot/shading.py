@@ -1,0 +1,219 @@
+"""A stretch of wall as a shaded picture, in NumPy alone: seen from the formation, from the side and a little above.
+
+    x right, y to the viewer, z down the hole; the viewer stands at toolface ``facing``, ``tilt`` above level
+    R' = tube (bit/2 + shape (R - bit/2))          tube and shape are the two exaggerations a caption must state
+    x = -R' sin(toolface - facing)    y = R' cos(toolface - facing)    screen = (x, z cos(tilt) + y sin(tilt))
+
+The wall is resampled so finely that no pixel stays empty, and shaded point by point; the nearest point of a pixel wins.
+Parallel projection, so that depth reads off a straight scale. Not here: axes and captions (``plot.solid``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats
+
+Single = npt.NDArray[np.float32]
+
+_LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
+    ((-0.62, 0.58, -0.53), 0.72),
+    ((0.85, 0.40, 0.10), 0.30),
+)
+_AMBIENT = 0.27
+_FINER = 2  # pixels drawn for each pixel shown, along each axis
+_BLOCK = 96  # rows of points drawn at once: few enough for the cache
+_DENSITY = 1.2  # points for each pixel drawn, along each axis
+
+
+@dataclass(frozen=True)
+class View:
+    """Where the viewer stands, how the hole is exaggerated, and the picture's size in pixels."""
+
+    facing: float
+    tilt: float = 20.0
+    tube: float = 10.0
+    shape: float = 3.0
+    width: int = 480
+    height: int = 1000
+
+
+@dataclass(frozen=True)
+class Shaded:
+    """The picture, (height, width, 4) float32 in [0, 1], and what its edges are: metres to the right and down the hole.
+
+    ``left``, ``right`` count from the axis, exaggerated; ``top``, ``bottom`` are depths on the axis.
+    """
+
+    pixels: Single
+    left: float
+    right: float
+    top: float
+    bottom: float
+
+
+def shade(
+    radius: Floats,
+    colors: Floats,
+    sectors: int,
+    pitch: float,
+    first: tuple[float, float],
+    bit_diameter: float,
+    view: View,
+) -> Shaded:
+    """Draw vertices of a wall, from a whole number of turns.
+
+    Parameters
+    ----------
+    radius
+        (n,) metres, vertex by vertex along the helix; none missing.
+    colors
+        (n, 3) in [0, 1].
+    sectors, pitch
+        Of the helix; pitch may be negative.
+    first
+        Depth (m) and toolface (deg) of the first vertex.
+    bit_diameter
+        Metres: the shape is exaggerated about it.
+    view
+        Viewer, exaggeration, size.
+    """
+    turns = radius.size // sectors - 1
+    length = turns * abs(pitch)
+    half = view.tube * (0.5 * bit_diameter + view.shape * np.maximum(radius - 0.5 * bit_diameter, 0).max()) * 1.06
+    rise, fall = np.sin(np.radians(view.tilt)), np.cos(np.radians(view.tilt))
+    scale = _FINER * min(view.width / (2 * half), view.height / (length * fall + 2 * half * rise))
+
+    rows = _rows(radius, sectors, turns, pitch, view, _DENSITY * scale)
+    canvas = _Canvas(_FINER * view.width, _FINER * view.height)
+    channels = np.column_stack([radius, colors])
+    for start in range(0, rows.size - 1, _BLOCK):
+        turn = rows[max(start - 1, 0) : start + _BLOCK + 2]
+        # The inside shows through the open end only; elsewhere what faces away is hidden.
+        down_hole = turn * pitch - min(0.0, turns * pitch)
+        open_end = down_hole.min() < 2.2 * half * rise / fall
+        largest = view.tube * (0.5 * bit_diameter + view.shape * (_largest(radius, sectors, turn) - 0.5 * bit_diameter))
+        across = np.pi if open_end else np.radians(115.0)
+        psi = np.linspace(-across, across, int(_DENSITY * scale * 2 * across * largest) + 2)
+        around = (view.facing + np.degrees(psi) - first[1]) / 360.0
+        fine = _resample(channels, sectors, turn, around)
+        reach = view.tube * (0.5 * bit_diameter + view.shape * (fine[0] - 0.5 * bit_diameter))
+        x, y = -reach * np.sin(psi).astype(np.float32), reach * np.cos(psi).astype(np.float32)
+        z = np.broadcast_to(down_hole.astype(np.float32)[:, None], x.shape)
+        normal = _normals(x, y, z)
+        facing = normal[1] * fall - normal[2] * rise
+        seen = np.full(x.shape, True) if open_end else facing > 0
+        seen[0], seen[-1] = start == 0, start + _BLOCK + 2 > rows.size  # drawn by the neighbouring block
+        x, y, z = x[seen], y[seen], z[seen]
+        right = x * scale + 0.5 * canvas.width
+        down = (z * fall + y * rise - 0.5 * length * fall) * scale + 0.5 * canvas.height
+        canvas.put(right, down, y * fall - z * rise, _light(normal[:, seen], facing[seen], fine[1:, seen], rise, fall))
+    top_depth = min(first[0], first[0] + turns * pitch)
+    span = _FINER * view.height / scale / fall
+    return Shaded(
+        canvas.mean(),
+        -0.5 * _FINER * view.width / scale,
+        0.5 * _FINER * view.width / scale,
+        top_depth + 0.5 * length - 0.5 * span,
+        top_depth + 0.5 * length + 0.5 * span,
+    )
+
+
+def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, per_metre: float) -> Floats:
+    """Depths (in turns) to draw at: closer where the wall is steep and a step down the hole is a long way on screen."""
+    grid = radius[: (turns + 1) * sectors].reshape(turns + 1, sectors)
+    slope = view.tube * view.shape * np.abs(np.diff(grid, axis=0)).max(axis=1) / abs(pitch)
+    steep = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))  # and next to such turns
+    drawn = np.append(0.0, np.cumsum(abs(pitch) * per_metre * np.hypot(1.0, 0.7 * steep)))
+    rows: Floats = np.interp(np.linspace(0.0, drawn[-1], int(drawn[-1]) + 2), drawn, np.arange(turns + 1))
+    return rows
+
+
+def _largest(radius: Floats, sectors: int, turn: Floats) -> float:
+    """The largest radius in the turns a block of rows is smoothed from."""
+    low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3
+    return float(radius[low * sectors : high * sectors].max())
+
+
+def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Single:
+    """Smooth values (n, channels) of a helix to a grid: (channels, depths in turns, toolfaces in turns from the first).
+
+    A column of vertices lies a sector's share of a turn deeper than the one before it, so it is smoothed along depth
+    where it really lies; then neighbouring columns, without a seam. Cubic B-splines: the shading shows no facets.
+    """
+    turns = values.shape[0] // sectors
+    grid = values[: turns * sectors].reshape(turns, sectors, -1).astype(np.float32)
+    by_column = np.empty((grid.shape[2], turn.size, sectors), dtype=np.float32)
+    for j in range(sectors):
+        by_column[:, :, j] = (_spline(turn - j / sectors, turns, wrap=False) @ grid[:, j]).T
+    return by_column @ _spline(around * sectors, sectors, wrap=True).T
+
+
+def _spline(at: Floats, count: int, wrap: bool) -> Single:
+    """Weights (len(at), count) of a cubic B-spline at fractional indices, which wrap around or stop at the ends."""
+    low = np.floor(at).astype(np.int64)
+    t = at - low
+    weights = ((1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3)
+    matrix = np.zeros((at.size, count), dtype=np.float32)
+    for step, weight in enumerate(weights, start=-1):
+        index = (low + step) % count if wrap else np.clip(low + step, 0, count - 1)
+        np.add.at(matrix, (np.arange(at.size), index), weight / 6.0)
+    return matrix
+
+
+def _normals(x: Single, y: Single, z: Single) -> Single:
+    """Unit normals (3, rows, columns) of the grid, away from the axis."""
+    around = [np.gradient(p, axis=1) for p in (x, y)]
+    along = [np.gradient(p, axis=0) for p in (x, y, z)]  # by row: only its direction counts
+    normal = np.stack(
+        [around[1] * along[2], -around[0] * along[2], around[0] * along[1] - around[1] * along[0]], dtype=np.float32
+    )
+    normal /= np.sqrt((normal**2).sum(axis=0)) * np.sign(normal[0] * x + normal[1] * y)
+    return normal
+
+
+def _light(normal: Single, facing: Single, colors: Single, rise: float, fall: float) -> Single:
+    """Colours (points, 3) under the lamps with a soft shine; the inside, seen through the open end, is darker."""
+    normal = normal * np.sign(facing)
+    to_viewer = np.array([0.0, fall, -rise])
+    bright = np.full(facing.shape, _AMBIENT, dtype=np.float32)
+    shine = np.zeros_like(bright)
+    for direction, strength in _LIGHTS:
+        lamp = np.array(direction) / np.linalg.norm(direction)
+        between = (lamp + to_viewer) / np.linalg.norm(lamp + to_viewer)
+        bright += strength * np.maximum(lamp.astype(np.float32) @ normal, 0)
+        shine += 0.16 * strength * np.maximum(between.astype(np.float32) @ normal, 0) ** 24
+    inside = np.where(facing < 0, np.float32(0.5), np.float32(1.0))
+    lit: Single = np.clip((colors * bright + shine) * inside, 0, 1).T
+    return lit
+
+
+class _Canvas:
+    """Pixels that keep the nearest point put on them."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self.width, self.height = width, height
+        self._colors = np.zeros((height * width, 4), dtype=np.float32)
+        self._near = np.full(height * width, -np.inf, dtype=np.float32)
+
+    def put(self, right: Single, down: Single, near: Single, colors: Single) -> None:
+        """Draw points (n,) with their colours (n, 3)."""
+        inside = (right >= 0) & (right < self.width) & (down >= 0) & (down < self.height)
+        target = down.astype(np.int64) * self.width + right.astype(np.int64)
+        inside[inside] &= near[inside] > self._near[target[inside]]
+        order = np.flatnonzero(inside)
+        order = order[np.argsort(near[order])]  # of several on one pixel the nearest is written last
+        self._near[target[order]] = near[order]
+        self._colors[target[order], :3] = colors[order]
+        self._colors[target[order], 3] = 1.0
+
+    def mean(self) -> Single:
+        """Return the picture at the size shown, with the share of each pixel that is covered as its opacity."""
+        blocks = self._colors.reshape(self.height // _FINER, _FINER, self.width // _FINER, _FINER, 4)
+        mean: Single = blocks.mean(axis=(1, 3))
+        covered = np.maximum(mean[..., 3:], np.float32(1e-6))
+        mean[..., :3] = np.where(mean[..., 3:] > 0, mean[..., :3] / covered, 1.0)
+        return mean

@@ -1,0 +1,1 @@
+"""From readings to samples that a wall can trust."""

@@ -1,0 +1,216 @@
+"""Several passes over one stretch of hole: which is which, which to use, and how two walls differ.
+
+A tool that goes over a stretch more than once sees one wall, through three errors of its own::
+
+    radius = wall(depth + shift[pass], toolface) + by_pass[pass] + by_arm[arm] + noise
+
+``find_shifts`` (shifts.py) and ``find_bias`` (biases.py) find the first two; both are part of this module's names.
+Not here: stretching of depths within a pass.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats, Integers, column
+from helibore.preparation.biases import Bias, arm_sides, find_bias, finite, whole_numbers
+from helibore.preparation.conditioning import Step
+from helibore.preparation.depth_shifts import Shifts, find_shifts
+
+if TYPE_CHECKING:
+    from helibore.wall.wall import Wall
+
+__all__ = [
+    "Bias",
+    "Shifts",
+    "arm_sides",
+    "choose",
+    "difference",
+    "evaluate",
+    "find_bias",
+    "find_shifts",
+    "number_passes",
+]
+
+
+def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
+    """Number the passes: a new one begins where the tool turned and then went back by more than ``reversal``.
+
+    Parameters
+    ----------
+    depth
+        Metres, finite, in order of time, (n,).
+    reversal
+        Metres; smaller turns (heave, a stuck tool worked free) stay in their pass.
+
+    Returns
+    -------
+    ndarray
+        (n,) int64 from 0; the sample at a turning point, the last of equals, ends its pass.
+    """
+    track = finite("depth", column("depth", depth))
+    if not reversal > 0:
+        raise ValueError(f"reversal = {reversal:g}: must be larger than 0")
+    ends = []
+    sign = 1.0 if _goes_down(track, reversal) else -1.0
+    turn = _turning_point(track, sign, 0, reversal)
+    while turn is not None:
+        ends.append(turn)
+        sign = -sign
+        turn = _turning_point(track, sign, turn, reversal)
+    return np.searchsorted(np.array(ends, dtype=np.int64), np.arange(track.size)).astype(np.int64)
+
+
+def _goes_down(track: Floats, reversal: float) -> bool:
+    """Whether the tool gets ``reversal`` below its shallowest point before it gets that far above its deepest."""
+    below = track - np.minimum.accumulate(track) > reversal
+    above = np.maximum.accumulate(track) - track > reversal
+    first_below = int(np.argmax(below)) if below.any() else track.size
+    first_above = int(np.argmax(above)) if above.any() else track.size
+    return first_below <= first_above
+
+
+def _turning_point(track: Floats, sign: float, start: int, reversal: float) -> int | None:
+    """Last index of the maximum of sign * track from which it then falls by more than ``reversal``; None if never."""
+    highest, at, block = -np.inf, start, 1 << 12
+    while start < track.size:
+        part = sign * track[start : start + block]
+        running = np.maximum(np.maximum.accumulate(part), highest)
+        fallen = running - part > reversal
+        stop = int(np.argmax(fallen)) if fallen.any() else part.size
+        if stop and running[stop - 1] >= highest:
+            tops = np.flatnonzero(part[:stop] == running[stop - 1])
+            if tops.size:
+                at = start + int(tops[-1])
+            highest = float(running[stop - 1])
+        if stop < part.size:
+            return at
+        start += part.size
+        block *= 2
+    return None
+
+
+def choose(
+    pass_number: npt.ArrayLike,
+    depth: npt.ArrayLike,
+    passes: Sequence[int] | None = None,
+    *,
+    latest: bool = False,
+    cell: float = 0.5,
+) -> Step:
+    """Choose the passes a wall is built from: merged, or the latest that was there.
+
+    Parameters
+    ----------
+    pass_number, depth
+        Whole numbers and metres, (n,).
+    passes
+        Which to use, earliest first; None: all, by number.
+    latest
+        In each cell of depth keep only the last of ``passes`` that has a sample there. False: keep them all.
+    cell
+        Height of those cells, m: more than the distance between samples of one pass.
+
+    Returns
+    -------
+    Step
+        Reasons ``not chosen`` and ``replaced``.
+
+    Raises
+    ------
+    ValueError
+        If a pass is not among ``pass_number`` or given twice.
+    """
+    number = whole_numbers("pass_number", pass_number)
+    where = finite("depth", column("depth", depth, number.size, "pass_number"))
+    if not cell > 0:
+        raise ValueError(f"cell = {cell:g}: must be larger than 0")
+    known, group = np.unique(number, return_inverse=True)
+    order = known if passes is None else np.array(passes, dtype=np.int64)
+    strange = np.setdiff1d(order, known)
+    if strange.size:
+        raise ValueError(f"passes: {strange[0]} is not among the passes of the samples")
+    if np.unique(order).size != order.size:
+        raise ValueError("passes: must not hold one pass twice")
+    rank_of = np.full(known.size, -1, dtype=np.int64)
+    rank_of[np.searchsorted(known, order)] = np.arange(order.size)
+    rank = rank_of[group]
+    other = rank < 0
+    replaced = np.zeros(number.size, dtype=bool)
+    if latest:
+        rows, row = np.unique(np.floor(where / cell), return_inverse=True)
+        last = np.full(rows.size, -1, dtype=np.int64)
+        np.maximum.at(last, row, rank)
+        replaced = ~other & (rank < last[row])
+    counts = {"not chosen": int(np.count_nonzero(other)), "replaced": int(np.count_nonzero(replaced))}
+    settings = {"passes": order.size, "latest": int(latest), "cell": cell}
+    return Step("passes", settings, other | replaced, counts)
+
+
+def evaluate(wall: Wall, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Floats:
+    """Radius of a wall at any point of it, bilinear in the cell of the helix that holds the point.
+
+    With s = toolface in sectors, s in [0, K), the vertices of one toolface lie at depths start + (s + m K) pitch / K,
+    so the turn of a point is m = (depth - start) / pitch - s / K. Vertices without support, or beyond the ends of the
+    helix, have no weight; the others share it.
+
+    Parameters
+    ----------
+    wall
+        Any wall.
+    depth, toolface
+        Metres and degrees, (n,), finite.
+
+    Returns
+    -------
+    ndarray
+        (n,) m, new; NaN where no vertex of the cell has a radius.
+    """
+    where = finite("depth", column("depth", depth))
+    angle = finite("toolface", column("toolface", toolface, where.size, "depth"))
+    setting, radius = wall.settings, wall.radius
+    if radius.size == 0:
+        return np.full(where.size, np.nan)
+    around = setting.sectors
+    sector = ((angle - setting.start_toolface) % 360.0) * (around / 360.0)
+    turn = (where - wall.depth[0]) / setting.pitch - sector / around
+    low_sector, low_turn = np.floor(sector), np.floor(turn)
+    part_sector, part_turn = sector - low_sector, turn - low_turn
+    corner = np.clip(low_sector + around * low_turn, -2.0 * around, radius.size).astype(np.int64)
+    total, weights = np.zeros(where.size), np.zeros(where.size)
+    for step, weight in (
+        (0, (1 - part_sector) * (1 - part_turn)),
+        (1, part_sector * (1 - part_turn)),
+        (around, (1 - part_sector) * part_turn),
+        (around + 1, part_sector * part_turn),
+    ):
+        vertex = corner + step
+        value = radius[np.clip(vertex, 0, radius.size - 1)]
+        there = (vertex >= 0) & (vertex < radius.size) & np.isfinite(value)
+        total += np.where(there, weight * value, 0.0)
+        weights += np.where(there, weight, 0.0)
+    known = weights > 0
+    result = np.full(where.size, np.nan)
+    result[known] = total[known] / weights[known]
+    return result
+
+
+def difference(before: Wall, after: Wall) -> Floats:
+    """How much larger a wall is than an earlier one: an attribute of the later wall.
+
+    Parameters
+    ----------
+    before, after
+        Walls of one hole; their helices need not agree.
+
+    Returns
+    -------
+    ndarray
+        Radius of ``after`` less radius of ``before`` at every vertex of ``after``, (n,) m; positive where the hole has
+        grown, NaN where either has no support.
+    """
+    return after.radius - evaluate(before, after.depth, after.toolface)

@@ -1,0 +1,1 @@
+"""What a wall is made of: calipers and the helix."""

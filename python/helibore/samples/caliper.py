@@ -1,0 +1,211 @@
+"""Radius samples of a hole, checked: what a wall is rebuilt from.
+
+A sample is (toolface, depth, radius), with a time where the tool kept one. Units are metres and degrees, toolface is
+clockwise looking downhole, and radius is measured from the axis of the hole. A well without an azimuthal caliper has
+samples all the same, of an average caliper or of bit size; `Caliper.basis` says which, and so does all that is made
+from them.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.arrays import Floats, column, sample_columns
+from helibore.base.threads import available_threads
+
+Basis = Literal["azimuthal", "average", "gauge"]
+"""What a wall is made from."""
+
+BASIS_TEXT: dict[Basis, str] = {
+    "azimuthal": "radius measured by an azimuthal caliper",
+    "average": "average caliper: size measured, shape assumed round",
+    "gauge": "gauge hole at bit size: not measured",
+}
+"""The same in words, for files, pictures and summaries."""
+
+LARGEST_RADIUS = 2.0
+ROUND = 16
+"""Samples around the hole that stand for a diameter without a direction."""
+
+
+def check_basis(basis: str) -> None:
+    """Raise a ValueError that lists the words unless ``basis`` is one of them."""
+    if basis not in BASIS_TEXT:
+        raise ValueError(f"basis = {basis!r}: must be one of {', '.join(get_args(Basis))}")
+
+
+class Caliper:
+    """Samples of the radius of a hole, in any order, checked and frozen.
+
+    Parameters
+    ----------
+    depth
+        (n,) measured depth, metres, finite.
+    toolface
+        (n,) degrees clockwise looking downhole, finite; 370 and -350 mean 10.
+    radius
+        (n,) metres from the axis of the hole, above 0 and at most 2: never a diameter, never inches.
+    time
+        (n,) seconds or any other clock, finite; or None. With a time, the order in which samples arrive does not
+        matter, and rows equal in all four columns count once.
+    basis
+        What the radii are: ``"azimuthal"``, measured around the hole; ``"average"`` or ``"gauge"``, as
+        `from_average` and `gauge` make them.
+
+    Raises
+    ------
+    ValueError
+        Naming column, row, value and rule: ``toolface[17] = nan: must be finite``.
+
+    Notes
+    -----
+    The attributes ``depth``, ``toolface``, ``radius`` and ``time`` are read-only float64 arrays. Input that already is
+    contiguous float64 is not copied: do not change it afterwards.
+
+    Examples
+    --------
+    >>> caliper = Caliper(depth=[100.0, 100.1], toolface=[0.0, 90.0], radius=[0.108, 0.109])
+    >>> len(caliper)
+    2
+    """
+
+    __slots__ = ("_basis", "_depth", "_radius", "_time", "_toolface")
+
+    def __init__(
+        self,
+        depth: npt.ArrayLike,
+        toolface: npt.ArrayLike,
+        radius: npt.ArrayLike,
+        time: npt.ArrayLike | None = None,
+        *,
+        basis: Basis = "azimuthal",
+    ) -> None:
+        check_basis(basis)
+        self._basis = basis
+        columns = sample_columns(depth, toolface, radius, time)
+        self._depth, self._toolface, self._radius = (_frozen(values) for values in columns[:3])
+        self._time = None if columns[3] is None else _frozen(columns[3])
+        _core.check_samples(self._depth, self._toolface, self._radius, self._time, available_threads())
+
+    @classmethod
+    def from_average(cls, depth: npt.ArrayLike, diameter: npt.ArrayLike) -> Caliper:
+        """Return samples of a hole whose size is known and whose shape is not: 16 around the hole at each depth.
+
+        Parameters
+        ----------
+        depth
+            (n,) measured depth, metres, finite, in any order.
+        diameter
+            (n,) mean diameter, metres, above 0 and at most 4; NaN where missing: such rows are left out, so a gap
+            longer than the wall's ``max_distance`` stays a gap.
+
+        Raises
+        ------
+        ValueError
+            ``diameter[3] = 8.5: must be above 0 and at most 4 metres``; if all rows are missing.
+
+        Examples
+        --------
+        >>> Caliper.from_average([100.0, 100.1], [0.22, 0.23])
+        Caliper(32 samples, 100 to 100.1 m, average caliper: size measured, shape assumed round)
+        """
+        depths = column("depth", depth)
+        diameters = column("diameter", diameter, depths.size, "depth")
+        wrong = np.flatnonzero(~np.isnan(diameters) & ~((diameters > 0) & (diameters <= 2 * LARGEST_RADIUS)))
+        if wrong.size:
+            size = diameters[wrong[0]]
+            raise ValueError(
+                f"diameter[{wrong[0]}] = {size:g}: must be above 0 and at most {2 * LARGEST_RADIUS:g} metres"
+            )
+        there = ~np.isnan(diameters)
+        if not there.any():
+            raise ValueError(f"diameter: all {diameters.size} are missing")
+        return cls._round(depths[there], diameters[there] / 2, "average")
+
+    @classmethod
+    def gauge(cls, start: float, stop: float, bit_diameter: float, step: float = 0.1) -> Caliper:
+        """Return samples of a hole that nothing measured, at bit size: 16 around it every ``step`` from start to stop.
+
+        Parameters
+        ----------
+        start, stop
+            Measured depths, metres; both ends are sampled.
+        bit_diameter
+            Metres.
+        step
+            Metres between depths, at most.
+
+        Raises
+        ------
+        ValueError
+            ``stop = 10: must be deeper than start = 20``; on sizes that are not above 0.
+
+        Examples
+        --------
+        >>> Caliper.gauge(1000.0, 1000.1, bit_diameter=0.2159)
+        Caliper(32 samples, 1000 to 1000.1 m, gauge hole at bit size: not measured)
+        """
+        for name, value in (("start", start), ("stop", stop)):
+            if not math.isfinite(value):
+                raise ValueError(f"{name} = {value}: must be finite")
+        if not stop > start:
+            raise ValueError(f"stop = {stop:g}: must be deeper than start = {start:g}")
+        if not (math.isfinite(step) and step > 0):
+            raise ValueError(f"step = {step:g}: must be finite and above 0")
+        if not 0 < bit_diameter <= 2 * LARGEST_RADIUS:
+            raise ValueError(
+                f"bit_diameter = {bit_diameter:g}: must be above 0 and at most {2 * LARGEST_RADIUS:g} metres"
+            )
+        depth = np.linspace(start, stop, math.ceil((stop - start) / step - 1e-9) + 1)
+        return cls._round(depth, np.full(depth.size, bit_diameter / 2), "gauge")
+
+    @classmethod
+    def _round(cls, depth: Floats, radius: Floats, basis: Basis) -> Caliper:
+        toolface = np.tile(np.arange(ROUND) * (360.0 / ROUND), depth.size)
+        return cls(np.repeat(depth, ROUND), toolface, np.repeat(radius, ROUND), basis=basis)
+
+    @property
+    def basis(self) -> Basis:
+        """What the radii are: ``"azimuthal"``, ``"average"`` or ``"gauge"``."""
+        return self._basis
+
+    @property
+    def depth(self) -> Floats:
+        """(n,) measured depth, metres; read-only."""
+        return self._depth
+
+    @property
+    def toolface(self) -> Floats:
+        """(n,) degrees, as given; read-only."""
+        return self._toolface
+
+    @property
+    def radius(self) -> Floats:
+        """(n,) metres; read-only."""
+        return self._radius
+
+    @property
+    def time(self) -> Floats | None:
+        """(n,) or None; read-only."""
+        return self._time
+
+    def __len__(self) -> int:
+        return self._depth.size
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Caliper(no samples)"
+        basis = "" if self._basis == "azimuthal" else f", {BASIS_TEXT[self._basis]}"
+        return f"Caliper({len(self)} samples, {self._depth.min():g} to {self._depth.max():g} m{basis})"
+
+
+def _frozen(values: Floats) -> Floats:
+    """A read-only view."""
+    view = values.view()
+    view.setflags(write=False)
+    return view

@@ -1,0 +1,125 @@
+"""The helix of a wall, as surfaces, volumes and images need it: where each vertex lies along and around the hole.
+
+Vertex k has depth start_depth + k pitch/K and toolface (start_toolface + k 360/K) mod 360. Nothing here knows a radius
+or a place in space.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from helibore.base.arrays import Floats, Integers
+from helibore.samples.caliper import Basis
+
+
+class HelixSettings(Protocol):
+    """What a wall must tell about its helix."""
+
+    @property
+    def sectors(self) -> int: ...
+    @property
+    def pitch(self) -> float: ...
+    @property
+    def start_toolface(self) -> float: ...
+
+
+class WallLike(Protocol):
+    """What a surface needs of a wall; `helibore.Wall` is one."""
+
+    @property
+    def settings(self) -> HelixSettings: ...
+    @property
+    def start_depth(self) -> float: ...
+    @property
+    def radius(self) -> Floats: ...
+
+
+class Helix(NamedTuple):
+    """Metres and degrees; ``pitch`` is negative where the helix grows upwards."""
+
+    start_depth: float
+    start_toolface: float
+    pitch: float
+    sectors: int
+
+    def depth(self, k: Integers) -> Floats:
+        """Depth of vertices, metres, with the bits that the wall has."""
+        depth: Floats = self.start_depth + k * self.pitch / self.sectors
+        return depth
+
+    def toolface(self, k: Integers) -> Floats:
+        """Toolface of vertices, degrees in [0, 360); every turn has those of the first."""
+        first = np.mod(self.start_toolface + np.arange(self.sectors) * 360.0 / self.sectors, 360.0)
+        toolface: Floats = first[k % self.sectors]
+        return toolface
+
+    def ends(self, vertices: int) -> tuple[float, float]:
+        """The shallowest and the deepest of so many vertices, metres."""
+        last = self.start_depth + (vertices - 1) * self.pitch / self.sectors
+        return min(self.start_depth, last), max(self.start_depth, last)
+
+    def quads(self, vertices: int) -> int:
+        """The quads that so many vertices have room for."""
+        return max(vertices - self.sectors - 1, 0)
+
+
+def helix_of(wall: WallLike) -> Helix:
+    """Return the helix of a wall; one without a sample starts nowhere yet, and gets depth 0."""
+    settings, start = wall.settings, float(wall.start_depth)
+    return Helix(
+        0.0 if math.isnan(start) else start,
+        float(settings.start_toolface),
+        float(settings.pitch),
+        int(settings.sectors),
+    )
+
+
+def basis_of(wall: WallLike) -> Basis:
+    """Return what a wall is made from; one that does not say is taken to be measured around the hole."""
+    basis: Basis = getattr(wall, "basis", "azimuthal")
+    return basis
+
+
+def vertices_between(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
+    """Return the half-open range of vertices whose depth lies in [start, stop), whichever way the helix grows.
+
+    Raises
+    ------
+    ValueError
+        If an end is not finite, the ends are not in order, or no vertex lies between.
+    """
+    for name, bound in (("start", start), ("stop", stop)):
+        if bound is not None and not math.isfinite(bound):
+            raise ValueError(f"{name} = {bound}: must be finite")
+    if start is not None and stop is not None and start >= stop:
+        raise ValueError(f"stop = {stop:g}: must be greater than start = {start:g}")
+
+    def depth(k: int) -> float:
+        return helix.start_depth + k * helix.pitch / helix.sectors
+
+    if helix.pitch > 0:
+        first = 0 if start is None else bisect_left(range(count), start, key=depth)
+        last = count if stop is None else bisect_left(range(count), stop, key=depth)
+    else:
+        first = 0 if stop is None else bisect_right(range(count), -stop, key=lambda k: -depth(k))
+        last = count if start is None else bisect_right(range(count), -start, key=lambda k: -depth(k))
+    if first >= last and not (start is None and stop is None):
+        reach = f"reaches from {depth(0):g} to {depth(count - 1):g} m" if count else "is empty"
+        raise ValueError(f"start = {start}, stop = {stop}: the wall {reach}, no vertex lies between")
+    return first, last
+
+
+def spread(ranges: Integers) -> Integers:
+    """Return all the numbers in half-open ranges, in order."""
+    return np.concatenate([np.arange(start, stop) for start, stop in ranges] or [np.arange(0)])
+
+
+def numbered(ranges: Sequence[Integers]) -> Integers:
+    """Return the place in ``ranges`` that each of their numbers comes from."""
+    counts = [int((of[:, 1] - of[:, 0]).sum()) for of in ranges]
+    return np.repeat(np.arange(len(counts)), counts)

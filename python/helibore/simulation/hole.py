@@ -1,0 +1,280 @@
+"""A hole that is known: its wall, its gamma and its path are formulas, cheap to evaluate at any point.
+
+The wall has the shapes real holes have::
+
+    r = bit/2 + overgauge + ovality cos 2(toolface - t0) + washouts + breakouts + roughness
+
+around a centre that itself runs on a helix (a spiral hole); seen from the axis, at psi from that centre's direction,
+``R = e cos psi + sqrt(r^2 - e^2 sin^2 psi)``. It is the truth that
+``helibore.simulation.tool`` measures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats
+
+BLOCK = 1 << 15
+"""Points evaluated at once: few enough that every temporary stays in the cache."""
+
+
+@dataclass(frozen=True)
+class Washout:
+    """A stretch [start, stop) (m), its radius up to ``enlargement`` m larger, its wall ``roughness`` times rougher."""
+
+    start: float
+    stop: float
+    enlargement: float
+    roughness: float = 4.0
+
+
+@dataclass(frozen=True)
+class Breakout:
+    """Two opposite lobes over [start, stop) (m), at ``toolface`` and ``toolface + 180``, each ``opening`` wide (deg).
+
+    ``enlargement`` is what the middle of a lobe adds to the radius, in metres; there the wall is ``roughness`` times
+    rougher.
+    """
+
+    start: float
+    stop: float
+    toolface: float
+    opening: float
+    enlargement: float
+    roughness: float = 4.0
+
+
+@dataclass(frozen=True)
+class Bed:
+    """A bed of ``gamma`` (gAPI) that begins where its top crosses the axis at ``depth`` (m).
+
+    The top is a plane; on the image it is the sinusoid ``depth + R tan(dip) cos(toolface - direction)``.
+    ``dip`` is measured from the plane across the hole, ``direction`` is the toolface where the bed is deepest, in deg.
+    """
+
+    depth: float
+    gamma: float
+    dip: float = 0.0
+    direction: float = 0.0
+
+
+@dataclass(frozen=True)
+class Section:
+    """A stretch of ``length`` m of the well path with constant ``build`` and ``turn``, in deg per 30 m."""
+
+    length: float
+    build: float = 0.0
+    turn: float = 0.0
+
+
+@dataclass(frozen=True)
+class Hole:
+    """The truth: the wall, the gamma and the path of a hole between two measured depths.
+
+    Lengths are metres, angles degrees; toolfaces count clockwise looking downhole from the high side.
+
+    Parameters
+    ----------
+    start, stop
+        Measured depths of the interval.
+    bit_diameter, overgauge
+        The bit, and what the hole is larger than it all around (radius).
+    ovality, ovality_toolface
+        Amplitude of the ellipse in radius, and the toolface of its long axis.
+    spiral, spiral_length
+        Radius of the helix on which the centre of a spiral hole runs, and the depth it takes for one turn.
+    rugosity, rugosity_length
+        Root mean square roughness, and its shortest wavelength along the hole (the longest is eight times that).
+    washouts, breakouts, beds
+        See :class:`Washout`, :class:`Breakout`, :class:`Bed`. Beds in order of depth.
+    top_gamma
+        Gamma above the first bed, gAPI.
+    inclination, azimuth, sections
+        The path: its direction at ``start`` and the sections that follow; the last one goes on for ever.
+    seed
+        Chooses the roughness.
+    """
+
+    start: float = 2000.0
+    stop: float = 2050.0
+    bit_diameter: float = 0.216
+    overgauge: float = 0.001
+    ovality: float = 0.0
+    ovality_toolface: float = 0.0
+    spiral: float = 0.0
+    spiral_length: float = 1.0
+    rugosity: float = 0.0
+    rugosity_length: float = 0.4
+    washouts: tuple[Washout, ...] = ()
+    breakouts: tuple[Breakout, ...] = ()
+    beds: tuple[Bed, ...] = ()
+    top_gamma: float = 60.0
+    inclination: float = 25.0
+    azimuth: float = 60.0
+    sections: tuple[Section, ...] = (Section(30.0, build=3.0), Section(15.0), Section(30.0, turn=3.0))
+    seed: int = 0
+    _modes: Floats = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not self.stop > self.start:
+            raise ValueError(f"stop = {self.stop:g}: must be deeper than start = {self.start:g}")
+        if not self.bit_diameter > 0:
+            raise ValueError(f"bit_diameter = {self.bit_diameter:g}: must be larger than 0")
+        if self.rugosity and not self.rugosity_length > 0:
+            raise ValueError(f"rugosity_length = {self.rugosity_length:g}: must be larger than 0")
+        object.__setattr__(self, "_modes", self._roughness_modes())
+
+    @classmethod
+    def example(
+        cls, start: float = 2000.0, stop: float = 2050.0, *, bit_diameter: float = 0.216, seed: int = 0
+    ) -> Hole:
+        """Return a hole with everything in it: oval, spiral, rough, washed out, broken out, in dipping beds.
+
+        The number of zones grows with the interval: about a washout each 20 m, a breakout each 12 m, a bed each 1.6 m.
+        """
+        rng = np.random.default_rng([seed, 1])
+        length = stop - start
+        size = bit_diameter / 0.216
+        return cls(
+            start=start,
+            stop=stop,
+            bit_diameter=bit_diameter,
+            ovality=0.0015 * size,
+            ovality_toolface=float(rng.uniform(0, 180)),
+            spiral=0.0015 * size,
+            spiral_length=1.1,
+            rugosity=0.0006 * size,
+            washouts=tuple(
+                Washout(at, at + rng.uniform(2.0, 4.0), size * rng.uniform(0.012, 0.025))
+                for at in _spread(rng, start, length, 20.0)
+            ),
+            breakouts=tuple(
+                Breakout(at, at + rng.uniform(4.0, 8.0), 92.0 + rng.normal(0, 4.0), rng.uniform(55, 80),
+                         size * rng.uniform(0.014, 0.024))
+                for at in _spread(rng, start, length, 12.0)
+            ),
+            beds=_example_beds(rng, start, length),
+            seed=seed,
+        )  # fmt: skip
+
+    def radius(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Floats:
+        """Return the true radius (m) at measured depths (m) and toolfaces (deg), which broadcast; a new array."""
+        depth, toolface = np.broadcast_arrays(depth, toolface)
+        radius = np.empty(depth.shape)
+        flat = radius.reshape(-1)
+        d, t = depth.reshape(-1), toolface.reshape(-1)
+        for block in _blocks(flat.size):
+            flat[block] = self._radius(d[block].astype(np.float64), t[block].astype(np.float64))
+        return radius
+
+    def gamma(self, depth: npt.ArrayLike, toolface: npt.ArrayLike, resolution: float = 0.15) -> Floats:
+        """Return the gamma (gAPI) at measured depths (m) and toolfaces (deg), which broadcast; a new array.
+
+        Beds change over about ``resolution`` metres, as a tool of that length sees them.
+        """
+        depth, toolface = np.broadcast_arrays(depth, toolface)
+        gamma = np.full(depth.shape, self.top_gamma)
+        above = self.top_gamma
+        for bed in self.beds:
+            reach = 0.5 * self.bit_diameter * np.tan(np.radians(bed.dip))
+            top = bed.depth + reach * np.cos(np.radians(toolface - bed.direction))
+            gamma += (bed.gamma - above) * _step((depth - top) / resolution + 0.5)
+            above = bed.gamma
+        return gamma
+
+    def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
+        """Return the survey, from ``margin`` m above to below: depth (m), inclination and azimuth (deg)."""
+        depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
+        along = np.maximum(depth - self.start, 0.0)
+        inclination = np.full(depth.size, self.inclination)
+        azimuth = np.full(depth.size, self.azimuth)
+        for index, section in enumerate(self.sections):
+            last = index == len(self.sections) - 1
+            part = along if last else np.minimum(along, section.length)
+            inclination += part * section.build / 30.0
+            azimuth += part * section.turn / 30.0
+            along = along - part
+        return depth, np.clip(inclination, 0.0, 180.0), azimuth % 360.0
+
+    def _radius(self, depth: Floats, toolface: Floats) -> Floats:
+        phi = np.radians(toolface)
+        radius = np.full(depth.size, 0.5 * self.bit_diameter + self.overgauge)
+        if self.ovality:
+            radius += self.ovality * np.cos(2.0 * (phi - np.radians(self.ovality_toolface)))
+        rough = np.zeros(depth.size)
+        for around, along, phase, amplitude in self._modes:
+            rough += amplitude * np.cos(around * phi + along * depth + phase)
+        low, high = (depth.min(), depth.max()) if depth.size else (0.0, 0.0)
+        rougher = np.ones(depth.size)
+        for washout in self.washouts:
+            if washout.start < high and low < washout.stop:
+                share = _taper(depth, washout.start, washout.stop)
+                radius += washout.enlargement * share
+                rougher = np.maximum(rougher, 1.0 + (washout.roughness - 1.0) * share)
+        for breakout in self.breakouts:
+            if breakout.start < high and low < breakout.stop:
+                share = _taper(depth, breakout.start, breakout.stop) * _lobes(toolface, breakout)
+                radius += breakout.enlargement * share
+                rougher = np.maximum(rougher, 1.0 + (breakout.roughness - 1.0) * share)
+        radius += rougher * rough
+        if self.spiral:
+            psi = phi - 2.0 * np.pi / self.spiral_length * depth
+            radius = self.spiral * np.cos(psi) + np.sqrt(radius**2 - (self.spiral * np.sin(psi)) ** 2)
+        return radius
+
+    def _roughness_modes(self) -> Floats:
+        """Rows (periods around, radians a metre along, phase, amplitude) of the waves whose sum is the roughness."""
+        if not self.rugosity:
+            return np.empty((0, 4))
+        rng = np.random.default_rng([self.seed, 2])
+        count = 14
+        around = rng.integers(-8, 9, count)
+        length = self.rugosity_length * 8.0 ** rng.random(count)
+        amplitude = np.full(count, self.rugosity * np.sqrt(2.0 / count))
+        return np.column_stack([around, 2.0 * np.pi / length, 2.0 * np.pi * rng.random(count), amplitude])
+
+
+def _blocks(size: int) -> Iterator[slice]:
+    return (slice(start, min(start + BLOCK, size)) for start in range(0, size, BLOCK))
+
+
+def _step(x: Floats) -> Floats:
+    """0 below 0, 1 above 1, smooth between."""
+    x = np.clip(x, 0.0, 1.0)
+    smooth: Floats = x * x * (3.0 - 2.0 * x)
+    return smooth
+
+
+def _taper(depth: Floats, start: float, stop: float) -> Floats:
+    """0 outside [start, stop), 1 in its middle half, smooth between."""
+    edge = 0.25 * (stop - start)
+    return _step(np.minimum(depth - start, stop - depth) / edge)
+
+
+def _lobes(toolface: Floats, breakout: Breakout) -> Floats:
+    """1 on the axis of the breakout, on both sides of the hole; 0 from half an opening away."""
+    off = (toolface - breakout.toolface + 90.0) % 180.0 - 90.0
+    lobes: Floats = np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
+    return lobes
+
+
+def _spread(rng: np.random.Generator, start: float, length: float, spacing: float) -> list[float]:
+    """One depth in each ``spacing`` metres, at random, none in the last tenth of the interval."""
+    count = max(1, round(length / spacing))
+    return [start + 0.9 * length * (index + rng.uniform(0.1, 0.7)) / count for index in range(count)]
+
+
+def _example_beds(rng: np.random.Generator, start: float, length: float) -> tuple[Bed, ...]:
+    """Sand and shale in turn, thick and thin, dipping steeply to the hole, with a slow change of dip and direction."""
+    depths = _spread(rng, start, length, 1.6)
+    count = len(depths)
+    dip = np.linspace(70.0, 80.0, count)
+    direction = np.linspace(215.0, 150.0, count) + rng.normal(0, 5.0, count)
+    shale = rng.random(count) < np.where(np.arange(count) % 2, 0.85, 0.15)
+    gamma = np.where(shale, rng.uniform(85, 140, count), rng.uniform(20, 60, count))
+    return tuple(Bed(*bed) for bed in zip(depths, gamma.tolist(), dip.tolist(), direction.tolist(), strict=True))

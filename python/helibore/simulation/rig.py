@@ -1,0 +1,247 @@
+"""Plays a rig over WITS: a simulated tool in a known hole, behind a telemetry that is slow, late and loses things.
+
+    mud pulse   1 triple in 2 s          EM     5 triples/s
+    wired pipe  900 triples/s            memory 3,000 triples/s recorded, played as fast as asked
+
+The rig sends bit and hole depth, rotation and activity once a second of drilling time, survey stations when the bit
+has passed them, gamma rows, and frames of up to 30 triples (toolface, depth, radius: items 5010 to 5099).
+Everything is seeded; ``triples`` holds the samples that were sent. Not here: the listening side (``server.py``).
+"""
+
+from __future__ import annotations
+
+import socket
+import time
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.live import wits
+from helibore.simulation.tool import Hole, Lift, Simulation, Tool, simulate
+
+TELEMETRY = {
+    "mud-pulse": (0.5, 1, 20.0),
+    "em": (5.0, 1, 2.0),
+    "wired-pipe": (900.0, 30, 0.0),
+    "memory": (3000.0, 30, 0.0),
+}
+"""Triples a second, triples a frame, and seconds between measurement and arrival, of each telemetry."""
+
+BIT_DIAMETER = 0.216
+"""Of every rig, metres."""
+
+CONFIGURATION = """\
+[wall]
+bit_diameter = {bit_diameter}
+start_depth = {start}
+
+[source.rig]
+address = "{address}"
+units = "metric"
+items = {{ bit_depth = "0108", hole_depth = "0110", rotation = "0120", activity = "0107" }}
+caliper = {{ first = "5010", groups = {groups}, order = ["toolface", "depth", "radius"] }}
+survey = {{}}
+image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin = "edge", reference = "high-side" }}
+"""
+
+
+def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
+    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, at once: no rig is simulated for it.
+
+    Raises
+    ------
+    ValueError
+        If there is no such telemetry.
+    """
+    _, groups, _ = _usual(telemetry)
+    return CONFIGURATION.format(address=address, bit_diameter=BIT_DIAMETER, start=start, groups=groups)
+
+
+def _usual(telemetry: str) -> tuple[float, int, float]:
+    if telemetry not in TELEMETRY:
+        raise ValueError(f"telemetry '{telemetry}': must be one of {', '.join(TELEMETRY)}")
+    return TELEMETRY[telemetry]
+
+
+@dataclass(frozen=True)
+class Faults:
+    """What goes wrong on the way: the share of caliper frames that is dropped, sent twice, or sent late."""
+
+    dropped: float = 0.0
+    doubled: float = 0.0
+    late: float = 0.0
+
+    def __post_init__(self) -> None:
+        for name in ("dropped", "doubled", "late"):
+            if not 0 <= getattr(self, name) < 1:
+                raise ValueError(f"{name} = {getattr(self, name):g}: must be in [0, 1)")
+
+
+class Rig:
+    """A rig that drills a known hole and reports it.
+
+    Parameters
+    ----------
+    telemetry
+        A name in TELEMETRY.
+    start, stop
+        Depth drilled, metres.
+    lift
+        Metres the tool is lifted half way, to scan them again (0: not); or where it is lifted, and how far.
+    faults, seed
+        What goes wrong, and the seed of everything.
+    rate
+        Triples a second of drilling time; None: the telemetry's.
+
+    Attributes
+    ----------
+    triples
+        (n, 3) toolface deg, depth m, radius m of every triple sent at least once, to the digits sent.
+    """
+
+    def __init__(
+        self, telemetry: str = "wired-pipe", start: float = 2000.0, stop: float = 2010.0,
+        lift: float | tuple[Lift, ...] = 2.0,
+        faults: Faults | None = None, seed: int = 0, rate: float | None = None,
+    ) -> None:  # fmt: skip
+        usual, self.groups, self.latency = _usual(telemetry)
+        self._telemetry, self._start = telemetry, start
+        self._draw = np.random.default_rng([seed, 11])
+        half_way = start + (stop - start) / 2
+        lifts = lift if isinstance(lift, tuple) else (Lift(half_way, lift),) if lift else ()
+        tool = Tool(sample_rate=rate or usual, lifts=lifts)
+        self.run = simulate(Hole.example(start, stop, bit_diameter=BIT_DIAMETER, seed=seed), tool, seed=seed)
+        self._rows = self._written(self.run)
+        self.triples, self._order = self._in_order(faults or Faults())
+
+    def frames(self) -> Iterator[tuple[float, bytes]]:
+        """Yield (drilling time s, frame) in the order they are sent; those of calipers are written when asked for."""
+        for at, frame in self._order:
+            yield at, frame if isinstance(frame, bytes) else self._caliper(frame)
+
+    def configuration(self, address: str) -> str:
+        """Return the TOML that reads this rig."""
+        return configuration(address, self._telemetry, self._start)
+
+    @staticmethod
+    def _written(run: Simulation) -> Floats:
+        """The triples as the wire carries them: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm."""
+        toolface, radius = np.round(run.toolface, 2) % 360.0, np.round(run.radius * 1e3, 2) * 1e-3
+        return np.column_stack([toolface, np.round(run.depth, 4), radius])
+
+    def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
+        """Return the triples that are sent, and each frame at its drilling time; of a caliper frame its number."""
+        rows = self._rows
+        sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._surveys(), *self._gamma()]
+        kept = np.ones(len(rows), bool)
+        starts = range(0, len(rows), self.groups)
+        chance = self._draw.random((len(starts), 3))
+        for number, first in enumerate(starts):
+            at = float(self.run.time[min(first + self.groups, len(rows)) - 1]) + self.latency
+            if chance[number, 0] < faults.dropped:
+                kept[first : first + self.groups] = False
+                continue
+            at += 5.0 if chance[number, 1] < faults.late else 0.0
+            sent.append((at, number))
+            if chance[number, 2] < faults.doubled:
+                sent.append((at + 0.5, number))
+        return rows[kept], sorted(sent, key=lambda entry: entry[0])
+
+    def _caliper(self, number: int) -> bytes:
+        group = self._rows[number * self.groups : (number + 1) * self.groups]
+        items = [(5004, str(number))]
+        for place, (toolface, depth, radius) in enumerate(group.tolist()):
+            first = 5010 + 3 * place
+            items += [(first, f"{toolface:.2f}"), (first + 1, f"{depth:.4f}"), (first + 2, f"{radius * 1e3:.2f}")]
+        return wits.frame(items)
+
+    def _surface(self) -> Iterator[tuple[float, bytes]]:
+        seconds = np.arange(0.0, float(self.run.time[-1]) + 1.0)
+        bit = np.interp(seconds, self.run.time, self.run.depth)
+        deepest = np.maximum.accumulate(bit)
+        for number, second in enumerate(seconds.tolist()):
+            depth, hole = float(bit[number]), float(deepest[number])
+            yield second, wits.frame([(104, str(number)), (107, "2"), (108, f"{depth:.3f}"), (110, f"{hole:.3f}"),
+                                      (113, "20.00"), (120, "117"), (121, "15000")])  # fmt: skip
+
+    def _surveys(self) -> Iterator[tuple[float, bytes]]:
+        run = self.run
+        stations = zip(run.station_depth.tolist(), run.inclination.tolist(), run.azimuth.tolist(), strict=True)
+        for number, (depth, inclination, azimuth) in enumerate(stations):
+            at = float(run.time[min(int(np.searchsorted(np.maximum.accumulate(run.depth), depth)), len(run.time) - 1)])
+            yield at + self.latency, wits.frame([(704, str(number)), (708, f"{depth:.2f}"), (713, f"{inclination:.4f}"),
+                                                 (715, f"{azimuth:.4f}")])  # fmt: skip
+
+    def _gamma(self) -> Iterator[tuple[float, bytes]]:
+        run = self.run
+        deepest = np.maximum.accumulate(run.depth)
+        for depth, row in zip(run.gamma_depth.tolist(), run.gamma.tolist(), strict=True):
+            at = float(run.time[min(int(np.searchsorted(deepest, depth)), len(run.time) - 1)])
+            items = [(821, f"{depth:.2f}"), *((5110 + j, f"{value:.1f}") for j, value in enumerate(row))]
+            yield at + self.latency, wits.frame(items)
+
+
+def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
+    """Send a rig's frames, ``speed`` times as fast as it drilled (0: as fast as they are taken); returns the bytes."""
+    begin, sent, held = time.monotonic(), 0, bytearray()
+    first = None
+
+    def flush() -> None:
+        nonlocal sent
+        link.sendall(held)
+        sent += len(held)
+        held.clear()
+
+    for at, frame in rig.frames():
+        first = at if first is None else first
+        wait = (at - first) / speed - (time.monotonic() - begin) if speed else 0.0
+        if wait > 0 or len(held) + len(frame) > packet:
+            flush()
+        if wait > 0:
+            time.sleep(wait)
+        held += frame
+    flush()
+    return sent
+
+
+def scheme_of(address: str) -> str:
+    """Return ``tcp`` or ``listen``.
+
+    Raises
+    ------
+    ValueError
+        If the address is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``.
+    """
+    scheme, _, rest = address.partition("://")
+    host, _, port = rest.rpartition(":")
+    if scheme not in ("tcp", "listen") or not host or not port.isdigit():
+        raise ValueError(f"address '{address}': must be tcp://HOST:PORT or listen://HOST:PORT")
+    return scheme
+
+
+def connect(address: str, seconds: float = 30.0) -> socket.socket:
+    """Return a link: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
+
+    Raises
+    ------
+    ValueError
+        If the address is neither.
+    OSError
+        If no link came within ``seconds``.
+    """
+    scheme = scheme_of(address)
+    host, _, port = address.removeprefix(f"{scheme}://").rpartition(":")
+    if scheme == "listen":
+        with socket.create_server((host, int(port))) as listening:
+            listening.settimeout(seconds)
+            return listening.accept()[0]
+    end = time.monotonic() + seconds
+    while True:
+        try:
+            return socket.create_connection((host, int(port)), timeout=seconds)
+        except ConnectionRefusedError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.2)

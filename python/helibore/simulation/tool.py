@@ -1,0 +1,211 @@
+"""An imaging-while-drilling tool in a known hole: samples, survey and gamma image whose truth can be asked anywhere.
+
+A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan a stretch again, and adds noise;
+:func:`simulate` runs it through a :class:`~helibore.simulation.hole.Hole`::
+
+    speed of turning  = rotation (1 + stick_slip cos(2 pi t / period + phase) + a slow wander)
+    speed of advance  = advance (1 + swings of 8 s, 47 s and 391 s)
+
+Everything is seeded: the same arguments give the same bits. Not here: telemetry and its losses (``helibore.live``),
+tools off the axis, and any file format.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.simulation.hole import Bed, Breakout, Hole, Section, Washout
+
+__all__ = ["Bed", "Breakout", "Hole", "Lift", "Section", "Simulation", "Tool", "Washout", "simulate"]
+
+
+@dataclass(frozen=True)
+class Lift:
+    """At bit depth ``depth`` the tool is raised by ``length`` and scans those metres again on its way down, in m."""
+
+    depth: float
+    length: float
+
+
+@dataclass(frozen=True)
+class Tool:
+    """How the hole is measured.
+
+    Parameters
+    ----------
+    rotation, stick_slip, stick_slip_period
+        Mean speed in turns a minute; how far it swings about that mean, relative (1: the string stops once a period);
+        and the period in seconds.
+    advance, advance_variation
+        Mean rate of penetration in metres an hour, and how far it varies, relative, less than 1.
+    sample_rate
+        Samples a second.
+    noise, toolface_noise
+        Standard deviation of the radius (m) and of the toolface (deg).
+    missing
+        Share of the samples that never arrive, [0, 1).
+    lifts
+        In order of depth; see :class:`Lift`.
+    sectors, image_step, gamma_noise
+        Of the gamma image: sectors a turn, metres a row, standard deviation in gAPI.
+    """
+
+    rotation: float = 117.0
+    stick_slip: float = 0.7
+    stick_slip_period: float = 3.7
+    advance: float = 20.0
+    advance_variation: float = 0.6
+    sample_rate: float = 20.0
+    noise: float = 0.0005
+    toolface_noise: float = 0.0
+    missing: float = 0.0
+    lifts: tuple[Lift, ...] = ()
+    sectors: int = 16
+    image_step: float = 0.1
+    gamma_noise: float = 2.0
+
+    def __post_init__(self) -> None:
+        for name in ("rotation", "stick_slip_period", "advance", "sample_rate", "image_step"):
+            if not getattr(self, name) > 0:
+                raise ValueError(f"{name} = {getattr(self, name):g}: must be larger than 0")
+        for name in ("stick_slip", "noise", "toolface_noise", "gamma_noise"):
+            if not getattr(self, name) >= 0:
+                raise ValueError(f"{name} = {getattr(self, name):g}: must not be negative")
+        for name in ("advance_variation", "missing"):
+            if not 0 <= getattr(self, name) < 1:
+                raise ValueError(f"{name} = {getattr(self, name):g}: must be in [0, 1)")
+        if self.sectors < 1:
+            raise ValueError(f"sectors = {self.sectors}: must be at least 1")
+
+
+@dataclass(frozen=True)
+class Simulation:
+    """What the tool reports, in the order it was measured, and the hole it was in.
+
+    Attributes
+    ----------
+    time, depth, toolface, radius
+        The samples, (n,) float64: seconds from the start, metres, degrees in [0, 360), metres.
+    station_depth, inclination, azimuth
+        The survey, metres and degrees.
+    gamma_depth, gamma
+        The gamma image: rows (r,) in metres, values (r, sectors) in gAPI. Sector j spans the toolfaces
+        [j, j + 1) 360 / sectors: the first one starts at the high side.
+    hole, tool
+        The truth (``hole.radius(depth, toolface)``) and the tool.
+    """
+
+    time: Floats
+    depth: Floats
+    toolface: Floats
+    radius: Floats
+    station_depth: Floats
+    inclination: Floats
+    azimuth: Floats
+    gamma_depth: Floats
+    gamma: Floats
+    hole: Hole
+    tool: Tool
+
+
+def simulate(
+    hole: Hole | None = None, tool: Tool | None = None, *, samples: int | None = None, seed: int = 0
+) -> Simulation:
+    """Measure a known hole with an imaging-while-drilling tool.
+
+    Parameters
+    ----------
+    hole, tool
+        ``Hole.example(seed=seed)`` and ``Tool()`` when not given.
+    samples
+        How many samples to take over the whole run, before ``tool.missing`` takes its share; sets the sample rate.
+        At least 2. None: as many as ``tool.sample_rate`` gives.
+    seed
+        Of phases, noise and missing samples (and of the hole, when none is given).
+
+    Returns
+    -------
+    Simulation
+        The first sample lies at ``hole.start`` and the last at ``hole.stop``. Ten million samples take some seconds.
+
+    Raises
+    ------
+    ValueError
+        If there are fewer than 2 samples, or a lift leaves the hole or the order of depth.
+    """
+    hole = Hole.example(seed=seed) if hole is None else hole
+    tool = Tool() if tool is None else tool
+    _check_lifts(hole, tool)
+    travel = hole.stop - hole.start + sum(lift.length for lift in tool.lifts)
+    duration = travel / (tool.advance / 3600.0)
+    count = int(duration * tool.sample_rate) + 1 if samples is None else samples
+    if count < 2:
+        raise ValueError(f"samples = {count}: must be at least 2")
+
+    rng = np.random.default_rng([seed, 3])
+    time = np.linspace(0.0, duration, count)
+    toolface = _rotate(tool, time, rng)
+    depth = hole.start + travel * _progress(tool, time, rng)
+    time, depth = _lift(hole, tool, time, depth)
+    if tool.missing:
+        kept = rng.random(count) >= tool.missing
+        time, depth, toolface = time[kept], depth[kept], toolface[kept]
+    radius = hole.radius(depth, toolface)
+    if tool.noise:
+        radius += rng.normal(0.0, tool.noise, radius.size)
+    if tool.toolface_noise:
+        toolface = (toolface + rng.normal(0.0, tool.toolface_noise, toolface.size)) % 360.0
+
+    rows = np.arange(hole.start, hole.stop + 0.5 * tool.image_step, tool.image_step)
+    centres = (np.arange(tool.sectors) + 0.5) * (360.0 / tool.sectors)
+    gamma = hole.gamma(rows[:, None], centres[None, :])
+    gamma = np.maximum(gamma + rng.normal(0.0, tool.gamma_noise, gamma.shape), 0.0)
+    return Simulation(time, depth, toolface, radius, *hole.stations(), rows, gamma, hole, tool)
+
+
+def _check_lifts(hole: Hole, tool: Tool) -> None:
+    deepest = hole.start
+    for index, lift in enumerate(tool.lifts):
+        if not (deepest <= lift.depth <= hole.stop):
+            raise ValueError(f"lifts[{index}].depth = {lift.depth:g}: must be in [{deepest:g}, {hole.stop:g}]")
+        if not (0 < lift.length <= lift.depth - hole.start):
+            raise ValueError(
+                f"lifts[{index}].length = {lift.length:g}: must be larger than 0 and stay below {hole.start:g}"
+            )
+        deepest = lift.depth
+
+
+def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
+    """Toolface over time: the integral of a speed that swings (stick-slip) and wanders by 4 % over a minute."""
+    start, fast, slow = rng.random(3)
+    turns = time + start
+    for amplitude, period, phase in ((tool.stick_slip, tool.stick_slip_period, fast), (0.04, 61.8, slow)):
+        turns += amplitude * period / (2.0 * np.pi) * np.sin(2.0 * np.pi * (time / period + phase))
+    turns *= tool.rotation / 60.0
+    turns -= np.floor(turns)
+    turns *= 360.0
+    return np.where(turns < 360.0, turns, 0.0)
+
+
+def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
+    """Share of the travel over time, from 0 to 1 and never falling: the swings of its speed add up to less than 1."""
+    progress = time.copy()
+    for share, period in ((0.5, 8.3), (0.3, 47.0), (0.2, 391.0)):
+        swing = share * tool.advance_variation * period / (2.0 * np.pi)
+        progress += swing * np.sin(2.0 * np.pi * (time / period + rng.random()))
+    progress -= progress[0]
+    progress /= progress[-1]
+    return progress
+
+
+def _lift(hole: Hole, tool: Tool, time: Floats, depth: Floats) -> tuple[Floats, Floats]:
+    """Fold the travel at each lift: below it the depth steps back, and the raising itself takes time but no samples."""
+    raising_speed = 0.2  # m/s
+    for lift in tool.lifts:
+        first = int(np.argmax(depth > lift.depth))
+        depth[first:] -= lift.length
+        time[first:] += lift.length / raising_speed
+    return time, np.clip(depth, hole.start, hole.stop)

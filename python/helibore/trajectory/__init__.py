@@ -1,0 +1,1 @@
+"""Where the hole goes: surveys, paths, and what toolfaces are measured from."""

@@ -1,0 +1,252 @@
+"""Where the hole goes: a survey's stations, and the path through them.
+
+    survey = hb.Survey(depth, inclination, azimuth)       # metres, degrees, degrees
+    path = survey.path(extend=20.0)
+    path.position(depths)                                 # (n, 3): north, east, down
+
+Positions and frames between stations follow the method's own curve. Corrections of a survey (grid convergence,
+declination, sag) and its uncertainty are not made here.
+"""
+
+from __future__ import annotations
+
+from typing import Literal
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.arrays import Floats, column
+
+Method = Literal["minimum-curvature", "radius-of-curvature"]
+Reference = Literal["high-side", "north", "carried"]
+
+
+class Survey:
+    """Survey stations, shallowest first. Frozen: the arrays are read-only copies.
+
+    Parameters
+    ----------
+    depth
+        Depth along the hole of each station, metres, growing. Two stations or more.
+    inclination
+        Degrees from straight down, 0 to 180.
+    azimuth
+        Degrees from north, clockwise seen from above, -360 to 360. Has no say at inclination 0, except that the
+        radius-of-curvature method turns evenly from the azimuth given there, as published software does.
+
+    Raises
+    ------
+    ValueError
+        Naming the first value that breaks a rule: ``depth[3] = 120: must be greater than depth[2] = 130``.
+    """
+
+    def __init__(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> None:
+        self._depth = _frozen(column("depth", depth))
+        self._inclination = _frozen(column("inclination", inclination, self._depth.size, "depth"))
+        self._azimuth = _frozen(column("azimuth", azimuth, self._depth.size, "depth"))
+        self._core = _core.Survey(self._depth, self._inclination, self._azimuth)
+
+    @property
+    def depth(self) -> Floats:
+        """Depth of each station, metres, (n,) float64, read-only."""
+        return self._depth
+
+    @property
+    def inclination(self) -> Floats:
+        """Inclination of each station, degrees, (n,) float64, read-only."""
+        return self._inclination
+
+    @property
+    def azimuth(self) -> Floats:
+        """Azimuth of each station as given, degrees, (n,) float64, read-only."""
+        return self._azimuth
+
+    def __len__(self) -> int:
+        return self._depth.size
+
+    def __repr__(self) -> str:
+        return f"Survey({len(self)} stations, {self._depth[0]:g} to {self._depth[-1]:g} m)"
+
+    def dogleg(self) -> Floats:
+        """Angle between the directions of each two neighbouring stations, degrees, (n - 1,) float64."""
+        return self._core.dogleg()
+
+    def path(
+        self,
+        method: Method = "minimum-curvature",
+        reference: Reference = "high-side",
+        head: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        extend: float = 0.0,
+    ) -> Path:
+        """Return the path through the stations.
+
+        A longer survey of the same hole gives a path with the same bits down to the last station of the shorter one.
+
+        Parameters
+        ----------
+        method
+            ``"minimum-curvature"``: circular arcs between stations. ``"radius-of-curvature"``: curves on upright
+            cylinders, inclination linear in depth and azimuth linear in the horizontal distance covered.
+        reference
+            What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical), ``"north"`` (undefined
+            where it runs level north or south) or ``"carried"``: north at the first station (its high side, where that
+            lies within 45 degrees of level north or south), carried down the hole without twisting about it. It is
+            defined everywhere; `helibore.trajectory.references` turns samples into it.
+        head
+            North, east and down of the first station, metres. A map position (UTM) goes here.
+        extend
+            Metres the path goes straight on below the last station. Provisional: the next station replaces it.
+
+        Raises
+        ------
+        ValueError
+            On an unknown method or reference, a head or extend that is not finite, extend < 0, or two neighbouring
+            stations that point opposite ways (minimum curvature).
+
+        Notes
+        -----
+        Minimum curvature: Sawaryn and Thorogood, SPE 84246. Radius of curvature: the classic quotients, written without
+        their divisions by differences of angles.
+        """
+        return Path(self, method, reference, head, extend)
+
+
+class Path:
+    """A path through a survey's stations; made by `Survey.path`. Never changes."""
+
+    def __init__(
+        self, survey: Survey, method: Method, reference: Reference, head: tuple[float, float, float], extend: float
+    ) -> None:
+        north, east, down = head
+        self._head = (float(north), float(east), float(down))
+        self._extend = float(extend)
+        self._survey, self._method, self._reference = survey, method, reference
+        self._core = _core.Path(survey._core, method, reference, self._head, self._extend)
+
+    @property
+    def survey(self) -> Survey:
+        """The survey the path goes through."""
+        return self._survey
+
+    @property
+    def method(self) -> Method:
+        """The name of the method."""
+        return self._method
+
+    @property
+    def reference(self) -> Reference:
+        """What toolface 0 points to."""
+        return self._reference
+
+    @property
+    def head(self) -> tuple[float, float, float]:
+        """North, east and down of the first station, metres."""
+        return self._head
+
+    @property
+    def extend(self) -> float:
+        """Metres the path goes straight on below the last station."""
+        return self._extend
+
+    @property
+    def start_depth(self) -> float:
+        """Depth of the first station, metres: the path starts here."""
+        return self._core.start_depth
+
+    @property
+    def survey_depth(self) -> float:
+        """Depth of the last station, metres: the path below it is provisional."""
+        return self._core.survey_depth
+
+    @property
+    def stop_depth(self) -> float:
+        """Depth the path ends at, metres: the last station plus ``extend``."""
+        return self._core.stop_depth
+
+    def __repr__(self) -> str:
+        return f"Path({self._method}, {self._reference}, {self.start_depth:g} to {self.stop_depth:g} m)"
+
+    def position(self, depth: npt.ArrayLike) -> Floats:
+        """North, east and down at each depth, metres.
+
+        Parameters
+        ----------
+        depth
+            Depths in metres, in any order, from the first station to the last plus ``extend``: an array, or one number.
+
+        Returns
+        -------
+        (n, 3) float64, owned; (3,) for one number.
+
+        Raises
+        ------
+        ValueError
+            Naming the first depth the path does not reach, and where it ends.
+        """
+        return _shaped(self._core.position(_depths(depth)), depth)
+
+    def tangent(self, depth: npt.ArrayLike) -> Floats:
+        """Unit vector downhole at each depth: (n, 3) float64 (north, east, down), or (3,); errors as `position`."""
+        return _shaped(self._core.tangent(_depths(depth)), depth)
+
+    def frame(self, depth: npt.ArrayLike) -> Floats:
+        """Return the directions of toolface 0, toolface 90 and downhole at each depth.
+
+        Returns
+        -------
+        (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, north, or
+        carried), right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of the wall is
+        ``position + radius * (cos(toolface) * row 0 + sin(toolface) * row 1)``.
+
+        Raises
+        ------
+        ValueError
+            As `position`, and where the reference is undefined: the high side within 0.00006 degrees of vertical, north
+            within the same of level north or south.
+        """
+        return _shaped(self._core.frame(_depths(depth)), depth)
+
+    def north_to_high_side(self, depth: npt.ArrayLike) -> Floats:
+        """Degrees to add to a toolface measured from north to get it from the high side, in [0, 360).
+
+        ``atan2(-sin A, cos I cos A)``, exact; the usual "subtract the azimuth" is 6.9 degrees off at I = 48, A = 248.
+
+        Returns
+        -------
+        (n,) float64; shape () for one number.
+
+        Raises
+        ------
+        ValueError
+            As `position`, and where the hole is vertical.
+        """
+        return _shaped(self._core.north_to_high_side(_depths(depth)), depth)
+
+
+def _frozen(values: Floats) -> Floats:
+    copy = values.copy()
+    copy.flags.writeable = False
+    return copy
+
+
+def _depths(depth: npt.ArrayLike) -> Floats:
+    return column("depth", [depth] if np.ndim(depth) == 0 else depth)  # type: ignore[arg-type]
+
+
+def _shaped(rows: Floats, depth: npt.ArrayLike) -> Floats:
+    return rows.reshape(rows.shape[1:]) if np.ndim(depth) == 0 else rows
+
+
+def checked_path(path: Path | None) -> Path | None:
+    """Return what a wall follows, a `Path` or None, or say how a survey becomes one."""
+    if path is None or isinstance(path, Path):
+        return path
+    how = ": survey.path() is one" if isinstance(path, Survey) else ""
+    raise ValueError(f"path: must be a Path or None, not {type(path).__name__}{how}")
+
+
+def core_path(path: Path | None) -> _core.Path:
+    """Return the path as the core knows it; None: straight down from (0, 0, 0), toolface 0 to the north."""
+    path = checked_path(path)
+    return _core.Path() if path is None else path._core

@@ -1,0 +1,1 @@
+"""The wall of a hole, its archive, and values interpolated with its samples."""

@@ -1,0 +1,54 @@
+"""Scattered attributes: values measured with the samples, carried to the wall by the weights of its radius.
+
+    gamma on the wall:   sum(w v) / sum(w)   over the neighbours of each vertex that have a value
+
+The same neighbours and weights as the radius (Energies 2021, 14, 291); images of sectors are `SectorImage`'s.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.angles import wrapped
+from helibore.base.arrays import Floats, Integers, column
+
+if TYPE_CHECKING:
+    from helibore.samples.caliper import Caliper
+    from helibore.wall.wall import Wall
+
+
+def canonical_order(caliper: Caliper) -> Integers:
+    """(m,) the rows of ``caliper`` in the order of `Wall.samples`: equal timed rows once, the first of them."""
+    if caliper.time is None:
+        return np.argsort(caliper.depth, kind="stable")
+    columns = (caliper.depth, caliper.time, wrapped(caliper.toolface), caliper.radius)
+    order = np.lexsort(columns[::-1])
+    same = np.ones(order.size, dtype=bool)
+    same[:1] = False
+    for values in columns:
+        same[1:] &= values[order[1:]] == values[order[:-1]]
+    return order[~same]
+
+
+def in_canonical_order(wall: Wall, values: npt.ArrayLike, caliper: Caliper | None) -> Floats:
+    """``values`` as one a sample of the wall; ValueError if they, or ``caliper``, do not fit it."""
+    if caliper is None:
+        return column("values", values, wall.sample_count, "the wall")
+    array = column("values", values, len(caliper), "caliper")
+    order, samples = canonical_order(caliper), wall.samples
+    if not np.array_equal(caliper.depth[order], samples.depth) or not np.array_equal(
+        caliper.radius[order], samples.radius
+    ):
+        raise ValueError("caliper: must hold the samples of the wall, in the order they were appended")
+    return array[order]
+
+
+def on_quads(values: Floats, sectors: int) -> Floats:
+    """(q,) mean of the four corners of each quad (k, k+1, k+1+K, k+K); NaN where a corner has none."""
+    count = max(values.size - sectors - 1, 0)
+    corners = [values[first : first + count] for first in (0, 1, sectors + 1, sectors)]
+    mean: Floats = (corners[0] + corners[1] + corners[2] + corners[3]) / 4
+    return mean

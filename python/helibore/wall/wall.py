@@ -1,0 +1,376 @@
+"""The wall: radius at every vertex of a uniform helix, batch or live.
+
+    wall = hb.reconstruct(caliper, bit_diameter=0.216)     # an empty Wall and one append
+    change = wall.append(depth, toolface, radius)          # more samples, anywhere in the hole
+
+Vertex k lies at toolface (start_toolface + k 360/K) mod 360 and depth start_depth + k pitch/K, K = sectors.
+"""
+
+from __future__ import annotations
+
+import os
+import threading
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore import _core
+from helibore.base.arrays import Floats, sample_columns
+from helibore.base.settings import Settings
+from helibore.base.threads import thread_count
+from helibore.images.sector_image import SectorImage, SectorImages
+from helibore.mesh.attributes import WallAttributes
+from helibore.mesh.surface import Surface, surface_of
+from helibore.mesh.volume import Volume, volume_of
+from helibore.samples.caliper import Basis, Caliper, check_basis
+from helibore.trajectory.survey import Path, checked_path
+from helibore.wall.append_result import Change, VertexColumns
+from helibore.wall.interpolation import in_canonical_order, on_quads
+
+if TYPE_CHECKING:
+    from helibore.logs.turn_logs import Logs
+    from helibore.logs.zones import Classification, Criteria
+
+
+class _Moment(NamedTuple):
+    """A wall as it is now, for what is made of its radii."""
+
+    settings: Settings
+    start_depth: float
+    radius: Floats
+    basis: Basis
+    made_from: dict[str, Any]
+    path: Path | None
+
+    def quads(self) -> int:
+        return _quad_room(self.radius.size, self.settings.sectors)
+
+
+class Wall:
+    """The wall of a hole, growing with its samples; empty at first.
+
+    Parameters
+    ----------
+    bit_diameter, **settings
+        As in `Settings`.
+    threads
+        None: all cores. The result does not depend on it.
+    instruction_set
+        'automatic', or one of 'plain', 'avx2' and 'avx512' to force it (for tests: all give the same bits).
+    basis
+        What its samples are, as in `Caliper`; surfaces, files and pictures of the wall say it.
+
+    Attributes
+    ----------
+    path
+        Where the hole goes, a `Path`, or None. Surfaces and volumes follow it unless they are given another, or None.
+    images
+        `SectorImage` by name. Every surface has them as attributes, turned into the reference of the wall's path.
+    attributes
+        `WallAttributes`: other values, one for each quad of the wall. Every surface has them, too.
+    made_from
+        What else is known of where the wall comes from (files, runs, shifts), as JSON has it: texts, numbers, lists,
+        dicts. Archives and meshes carry it; nothing is read from it.
+
+    Raises
+    ------
+    ValueError
+        On a setting that breaks its rule: ``pitch = 0: must be finite and not 0``.
+
+    Notes
+    -----
+    A wall has vertices from its first sample on. It may be used from several threads: each call sees it before or after
+    another, never between. Every array it returns is an owned copy.
+    """
+
+    def __init__(
+        self,
+        *,
+        bit_diameter: float,
+        threads: int | None = None,
+        instruction_set: str = "automatic",
+        basis: Basis = "azimuthal",
+        **settings: Any,
+    ) -> None:
+        check_basis(basis)
+        self._basis = basis
+        self._settings = Settings(bit_diameter=bit_diameter, **settings)
+        self._threads = thread_count(threads)
+        self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
+        self._growing = threading.Lock()  # between an append and what must see all columns of one moment
+        self._path: Path | None = None
+        self.images: dict[str, SectorImage] = SectorImages()
+        # Of the core, not of self: a wall that refers to itself would keep its memory until the garbage collector runs.
+        core, sectors = self._core, self._settings.sectors
+        self.attributes = WallAttributes(lambda: (core.start_depth, _quad_room(len(core), sectors)))
+        self.made_from: dict[str, Any] = {}
+
+    @property
+    def settings(self) -> Settings:
+        """What the wall is built with."""
+        return self._settings
+
+    @property
+    def basis(self) -> Basis:
+        """What the wall is made from: ``"azimuthal"``, ``"average"`` or ``"gauge"``."""
+        return self._basis
+
+    def append(
+        self,
+        depth: npt.ArrayLike,
+        toolface: npt.ArrayLike,
+        radius: npt.ArrayLike,
+        time: npt.ArrayLike | None = None,
+    ) -> Change:
+        """Take samples from anywhere in the hole and recompute the vertices they can change.
+
+        Parameters
+        ----------
+        depth, toolface, radius, time
+            As in `Caliper`. Either all samples of a wall carry a time or none does.
+
+        Returns
+        -------
+        Change
+            What is new or different.
+
+        Raises
+        ------
+        ValueError
+            As `Caliper`. The wall is then as it was, to the last bit.
+        """
+        columns = sample_columns(depth, toolface, radius, time)
+        with self._growing:
+            return Change(*self._core.append(*columns))
+
+    def __len__(self) -> int:
+        """Return the number of vertices."""
+        return len(self._core)
+
+    @property
+    def sample_count(self) -> int:
+        """Samples kept."""
+        return self._core.sample_count
+
+    @property
+    def settled(self) -> int:
+        """Vertices below this no longer change while the hole only gets deeper."""
+        return self._core.settled
+
+    @property
+    def start_depth(self) -> float:
+        """Depth of vertex 0, metres; NaN while there is none."""
+        return self._core.start_depth
+
+    @property
+    def depth(self) -> Floats:
+        """(n,) float64 measured depth of each vertex, metres; a copy."""
+        return self._core.depth()
+
+    @property
+    def toolface(self) -> Floats:
+        """(n,) float64 toolface of each vertex, degrees in [0, 360); a copy."""
+        return self._core.toolface()
+
+    @property
+    def radius(self) -> Floats:
+        """(n,) float64 radius at each vertex, metres; NaN where no sample is in reach; a copy."""
+        return self._core.radius()
+
+    @property
+    def nearest(self) -> Floats:
+        """(n,) float64 distance from each vertex to the nearest sample used, metres; NaN where none is; a copy."""
+        return self._core.nearest()
+
+    @property
+    def support(self) -> npt.NDArray[np.int32]:
+        """(n,) int32 number of samples each vertex is estimated from; a copy."""
+        return self._core.support()
+
+    @property
+    def iterations(self) -> npt.NDArray[np.int32]:
+        """(n,) int32 number of estimates made for each vertex; a copy."""
+        return self._core.iterations()
+
+    @property
+    def provisional(self) -> npt.NDArray[np.bool_]:
+        """(n,) bool: is the radius that of a sample, until the vertex is settled? Only with ``direct``; a copy."""
+        return self._core.provisional()
+
+    def vertices(self, start: int = 0, stop: int | None = None) -> VertexColumns:
+        """Return the vertices [start, stop), as those of a `Change`: what a viewer or a host's store copies after it.
+
+        Parameters
+        ----------
+        start, stop
+            Numbers of vertices, 0 <= start <= stop <= len(wall). `stop` = None: all there are.
+
+        Returns
+        -------
+        VertexColumns
+            Arrays of stop - start values; copies, all of one moment.
+
+        Raises
+        ------
+        ValueError
+            If the range reaches beyond the wall: ``range = [0, 12): must lie within the wall's 10 vertices``.
+        """
+        return VertexColumns(*self._core.vertices(start, len(self._core) if stop is None else stop))
+
+    @property
+    def samples(self) -> Caliper:
+        """The samples kept, in canonical order: depth, time or arrival, toolface, radius; a copy."""
+        return Caliper(*self._core.samples(), basis=self._basis)
+
+    def carry(self, values: npt.ArrayLike, caliper: Caliper | None = None, *, on: str = "quads") -> Floats:
+        """Carry values that were measured with the samples to the wall, by the neighbours and weights of its radius.
+
+        Parameters
+        ----------
+        values
+            (m,) one a sample; NaN where there is none.
+        caliper
+            The samples in the order of ``values``, as they were appended; None: values in the order of `samples`.
+        on
+            'quads': the mean of each quad's four corners, ready for `attributes`; 'vertices': one a vertex.
+
+        Returns
+        -------
+        array
+            (q,) or (n,) float64; NaN where no neighbour (or, for quads, one corner) has a value.
+
+        Raises
+        ------
+        ValueError
+            If lengths differ or ``caliper`` does not hold the samples of this wall.
+
+        Examples
+        --------
+        >>> wall = reconstruct(Caliper([0, 0.1, 0.2], [0, 90, 180], [0.1] * 3), bit_diameter=0.2, sectors=4)
+        >>> wall.attributes["GR"] = wall.carry([40.0, 40.0, 40.0])
+        """
+        if on not in ("quads", "vertices"):
+            raise ValueError(f"on = {on!r}: must be 'quads' or 'vertices'")
+        rows = in_canonical_order(self, values, caliper)
+        (carried,) = self._core.carry([rows], self._threads)
+        return on_quads(carried, self._settings.sectors) if on == "quads" else carried
+
+    def surface(
+        self, path: Path | Literal["own"] | None = "own", start: float | None = None, stop: float | None = None
+    ) -> Surface:
+        """Place the wall along a path and join neighbouring turns into quads: `surface_of` with this wall.
+
+        Parameters
+        ----------
+        path
+            Where the hole goes; ``"own"``: along the wall's own `path`; None, and a wall without one: straight down.
+        start, stop
+            As in `surface_of`.
+
+        Returns
+        -------
+        Surface
+            With the wall's images and attributes.
+
+        Raises
+        ------
+        ValueError
+            As `surface_of`, `SectorImage.on` and `WallAttributes`.
+        """
+        moment = self._moment()
+        surface = surface_of(moment, self._way(path), start, stop)
+        for name, image in self.images.items():
+            surface.attributes[name] = image.on(moment)
+            surface.attributes.units[name] = image.unit
+        for name in self.attributes:
+            surface.attributes[name] = self.attributes.whole(name, moment.start_depth, moment.quads())
+        surface.attributes.units.update(self.attributes.units)
+        return surface
+
+    def volume(
+        self,
+        path: Path | Literal["own"] | None = "own",
+        shells: Sequence[float | npt.ArrayLike | Wall] = (0.05, 0.20),
+        start: float | None = None,
+        stop: float | None = None,
+    ) -> Volume:
+        """Thicken the wall outwards, shell by shell, into hexahedra: `volume_of` with this wall.
+
+        ``path`` as for `surface`.
+        """
+        return volume_of(self._moment(), self._way(path), shells, start, stop)
+
+    def _way(self, path: Path | Literal["own"] | None) -> Path | None:
+        if isinstance(path, str):
+            if path != "own":
+                raise ValueError(f"path = {path!r}: must be a Path, None or 'own'")
+            return self.path
+        return path
+
+    @property
+    def path(self) -> Path | None:
+        """Where the hole goes; see the class."""
+        return self._path
+
+    @path.setter
+    def path(self, path: Path | None) -> None:
+        self._path = checked_path(path)
+
+    def save(self, filename: str | os.PathLike[str]) -> None:
+        """Write all that this wall is to an archive, whole or not at all; `helibore.load` reopens it.
+
+        Settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the same
+        bits, and goes on with the bits that this one would have. `helibore.wall.archive` says what the file holds.
+
+        Parameters
+        ----------
+        filename
+            Ends in .wall; replaced if it is there.
+
+        Raises
+        ------
+        ValueError
+            On another ending, and on a `made_from` that JSON cannot hold.
+        OSError
+            If the file cannot be written; the old one is then as it was.
+        """
+        from helibore.wall import archive
+
+        archive.save(self, filename)
+
+    def _moment(self) -> _Moment:
+        with self._growing:
+            radius = self._core.radius()
+            return _Moment(self._settings, self._core.start_depth, radius, self._basis, self.made_from, self.path)
+
+    def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[Any], ...], float]:
+        """Samples, vertices (radius, nearest, support, iterations) and start depth of one moment."""
+        core = self._core
+        with self._growing:
+            vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
+            return core.samples(), vertices, core.start_depth
+
+    def logs(self, rugosity_window: float = 1.0, threads: int | None = None) -> Logs:
+        """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter."""
+        from helibore.logs.turn_logs import turn_logs
+
+        return turn_logs(self, None, rugosity_window, threads)
+
+    def zones(self, criteria: Criteria | None = None) -> Classification:
+        """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall."""
+        from helibore.logs.zones import classify
+
+        return classify(self, criteria)
+
+    def __repr__(self) -> str:
+        if not len(self):
+            return "Wall(empty)"
+        last = self.start_depth + (len(self) - 1) * self._settings.pitch / self._settings.sectors
+        return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
+
+
+def _quad_room(vertices: int, sectors: int) -> int:
+    """The quads that so many vertices have room for."""
+    return max(vertices - sectors - 1, 0)

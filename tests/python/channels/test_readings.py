@@ -1,0 +1,386 @@
+"""From columns of a file to wall samples: units, arms, what is missing, where errors stand; two parsers that agree."""
+
+from __future__ import annotations
+
+import gzip
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+import helibore as hb
+from helibore.base import units
+from helibore.channels.role_map import overlay, spelled
+from helibore.channels.roles import RoleMap, guess
+from helibore.files import delimited
+from helibore.files.cells import read_cells
+from helibore.files.channel import clean
+from helibore.files.source import Source
+from helibore.preparation.conditioning import Echo
+
+
+def written(folder: Path, text: str, name: str = "c.csv") -> Path:
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def chosen(path: Path, radius: Any = (), diameter: Any = (), **columns: str) -> tuple[hb.files.LogSet, RoleMap]:
+    one = hb.open(path).set()
+    return one, spelled(one, guess(one), columns, {"radius": radius, "diameter": diameter})
+
+
+def read(path: Path, **columns: Any) -> hb.files.readings.WallSamples:
+    one, roles = chosen(path, **columns)
+    return one.samples(roles)
+
+
+def test_one_radius_a_row(tmp_path: Path) -> None:
+    found = read(written(tmp_path, "time_s,md_m,toolface_deg,radius_mm\n0,10,350,108\n1,10.1,370,109\n"))
+    assert found.depth.tolist() == [10.0, 10.1]
+    assert found.toolface.tolist() == [350.0, 10.0]
+    assert found.radius.tolist() == [0.108, 0.109]
+    assert found.time is not None
+    assert found.time.tolist() == [0.0, 1.0]
+    assert (found.rows, found.dropped) == (2, {})
+    assert found.notes == (
+        "time_s is time in s: named time_s",
+        "md_m is depth in m: named md_m",
+        "toolface_deg is toolface in deg: named toolface_deg",
+        "radius_mm is radius in mm at 0 deg: named radius_mm",
+    )
+
+
+def test_a_diameter_counts_for_both_sides(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m,tf_deg,diameter_in\n10,20,8.5\n")
+    for found in (read(path), read(path, diameter=["diameter_in"])):
+        assert (found.toolface.tolist(), found.radius.tolist()) == ([20.0, 200.0], [0.5 * (8.5 * 0.0254)] * 2)
+        assert found.time is None
+
+
+def test_xy_caliper_is_four_wall_points_a_row(tmp_path: Path) -> None:
+    path = written(tmp_path, "MD\tRB\tX\tY\n1000\t0.5\t8\t9\n1001\t300\t10\t11\n")
+    found = read(path, depth="MD:FT", toolface="RB:deg", diameter=["X@0:IN", "Y@90:INCHES"])
+    np.testing.assert_allclose(found.depth, np.repeat([304.8, 305.1048], 4), rtol=1e-15)
+    assert found.toolface.tolist() == [0.5, 180.5, 90.5, 270.5, 300.0, 120.0, 30.0, 210.0]
+    np.testing.assert_allclose(found.radius / 0.0254, [4, 4, 4.5, 4.5, 5, 5, 5.5, 5.5], rtol=1e-15)
+    assert found.notes == (
+        "MD is depth in FT: named by an option",
+        "RB is toolface in deg: named by an option",
+        "X is diameter in IN at 0 deg: named by an option",
+        "Y is diameter in INCHES at 90 deg: named by an option",
+    )
+
+
+def test_radius_arms_at_angles(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m;rb_deg;A;B;C\n5;300;100;200;300\n")
+    found = read(path, radius=["A@0:mm", "B@120:mm", "C@240:mm"])
+    assert found.toolface.tolist() == [300.0, 60.0, 180.0]
+    np.testing.assert_allclose(found.radius, [0.1, 0.2, 0.3], rtol=1e-15)
+
+
+def test_named_columns_leave_the_others_out(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m,rb_deg,cal_x_in,cal_y_in,radius_mm\n5,300,8,9,107\n")
+    assert read(path).radius.size == 5
+    assert read(path, radius=["radius_mm"]).radius.tolist() == [0.107]
+    _, roles = chosen(path, radius=["radius_mm"])
+    assert (roles["cal_x_in"].role, roles["cal_x_in"].reason) == ("none", "other columns are named")
+
+
+def test_toolface_in_radians(tmp_path: Path) -> None:
+    found = read(written(tmp_path, "md_m,tf,radius_m\n5,-1.5707963267948966,0.1\n"), toolface="tf:RAD")
+    assert found.toolface.tolist() == [270.0]
+
+
+def test_missing_values_are_dropped_and_counted(tmp_path: Path) -> None:
+    text = "md_m,rb_deg,x_in,y_in\n1,10,8,9\n-999.25,10,8,9\n2,,8,9\n3,10,-9999,9\n4,10,8,nan\n5,10,,\n6,-999.250,,\n"
+    found = read(written(tmp_path, text), diameter=["x_in@0", "y_in@90"])
+    assert found.rows == 7
+    assert found.dropped == {"md_m": 1, "rb_deg": 2, "x_in": 3, "y_in": 3}
+    assert found.depth.tolist() == [1, 1, 1, 1, 3, 3, 4, 4]
+    assert found.toolface.tolist() == [10, 190, 100, 280, 100, 280, 10, 190]
+
+
+def test_other_words_for_missing(tmp_path: Path) -> None:
+    one = hb.open(written(tmp_path, "md_m,tf_deg,radius_m\n1,10,0\n2,10,0.1\n"), nulls=[0.0]).set()
+    assert (one.samples().dropped, one.samples().depth.tolist()) == ({"radius_m": 1}, [2.0])
+
+
+def test_comments_blank_lines_quotes_and_gzip(tmp_path: Path) -> None:
+    path = tmp_path / "named.any"
+    text = '# a comment\n\n"md_m","tf_deg",radius_m,remark\n1,10,"0.1",good\n\n 2 , 20 ,0.1,\n'
+    path.write_bytes(gzip.compress(b"\xef\xbb\xbf" + text.encode()))
+    assert read(path).depth.tolist() == [1.0, 2.0]
+
+
+def test_npz_named_as_ours(tmp_path: Path) -> None:
+    path = tmp_path / "c.npz"
+    np.savez(path, depth=[1.0, 2.0], toolface=[10, 370], radius=np.float32([0.125, np.nan]), time=[0, 1])
+    found = read(path)
+    assert found.dropped == {"radius": 1}
+    assert found.radius.tolist() == [0.125]
+    remark = "radius: no unit stated; a binary column of this name is taken as m"
+    assert remark in hb.open(path).set().remarks
+    np.savez(path, md=[1.0, 2.0], toolface=[10, 370], radius=[0.1, 0.1])
+    with pytest.raises(ValueError, match="column md: unit missing"):
+        read(path)
+
+
+@pytest.mark.parametrize(("travel_time", "radius"), [([100.0, 120.0], [0.115, 0.13]), ([5.0, 120.0], [np.nan, 0.13])])
+def test_travel_time_becomes_radius(tmp_path: Path, travel_time: list[float], radius: list[float]) -> None:
+    rows = "".join(f"{n},{n * 90},{time}\n" for n, time in enumerate(travel_time))
+    one = hb.open(written(tmp_path, f"md_m,tf_deg,tt_us\n{rows}")).set()
+    assert guess(one)["tt_us"].role == "travel-time"
+    found = one.readings(echo=Echo(1500.0, 0.0475, 10e-6))
+    np.testing.assert_allclose(found.radii[0], radius, rtol=1e-12)
+    with pytest.raises(ValueError, match=r"^c.csv, column tt_us: a travel time needs the velocity in the mud"):
+        one.readings()
+
+
+def test_travel_time_image(tmp_path: Path) -> None:
+    sectors = ",".join(f"TT{n}_us" for n in range(1, 9))
+    path = written(tmp_path, f"md_m,{sectors}\n1,{','.join(['100'] * 8)}\n2,{','.join(['110'] * 8)}\n")
+    one = hb.open(path).set()
+    (image,) = (role for role in guess(one) if role.role == "travel-time")
+    roles = overlay(guess(one), one, {image.channel: {"first": 0.0, "step": 45.0}}, "map")
+    found = one.readings(roles, echo=Echo(1500.0, 0.05))
+    assert [sensor.mounting for sensor in found.sensors] == [45.0 * n for n in range(8)]
+    np.testing.assert_allclose(found.radii[3], [0.125, 0.1325])
+
+
+LENGTHS = ["m", "cm", "mm", "ft", "ftUS", "in", "0.1in"]
+
+
+@settings(max_examples=60, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(
+    rows=st.lists(
+        st.tuples(st.floats(-1000, 20000), st.floats(-720, 720), st.floats(0.05, 0.4)), min_size=1, max_size=20
+    ),
+    length=st.sampled_from(LENGTHS),
+    size=st.sampled_from(LENGTHS),
+    angle=st.sampled_from(["deg", "rad"]),
+)
+def test_written_in_any_unit_comes_back(
+    tmp_path: Path, rows: list[tuple[float, float, float]], length: str, size: str, angle: str
+) -> None:
+    depth, toolface, radius = np.array(rows).T
+    columns = [
+        depth / units.factor(length, "length"),
+        toolface / units.factor(angle, "angle"),
+        radius / units.factor(size, "length"),
+    ]
+    lines = [
+        f"md_{length},tf_{angle},radius_{size}",
+        *(f"{d!r},{t!r},{r!r}" for d, t, r in np.array(columns).T.tolist()),
+    ]
+    one = hb.open(written(tmp_path, "\n".join(lines)), nulls=()).set()
+    # a map confirms: hypothesis's holes are no holes, and its angles may look like radians
+    entries = {role.channel: {"role": role.role} for role in guess(one)}
+    caliper = one.samples(overlay(guess(one), one, entries, "map"))
+    np.testing.assert_allclose(caliper.depth, depth, rtol=1e-14, atol=1e-300)
+    np.testing.assert_allclose(caliper.radius, radius, rtol=1e-14)
+    off = (caliper.toolface - toolface + 180) % 360 - 180
+    assert np.abs(off).max() < 1e-9
+    assert ((caliper.toolface >= 0) & (caliper.toolface < 360)).all()
+
+
+NUMBERS = st.one_of(
+    st.floats(allow_nan=True).map(repr),
+    st.integers().map(str),
+    st.integers(-(2**63), 2**63 - 1).map(str),
+    st.sampled_from(
+        ["", " ", " 1.5 ", "+2", ".5", "1e3", "NaN", "-inf", "1_0", "1d3", "one", "1 2", "٣", '"4"', "-", "NULL",
+         "-9999", '"a ""b"""', "2020-01-01", "true"]
+    ),
+)  # fmt: skip
+
+
+def by(parser: str, path: Path) -> list[tuple[Any, int]] | str:
+    """Each column's cleaned values and missing count, or the error, by one of the two parsers of tables."""
+    pytest.importorskip("pyarrow")
+    source = Source(path)
+    head, *_ = delimited._head_text(source)
+    layout = delimited.find_layout(source, head)
+    try:
+        if parser == "cells":
+            arrays = read_cells(path, head.split("\n"), layout.skip, layout.delimiter, layout.names)
+        else:
+            arrow = delimited._arrow()
+            assert arrow is not None
+            arrays = [
+                delimited._loader(column)() for column in delimited._table(*arrow, source, layout, head, "utf8").columns
+            ]
+    except ValueError as error:
+        return str(error)
+    return [clean(array, (-9999.0,), False)[:2] for array in arrays]
+
+
+@settings(max_examples=200, suppress_health_check=[HealthCheck.function_scoped_fixture], deadline=None)
+@given(cells=st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1, max_size=6), end=st.sampled_from(["\n", "\r\n"]))
+def test_both_parsers_of_tables_agree(tmp_path: Path, cells: list[tuple[str, str]], end: str) -> None:
+    path = tmp_path / "t.csv"
+    path.write_bytes(end.join(["a,b", *(f"{a},{b}" for a, b in cells)]).encode())
+    plain, arrow = by("cells", path), by("arrow", path)
+    if isinstance(plain, str) or isinstance(arrow, str):
+        assert plain == arrow
+        return
+    for (mine, missing), (theirs, also) in zip(plain, arrow, strict=True):
+        assert mine.dtype.kind == theirs.dtype.kind
+        assert missing == also
+        assert np.array_equal(mine, theirs, equal_nan=mine.dtype.kind == "f")
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["a,b\n1,2\n3\n", "a,b\n1,2\n3,4,5\n", 'a,b\n1,"2\n3,4\n', "a,b\n1,2\n3;4\n", "a;b\n1,5;2\n", "a,b\n"],
+)
+def test_both_parsers_refuse_in_one_voice(tmp_path: Path, text: str) -> None:
+    path = written(tmp_path, text)
+    plain, arrow = by("cells", path), by("arrow", path)
+    assert plain == arrow
+    assert isinstance(plain, str) or plain[0][0].dtype.kind == "U"
+
+
+def test_tables_need_no_pyarrow(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    path = written(tmp_path, "md_m,tf_deg,radius_m\n" + "1,2,0.1\n" * 400_000 + "2,3,0.2\n")
+    expected = read(path)
+    monkeypatch.setitem(sys.modules, "pyarrow", None)
+    found = read(path)
+    assert np.array_equal(found.radius, expected.radius)
+    path.write_text(path.read_text() + "1,2,x\n")
+    with pytest.raises(ValueError, match=r"^c.csv, line 400003, column radius_m: 'x' is not a number"):
+        hb.open(path)
+
+
+HEADER = "md_m,tf_deg,radius_m\n"
+
+
+@pytest.mark.parametrize(
+    ("text", "choice", "message"),
+    [
+        ("", {}, "c.csv: empty: 0 bytes"),
+        ("# only\n\n", {}, "c.csv, line 3: no header and no rows within 500 lines"),
+        (HEADER, {}, "c.csv, line 1: a header and no rows"),
+        ("md_m,radius_m\n1,0.1\n", {}, "c.csv, column radius_m: no toolface: name the toolface channel, or the angle "
+         "of this one, by an option or in a map"),
+        (HEADER + "1,2,3\n", {"radius": ["cal:in"]},
+         "c.csv: column 'cal': not in the file, which has md_m, tf_deg, radius_m"),
+        ("md,tf_deg,radius_m\n1,2,3\n", {}, "c.csv, column md: unit missing: state it in a map "
+         '([channels."md"] unit = ...), or as md:UNIT in its option; depth is length'),
+        (HEADER + "1,2,3\n", {"radius": ["radius_m:furlong"]},
+         "c.csv: radius_m: unit = 'furlong': must be a unit of length for a radius"),
+        (HEADER + "1,2,3\n", {"toolface": "tf_deg:in"},
+         "c.csv: tf_deg: unit = 'in': must be a unit of angle for a toolface"),
+        (HEADER + "1,2,3\n", {"toolface": "tf_deg@90"}, "c.csv: tf_deg@90: an angle belongs to a radius or diameter"),
+        (HEADER + "1,2,3\n", {"depth": "tf_deg", "toolface": "tf_deg"},
+         "c.csv: column tf_deg: is given two roles, depth and toolface"),
+        (HEADER + "1,2,0.1\n1,x,0.1\n", {}, "c.csv, line 3, column tf_deg: 'x' is not a number"),
+        (HEADER + "1,2,0.1\n\n1,2\n", {}, "c.csv, line 4: 2 cells where the header has 3"),
+        (HEADER + "1,2,0.1\nnan,2,0.1\n", {},
+         "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
+        (HEADER + "1,2,0.1\n\n-inf,2,0.1\n", {},
+         "c.csv, line 4, column md_m: NaN or infinite: a depth must be finite, or empty"),
+        (HEADER + "1,2,0\n1,2,0.1\n1,2,0.1\n", {},
+         "c.csv, line 2, column radius_m: radius 0 m: must be larger than 0 and at most 2 m; "
+         "a radius range drops such"),
+        (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
+         "c.csv, line 4, column radius_m: radius 8.5 m: must be larger than 0 and at most 2 m; "
+         "a radius range drops such"),
+        (HEADER + "1,2,8.5\n", {},
+         "c.csv, column radius_m: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
+        (HEADER + "1,2,-999.25\n2,,0.1\n", {}, "c.csv: no row has depth, toolface and a radius (1 values missing in "
+         "tf_deg, 1 values missing in radius_m)"),
+    ],
+)  # fmt: skip
+def test_bad_file(tmp_path: Path, text: str, choice: dict[str, Any], message: str) -> None:
+    path = written(tmp_path, text)
+    with pytest.raises(ValueError) as caught:  # noqa: PT011, PT012 - the whole text is compared
+        one, roles = chosen(path, **choice)
+        one.caliper(roles)
+    assert str(caught.value) == message
+
+
+def test_bad_npz(tmp_path: Path) -> None:
+    path = tmp_path / "c.npz"
+    np.savez(path, depth=[1.0, 2.0, 3.0], toolface=[1.0, 2.0, 3.0], radius=[0.1, 3.0, 0.1])
+    with pytest.raises(ValueError, match=r"^c.npz, row 1, column radius: radius 3 m: must be larger than 0"):
+        hb.open(path).caliper()
+    np.savez(path, depth=[1.0, np.nan, 3.0], toolface=[1.0, 2.0, 3.0], radius=[0.1, 0.1, 0.1])
+    with pytest.raises(ValueError, match=r"^c.npz, row 1, column depth: NaN or infinite"):
+        hb.open(path).caliper()
+    np.savez(path, depth=[1.0, 2.0, 3.0], toolface=[1.0], radius=[0.1, 0.1, 0.1])
+    with pytest.raises(ValueError, match="no toolface"):
+        hb.open(path).caliper()
+
+
+SURVEY = "md_m,incl_deg,azim_deg\n"
+
+
+def test_survey_leaves_out_stations_without_a_value(tmp_path: Path) -> None:
+    one = hb.open(written(tmp_path, SURVEY + "0,0,0\n30,,50\n60,3,350\n")).set()
+    survey = one.survey()
+    assert (survey.depth.tolist(), survey.azimuth.tolist()) == ([0, 60], [0, 350])
+    assert one.remarks == ["survey: 1 of 3 stations left out: a value is missing"]
+
+
+def test_survey_in_stated_units(tmp_path: Path) -> None:
+    one = hb.open(written(tmp_path, "a,b,c\n0,0,0\n100,0.1,1\n")).set()
+    roles = spelled(one, guess(one), {"depth": "a:ft", "inclination": "b:rad", "azimuth": "c:rad"}, {})
+    survey = one.survey(roles)
+    np.testing.assert_allclose(survey.depth, [0, 30.48], rtol=1e-15)
+    np.testing.assert_allclose(survey.inclination, np.degrees([0, 0.1]), rtol=1e-15)
+    np.testing.assert_allclose(survey.azimuth, np.degrees([0, 1]), rtol=1e-15)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("0,0,0\n30,1,0\n30,2,0\n", "line 4, column md_m: depth 30 m repeats 30 m: must grow"),
+        ("30,0,0\n\n20,1,0\n", "line 4, column md_m: depth 20 m falls from 30 m: must grow"),
+        ("0,0,0\n30,180.5,0\n", "line 3, column incl_deg: 180.5 deg: inclination lies within 0 and 180"),
+        ("0,-1,0\n30,1,0\n", "line 2, column incl_deg: -1 deg: inclination lies within 0 and 180"),
+        ("0,1,400\n30,1,0\n", "line 2, column azim_deg: 400 deg: azimuth lies within -360 and 360"),
+    ],
+)
+def test_bad_survey(tmp_path: Path, text: str, message: str) -> None:
+    one = hb.open(written(tmp_path, SURVEY + text, "s.csv")).set()
+    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+        one.survey()
+    assert str(caught.value) == f"s.csv, {message}"
+
+
+def test_an_arm_named_without_an_angle_keeps_the_angle_that_is_known(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m,rb_deg,cal_x_in,cal_y_in\n10,20,8.5,8.6\n")
+    found = read(path, diameter=["cal_y_in"])
+    assert found.toolface.tolist() == [110.0, 290.0]
+    bare = written(tmp_path, "md_m,cal_x_in,cal_y_in\n10,8.5,8.6\n", "bare.csv")
+    rule = "bare.csv, column cal_y_in: no toolface: name the toolface channel, or the angle of this one"
+    with pytest.raises(ValueError, match=re.escape(rule)):  # an arm pair turns with the tool
+        read(bare, diameter=["cal_y_in"])
+
+
+def test_calipers_that_read_in_one_direction_are_told(tmp_path: Path) -> None:
+    path = written(tmp_path, "md_m,a_in,b_in,c_in\n10,8.5,8.6,8.7\n")
+    notes = read(path, diameter=["a_in@90", "b_in@90", "c_in@0"]).notes
+    assert notes[-1] == (
+        "a_in and b_in are diameter in one direction: merged; name those to use by an option or in a map"
+    )
+    assert len(read(path, diameter=["a_in@90", "c_in@0"]).notes) == 3
+
+
+def test_what_is_long_is_shown_in_short(tmp_path: Path) -> None:
+    """A README's ``print(prepared.centres)`` is a line, not ten arrays of a value a turn."""
+    names = ",".join(f"GR{sector}_gAPI" for sector in range(1, 9))
+    rows = "".join(f"{1000 + k / 100},{9 * k % 360},{0.11 + 1e-9 * k}{f',{k}' * 8}\n" for k in range(400))
+    (tmp_path / "c.csv").write_text(f"depth_m,tf_deg,radius_m,{names}\n{rows}")
+    file = hb.open(tmp_path / "c.csv")
+    assert repr(file.readings()) == "Readings(c.csv, 400 rows of radius_m)"
+    assert repr(file.image("GR")) == "SectorColumns('GR', 'gAPI', 400 rows x 8 sectors, 1000 to 1003.99 m)"
+    prepared = hb.prepare(file.readings(), hb.Preparation(recentre=True))
+    assert repr(prepared.centres) == "Centres(10 turns, tool off by 0.0 mm in half of them)"

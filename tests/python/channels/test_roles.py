@@ -1,0 +1,331 @@
+"""Roles: guesses with reasons, and the samples, surveys and images that follow. Maps are in test_role_maps.py."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.channels.depth_remarks import depth_remarks
+from helibore.channels.role_map import overlay
+from helibore.channels.roles import ROLES, guess
+from helibore.files.channel import Channel, LogSet, SectorAxis
+
+
+def channel(
+    name: str, unit: str = "", values: object = (1.0, 2.0, 3.0), described: str = "", **more: object
+) -> Channel:
+    array = np.array(values)
+    return Channel(name, unit, described, array.shape, lambda: array, is_text=array.dtype.kind == "U", **more)  # type: ignore[arg-type]
+
+
+def log_set(*channels: Channel, index: str | None = None) -> LogSet:
+    return LogSet(Path("f.las"), "s", list(channels), channels[0].shape[0], index)
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "described", "role"),
+    [
+        ("DEPT", "m", "", "depth"),
+        ("Measured Depth", "ft", "", "depth"),
+        ("md_m", "m", "", "depth"),
+        ("TDEP", "0.1 in", "", "depth"),
+        ("XYZ", "m", "Measured depth", "depth"),
+        ("DEPT", "deg", "", "none"),
+        ("TIME", "s", "", "time"),
+        ("etim_s", "s", "", "time"),
+        ("RPTHM", "min", "Resistivity Time Since Drilled", "none"),
+        ("RB", "deg", "", "toolface"),
+        ("toolface_rad", "rad", "", "toolface"),
+        ("AT2GTFM", "deg", "", "toolface"),
+        ("X", "deg", "Relative Bearing", "toolface"),
+        ("INC", "deg", "", "inclination"),
+        ("DEVI", "deg", "", "inclination"),
+        ("BITSIZE", "in", "", "bit-diameter"),
+        ("BS", "in", "Bit Size", "bit-diameter"),
+        ("TVD", "m", "", "tvd"),
+        ("radius", "mm", "", "radius"),
+        ("R", "ohm.m", "", "none"),
+        ("CALI", "in", "", "mean-diameter"),
+        ("CALCM", "in", "Acoustic Caliper - Corrected", "mean-diameter"),
+        ("cal_ave_diameter_mm", "mm", "", "mean-diameter"),
+        ("cal_max_diameter_mm", "mm", "", "none"),
+        ("DIAMETER_MIN", "in", "Caliper, smallest", "none"),
+        ("CMAX", "in", "", "none"),
+        ("GR", "gAPI", "", "none"),
+        ("NPCLFM", "", "Neutron Porosity Caliper Filtered", "none"),
+        ("pass", "", "", "pass"),
+        ("AZI", "deg", "", "none"),
+        ("UCHO", "IN", "Ultrasonic Caliper, Horizontal Diameter", "diameter"),
+        ("diameter", "in", "", "mean-diameter"),
+    ],
+)
+def test_single_channels(name: str, unit: str, described: str, role: str) -> None:
+    found = guess(log_set(channel(name, unit, described=described)))[name]
+    assert found.role == role
+    assert found.reason
+
+
+def test_reasons_are_sentences_about_this_channel() -> None:
+    roles = guess(
+        log_set(channel("DEPTH", "m"), channel("MD", "m"), channel("INC", "m"), channel("AZ", "deg"), index="MD")
+    )
+    assert {role.channel: role.reason for role in roles} == {
+        "DEPTH": "named DEPTH, like depth; MD is taken for it",
+        "MD": "named MD and it is the index",
+        "INC": "named INC, like inclination, but 'm' is no known unit of angle",
+        "AZ": "named AZ, but there is no inclination: no survey (an angle around the hole is a toolface)",
+    }
+    roles = guess(log_set(channel("IDX", "m"), channel("GR", "gAPI"), index="IDX"))
+    assert (roles["IDX"].role, roles["IDX"].reason) == ("depth", "it is the index and a length")
+
+
+def test_arms_go_in_pairs() -> None:
+    both = guess(log_set(channel("cal_x", "in"), channel("cal_y", "in"), channel("RB", "deg")))
+    assert (both["cal_x"].role, both["cal_x"].angle, both["cal_y"].angle) == ("diameter", 0.0, 90.0)
+    alone = guess(log_set(channel("cal_x", "in"), channel("RB", "deg")))
+    assert (alone["cal_x"].role, alone["cal_x"].angle) == ("none", None)
+    assert "its partner at right angles is missing" in alone["cal_x"].reason
+
+
+def test_images_say_what_they_are() -> None:
+    grid = np.ones((3, 8))
+    axis = SectorAxis(0.5, 0.25, "rad")
+    roles = guess(log_set(channel("A", "mm", grid, axis=axis), channel("B", "gAPI", grid)))
+    assert (roles["A"].role, roles["B"].role) == ("radius-image", "image")
+    assert roles["A"].first == pytest.approx(np.degrees(0.5))
+    assert roles["A"].step == pytest.approx(np.degrees(0.25))
+    assert roles["B"].reason == "stored as an array of 8; the angle of its first sector is not stated"
+
+
+def samples_of(*channels: Channel, **more: object) -> object:
+    return log_set(*channels).samples(**more)  # type: ignore[arg-type]
+
+
+DEPTH = channel("MD", "m", np.arange(40.0))
+TURN = channel("TF", "deg", np.arange(40.0) * 9.0)
+
+
+def radius(metres: float) -> Channel:
+    return channel("radius", "m", np.full(40, metres))
+
+
+@pytest.mark.parametrize(
+    ("channels", "rule"),
+    [
+        ((DEPTH, TURN, radius(0.2159)), "column radius: median 0.216: looks like a diameter"),
+        ((DEPTH, TURN, radius(108.0)), "median 108 m after reading m: no radius of a borehole (would fit mm)"),
+        ((DEPTH, TURN, channel("radius", "", np.full(40, 0.1))), "column radius: unit missing: state it in a map"),
+        ((DEPTH, TURN, radius(np.nan)), "column radius: every value is missing"),
+        (
+            (DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), radius(0.1)),
+            "column TF: values between 0 and 6.28 deg: looks like radians",
+        ),
+        ((DEPTH, channel("TF", "", np.linspace(0, 6.28, 40)), radius(0.1)), "column TF: unit missing"),
+        (
+            (DEPTH, channel("TF", "deg", np.full(40, 1e4)), radius(0.1)),
+            "row 0, column TF: 10000 deg: an angle lies within -720 and 720",
+        ),
+        ((DEPTH, radius(0.1)), "column radius: no toolface: name the toolface channel"),
+        ((TURN, radius(0.1)), "no channel has the role depth"),
+        (
+            (DEPTH, TURN),
+            "no channel has the role radius, diameter or radius-image: name one by an option or in a map, such "
+            "as --radius NAME:in; the channels are MD, TF",
+        ),
+        ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(--average of helibore plot and logs, or hb.Caliper.from_"),
+        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole with --gauge --image of"),
+        (
+            (DEPTH, channel("INC", "deg", np.zeros(40)), channel("AZI", "deg", np.zeros(40))),
+            "(it holds a survey, which --survey takes)",
+        ),
+        (
+            (DEPTH, channel("cal_x", "in", np.full(40, 8.5)), channel("cal_y", "in", np.full(40, 8.5))),
+            "an arm pair that turns with the tool needs a toolface",
+        ),
+        (
+            (channel("MD", "m", np.full(40, np.nan)), TURN, radius(0.1)),
+            "no row has depth, toolface and a radius (40 values missing in MD)",
+        ),
+        (
+            (DEPTH, TURN, channel("radius", "mm", np.full(40, 216.0)), channel("BS", "in", np.full(40, 8.5))),
+            'state role = "diameter" in a map, or --diameter radius: the bit\'s diameter is 0.216 m',
+        ),
+        (
+            (channel("Z", "m", -2000.0 - np.arange(40.0), "measured depth"), TURN, radius(0.1)),
+            "column Z: -2039 to -2000 m: negative throughout (elevations?), and depth counts positive down the hole",
+        ),
+        (
+            (DEPTH, TURN, channel("diameter", "mm", np.full(40, 8.5))),
+            "median 0.0085 m after reading mm: no diameter of a borehole (would fit cm or in)",
+        ),
+    ],
+)
+def test_samples_that_cannot_be(channels: tuple[Channel, ...], rule: str) -> None:
+    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
+        samples_of(*channels)
+    assert str(caught.value).startswith("f.las")
+
+
+def test_a_caliper_holds_no_impossible_radius() -> None:
+    for metres in (0.0, -0.1, 2.5):
+        one = log_set(DEPTH, TURN, channel("radius", "m", np.where(np.arange(40) == 7, metres, 0.1)))
+        assert one.samples().radius[7] == metres  # for conditioning to judge
+        rule = rf"^f.las, row 7, column radius: radius {metres:g} m: must be larger than 0 and at most 2 m; a radius "
+        with pytest.raises(ValueError, match=rule):
+            one.caliper()
+
+
+def test_a_caliper_holds_the_samples() -> None:
+    one = log_set(DEPTH, TURN, channel("diameter", "in", np.full(40, 8.5)))
+    caliper, found = one.caliper(), one.samples()
+    assert isinstance(caliper, hb.Caliper)
+    np.testing.assert_array_equal(caliper.depth, found.depth)
+    np.testing.assert_array_equal(caliper.toolface, found.toolface)
+    np.testing.assert_array_equal(caliper.radius, found.radius)
+    assert caliper.time is None
+
+
+def test_a_survey_of_one_station_names_the_file() -> None:
+    one = log_set(channel("MD", "m", [1.0]), channel("INC", "deg", [1.0]), channel("AZI", "deg", [1.0]))
+    with pytest.raises(ValueError, match=r"^f.las: survey has 1 station"):
+        one.survey()
+
+
+def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
+    one = log_set(DEPTH, TURN, radius(0.2159))
+    confirmed = overlay(guess(one), one, {"radius": {"role": "radius", "unit": "m"}}, "map")
+    assert one.samples(confirmed).radius[0] == 0.2159
+    assert one.samples(bit_diameter=0.4064).radius[0] == 0.2159  # a 16 in hole
+    as_diameter = overlay(guess(one), one, {"radius": {"role": "diameter", "angle": 0.0}}, "map")
+    assert one.samples(as_diameter).radius[0] == pytest.approx(0.10795)
+    with pytest.raises(ValueError, match="looks like a diameter"):
+        one.samples(confirmed, bit_diameter=0.2159)
+    above = log_set(channel("MD", "m", np.arange(-40.0, 0.0)), TURN, radius(0.1))
+    assert above.samples(overlay(guess(above), above, {"MD": {"role": "depth"}}, "map")).depth[0] == -40
+    assert log_set(channel("MD", "m", np.arange(-39.0, 1.0)), TURN, radius(0.1)).samples().depth[0] == -39
+    slow = log_set(DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), channel("radius", "m", np.full(40, 0.1)))
+    mapped = overlay(guess(slow), slow, {"TF": {"unit": "rad"}}, "map")
+    assert slow.samples(mapped).toolface.max() == pytest.approx(np.degrees(6.28))
+
+
+def test_what_an_unstated_unit_is_taken_for_is_told() -> None:
+    found = log_set(DEPTH, channel("TF", "", np.arange(40.0)), radius(0.1), channel("TIME", "", np.arange(40.0)))
+    notes = found.readings().notes
+    assert any(note.startswith("TF is toolface in deg, as one beyond 2 pi must be (no unit stated):") for note in notes)
+    assert any(note.startswith("TIME is time in s, as no unit is stated:") for note in notes)
+
+
+@pytest.mark.parametrize("inches", [6.0, 8.5, 12.25, 17.5])
+def test_gauge_holes_are_not_suspected(inches: float) -> None:
+    assert log_set(DEPTH, TURN, radius(inches * 0.0127 * 1.005)).samples().rows == 40
+
+
+def test_missing_values_are_left_out_and_counted() -> None:
+    depth = channel("MD", "ft", [1.0, -999.25, 3.0, 4.0, 5.0, 6.0])
+    turn = channel("RB", "deg", [-10.0, 20.0, np.nan, 350.0, 400.0, 0.0])
+    x = channel("C1", "in", [8.0, 8.0, 8.0, -9999.0, 8.0, 8.0])
+    y = channel("C2", "in", [9.0, 9.0, 9.0, 9.0, np.inf, 9.0])
+    found = log_set(depth, turn, x, y, channel("TIME", "min", [0, 1, 2, 3, 4, 5.0])).samples()
+    assert found.dropped == {"MD": 1, "RB": 1, "C1": 1, "C2": 1}
+    assert found.row.tolist() == [0] * 4 + [3] * 2 + [4] * 2 + [5] * 4
+    np.testing.assert_allclose(found.toolface, [350, 170, 80, 260, 80, 260, 40, 220, 0, 180, 90, 270])
+    np.testing.assert_allclose(found.radius[:4], [0.1016, 0.1016, 0.1143, 0.1143])
+    np.testing.assert_allclose(found.depth[4:6], 4 * 0.3048)
+    assert found.time is not None
+    assert found.time.tolist() == [0.0] * 4 + [180.0] * 2 + [240.0] * 2 + [300.0] * 4
+    assert found.notes[0] == "MD is depth in ft: named MD"
+
+
+def test_dates_become_seconds() -> None:
+    when = channel("TIME", "", ["1970-01-01T00:00:10Z", "", "1970-01-02T00:00:00.5"])
+    one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), when)
+    found = one.samples()
+    assert found.time is not None
+    assert found.time.tolist() == [10.0, 86400.5]
+    assert found.dropped == {"TIME": 1}
+    bad = channel("TIME", "", ["1970-01-01T00:00:10Z", "noon", ""])
+    one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), bad)
+    with pytest.raises(ValueError, match=r"^f.las, row 1, column TIME: 'noon' is no ISO 8601 date and time"):
+        one.samples()
+
+
+def test_radius_image_turns_with_the_tool() -> None:
+    grid = np.full((2, 4), 110.0)
+    grid[1, 2] = np.nan
+    one = log_set(channel("MD", "m", [1.0, 2.0]), channel("RB", "deg", [350.0, 10.0]), channel("FING", "mm", grid))
+    mapped = overlay(guess(one), one, {"FING": {"first": 45, "step": 90.0}}, "map")
+    found = one.samples(mapped)
+    assert found.toolface.tolist() == [35.0, 125.0, 215.0, 305.0, 55.0, 145.0, 325.0]
+    assert found.dropped == {"FING": 1}
+
+
+def test_image_depth_must_run_one_way() -> None:
+    grid = np.arange(12.0).reshape(3, 4)
+    up = log_set(channel("MD", "m", [3.0, 2.0, 1.0]), channel("I", "", grid)).image("I")
+    assert up.depth.tolist() == [3.0, 2.0, 1.0]
+    holes = log_set(channel("MD", "m", [1.0, np.nan, 2.0]), channel("I", "", grid)).image("I")
+    assert (holes.values[:, 0].tolist(), holes.dropped) == ([0.0, 8.0], 1)
+    for depth, rule in (
+        ([1.0, 1.0, 2.0], "row 1, column MD: depth 1 m after 1 m"),
+        ([1.0, 3.0, 2.0], "row 2, column MD"),
+    ):
+        with pytest.raises(ValueError, match=re.escape(rule)):
+            log_set(channel("MD", "m", depth), channel("I", "", grid)).image("I")
+    with pytest.raises(ValueError, match=r"column MD: has no sectors; the images are I"):
+        log_set(channel("MD", "m"), channel("I", "", grid)).image("MD")
+
+
+def test_an_image_of_a_file_becomes_one_for_walls_in_one_line() -> None:
+    grid = np.arange(12.0).reshape(3, 4)
+    one = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), channel("I", "gAPI", grid))
+    plain = one.image("I").sector_image(origin="edge", reference="north")
+    assert (plain.name, plain.unit, plain.direction, plain.offset) == ("I", "gAPI", "clockwise", 0.0)
+    assert plain.values.tolist() == grid.tolist()
+    mapped = one.image("I", overlay(guess(one), one, {"I": {"first": 30.0, "step": -90.0}}, "map"))
+    turned = mapped.sector_image(origin="centre", reference="high-side", name="GR", reach=2.0)
+    assert (turned.name, turned.direction, turned.offset, turned.reach) == ("GR", "counterclockwise", 30.0, 2.0)
+    assert turned.toolface.tolist() == [30.0, 300.0, 210.0, 120.0]
+    told = mapped.sector_image(origin="centre", reference="north", direction="clockwise", offset=5.0)
+    assert (told.direction, told.offset) == ("clockwise", 5.0)
+    wrong = one.image("I", overlay(guess(one), one, {"I": {"first": 0.0, "step": 45.0}}, "map"))
+    with pytest.raises(ValueError, match=r"^I: 4 sectors, 45 deg apart: must be 90 around the hole$"):
+        wrong.sector_image(origin="edge", reference="north")
+    empty = log_set(channel("MD", "m", [1.0, 2.0, 3.0]), channel("I", "", np.full((3, 4), np.nan))).image("I")
+    with pytest.raises(ValueError, match=r"^I: values: all 12 are missing$"):
+        empty.sector_image(origin="edge", reference="north")
+
+
+def test_depth_remarks() -> None:
+    from helibore.channels.depth_remarks import depth_remarks
+
+    one = log_set(channel("MD", "m", [1, 2, 3, 9, 8, 8.0]))
+    assert depth_remarks(one, guess(one)) == [
+        "MD: rises 3 and falls 1 times: passes, or samples in no order",
+        "MD: 1 rows repeat the depth before",
+        "MD: median step 1 m",
+        "MD: 1 gaps, the largest 6 m",
+    ]
+
+
+def test_every_role_is_documented() -> None:
+    assert {"depth", "toolface", "radius", "diameter", "image", "none"} <= set(ROLES)
+
+
+def test_depths_in_other_units_are_told_in_metres_too() -> None:
+    one = log_set(channel("DEPT", "0.1 in", (1023720.0, 1023780.0, 1023840.0)), index="DEPT")
+    assert depth_remarks(one, guess(one)) == ["DEPT: 2600.25 to 2600.55 m", "DEPT: median step 60 x 0.1 in"]
+    metric = log_set(channel("DEPT", "m", (1.0, 2.0, 3.0)), index="DEPT")
+    assert depth_remarks(metric, guess(metric)) == ["DEPT: median step 1 m"]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(1023720.0, "1023720"), (60467.76, "60468"), (2.55541, "2.5554"), (0.0, "0"), (1e30, "1e+30")]
+)
+def test_ranges_are_short(value: float, text: str) -> None:
+    from helibore.cli.inspect import short
+
+    assert short(value) == text

@@ -1,0 +1,338 @@
+"""The command line: what it writes, what it prints, its exit codes, one-line errors, and nothing half-written."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import hashlib
+import json
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import trimesh
+from click.testing import CliRunner, Result
+from locations import SHARED
+
+import helibore
+from helibore.cli import VERBS, cli
+from helibore.cli.reconstruct import ENDINGS
+from helibore.cli.wall_lines import diameters
+from helibore.simulation.tool import Hole, simulate
+
+F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+def real(*arguments: object, timeout: float = 120) -> subprocess.CompletedProcess[str]:
+    command = [sys.executable, "-m", "helibore", *(str(argument) for argument in arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=timeout, check=False)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A simulated hole of 3 m, written by the command line."""
+    folder = tmp_path_factory.mktemp("hole")
+    result = run("simulate", folder, "--to", "2003m", "--samples", 9000, "--seed", 5, "--lift", "2002:1", "-q")
+    assert (result.exit_code, result.output) == (0, "")
+    return folder
+
+
+def test_simulate_writes_what_the_library_gives(folder: Path) -> None:
+    caliper = helibore.open(folder / "caliper.csv").caliper()
+    assert len(caliper) == 9000
+    assert caliper.time is not None
+    assert (np.diff(caliper.depth) < 0).sum() == 1  # the lift
+    survey = helibore.open(folder / "survey.csv").survey()
+    assert survey.depth[0] < 2000
+    assert survey.depth[-1] > 2003
+    kept = json.loads((folder / "hole.json").read_text())
+    assert (kept["seed"], kept["hole"]["stop"], kept["tool"]["lifts"]) == (5, 2003.0, [{"depth": 2002, "length": 1}])
+    hole = Hole.example(2000.0, 2003.0, seed=5)
+    truth = np.loadtxt(folder / "truth.csv", delimiter=",", skiprows=1)
+    np.testing.assert_allclose(truth[:, 2], hole.radius(truth[:, 0], truth[:, 1]), atol=2e-7)
+    assert len(truth) == 64 * 30 + 1
+    with (folder / "gamma.csv").open() as file:
+        rows = list(csv.reader(file))
+    assert rows[0] == ["depth_m", *(f"GR{j}_gAPI" for j in range(1, 17))]
+    assert len(rows) == 32
+
+
+def test_simulate_formats_hold_the_same(tmp_path: Path) -> None:
+    for ending in ("csv", "csv.gz", "npz"):
+        assert run("simulate", tmp_path, "--to", "2001m", "--samples", 500, "--format", ending, "-q").exit_code == 0
+    plain = helibore.open(tmp_path / "caliper.csv").caliper()
+    assert gzip.decompress((tmp_path / "caliper.csv.gz").read_bytes()) == (tmp_path / "caliper.csv").read_bytes()
+    exact = helibore.open(tmp_path / "caliper.npz").caliper()
+    expected = simulate(Hole.example(2000.0, 2001.0), samples=500)
+    assert np.array_equal(exact.radius, expected.radius)
+    np.testing.assert_allclose(plain.radius, exact.radius, rtol=0, atol=5.1e-7)
+    np.testing.assert_allclose(plain.depth, exact.depth, rtol=0, atol=5.1e-6)
+
+
+def test_reconstruct_is_the_library(folder: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "wall.ply"
+    result = run("reconstruct", folder / "caliper.csv", "--survey", folder / "survey.csv", "-o", mesh,
+                 "--bit-diameter", "216mm", "--sectors", 32, "--pitch", "5cm", "--neighbors", 6)  # fmt: skip
+    assert result.exit_code == 0, result.output
+    caliper, survey = helibore.open(folder / "caliper.csv").caliper(), helibore.open(folder / "survey.csv").survey()
+    wall = helibore.reconstruct(caliper, bit_diameter=0.216, sectors=32, pitch=0.05, neighbors=6)
+    expected = tmp_path / "expected.ply"
+    blake2b = hashlib.blake2b((folder / "caliper.csv").read_bytes(), digest_size=32).hexdigest()
+    wall.made_from = {"files": [{"name": "caliper.csv", "blake2b": blake2b}]}
+    wall.surface(survey.path()).save(expected)
+    assert mesh.read_bytes() == expected.read_bytes()
+    across = diameters(wall) / 0.0254
+    for line in (
+        "caliper   caliper.csv: csv, 9,000 rows",
+        "          radius_m is radius in m at 0 deg: named radius_m",
+        "dropped   nothing",
+        "samples   9,000, 9,000 of them in the interval",
+        f"wall      2000.00 to 2003.00 m, 32 sectors, pitch 0.05 m: {len(wall):,} vertices, {len(wall) - 33:,} quads, "
+        "from 9,000 samples",
+        "bit       8.504 in (216.0 mm)",
+        "support   0.00 % of the vertices are without support (no sample in reach)",
+    ):
+        assert line in [printed.rstrip() for printed in result.output.splitlines()]
+    assert f"diameter  mean     {across.mean():7.3f} in" in result.output
+    assert f"least    {across.min():7.3f} in" in result.output
+    assert f"greatest {across.max():7.3f} in" in result.output
+    assert re.search(r"time      import .* read .* rebuild .* place .* save .* in all", result.output)
+
+
+@pytest.mark.parametrize("ending", ENDINGS)
+def test_every_ending_is_saved(folder: Path, tmp_path: Path, ending: str) -> None:
+    mesh = tmp_path / f"wall{ending}"
+    result = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "8.5in", "-q")
+    assert (result.exit_code, result.output) == (0, "")
+    assert sorted(path.name for path in tmp_path.iterdir()) == [mesh.name, f"{mesh.name}.toml"]
+    quads = 64 * 30 + 1 - 65
+    if ending == ".wall":
+        wall = helibore.load(mesh)
+        assert len(wall.surface().quads) == quads
+        assert wall.made_from["files"][0]["name"] == "caliper.csv"
+    elif ending in (".vtu", ".vtp", ".vtkhdf"):
+        pyvista = pytest.importorskip("pyvista", reason="PyVista reads it back", exc_type=ImportError)
+        assert pyvista.read(mesh).n_cells == quads
+    else:
+        assert len(trimesh.load_mesh(mesh).faces) == 2 * quads
+
+
+def test_interval_and_dropped_rows(folder: Path, tmp_path: Path) -> None:
+    lines = (folder / "caliper.csv").read_text().splitlines()
+    lines[5] = lines[5].rsplit(",", 1)[0] + ",-999.25"
+    lines[6] = lines[6].rsplit(",", 1)[0] + ","
+    path = tmp_path / "c.csv"
+    path.write_text("\n".join(lines))
+    result = run(
+        "reconstruct", path, "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "--from", "2001", "--to", "2002m"
+    )
+    assert result.exit_code == 0, result.output
+    assert "missing   2 values of radius_m" in result.output
+    assert "dropped   2 samples of c.csv without a radius" in result.output
+    assert "wall      2001.00 to 2002.00 m, 64 sectors, pitch 0.1 m: 641 vertices, 576 quads" in result.output
+
+
+def test_upwards(folder: Path, tmp_path: Path) -> None:
+    result = run("reconstruct", folder / "caliper.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm",
+                 "--from", "2001", "--to", "2002m", "--pitch=-100mm")  # fmt: skip
+    assert result.exit_code == 0, result.output
+    assert "wall      2001.00 to 2002.00 m, 64 sectors, pitch -0.1 m: 641 vertices, 576 quads" in result.output
+
+
+@pytest.mark.parametrize("sectors", [3, 4, 7, 64])
+def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
+    toolface = np.arange(0, 360, 0.5)
+    depth = np.linspace(0, 2, 40)
+    points = [grid.ravel() for grid in np.meshgrid(depth, toolface, indexing="ij")]
+    radius = 0.1 + 0.01 * np.cos(np.radians(points[1]))
+    wall = helibore.reconstruct(
+        helibore.Caliper(points[0], points[1], radius), bit_diameter=0.2, sectors=sectors, neighbors=1
+    )
+    chord = 0.01 * (1 - np.cos(np.pi / sectors)) if sectors % 2 else 0.0
+    assert np.abs(diameters(wall) - 0.2).max() < chord + 2e-4
+
+
+@pytest.mark.parametrize(
+    ("text", "options", "message"),
+    [
+        ("md_m,rb_deg\n1,2\n", [], "c.csv: column 'r': not in the file, which has md_m, rb_deg"),
+        ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
+         '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
+        ("md_m,rb_deg,r\n1,2,0.1\n", ["--radius", "r:parsec"],
+         "c.csv: r: unit = 'parsec': must be a unit of length for a radius"),
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv, line 3, column r: 'big' is not a number"),
+        ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--radius", "r:m"],
+         "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
+        ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--radius", "r:m"],
+         "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,0\n1,2,0.1\n", ["--radius", "r:m"],
+         "c.csv, line 3, column r: radius 0 m: must be larger than 0 and at most 2 m; a radius range drops such"),
+        ("md_m,rb_deg,r\n1,2,8.5\n", ["--radius", "r:m"],
+         "c.csv, column r: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
+        ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: a header and no rows"),
+        ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
+        ("", [], "c.csv: empty: 0 bytes"),
+        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--from", "5"],
+         "c.csv: no samples below 5 m; it has 1 to 2 m"),
+        ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--to", "0.5"],
+         "c.csv: no samples above 0.5 m; it has 1 to 2 m"),
+    ],
+)  # fmt: skip
+def test_bad_caliper(tmp_path: Path, text: str, options: list[str], message: str) -> None:
+    (tmp_path / "c.csv").write_text(text)
+    radius = ["--radius", "r"] if "--radius" not in options else []
+    result = run("reconstruct", tmp_path / "c.csv", "--depth", "md_m", "--toolface", "rb_deg", *radius, *options,
+                 "-o", tmp_path / "w.glb", "--bit-diameter", "8.5in")  # fmt: skip
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"helibore: {message}\n"
+    assert [path.name for path in tmp_path.iterdir()] == ["c.csv"]
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        (["--sectors", "2"], r"sectors = 2: must lie in 3 to 1000000"),
+        (["--pitch", "0"], r"pitch = 0: must be .*not 0"),
+        (["--pitch", "5lightyears"], r"Invalid value for '--pitch': unit 'lightyears': not known; known are m, .*"),
+        (["--neighbors", "0"], r"neighbors = 0: .*"),
+        (["--bit-diameter", "0"], r"bit_diameter = 0: .*"),
+        (
+            ["--bit-diameter", "8.5"],
+            r"Invalid value for '--bit-diameter': '8.5': must be at most 4 m; a number without "
+            r"a unit is metres: 8.5in\? \(see .*",
+        ),
+        (["--bit-diameter", "216"], r".*metres: 216mm\? \(see .*"),
+        (["--bit-diameter", "18ft"], r"Invalid value for '--bit-diameter': '18ft': must be at most 4 m \(see .*"),
+        (["--from", "2003", "--to", "2001"], r"--to 2001 m: must be deeper than --from 2003 m"),
+        (["--survey", "none.csv"], r"none.csv: No such file or directory"),
+        (["-o", "wall.xyz"], r"wall.xyz: the ending must be one of .glb, .ply, .obj, .stl, .vtu, .vtp, .vtkhdf, .wall"),
+        (["-o", "no/such/wall.glb"], r"no/such/wall.glb: the folder no/such must be there"),
+        (["--frobnicate"], r"No such option '?--frobnicate.*"),
+    ],
+)
+def test_bad_option(folder: Path, tmp_path: Path, options: list[str], message: str) -> None:
+    before = sorted(tmp_path.iterdir())
+    result = run("reconstruct", folder / "caliper.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "8.5in", *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert re.fullmatch(f"helibore: {message}\n", result.stderr), result.stderr
+    assert sorted(tmp_path.iterdir()) == before
+
+
+@pytest.mark.parametrize(
+    ("survey", "message"),
+    [
+        ("1990,5,0\n1990,5,0\n", "s.csv, line 3, column md_m: depth 1990 m repeats 1990 m: must grow"),
+        ("1990,5,0\n2010,190,0\n", "s.csv, line 3, column incl_deg: 190 deg: inclination lies within 0 and 180"),
+    ],
+)
+def test_bad_survey(folder: Path, tmp_path: Path, survey: str, message: str) -> None:
+    (tmp_path / "s.csv").write_text(f"md_m,incl_deg,azim_deg\n{survey}")
+    result = run("reconstruct", folder / "caliper.csv", "--survey", tmp_path / "s.csv", "-o", tmp_path / "w.glb",
+                 "--bit-diameter", "8.5in")  # fmt: skip
+    assert (result.exit_code, result.stderr) == (2, f"helibore: {message}\n")
+
+
+def test_path_must_cover_the_wall(folder: Path, tmp_path: Path) -> None:
+    (tmp_path / "s.csv").write_text("md_m,incl_deg,azim_deg\n1990,5,0\n2001,5,0\n")
+    old = tmp_path / "w.glb"
+    old.write_bytes(b"the old file")
+    options = ["--survey", tmp_path / "s.csv", "-o", old, "--bit-diameter", "8.5in"]
+    result = run("reconstruct", folder / "caliper.csv", *options)
+    assert (result.exit_code, result.stdout) == (2, "")
+    lines = re.fullmatch(r"helibore: s\.csv: vertex \d+ at depth ([\d.]+): must not lie below the last station of the "
+                         r"survey, at 2001 m, plus extend = 0 m\n", result.stderr)  # fmt: skip
+    assert lines
+    assert float(lines[1]) > 2001
+    assert old.read_bytes() == b"the old file"
+    assert run("reconstruct", folder / "caliper.csv", *options, "--extend", "10m").exit_code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["s.csv", "w.glb", "w.glb.toml"]
+
+
+@pytest.mark.parametrize("verb", ["demo", "reconstruct", "simulate"])
+def test_help_has_an_example(verb: str) -> None:
+    result = run(verb, "--help")
+    assert result.exit_code == 0
+    assert f"helibore {verb}" in result.output.partition("Options:")[0].split("\n\n", 1)[1]
+    assert max(map(len, result.output.splitlines())) <= 120
+
+
+def test_version() -> None:
+    assert run("--version").output == f"helibore {helibore.__version__}\n"
+
+
+def test_real_process(folder: Path, tmp_path: Path) -> None:
+    good = real("reconstruct", folder / "caliper.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "8 1/2in")
+    assert (good.returncode, good.stderr) == (0, "")
+    assert "vertices" in good.stdout
+    quiet = real("reconstruct", folder / "caliper.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "8 1/2in", "-q")
+    assert (quiet.returncode, quiet.stderr, quiet.stdout) == (0, "", "")
+    bad = real("reconstruct", tmp_path / "none.csv", "-o", tmp_path / "x.glb", "--bit-diameter", "8.5in")
+    assert (bad.returncode, bad.stdout) == (2, "")
+    assert bad.stderr == f"helibore: {tmp_path}/none.csv: No such file or directory\n"
+    assert real("dig").stderr == "helibore: No such command 'dig'. (see helibore --help)\n"
+
+
+def test_our_own_fault_is_exit_code_1(folder: Path, tmp_path: Path) -> None:
+    program = (
+        "import sys, helibore.cli, helibore.wall.reconstruct\n"
+        "def broken(*_, **__): raise RuntimeError('lost a vertex; this is a bug in helibore')\n"
+        "helibore.wall.reconstruct.reconstruct = broken\n"
+        f"sys.argv = ['helibore', 'reconstruct', {str(folder / 'caliper.csv')!r}, '-o', {str(tmp_path / 'w.glb')!r}, "
+        "'--bit-diameter', '8.5in']\n"
+        "helibore.cli.main()\n"
+    )
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert result.returncode == 1
+    assert "this is a bug in helibore" in result.stderr
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_command_loads_only_what_it_needs() -> None:
+    program = (
+        "import sys, helibore.cli\n"
+        "heavy = {'trimesh', 'rich', 'matplotlib', 'scipy', 'pyarrow', 'lasio'} & set(sys.modules)\n"
+        "sys.exit(f'loaded {heavy}' if heavy else 0)\n"
+    )
+    result = subprocess.run([sys.executable, "-c", program], capture_output=True, text=True, timeout=60, check=False)
+    assert (result.returncode, result.stderr) == (0, "")
+
+
+def test_f12(tmp_path: Path) -> None:
+    if not F12.exists():
+        pytest.skip("shared data not beside the project: no Volve F-12 caliper")
+    mesh = tmp_path / "f12.glb"
+    result = run("reconstruct", F12, "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90", "--from", "3080",
+                 "--to", "3240", "-o", mesh, "--bit-diameter", "6.2in")  # fmt: skip
+    assert result.exit_code == 0, result.output
+    with gzip.open(F12, "rt") as file:
+        rows = [row for row in csv.DictReader(file) if 3080 <= float(row["md_m"]) <= 3240]
+    of_the_file = np.mean([[float(row["pfc1_x_in"]), float(row["pfc2_y_in"])] for row in rows])
+    printed = re.search(r"mean +([\d.]+) in", result.output)
+    assert printed is not None
+    assert abs(float(printed[1]) - of_the_file) < 0.05
+    scene = trimesh.load_scene(mesh)
+    points = scene.to_geometry().vertices  # east, up, -north of a straight vertical hole
+    assert abs(2 * np.hypot(points[:, 0], points[:, 2]).mean() / 0.0254 - of_the_file) < 0.05
+    assert np.ptp(points[:, 1]) == pytest.approx(160.0, abs=0.01)
+
+
+def test_helibore_alone_shows_its_help() -> None:
+    result = real()
+    shown = result.stdout + result.stderr  # the latter, with exit code 2, from click 8.2 on
+    assert shown.strip() == run("--help").output.replace("Usage: cli", "Usage: helibore").strip()
+
+
+@pytest.mark.parametrize("verb", sorted(VERBS))
+def test_the_help_of_every_verb_has_an_example_and_one_line_that_fits(verb: str) -> None:
+    text = run(verb, "--help").output
+    assert re.search(rf"^  helibore {verb}\b", text, re.MULTILINE)
+    (line,) = re.findall(rf"^  {verb} +(.+)$", run("--help").output, re.MULTILINE)
+    assert line.endswith("."), "not cut short"
+    assert "..." not in line

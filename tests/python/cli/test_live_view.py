@@ -1,0 +1,136 @@
+"""``helibore live --view``: the page grows with the wall, in a real browser where there is one."""
+
+from __future__ import annotations
+
+import json
+import re
+import socket
+import subprocess
+import sys
+import time
+import urllib.request
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from test_live_server import free_port
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.live.configuration import parse
+from helibore.simulation.rig import Rig
+
+pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
+from screen import NEEDS_BROWSER, Screen  # (needs the extra)
+
+WALL = "[wall]\nbit_diameter = 0.216\nstart_depth = 100.0\nsectors = 16\n"
+HOST = WALL + '[source.host]\naddress = "host"\nunits = "metric"\n'
+
+
+def pushed(live: hb.Live, top: float, count: int = 200):
+    k = np.arange(count)
+    return live.append_samples(top + 0.005 * k, k * 37.0 % 360, np.full(count, 0.11))
+
+
+def health(url: str) -> dict[str, Any]:
+    with urllib.request.urlopen(url + "healthz") as answer:
+        found: dict[str, Any] = json.loads(answer.read())
+        return found
+
+
+def until(condition, seconds: float = 30.0) -> None:
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.02)
+
+
+@pytest.fixture
+def needs_page() -> None:
+    from helibore.viewer.server import page
+
+    if page("app.js") is None:
+        pytest.skip("the page was not built: Node.js 18 is missing")
+
+
+@pytest.mark.usefixtures("needs_page")
+def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path():
+    from helibore.cli.live_view import Window
+
+    with Window("well-7") as window:
+        scene = window.scene
+        assert health(window.url)["vertices"] == 0
+        assert scene.feed == "Reading the journal."
+        live = hb.Live(parse(HOST))
+        window.follow(live)
+        window.refresh({"host": "not started", "mwd": "connected to rig"})
+        assert scene.feed == "host: not started; mwd: connected to rig. 0 samples received."
+        assert not scene.begun
+        window.show(pushed(live, 100.0))
+        window.refresh({"host": "not started"})
+        assert scene.feed == "host: not started"
+        first = health(window.url)["vertices"]
+        assert first == len(live.wall)
+        assert not scene.frames.surveyed
+        window.show(pushed(live, 101.0))
+        until(lambda: health(window.url)["vertices"] == len(live.wall) > first)
+        window.show(live.append_stations([0.0, 90.0], [0.0, 0.0], [0.0, 0.0]))
+        window.show(live.append_stations([101.0], [30.0], [90.0]))
+        window.refresh({})
+        until(lambda: abs(scene.frames.centre[:, 1]).max() > 0.1)  # the hole turns east
+        assert scene.frames.surveyed
+        window.show(pushed(live, 101.9, 40_000))  # 200 m below the last station: the path is drawn on
+        window.refresh({})
+        until(lambda: health(window.url)["vertices"] == len(live.wall) > 20_000)
+        assert time.time() - 60 < scene.newest <= time.time()
+    assert scene.ended
+
+
+def test_without_the_extra_nothing_starts_and_the_error_names_it(tmp_path, monkeypatch):
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    (tmp_path / "rig.toml").write_text(HOST)
+    ran = CliRunner().invoke(cli, ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "--view"])
+    assert ran.exit_code == 2, ran.output
+    assert 'needs uvicorn: pip install "helibore[view]"' in ran.output
+    assert not (tmp_path / "j").exists()
+
+
+@pytest.mark.usefixtures("needs_page")
+def test_a_port_that_is_taken_is_told_before_a_journal_is_begun(tmp_path):
+    (tmp_path / "rig.toml").write_text(HOST)
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = str(taken.getsockname()[1])
+        ran = CliRunner().invoke(cli, ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "--view",
+                                       "--view-port", port])  # fmt: skip
+    assert ran.exit_code == 2, ran.output
+    assert f"127.0.0.1 port {port}: Address already in use; give another port, or 0" in ran.output
+    assert not (tmp_path / "j").exists()
+
+
+@pytest.mark.browser
+@pytest.mark.usefixtures("needs_page")
+@NEEDS_BROWSER[1]
+def test_a_played_rig_grows_on_the_page(tmp_path, browser):
+    port = free_port()
+    (tmp_path / "rig.toml").write_text(Rig("em", 2000.0, 2000.5, 0.0).configuration(f"tcp://127.0.0.1:{port}"))
+    command = [sys.executable, "-m", "helibore"]
+    rig = [*command, "simulate", "--wits", f"listen://127.0.0.1:{port}", "--to", "2004m", "--speed", "20",
+           "--telemetry", "em"]  # fmt: skip
+    wall = [*command, "live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "--view"]
+    with (
+        subprocess.Popen(rig, stdout=subprocess.DEVNULL) as played,
+        subprocess.Popen(wall, stdout=subprocess.PIPE, text=True) as running,
+    ):
+        assert running.stdout is not None
+        told = re.search(r"http://\S+", running.stdout.readline())
+        assert told
+        screen = Screen(browser, told[0])
+        first = screen.stats()["size"]
+        screen.until(f"window.__wall.stats.size > {first} + 200")
+        screen.close()
+        played.terminate()
+        running.terminate()
+        out, _ = running.communicate(timeout=30)
+    assert "samples drawn" in out
+    assert running.returncode == 0

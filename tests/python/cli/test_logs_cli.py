@@ -1,0 +1,188 @@
+"""``helibore logs``: files of every ending hold what the library measures; the summary; errors are one line, exit 2."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+from locations import SHARED
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.logs.annulus import annulus
+from helibore.logs.zones import Criteria
+
+CALIPERS = SHARED / "calipers"
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, ["logs", *(str(argument) for argument in arguments)])
+
+
+def column(file: Path, name: str) -> np.ndarray:
+    """A column of a file; CSV names it with its unit."""
+    with hb.open(file) as opened:
+        one = opened.set()
+        return one.numbers(next(channel for channel in one.names if channel.partition(" (")[0] == name))
+
+
+def names(file: Path) -> list[str]:
+    with hb.open(file) as opened:
+        return opened.set().names
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A wall of 20 m with two breakouts and a washout, and an image that is dark along toolface 60."""
+    folder = tmp_path_factory.mktemp("logs")
+    k = np.arange(40_000)
+    depth, toolface = 2000 + k * 0.0005, k * 37.0 % 360
+    lobes = np.maximum(np.cos(np.radians(2 * (toolface - 60))) - 0.4, 0) / 0.6
+    broken = ((depth > 2004) & (depth < 2007)) | ((depth > 2014) & (depth < 2016))
+    radius = 0.108 + 0.02 * lobes * broken + 0.015 * ((depth > 2010) & (depth < 2012))
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=0.216)
+    rows = 2000 + np.arange(200) * 0.1
+    dark = np.where(np.isin(np.arange(36), [5, 6, 7, 23, 24, 25]), 10.0, 50.0)
+    values = np.where(((rows > 2004) & (rows < 2007))[:, None], dark, 50.0)
+    wall.images["AMP"] = hb.SectorImage(rows, values, "AMP", origin="centre", reference="high-side")
+    wall.save(folder / "w.wall")
+    return folder
+
+
+@pytest.mark.parametrize("ending", ["las", "csv", "parquet", "dlis"])
+@pytest.mark.parametrize("step", [None, "0.5m"])
+def test_every_ending_holds_the_logs_of_the_library(
+    folder: Path, tmp_path: Path, ending: str, step: str | None
+) -> None:
+    pytest.importorskip({"csv": "numpy", "parquet": "pyarrow", "dlis": "dlisio", "las": "lasio"}[ending])
+    if ending == "dlis":
+        pytest.importorskip("dliswriter")
+    wall, output = hb.load(folder / "w.wall"), tmp_path / f"w.{ending}"
+    done = run(folder / "w.wall", "-o", output, *(("--step", step) if step else ()), "--from", "2003", "--to", "2015")
+    assert done.exit_code == 0, done.output
+    turns = wall.logs().between(2003, 2015)
+    expected = turns if step is None else turns.by_step(0.5)
+    for name, values in (("DEPT", expected.depth), ("C1", expected.c1), ("VOL", expected.volume)):
+        assert column(output, name) == pytest.approx(values, abs=2e-6)
+    assert ("CLASS" in names(output)) == (step is None)
+    label = f"{len(expected)} rows, " + ("one a turn" if step is None else "one each 0.5 m")
+    assert label in done.output
+
+
+def test_zones_breakouts_of_images_casings_and_criteria(folder: Path, tmp_path: Path) -> None:
+    zones, dark, output = tmp_path / "zones.csv", tmp_path / "dark.csv", tmp_path / "w.csv"
+    done = run(folder / "w.wall", "-o", output, "--zones", zones, "--breakouts", f"AMP={dark}", "--casing", "7in",
+               "--criterion", "elongation=0.5in", "--criterion", "least-length=0.2", "--criterion", "symmetry=0.4",
+               "--rugosity-window", "0.5m", "--well", "15/9-X")  # fmt: skip
+    assert done.exit_code == 0, done.output
+    wall = hb.load(folder / "w.wall")
+    found = wall.zones(Criteria(elongation=0.0127, least_length=0.2, symmetry=0.4))
+    assert column(zones, "AXIS")[[0, 2]] == pytest.approx([60, 60], abs=1)
+    assert column(zones, "TOP") == pytest.approx([zone.start for zone in found.zones], abs=1e-5)
+    assert column(dark, "AXIS") == pytest.approx([60], abs=0.01)
+    text = output.read_text()
+    assert "# well: 15/9-X" in text
+    assert "# criterion elongation: 0.0127 m" in text
+    assert "# class: 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge" in text
+    assert "# rugosity window: 0.5 m" in text
+    space = annulus(wall.logs(0.5), 0.1778)
+    assert column(output, "AVOL_178") == pytest.approx(space.volume, abs=2e-7)
+    assert set(np.unique(column(output, "CLASS"))) == {0, 1, 2}
+    assert "2 breakout" in done.output
+    assert "1 washout" in done.output
+    assert f"annulus {space.total:.3f} m³" in done.output
+    assert "AMP: 1 breakout," in done.output
+
+
+def test_the_summary_says_what_a_driller_asks(folder: Path, tmp_path: Path) -> None:
+    done = run(folder / "w.wall", "-o", tmp_path / "w.las", "--step", "1m")
+    logs = hb.load(folder / "w.wall").logs()
+    words = " ".join(done.output.split())
+    size = np.nanmax(logs.c1)
+    assert (
+        f"largest across {size / 0.0254:.3f} in ({size * 1e3:.1f} mm) at {logs.depth[np.nanargmax(logs.c1)]:.2f} m"
+        in words
+    )
+    volume = np.nansum(logs.volume)
+    assert (
+        f"{volume:.3f} m³ ({volume / 0.158987294928:.2f} bbl) over {np.isfinite(logs.volume).sum() * 0.1:.1f} m"
+        in words
+    )
+    assert "breakouts along 60 and 240 deg" in words
+    assert "elongation 0.0254 m; washout 0.0127 m" in words
+    assert run(folder / "w.wall", "-o", tmp_path / "w.las", "-q").output == ""
+
+
+def test_what_has_nothing_to_write_is_said(folder: Path, tmp_path: Path) -> None:
+    zones, dark = tmp_path / "zones.csv", tmp_path / "dark.csv"
+    none = ("--zones", zones, "--criterion", "elongation=1m", "--criterion", "washout=1m", "--criterion", "key-seat=1m")
+    done = run(folder / "w.wall", "-o", tmp_path / "w.csv", *none)
+    assert done.exit_code == 0
+    assert "from an earlier run" not in done.output
+    assert "none by the criteria" in done.output
+    assert "there is nothing to write" in " ".join(done.output.split())
+    assert not zones.exists()
+    assert not dark.exists()
+    zones.write_text("old")
+    again = " ".join(run(folder / "w.wall", "-o", tmp_path / "w.csv", *none).output.split())
+    assert "there is nothing to write; what stands there is from an earlier run" in again
+    assert zones.read_text() == "old"
+
+
+def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
+    wall = hb.reconstruct(hb.Caliper.from_average([100.0, 105.0], [0.22, 0.23]), bit_diameter=0.216, max_distance=9)
+    wall.save(tmp_path / "a.wall")
+    done = run(tmp_path / "a.wall", "-o", tmp_path / "a.csv")
+    assert done.exit_code == 0
+    assert "shape assumed round" in done.output
+    assert "zones" not in done.output
+    done = run(tmp_path / "a.wall", "-o", tmp_path / "b.csv", "--zones", tmp_path / "z.csv")
+    assert done.exit_code == 2
+    assert "zones need a shape that was measured" in done.output
+
+
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        (["-o", "w.xls"], "w.xls: the ending must be one of .las, .csv, .parquet, .dlis"),
+        (["-o", "gone/w.las"], "gone/w.las: the folder gone must be there"),
+        (["-o", "w.csv", "--zones", "w.csv"], "--output, --zones and --breakouts: the files must differ"),
+        (["-o", "w.csv", "--step", "0.01"], "step = 0.01: must be at least the pitch, 0.1 m"),
+        (["-o", "w.csv", "--from", "2003.2", "--to", "2003.9", "--step", "5"],
+         "step = 5: no whole step among the turns, 2003.25 to 2003.85 m"),
+        (["-o", "w.csv", "--from", "3000"],
+         "no full turns of the wall between --from and --to: they reach from 2000.05 to 2019.95 m"),
+        (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
+        (["-o", "w.csv", "--casing", "20in"],
+         "outer_diameter = 0.508: a casing of 20 in is larger than the hole at 2000.05"),
+        (["-o", "w.csv", "--criterion", "depth=1"],
+         "--criterion depth=1: must be NAME=VALUE, NAME one of elongation, washout, key-seat,"),
+        (["-o", "w.csv", "--criterion", "washout=1kg"], "--criterion washout=1kg: unit 'kg'"),
+        (["-o", "w.csv", "--criterion", "symmetry=2"], "symmetry = 2.0: must be in [0, 1]"),
+        (["-o", "w.csv", "--breakouts", "AMP"], "--breakouts AMP: must be IMAGE=FILE"),
+        (["-o", "w.csv", "--breakouts", "GR=g.csv"], "image 'GR': the wall has none of this name; it has AMP"),
+    ],
+)  # fmt: skip
+def test_bad_options_are_one_line_and_write_nothing(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, options: list[str], text: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    done = run(folder / "w.wall", *options)
+    assert done.exit_code == 2
+    assert done.output.startswith("helibore: " + text)
+    assert done.output.count("\n") == 1
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(not CALIPERS.is_dir(), reason="needs ../shared/data/calipers")
+def test_a_real_caliper_becomes_logs_in_one_command(tmp_path: Path) -> None:
+    f12 = CALIPERS / "volve_F-12_2010_pfcs_xy_caliper.csv.gz"
+    done = run(f12, "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90", "--bit-diameter", "6.2in",
+               "--from", "3080", "--to", "3240", "--step", "1m", "-o", tmp_path / "f12.csv")  # fmt: skip
+    assert done.exit_code == 0, done.output
+    size = column(tmp_path / "f12.csv", "DEQ") / 0.0254
+    assert size.size == 160
+    assert abs(size.mean() - 6.211) < 0.05
+    assert "none by the criteria" in done.output

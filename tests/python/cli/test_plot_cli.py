@@ -1,0 +1,160 @@
+"""``helibore plot``: pictures of archives and of real wells, and what it refuses."""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import CliRunner, Result
+from locations import SHARED
+from plotted_wall import plotted_wall
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.plot.paper import MM
+
+
+def run_cli(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, ["plot", *map(str, arguments)])
+
+
+@pytest.fixture(scope="module")
+def wall() -> hb.Wall:
+    return plotted_wall()
+
+
+@pytest.fixture
+def archive(tmp_path: Path, wall: hb.Wall) -> Path:
+    wall.save(tmp_path / "well.wall")
+    return tmp_path / "well.wall"
+
+
+@pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
+def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, ending: str) -> None:
+    output = tmp_path / f"log.{ending}"
+    result = run_cli(archive, "-o", output, "--dpi", 50, "--well", "Well & <one>", "--scale", "1:200")
+    assert result.exit_code == 0, result.output
+    content = output.read_bytes()
+    assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending])
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", "well.wall"]
+    again = tmp_path / f"again.{ending}"
+    assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200).exit_code == 0
+    assert again.read_bytes() == content
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
+        (["-o", "no/log.png"], "no/log.png: the folder no must be there"),
+        (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, as 200 or 1:200"),
+        (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
+        (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
+        (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
+        (["-o", "log.png", "--gauge"], "one of SOURCE, --average and --gauge must say what the wall is made from"),
+        (["-o", "log.png", "--image", "x.las"], "--image x.las: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge"),
+        (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
+        (["-o", "log.png", "--from", "9000", "--to", "9001"], "interval 9000 to 9001 m: the wall reaches from 2000"),
+    ],
+)
+def test_plot_refuses(archive: Path, monkeypatch: pytest.MonkeyPatch, arguments: list[str], message: str) -> None:
+    monkeypatch.chdir(archive.parent)
+    (archive.parent / "log.png").write_bytes(b"old")
+    result = run_cli("well.wall", *arguments)
+    assert result.exit_code == 2
+    assert message in result.stderr
+    assert result.stderr.count("\n") == 1
+    assert (archive.parent / "log.png").read_bytes() == b"old"
+    assert sorted(path.name for path in archive.parent.iterdir()) == ["log.png", "well.wall"]
+
+
+@pytest.mark.parametrize("option", ["--image=log.csv:GR:edge", "--average=log.csv:GR"])
+def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> None:
+    table = tmp_path / "log.csv"
+    table.write_text("depth_m,CAL_in\n" + "".join(f"{1000 + row},8.5\n" for row in range(9)))
+    gauge = [] if option.startswith("--average") else ["--gauge"]
+    result = run_cli(*gauge, option.replace("log.csv", str(table)), "--bit-diameter", "8.5in", "-o", tmp_path / "l.png")
+    assert (result.exit_code, result.stderr) == (2, "helibore: log.csv: no channel 'GR'; it holds depth_m, CAL_in\n")
+
+
+@pytest.mark.parametrize(
+    ("size", "options", "rule"),
+    [
+        ("8.5", ("--to", "900"), "log.csv:CAL_in: no samples above 900 m; it has 1000 to 1008 m"),
+        ("8.5", ("--from", "2000", "--to", "2010"), "log.csv:CAL_in: no samples between 2000 and 2010 m; it has 1000"),
+        ("-999.25", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
+        ("850", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
+    ],
+)
+def test_an_average_caliper_of_another_interval_or_without_values_is_named(
+    tmp_path: Path, size: str, options: tuple[str, ...], rule: str
+) -> None:
+    table = tmp_path / "log.csv"
+    table.write_text("depth_m,CAL_in\n" + "".join(f"{1000 + row},{size}\n" for row in range(9)))
+    result = run_cli("--average", f"{table}:CAL_in", *options, "--bit-diameter", "8.5in", "-o", tmp_path / "l.png")
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"helibore: {rule}")
+
+
+@pytest.mark.parametrize(
+    ("suffix", "options", "said"),
+    [
+        ("", (), "from high-side, as nothing says otherwise (:north or --reference north would)"),
+        (":north", (), "from north"),
+        (":high-side", (), "from high-side"),
+        ("", ("--reference", "north"), "from north"),
+    ],
+)
+def test_what_an_image_counts_from_is_told_and_whether_anything_says_so(
+    tmp_path: Path, suffix: str, options: tuple[str, ...], said: str
+) -> None:
+    table = tmp_path / "log.csv"
+    names = ",".join(f"GR{sector}_gAPI" for sector in range(1, 9))
+    table.write_text(f"depth_m,{names}\n" + "".join(f"{1000 + row}{f',{row}' * 8}\n" for row in range(9)))
+    made = ("--gauge", "--bit-diameter", "8.5in", "--image", f"{table}:GR:edge{suffix}", *options)
+    result = run_cli(*made, "-o", tmp_path / "log.png", "--dpi", 40)
+    assert result.exit_code == 0, result.output
+    words = " ".join(result.output.split())
+    assert f"9 rows x 8 sectors, 0 values missing, {said} paper" in words
+
+
+def test_a_full_disk_leaves_the_old_picture(archive: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import os
+
+    output = archive.with_name("log.png")
+    output.write_bytes(b"old")
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    result = run_cli(archive, "-o", output, "--dpi", 40, "--no-body", "--no-polar")
+    assert (result.exit_code, output.read_bytes()) == (2, b"old")
+    assert "No space left on device" in result.stderr
+    assert sorted(path.name for path in output.parent.iterdir()) == ["log.png", "well.wall"]
+
+
+@pytest.mark.skipif(not SHARED.is_dir(), reason="the public data is not there")
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz", "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90",
+         "--from", 3080, "--to", 3110, "--bit-diameter", "6.2in"],
+        ["--gauge", "--bit-diameter", "8.5in", "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:ABDC:centre",
+         "--image", "lwd-images/P11-A-02_Composite_MEM_Image_NF.las:GRAS:edge", "--from", 2020, "--to", 2060],
+        ["--average", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:CALCM", "--bit-diameter",
+         "8.5in", "--image", "lwd-images/15_9-F-15_D__WL_RAW_BHPR-CAL-DEN-GR-MECH-NEU-REMP_MWD_2.json:APRA:centre",
+         "--log", "APRA", "--color-map", "APRA=resistivity", "--from", 4320, "--to", 4340],
+    ],
+)  # fmt: skip
+def test_real_wells(arguments: list[Any], tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(SHARED)
+    output = tmp_path / "well.png"
+    result = run_cli(*arguments, "-o", output, "--dpi", 60, "-q")
+    assert (result.exit_code, result.output) == (0, "")
+    from PIL import Image
+
+    with Image.open(io.BytesIO(output.read_bytes())) as picture:
+        assert picture.size[0] == pytest.approx(210 / MM * 60, abs=1)

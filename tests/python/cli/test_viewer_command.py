@@ -1,0 +1,217 @@
+"""``helibore view``: from a caliper file to a page that answers, and what it says when it cannot."""
+
+from __future__ import annotations
+
+import json
+import signal
+import subprocess
+import sys
+import urllib.error
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+
+pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
+
+from helibore.cli import cli
+from helibore.viewer.server import page
+
+BIT = ("--bit-diameter", "8.5in")
+HELIBORE = [sys.executable, "-c", "from helibore.cli import main; main()"]
+
+
+@pytest.fixture
+def caliper(tmp_path: Path) -> Path:
+    rng = np.random.default_rng(2)
+    depth = 500 + np.sort(rng.uniform(0, 5, 4000))
+    rows = np.column_stack([depth, rng.uniform(0, 360, 4000), rng.uniform(0.108, 0.115, 4000)])
+    path = tmp_path / "caliper.csv"
+    np.savetxt(path, rows, delimiter=",", header="depth_m,toolface_deg,radius_m", comments="", fmt="%.6f")
+    return path
+
+
+def run(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
+    command = [*HELIBORE, "view", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, cwd=folder)
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_it_serves_until_interrupted(caliper: Path) -> None:
+    command = [*HELIBORE, "view", str(caliper), "--bit-diameter", "216mm", "--no-browser", "-q"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
+        try:
+            assert process.stdout is not None
+            url = process.stdout.readline().split()[0]
+            with urllib.request.urlopen(url + "healthz") as answer:
+                said = json.load(answer)
+            assert said["page_built"]
+            assert 3000 < said["vertices"] < 3300
+            with urllib.request.urlopen(url) as answer:
+                assert "<canvas" in answer.read().decode()
+        finally:
+            process.send_signal(signal.SIGINT)
+        assert process.wait(20) == 0
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path: Path) -> None:
+    for name, held in {
+        "picture.png": b"\x89PNG\r\n\x1a\n" + bytes(100),
+        "empty.csv": b"",
+        "nocaliper.csv": b"depth,gr\n1,2\n3,4\n",
+        "empty.wall": b"",
+        "foreign.wall": b"%PDF-1.7" + bytes(3000),
+        "notes.toml": b"not toml [",
+        "hole.glb": b"glTF",
+        "survey.csv": b"md_m,incl_deg,azim_deg\n502,8,10\n600,9,10\n",
+    }.items():
+        (tmp_path / name).write_bytes(held)
+    for arguments, text in (
+        (("picture.png", *BIT), "picture.png: binary, and none of the formats read (DLIS, Parquet, NPZ)"),
+        (("empty.csv", *BIT), "empty.csv: empty: 0 bytes"),
+        (
+            ("nocaliper.csv", *BIT),
+            "nocaliper.csv: no channel has the role radius, diameter or radius-image: name one by an option or in a "
+            "map, such as --radius NAME:in; the channels are depth, gr",
+        ),
+        ((".", *BIT), ".: is a directory"),
+        (("none.csv", *BIT), "none.csv: No such file or directory"),
+        (("empty.wall",), "empty.wall: an empty file, not the archive of a wall"),
+        (("foreign.wall",), "foreign.wall: not the archive of a wall (it begins with b'%PDF')"),
+        (
+            ("notes.toml",),
+            "notes.toml: not TOML: Expected '=' after a key in a key/value pair (at line 1, column 5)",
+        ),
+        (
+            ("hole.glb",),
+            "hole.glb: a mesh has no samples to go with it; view its settings (hole.glb.toml), a saved .wall, or the "
+            "caliper file",
+        ),
+        (
+            (str(caliper), *BIT, "--survey", "survey.csv"),
+            "survey.csv: the wall lies from 500.00 to 505.00 m, the path from 502.00 to 600.00 m: give the survey's "
+            "path extend= metres, or a longer survey",
+        ),
+        (
+            (str(caliper), *BIT, "--host", "0.0.0.0"),
+            "host 0.0.0.0: is open to other machines, so it needs a token",
+        ),
+    ):
+        done = run(*arguments, "--no-browser", folder=tmp_path)
+        assert (done.returncode, done.stderr) == (2, f"helibore: {text}\n")
+
+
+def test_the_head_says_where_the_first_station_lies(
+    caliper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import helibore as hb
+
+    def seen(_: hb.Wall, path: hb.Path, **__: object) -> None:
+        raise ValueError(f"first station at {path.position([500.0]).tolist()}")
+
+    monkeypatch.setattr(hb, "view", seen)
+    survey = tmp_path / "survey.csv"
+    survey.write_text("md_m,incl_deg,azim_deg\n500,8,10\n600,9,10\n")
+    given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
+    result = CliRunner().invoke(cli, [*given, "--head", "-10m", "20m", "430m"])
+    assert "first station at [[-10.0, 20.0, 430.0]]" in result.stderr
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
+    import helibore as hb
+
+    rng = np.random.default_rng(3)
+    depth = 700 + np.sort(rng.uniform(0, 3, 3000))
+    samples = hb.Caliper(depth, rng.uniform(0, 360, 3000), rng.uniform(0.108, 0.115, 3000))
+    wall = hb.reconstruct(samples, bit_diameter=0.216)
+    wall.attributes["GR"] = np.linspace(20, 140, len(wall) - 65)
+    wall.attributes.units["GR"] = "gAPI"
+    file = tmp_path / "hole.wall"
+    wall.save(file)
+    command = [*HELIBORE, "view", str(file), "--no-browser", "-q"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as shown:
+        try:
+            assert shown.stdout is not None
+            url = shown.stdout.readline().split()[0]
+            with urllib.request.urlopen(url + "api/vertex/500") as answer:
+                said = json.load(answer)
+            assert said["radius"] == pytest.approx(wall.radius[500], abs=5.1e-6)
+            assert said["attributes"] == {"GR": pytest.approx(wall.attributes["GR"][500], rel=1e-6)}
+        finally:
+            shown.send_signal(signal.SIGINT)
+        assert shown.wait(20) == 0
+    done = run(str(file), "--sectors", "32")
+    assert done.returncode == 2
+    assert "--sectors: a saved wall has its own settings" in done.stderr
+    torn = tmp_path / "torn.wall"
+    torn.write_bytes(file.read_bytes()[:2000])
+    done = run(str(torn))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "torn.wall" in done.stderr
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> None:
+    mesh = tmp_path / "hole.glb"
+    made = ["reconstruct", str(caliper), "--bit-diameter", "216mm", "--sectors", "32", "--compare-with", "1", "-q"]
+    later = tmp_path / "later.csv"
+    rows = np.loadtxt(caliper, delimiter=",", skiprows=1)
+    rows[:, 2] += 0.004
+    np.savetxt(later, rows, delimiter=",", header="depth_m,toolface_deg,radius_m", comments="", fmt="%.6f")
+    made.insert(2, str(later))
+    subprocess.run([*HELIBORE, *made, "-o", str(mesh)], check=True, timeout=60)
+    settings = tmp_path / "hole.glb.toml"
+    command = [*HELIBORE, "view", str(settings), "--no-browser", "-q", "--token", "a&b #1"]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as shown:
+        try:
+            assert shown.stdout is not None
+            url, query = shown.stdout.readline().split()[0].split("?")
+            assert query == "token=a%26b%20%231"
+            with urllib.request.urlopen(f"{url}api/vertex/500?{query}") as answer:
+                said = json.load(answer)
+            assert said["attributes"]["difference"] == pytest.approx(0.004, abs=0.002)
+            with pytest.raises(urllib.error.HTTPError, match="403"):
+                urllib.request.urlopen(f"{url}api/vertex/500?token=a")
+            taken = run(str(settings), "--no-browser", "--port", url.strip("/").rsplit(":", 1)[1])
+            assert (taken.returncode, taken.stderr.count("\n")) == (2, 1), taken.stderr
+            port = url.strip("/").rsplit(":", 1)[1]
+            assert f"127.0.0.1 port {port}: Address already in use; give another port, or 0\n" in taken.stderr
+        finally:
+            shown.send_signal(signal.SIGINT)
+        assert shown.wait(20) == 0
+    for arguments, text in (
+        ((str(settings), "--sectors", "64"), "--sectors: the settings of a run have their own settings"),
+        ((str(mesh),), "hole.glb: a mesh has no samples to go with it; view the settings beside it: helibore view"),
+    ):
+        done = run(*arguments)
+        assert done.returncode == 2
+        assert text in done.stderr
+    later.write_text(later.read_text() + "501.0,10.0,0.11\n")
+    done = run(str(settings))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "later.csv: has changed since the run" in done.stderr
+    settings.write_text('title = "my notes"\n')
+    done = run(str(settings))
+    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert "hole.glb.toml: title: must be one of helibore" in done.stderr
+
+
+def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    from helibore.cli import view as command
+    from helibore.viewer import server
+
+    monkeypatch.setattr(server, "page", lambda _: None)
+    monkeypatch.setattr(server.resources, "files", lambda _: tmp_path)
+    with pytest.raises(
+        ValueError, match=r"^This helibore was built without its page: its files are missing\. .* npm, "
+    ):
+        command.check_page()
+    (tmp_path / "no-page.txt").write_text("Node.js 18 or newer and npm were not there\n")
+    with pytest.raises(
+        ValueError, match=r"^This helibore was built without its page: Node\.js 18 or newer and npm were "
+    ):
+        command.check_page()

@@ -1,0 +1,30 @@
+"""The fuzzer's random inputs, a few of them; and the page of guarantees names tests that exist."""
+
+from __future__ import annotations
+
+import re
+import shutil
+import subprocess
+
+import pytest
+from locations import ROOT
+
+
+@pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler here")
+def test_fuzzed(tmp_path):
+    names = "tests/cpp/fuzz_live.cpp", "cpp/src/acquire/wits.cpp", "cpp/src/acquire/journal.cpp"
+    sources = [ROOT / name for name in names]
+    flags = ["-DSEEDED=4000", "-std=c++20", "-O1", "-I", ROOT / "cpp/include"]
+    subprocess.run(["c++", *flags, *sources, "-o", tmp_path / "fuzz_live"], check=True)
+    assert subprocess.run([tmp_path / "fuzz_live"], check=True, capture_output=True).stdout == b"4000 inputs\n"
+
+
+def test_every_guarantee_names_a_test_that_exists():
+    page = (ROOT / "python/helibore/live/GUARANTEES.md").read_text()
+    sentences = re.findall(r"^(\d+)\. (.*?)(?=^\d+\. |^$)", page, re.MULTILINE | re.DOTALL)
+    assert [int(number) for number, _ in sentences] == list(range(1, 31))
+    for number, text in sentences:
+        named = re.findall(r"`(test_\w+\.py)::(\w+)`", text)
+        assert named, number
+        for file, name in named:
+            assert f"def {name}(" in next((ROOT / "tests/python").rglob(file)).read_text(), (number, name)

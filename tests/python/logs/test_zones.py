@@ -1,0 +1,212 @@
+"""Classification: kinds by hand, six breakouts of a simulated hole, none in gauge hole, criteria, axial statistics."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import helibore as hb
+from helibore.files.log_files import save_table
+from helibore.logs.breakouts import axial_mean
+from helibore.logs.turn_logs import turn_logs
+from helibore.logs.zones import KINDS, Classification, Criteria, classify
+from helibore.simulation.hole import Breakout, Hole
+from helibore.simulation.tool import Tool, simulate
+
+K, BIT = 72, 0.216
+TOOLFACE = np.arange(K) * 5.0
+
+
+def lobe(toolface: float, height: float, width: float = 60.0) -> np.ndarray:
+    off = (TOOLFACE - toolface + 180) % 360 - 180
+    return height * np.maximum(1 - (2 * off / width) ** 2, 0)
+
+
+def wall_of(*stretches: tuple[int, np.ndarray], pitch: float = 0.1, toolface: float = 0.0) -> Any:
+    rows = np.concatenate([np.tile(shape, (turns, 1)) for turns, shape in stretches])
+    shape = SimpleNamespace(sectors=K, pitch=pitch, start_toolface=toolface, bit_diameter=BIT)
+    return SimpleNamespace(settings=shape, start_depth=1000.0, radius=rows.ravel())
+
+
+GAUGE = np.full(K, BIT / 2)
+WASHED = GAUGE + 0.02
+BROKEN = GAUGE + lobe(100, 0.02) + lobe(280, 0.02)
+SEATED = GAUGE + lobe(180, 0.02, 40)
+TIGHT = GAUGE - 0.004
+
+
+def test_every_kind_is_told_and_placed() -> None:
+    missing = np.full(K, np.nan)
+    wall = wall_of((10, GAUGE), (5, WASHED), (10, GAUGE), (20, BROKEN), (10, GAUGE), (6, SEATED), (10, GAUGE),
+                   (7, TIGHT), (4, missing), (10, GAUGE))  # fmt: skip
+    found = classify(wall)
+    assert [(zone.kind, round(zone.start - 1000, 1), round(zone.stop - 1000, 1)) for zone in found.zones] == [
+        ("washout", 1.0, 1.5), ("breakout", 2.5, 4.5), ("key seat", 5.5, 6.1), ("undergauge", 7.1, 7.8),
+    ]  # fmt: skip
+    washout, breakout, seat, tight = found.zones
+    assert washout.enlargement == pytest.approx(0.04)
+    assert breakout.toolface == pytest.approx(100, abs=0.01)
+    assert [side.toolface for side in breakout.lobes] == pytest.approx([100, 280], abs=0.1)
+    assert [side.height for side in breakout.lobes] == pytest.approx([0.02, 0.02], abs=1e-4)
+    # A parabola falls to a quarter of its height at sqrt(3/4) of its half width.
+    assert [side.opening for side in breakout.lobes] == pytest.approx([60 * math.sqrt(0.75)] * 2, abs=1)
+    assert breakout.deviation == pytest.approx(0, abs=1e-5)
+    assert seat.toolface == pytest.approx(180, abs=0.01)
+    assert len(seat.lobes) == 1
+    assert tight.enlargement == pytest.approx(-0.008)
+    codes = found.kind.tolist()
+    assert [codes.count(code) for code in (-1, 0, 1, 2, 3, 4)] == [4, 50, 5, 20, 6, 7]
+
+
+@pytest.mark.parametrize("pitch", [0.1, -0.1])
+@pytest.mark.parametrize("toolface", [0.0, 33.0, -100.0])
+def test_directions_do_not_depend_on_the_helix(pitch: float, toolface: float) -> None:
+    turned = toolface % 5 == 0
+    shift = round(toolface / 5) if turned else 0
+    wall = wall_of((10, GAUGE), (9, np.roll(BROKEN, -shift)), (9, GAUGE), (9, np.roll(SEATED, -shift)), (9, GAUGE),
+                   pitch=pitch, toolface=toolface)  # fmt: skip
+    found = classify(wall)
+    by_kind = {zone.kind: zone for zone in found.zones}
+    assert by_kind["breakout"].toolface == pytest.approx((100 if turned else 133), abs=0.1)
+    assert by_kind["key seat"].toolface == pytest.approx((180 if turned else 213), abs=0.1)
+    assert all(zone.start < zone.stop for zone in found.zones)
+
+
+def six_breakouts(seed: int) -> tuple[Hole, Classification]:
+    """Six breakouts, each an axis of its own, in an oval, spiral, rough hole."""
+    random = np.random.default_rng(seed)
+    axes = (np.arange(6) * 30.0 + random.uniform(0, 30, 6)) % 180
+    zones = tuple(
+        Breakout(
+            2004 + 8 * i, 2009 + 8 * i, float(axis), float(random.uniform(50, 80)), float(random.uniform(0.016, 0.024))
+        )
+        for i, axis in enumerate(random.permutation(axes))
+    )
+    hole = Hole(start=2000, stop=2052, ovality=0.0015, ovality_toolface=20, spiral=0.0015, spiral_length=1.1,
+                rugosity=0.0006, breakouts=zones, seed=seed)  # fmt: skip
+    run = simulate(hole, Tool(sample_rate=10), seed=seed)
+    wall = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius, run.time), bit_diameter=BIT)
+    return hole, wall.zones()
+
+
+@pytest.mark.parametrize("seed", range(4))
+def test_six_breakouts_of_a_simulated_hole_are_found_within_five_degrees(seed: int) -> None:
+    hole, found = six_breakouts(seed)
+    assert {zone.kind for zone in found.zones} == {"breakout"}
+    assert len(found.zones) == 6
+    for truth, zone in zip(hole.breakouts, found.zones, strict=True):
+        off = (zone.toolface - truth.toolface + 90) % 180 - 90
+        assert abs(off) < 5
+        assert truth.start < zone.start < zone.stop < truth.stop
+        assert zone.length > 0.4 * (truth.stop - truth.start)
+        for side, opposite in zip(zone.lobes, (0, 180), strict=True):
+            assert abs((side.toolface - zone.toolface - opposite + 180) % 360 - 180) < 5
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_gauge_hole_has_no_zone(seed: int) -> None:
+    """Oval, spiral and rough, as drilled, with the noise of the tool: gauge by every criterion."""
+    hole = Hole(start=2000, stop=2050, ovality=0.0015, spiral=0.0015, spiral_length=1.1, rugosity=0.0006, seed=seed)
+    run = simulate(hole, Tool(sample_rate=10), seed=seed)
+    wall = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius, run.time), bit_diameter=BIT)
+    found = wall.zones()
+    assert found.zones == ()
+    assert (found.kind == 0).all()
+    assert math.isnan(found.breakout_axis().mean)
+    with pytest.raises(ValueError, match=r"^no zones: the hole is gauge, or missing, by the criteria given$"):
+        found.table()
+
+
+def test_zones_join_over_short_gaps_and_must_be_long_enough() -> None:
+    wall = wall_of((10, GAUGE), (8, BROKEN), (2, GAUGE), (8, BROKEN), (15, GAUGE), (2, WASHED), (9, GAUGE))
+    assert [(zone.kind, round(zone.length, 1)) for zone in classify(wall).zones] == [("breakout", 1.8)]
+    apart = classify(wall, Criteria(join=0.1, least_length=0.1))
+    assert [zone.kind for zone in apart.zones] == ["breakout", "breakout", "washout"]
+    between = wall_of((10, GAUGE), (8, BROKEN), (3, WASHED), (8, BROKEN), (5, GAUGE))
+    assert [zone.kind for zone in classify(between).zones] == ["breakout", "washout", "breakout"]
+    gapped = wall_of((10, GAUGE), (8, BROKEN), (1, np.full(K, np.nan)), (8, BROKEN), (5, GAUGE))
+    assert len(classify(gapped).zones) == 2
+
+
+def test_every_criterion_can_be_set() -> None:
+    mild = GAUGE + lobe(100, 0.008) + lobe(280, 0.008)
+    wall = wall_of((9, GAUGE), (9, mild), (9, GAUGE), (9, GAUGE + 0.004), (9, GAUGE), (9, GAUGE + lobe(0, 0.004, 40)),
+                   (9, GAUGE - 0.002), (9, GAUGE))  # fmt: skip
+    assert classify(wall).zones == ()
+    keen = Criteria(elongation=0.01, washout=0.006, key_seat=0.003, undergauge=0.003)
+    assert [zone.kind for zone in classify(wall, keen).zones] == ["breakout", "washout", "key seat", "undergauge"]
+    uneven = wall_of((9, GAUGE), (9, GAUGE + lobe(100, 0.03) + lobe(280, 0.01)), (9, GAUGE))
+    assert [zone.kind for zone in classify(uneven).zones] == ["breakout"]
+    assert [zone.kind for zone in classify(uneven, Criteria(symmetry=0.8)).zones] == ["key seat"]
+    wide, narrow = (classify(wall_of((9, BROKEN)), Criteria(opening_level=level)) for level in (0.1, 0.8))
+    assert wide.zones[0].lobes[0].opening > narrow.zones[0].lobes[0].opening + 20
+
+
+def test_a_washout_beside_the_axis_is_no_key_seat_and_an_eccentric_hole_is_gauge() -> None:
+    psi = np.radians(TOOLFACE)
+    eccentric = 0.012 * np.cos(psi) + np.sqrt(0.108**2 - (0.012 * np.sin(psi)) ** 2)
+    assert classify(wall_of((30, eccentric))).zones == ()
+
+
+@settings(max_examples=50, deadline=None)
+@given(angles=st.lists(st.floats(0, 179.99), min_size=1, max_size=12), turn=st.floats(0, 360))
+def test_axial_statistics_turn_with_the_axes(angles: list[float], turn: float) -> None:
+    axes = np.array(angles)
+    one, other = axial_mean(axes), axial_mean((axes + turn) % 360)
+    assert other.concentration == pytest.approx(one.concentration, abs=1e-9)
+    if one.concentration > 0.01:
+        assert (other.mean - one.mean - turn + 90) % 180 - 90 == pytest.approx(0, abs=1e-6)
+
+
+def test_axial_statistics_by_hand() -> None:
+    found = axial_mean(np.array([10.0, 170.0]))
+    assert min(found.mean, 180 - found.mean) < 1e-9
+    # R = cos 20 deg; s = 1/2 sqrt(-2 ln R)
+    assert found.deviation == pytest.approx(math.degrees(0.5 * math.sqrt(-2 * math.log(math.cos(math.radians(20))))))
+    assert axial_mean(np.array([0.0, 90.0])).concentration == pytest.approx(0, abs=1e-12)
+    assert axial_mean(np.array([30.0, 60.0]), np.array([3.0, 0.0])).mean == pytest.approx(30)
+    assert axial_mean(np.array([])).count == 0
+
+
+def test_files_state_class_zones_and_criteria(tmp_path: Any) -> None:
+    wall = wall_of((10, GAUGE), (9, BROKEN), (3, np.full(K, np.nan)), (9, WASHED), (9, GAUGE))
+    found = classify(wall)
+    found.logs.save(tmp_path / "well.csv", [found.column()], found.facts())
+    save_table(found.table(), tmp_path / "zones.csv")
+    for name in ("well.csv", "zones.csv"):
+        text = (tmp_path / name).read_text()
+        assert "# criterion elongation: 0.0254 m" in text
+        assert "# criterion symmetry: 0.5" in text
+    with hb.open(tmp_path / "well.csv") as file:
+        np.testing.assert_array_equal(file["CLASS"].values, np.where(found.kind < 0, np.nan, found.kind))
+    with hb.open(tmp_path / "zones.csv") as file:
+        assert file["CLASS"].values.tolist() == [KINDS.index("breakout"), KINDS.index("washout")]
+        assert file["AXIS (deg)"].values[0] == pytest.approx(100, abs=0.01)
+        assert np.isnan(file["OPEN1 (deg)"].values[1])
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda: Criteria(washout=-1), "washout = -1: must be finite and not negative"),
+        (lambda: Criteria(symmetry=1.5), r"symmetry = 1.5: must be in \[0, 1\]"),
+        (lambda: Criteria(opening_level=1), r"opening_level = 1: must be in \(0, 1\)"),
+        (
+            lambda: classify(wall_of((9, GAUGE))).of("cave"),
+            "kind = 'cave': must be one of gauge, washout, breakout, key seat, undergauge",
+        ),
+        (
+            lambda: classify(wall_of((9, GAUGE)), logs=turn_logs(wall_of((30, GAUGE))).by_step(1.0)),
+            "logs: must be those of the turns of the same wall",
+        ),
+    ],
+)
+def test_bad_input_is_named(call: Any, text: str) -> None:
+    with pytest.raises(ValueError, match=f"^{text}$"):
+        call()

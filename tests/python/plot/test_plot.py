@@ -1,0 +1,432 @@
+"""Pictures on paper: the structure of the figures, what is written on them, and errors."""
+
+from __future__ import annotations
+
+import math
+from itertools import combinations
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from plotted_wall import BIT, image_of, plotted_wall
+
+import helibore as hb
+from helibore import plot
+from helibore.base.colors import MISSING
+from helibore.plot.calipers import diameters, thinned
+from helibore.plot.content import content_of
+from helibore.plot.log import MARGIN, _divided
+from helibore.plot.paper import MM
+from helibore.plot.scales import Lines, nice_limits, usual_scale
+from helibore.plot.sections import sections_at
+from helibore.plot.solid import exaggeration, most_relief, stretch_of
+from helibore.plot.tracks import HEAD, ImageTrack
+from helibore.simulation.tool import Hole, Tool, simulate
+
+
+@pytest.fixture(scope="module")
+def wall() -> hb.Wall:
+    return plotted_wall()
+
+
+def texts(figure: Any) -> list[Any]:
+    """Every visible text with a word in it."""
+    found = figure.findobj(lambda artist: hasattr(artist, "get_text"))
+    return [text for text in found if text.get_text().strip() and text.get_visible()]
+
+
+def assert_readable(figure: Any) -> None:
+    """No text leaves the page, and none touches another."""
+    figure.draw_without_rendering()
+    shown = [(text.get_text(), text.get_window_extent()) for text in texts(figure)]
+    page = figure.bbox
+    for label, box in shown:
+        assert box.x0 >= page.x0, label
+        assert box.x1 <= page.x1, label
+        assert box.y0 >= page.y0, label
+        assert box.y1 <= page.y1, label
+    for (one, first), (two, second) in combinations(shown, 2):
+        apart = first.x1 <= second.x0 or second.x1 <= first.x0 or first.y1 <= second.y0 or second.y1 <= first.y0
+        assert apart, (one, two)
+
+
+def tracks_of(figure: Any) -> list[Any]:
+    """The axes of the tracks: those whose depth grows downwards over many metres."""
+    return [axes for axes in figure.axes if axes.get_ylim()[0] > 1000 > 400 and axes.get_xlim()[0] >= 0]
+
+
+def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
+    figure = plot.log(wall, title="A well", subtitle="A run", dpi=60)
+    words = " | ".join(text.get_text() for text in texts(figure))
+    for needed in (
+        "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
+        "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
+        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "washout", "cake, undergauge",
+        "Radius − bit/2 [mm]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
+        "missing: no value, or no sample in reach", "Cross sections, looking downhole", "tube × ", "shape × ",
+        "coloured by radius", "rings each",
+    ):  # fmt: skip
+        assert needed in words, needed
+    assert "A   2,0" in words
+    assert_readable(figure)
+
+
+@pytest.mark.parametrize("basis", ["average", "gauge"])
+def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
+    depth = np.arange(1000.0, 1030.0, 0.2)
+    caliper = (
+        hb.Caliper.gauge(1000.0, 1030.0, BIT)
+        if basis == "gauge"
+        else hb.Caliper.from_average(depth, 0.22 + 0.002 * np.sin(depth))
+    )
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=16)
+    wall.images["GR"] = image_of(depth, np.add.outer(depth - 900, np.arange(8.0)))
+    figure = plot.log(wall, dpi=50)
+    words = [text.get_text() for text in texts(figure)]
+    (said,) = [text for text in texts(figure) if text.get_text() == hb.samples.caliper.BASIS_TEXT[wall.basis]]  # type: ignore[attr-defined]
+    assert said.get_color() == "#b3261e"
+    assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
+    assert ("hole not measured" in words) == (basis == "gauge")
+    assert_readable(figure)
+
+
+def test_a_picture_claims_no_reference_that_nothing_states() -> None:
+    toolface = np.arange(0.0, 360.0 * 200, 15.0)
+    caliper = hb.Caliper(1000.0 + toolface / 7200.0, toolface, 0.11 + 0.002 * np.cos(np.radians(2 * toolface)))
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=16)
+    figure = plot.log(wall, dpi=60)
+    words = [text.get_text() for text in texts(figure)]
+    assert "as the samples count it: no path says from what" in words
+    assert {"0°", "90°", "180°", "270°"} <= set(words)
+    assert not {"U", "L", "N", "S"} & set(words)
+    assert_readable(figure)
+    named = [text.get_text() for text in texts(plot.log(wall, dpi=60, reference="north"))]
+    assert {"N", "E", "S", "W"} <= set(named)
+    wall.images["GR"] = image_of(np.arange(1000.0, 1010.0, 0.5), np.arange(160.0).reshape(20, 8))
+    assert {"U", "R", "D", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60))}
+    with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, carried"):
+        plot.log(wall, reference="")  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize(
+    ("curves", "names"),
+    [((), []), (("C1", "C2"), ["c1", "c2"]), (("D0", "D90"), ["d0", "d90"]), (("C1", "C2", "D0", "D90"), None)],
+)
+def test_the_caliper_track_draws_the_pairs_that_are_asked_for(
+    wall: hb.Wall, curves: tuple[str, ...], names: list[str] | None
+) -> None:
+    names = ["c1", "c2", "d0", "d90"] if names is None else names
+    figure = plot.log(wall, curves=curves, unit="mm", dpi=150, polar=(), body=())
+    axes = tracks_of(figure)[1]
+    turns = diameters(wall, BIT)
+    lines = [line for line in axes.lines if len(line.get_xdata()) == turns.depth.size]
+    assert len(lines) == len(names) + 1
+    for name, line in zip([*names, "area"], lines, strict=True):
+        np.testing.assert_array_equal(line.get_xdata(), getattr(turns, name) / 0.001)
+        np.testing.assert_array_equal(line.get_ydata(), turns.depth)
+    words = [text.get_text() for text in texts(figure)]
+    named = {"C1": "C1", "C2": "C2", "D0": "U–D", "D90": "R–L"}
+    assert [name for name in named if named[name] in words] == list(curves)
+    assert_readable(figure)
+
+
+def test_an_overview_has_the_tracks_of_a_log_and_a_body_beside_them(wall: hb.Wall) -> None:
+    figure = plot.overview(wall, title="A well", scale=200, dpi=60)
+    assert_readable(figure)
+    words = " | ".join(text.get_text() for text in texts(figure))
+    for needed in (
+        "A well",
+        "Diameter [in]",
+        "GR [gAPI]",
+        "RES [ohm.m]",
+        "tube × ",
+        "shape × ",
+        "coloured by ",
+        "MD [m]",
+    ):
+        assert needed in words, needed
+    assert "Cross sections" not in words
+    height = figure.get_size_inches()[1] * MM
+    tracks = [axes for axes in figure.axes if axes.get_ylim() == (wall.depth[-1], 2000.0)]
+    assert len(tracks) == 5
+    for axes in tracks:
+        assert axes.get_position().height * height == pytest.approx((wall.depth[-1] - 2000) * 5)
+    body = figure.axes[-1].get_position()
+    assert all(axes.get_position().x1 < body.x0 for axes in tracks)
+    plain = plot.overview(wall, body=(), dpi=60)
+    assert plain.get_size_inches()[0] < figure.get_size_inches()[0]
+
+
+@pytest.mark.parametrize("scale", [200, 500])
+def test_the_paper_has_the_scale_it_says(wall: hb.Wall, scale: int) -> None:
+    figure = plot.log(wall, scale=scale, start=2002, stop=2020, dpi=60, polar=(), body=())
+    height = figure.get_size_inches()[1] * MM
+    tracks = [axes for axes in figure.axes if axes.get_ylim() == (2020, 2002)]
+    assert len(tracks) == 5
+    for axes in tracks:
+        box = axes.get_position()
+        assert box.height * height == pytest.approx(18 * 1000 / scale, abs=1e-6)
+        assert axes.get_shared_y_axes().joined(axes, tracks[0])
+        assert box.y1 == pytest.approx(tracks[0].get_position().y1, abs=1e-12)
+    for ending, size in ((".pdf", 72.0), (".svg", 72.0)):
+        points = plot.rendered([figure], ending)[:4000].decode("latin-1")
+        assert f"{height / MM * size:.5f}".rstrip("0")[:8] in points or f"{height / MM * size:g}" in points
+
+
+def test_pages_cover_the_interval_once_at_one_scale(wall: hb.Wall) -> None:
+    figures = plot.pages(wall, paper=(210, 200), scale=40, dpi=50, polar=(), body=())
+    ends = []
+    for number, figure in enumerate(figures, 1):
+        width, height = figure.get_size_inches() * MM
+        assert (width, height) == (pytest.approx(210), pytest.approx(200))
+        (bottom, top) = figure.axes[-1].get_ylim()
+        assert figure.axes[-1].get_position().height * height == pytest.approx((bottom - top) * 25)
+        assert [text for text in texts(figure) if text.get_text().endswith(f"page {number} of {len(figures)}")]
+        ends.append((top, bottom))
+        assert_readable(figure)
+    assert len(figures) > 3
+    assert (ends[0][0], ends[-1][1]) == (pytest.approx(2000.0), pytest.approx(wall.depth[-1]))
+    assert [end for _, end in ends[:-1]] == [start for start, _ in ends[1:]]
+    assert [end for _, end in ends[:-1]] == [round(end) for _, end in ends[:-1]]  # at a line with a number
+
+
+def test_a_gap_is_grey_in_every_track(wall: hb.Wall) -> None:
+    figure = plot.log(wall, dpi=60, polar=(), body=())
+    from matplotlib.backends.backend_agg import FigureCanvasAgg
+
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()
+    pixels = np.asarray(canvas.buffer_rgba())[..., :3]
+    tracks = [axes for axes in figure.axes if axes.get_ylim()[0] > axes.get_ylim()[1]]
+    assert len(tracks) == 5
+    grey = []
+    for axes, depth in ((tracks[1], 2014.15), (tracks[2], 2014.15), (tracks[3], 2005.15)):
+        right, up = axes.transData.transform((np.mean(axes.get_xlim()) + 0.02 * np.ptp(axes.get_xlim()), depth))
+        grey.append(tuple(pixels[int(pixels.shape[0] - up), int(right) + 2]))
+    assert grey == [MISSING] * 3
+
+
+def test_diameters_against_a_loop(wall: hb.Wall) -> None:
+    turns = diameters(wall, BIT)
+    K, radius = wall.settings.sectors, wall.radius
+    for turn in range(turns.depth.size):
+        one = radius[turn * K : (turn + 1) * K]
+        across = [one[j] + one[(j + K // 2) % K] for j in range(K)]
+        there = [size for size in across if not math.isnan(size)]
+        assert turns.least[turn] == pytest.approx(min(there, default=np.nan), nan_ok=True)
+        assert turns.greatest[turn] == pytest.approx(max(there, default=np.nan), nan_ok=True)
+        if there and len(there) == K:
+            assert turns.c1[turn] == max(across)
+            widest = across.index(max(across))
+            assert turns.c2[turn] in (across[(widest + K // 4) % K], across[(widest - K // 4) % K])
+            assert (turns.d0[turn], turns.d90[turn]) == (across[0], across[K // 4])
+        else:
+            assert np.isnan([turns.c1[turn], turns.c2[turn], turns.d0[turn], turns.d90[turn]]).all()
+    few = thinned(turns, 2001.0, 2021.0, 17)
+    assert few.depth.size == 17
+    inside = (turns.depth >= 2001) & (turns.depth <= 2021)
+    assert np.nanmax(few.greatest) == np.nanmax(turns.greatest[inside])
+    assert np.nanmin(few.least) == np.nanmin(turns.least[inside])
+
+
+def test_sections_are_the_vertices_nearest_to_the_depth(wall: hb.Wall) -> None:
+    (section,) = sections_at(wall, [2003.14])
+    K = wall.settings.sectors
+    for j in range(K):
+        column = slice(j, None, K)
+        nearest = np.argmin(np.abs(wall.depth[column] - 2003.14))
+        assert section.radius[j] == wall.radius[column][nearest]
+    samples = wall.samples
+    assert section.sample_radius.size == np.count_nonzero(np.abs(samples.depth - 2003.14) <= 0.05) > 0
+    with pytest.raises(ValueError, match=r"polar section at 5 m: the wall reaches from 2000 to 20"):
+        sections_at(wall, [5.0])
+
+
+def test_scales_lines_and_limits() -> None:
+    assert [usual_scale(length) for length in (3.0, 20.0, 40.0, 41.0, 200.0, 201.0, 9000.0)] == [
+        20, 20, 40, 200, 200, 500, 500,
+    ]  # fmt: skip
+    assert Lines.of(200) == Lines(1.0, 5.0)
+    assert Lines.of(500) == Lines(2.0, 10.0)
+    lines = Lines.of(200)
+    assert lines.major(1.0, 11.0) == [5.0, 10.0]
+    assert lines.minor(3.5, 7.5) == [4.0, 6.0, 7.0]
+    assert lines.label(3085.0) == "3085"
+    assert Lines.of(20).label(10.5) == "10.5"
+    assert nice_limits(np.array([8.5, 12.1]), 8.5, 0.4) == (8.0, 13.0)
+    assert nice_limits(np.array([np.nan]), 8.5, 0.4) == (8.3, 8.7)
+
+
+@given(st.floats(1.0, 5000.0), st.floats(0.5, 900.0), st.integers(5, 2000))
+def test_lines_and_limits_keep_their_promises(start: float, length: float, scale: int) -> None:
+    lines = Lines.of(scale)
+    assert lines.fine * 1000 / scale >= 4.0 - 1e-9
+    assert lines.coarse * 1000 / scale >= 20.0 - 1e-9
+    assert round(lines.coarse / lines.fine) == pytest.approx(lines.coarse / lines.fine)
+    low, high = nice_limits(np.array([start, start + length]), start, 0.1)
+    assert low < start
+    assert high >= start + 0.99 * length
+
+
+def test_the_body_is_the_stretch_with_most_relief(wall: hb.Wall) -> None:
+    run = simulate(Hole(2000.0, 2040.0, washouts=(hb_washout(2025.0, 2030.0),)), Tool(sample_rate=4.0))
+    made = hb.reconstruct(hb.Caliper(run.depth, run.toolface, run.radius), bit_diameter=BIT, sectors=16)
+    ends = most_relief(made, 2000.0, 2040.0)
+    assert ends is not None
+    assert ends[0] <= 2026 < 2029 <= ends[1]
+    with pytest.raises(ValueError, match=r"3-D view of 1 to 2 m: must hold three turns of the wall; the wall reaches"):
+        stretch_of(wall, 1.0, 2.0)
+    with pytest.raises(ValueError, match=r"3-D view of 2013\.3 to 2014\.6 m: the wall has no radius there"):
+        stretch_of(wall, 2013.3, 2014.6)
+
+
+def test_what_is_exaggerated_is_written_on_the_body(wall: hb.Wall) -> None:
+    one = stretch_of(wall, 2001, 2010)
+    tube, shape = exaggeration(one, BIT)
+    words = [text.get_text() for text in texts(plot.log(wall, body=(2001, 2010), dpi=40))]
+    assert [
+        word for word in words if word.startswith(f"tube × {tube:g} against depth, shape × {shape:g} more; seen from")
+    ]
+    round_hole = hb.reconstruct(hb.Caliper.gauge(0, 20, BIT), bit_diameter=BIT)
+    assert exaggeration(stretch_of(round_hole, 0, 12), BIT)[1] == 1.0  # nothing to exaggerate
+
+
+def hb_washout(start: float, stop: float) -> Any:
+    from helibore.simulation.tool import Washout
+
+    return Washout(start, stop, 0.03)
+
+
+@pytest.mark.parametrize(
+    ("options", "message"),
+    [
+        ({"scale": 0}, "scale = 0: must be a whole number, 200 for 1:200"),
+        ({"reference": "up"}, "reference = 'up': must be one of high-side, north, carried"),
+        ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
+        ({"curves": ("C3",)}, "curve 'C3': must be one of C1, C2, D0, D90"),
+        ({"unit": "m"}, "unit = 'm': must be one of in, mm"),
+        ({"start": 2010, "stop": 2001}, "interval 2010 to 2001 m: the end must be deeper than the start"),
+        ({"start": 3000, "stop": 3001}, "interval 3000 to 3001 m: the wall reaches from 2000 to"),
+        ({"images": ["X"]}, "image 'X': the wall has none of this name; it has GR, RES"),
+        ({"reference": "north"}, "image 'GR' counts toolfaces from high-side, the picture from north"),
+        ({"looks": {"GR": plot.Look(limits=(0, 9), log=True)}}, "image 'GR', 2000 to"),
+        ({"body": (2001,)}, "body: 1 depths: must be two"),
+        ({"dpi": 5}, "dpi = 5: must be 30 to 1200"),
+    ],
+)
+def test_options_that_break_a_rule(wall: hb.Wall, options: dict[str, Any], message: str) -> None:
+    with pytest.raises(ValueError, match="^" + message.replace("(", r"\(")):
+        plot.log(wall, **options)
+
+
+def wall_with(depth: Any, values: Any, unit: str = "gAPI") -> hb.Wall:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, BIT), bit_diameter=BIT, sectors=8)
+    wall.images["X"] = image_of(depth, values, "X", unit)
+    return wall
+
+
+def test_images_that_cannot_be_shown() -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    values = np.add.outer(depth, np.arange(4.0))
+    late = ([*depth, 2000.0], [*np.full_like(values, np.nan), [1, 2, 3, 4]])
+    same = np.full_like(values, 7.0)
+    cases = [
+        (wall_with(depth + 500, values), r"image 'X' reaches from 1500 to .* m: outside the interval, 1000 to"),
+        (wall_with(depth, same), r"image 'X', .*: constant, 7 at both .*: give limits=\(low, high\)"),
+        (wall_with(depth, values - 1002.0, "ohm.m"), r"image 'X', .*: values\[0, 0\] = -2: must be above 0 on a log"),
+        (wall_with(*late), r"image 'X', .*: all 200 are missing"),
+    ]  # fmt: skip
+    for wall, message in cases:
+        with pytest.raises(ValueError, match=message):
+            plot.log(wall)
+    constant = wall_with(depth, np.full_like(values, 7.0))
+    assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
+
+
+@pytest.mark.parametrize("own", ["high-side", "north", "carried"])
+def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, BIT), bit_diameter=BIT, sectors=8)
+    wall.path = hb.Survey([1000.0, 1005.0], [48.0, 48.0], [248.0, 248.0]).path(reference=own)
+    rows = np.tile(np.arange(16.0), (50, 1))
+    wall.images["X"] = image_of(1000.0 + 0.1 * np.arange(50), rows, "X", reference="high-side")
+    content = content_of(wall, plot.Drawing())
+    assert content.reference == own
+    drawn = next(track.source[0] for track in content.tracks if isinstance(track, ImageTrack))
+    assert isinstance(drawn, hb.SectorImage)
+    # The high side lies at 254.87 from north here, and so it does where north is carried down a straight hole.
+    high = 0.0 if own == "high-side" else 254.87
+    cells = np.floor(((drawn.toolface - high) % 360) / 22.5)
+    assert (np.isclose(drawn.values[20], cells)).mean() > 0.99
+    words = [text.get_text() for text in texts(plot.log(wall, dpi=40, body=()))]
+    assert {"high-side": "U", "north": "E", "carried": "90°"}[own] in words
+    assert "16 sectors, static" in words
+    with pytest.raises(
+        ValueError, match=f"^reference = '{'north' if own != 'north' else 'high-side'}': the wall's path"
+    ):
+        plot.log(wall, reference="north" if own != "north" else "high-side")
+
+
+@pytest.mark.parametrize("ends", [(1000.0, 1010.0), (1045.0, 1060.0), (1000.0, 1060.0), (1020.0, 1022.0)])
+def test_the_body_of_a_gauge_hole_lies_in_the_interval(ends: tuple[float, float]) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1060.0, BIT), bit_diameter=BIT, sectors=8)
+    depth = np.arange(1030.0, 1060.0, 0.1)
+    wall.images["X"] = image_of(depth, np.add.outer(depth, np.arange(4.0)), "X")
+    wall.images["Y"] = image_of(depth - 30.0, np.add.outer(depth, np.arange(4.0)), "Y")
+    shown = ["X"] if ends[0] > 1030 else ["Y"]
+    stretched = content_of(wall, plot.Drawing(start=ends[0], stop=ends[1], images=shown)).stretched
+    assert stretched is not None
+    assert ends[0] - 1e-9 <= stretched.depth[0] < stretched.depth[1] <= ends[1] + 1e-9
+
+
+def test_what_a_colour_scale_cuts_off_is_counted() -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    values = np.add.outer(np.linspace(1, 99, depth.size), np.zeros(4))
+    values[0, 0] = np.nan
+    there = values[np.isfinite(values)]
+    words = [text.get_text() for text in texts(plot.log(wall_with(depth, values), dpi=40, body=()))]
+    low, high = np.percentile(there, [2, 98])
+    beyond = int(((there < low) | (there > high)).sum())
+    assert beyond == 7
+    assert f"{beyond} beyond the ends ({100 * beyond / 199:.2g} %)" in words
+    look = plot.Look(limits=(10.0, 1000.0), log=True)
+    figure = plot.log(wall_with(depth, values), looks={"X": look}, dpi=40, body=())
+    below = int((there < 10).sum())
+    assert f"logarithmic, {below} beyond the ends ({100 * below / 199:.2g} %)" in [
+        text.get_text() for text in texts(figure)
+    ]
+    assert_readable(figure)
+    whole = plot.log(wall_with(depth, values), looks={"X": plot.Look(limits=(0.0, 100.0))}, dpi=40, body=())
+    assert not [text for text in texts(whole) if "beyond" in text.get_text()]
+    values[5] = values[5] + np.array([0.0, 0.0, 60.0, 0.0])
+    sliding = plot.log(wall_with(depth, values), looks={"X": plot.Look(window=2.0)}, dpi=40, body=())
+    assert [text for text in texts(sliding) if text.get_text().startswith("1 beyond the ends (0.5 %)")]
+
+
+def test_an_image_without_a_unit_says_so() -> None:
+    depth = np.arange(1000.0, 1005.0, 0.1)
+    figure = plot.log(wall_with(depth, np.add.outer(depth, np.arange(4.0)), ""), dpi=40, body=())
+    assert "X [no unit]" in [text.get_text() for text in texts(figure)]
+
+
+def test_paper_too_long_for_its_format(wall: hb.Wall, tmp_path: Path) -> None:
+    figure = plot.log(wall, scale=200, dpi=40, polar=(), body=())
+    figure.set_size_inches(8, 300)
+    with pytest.raises(ValueError, match=r"a page of 7,620 mm: PDF allows 5,080"):
+        plot.save(figure, tmp_path / "log.pdf")
+    figure.set_size_inches(8, 2000)
+    with pytest.raises(ValueError, match=r"at 40 dpi are 80,000 pixels: must be at most 65,000"):
+        plot.save(figure, tmp_path / "log.png")
+    with pytest.raises(ValueError, match=r"2 pages: only \.pdf holds more than one"):
+        plot.save([figure, figure], tmp_path / "log.png")
+    assert not list(tmp_path.iterdir())
+
+
+def test_pages_of_a_long_well_are_divided_at_numbers(wall: hb.Wall) -> None:
+    content = content_of(wall, plot.Drawing(scale=20, polar=(), body=()))
+    parts = _divided(content, 250.0)
+    assert all(bottom > top for top, bottom in parts)
+    assert max(bottom - top for top, bottom in parts) <= 250.0 / 50
+    assert MARGIN + HEAD < 60

@@ -1,0 +1,196 @@
+"""The report: one page that needs nothing else, whose tables hold what an independent loop finds."""
+
+from __future__ import annotations
+
+import base64
+import html
+import math
+import re
+from html.parser import HTMLParser
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from screen import NEEDS_BROWSER
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.logs.breakouts import axial_mean
+from helibore.plot.calipers import diameters
+from helibore.plot.content import Drawing, content_of
+from helibore.plot.report import intervals, largest_gaps, number, page, report
+from helibore.simulation.tool import Hole, Tool, simulate
+
+BIT = 0.216
+
+
+@pytest.fixture(scope="module")
+def wall() -> hb.Wall:
+    """30 m with a washout, breakouts, and a gap of 4 m."""
+    run = simulate(Hole.example(2000.0, 2030.0), Tool(sample_rate=5.0))
+    there = (run.depth < 2012) | (run.depth > 2016)
+    made = hb.reconstruct(
+        hb.Caliper(run.depth[there], run.toolface[there], run.radius[there]), bit_diameter=BIT, sectors=32
+    )
+    made.images["GR"] = hb.SectorImage(run.gamma_depth, run.gamma, "GR", "gAPI", origin="edge", reference="high-side")
+    return made
+
+
+class Balanced(HTMLParser):
+    """Checks that every element is closed in order, and collects what the page would load."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.open: list[str] = []
+        self.loads: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.loads += [value or "" for name, value in attrs if name in ("src", "href", "srcset", "action")]
+        if tag not in ("meta", "img"):
+            self.open.append(tag)
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+
+def test_the_page_is_whole_and_needs_nothing_else(wall: hb.Wall) -> None:
+    text = page(wall, [("dropped", "7 rows <b>")], title="Well <script>", subtitle='"&', dpi=40)
+    parser = Balanced()
+    parser.feed(text)
+    assert not parser.open
+    assert all(load.startswith(("data:image/png;base64,", "#")) for load in parser.loads)
+    without_pictures = re.sub(r"data:image/png;base64,[A-Za-z0-9+/=]+", "", text)
+    assert not re.search(r"https?:|//|@import|url\(", without_pictures)
+    assert "Well &lt;script&gt;" in text
+    assert "7 rows &lt;b&gt;" in text
+    assert "<script" not in text
+    pictures = [base64.b64decode(load[22:]) for load in parser.loads if load.startswith("data:")]
+    assert pictures
+    assert all(picture.startswith(b"\x89PNG") for picture in pictures)
+    for heading in ("Summary", "Pictures", "Diameters and volumes", "Zones", "Data quality", "Settings"):
+        assert f"<h2>{heading}</h2>" in text
+    for words in (
+        "radius measured by an azimuthal caliper",
+        "breakout",
+        "criterion washout",
+        "Largest gaps",
+        "neighbors",
+    ):
+        assert words in text
+
+
+def cells(text: str) -> list[str]:
+    """The texts of a page, without its pictures."""
+    return [html.unescape(one).strip() for one in re.findall(r">([^<]+)<", re.sub(r"data:[^\"]*", "", text))]
+
+
+def test_tables_have_the_unit_of_the_diameters(wall: hb.Wall) -> None:
+    content = content_of(wall, Drawing(polar=(), body=()))
+    inch, metric = (cells(page(wall, dpi=40, polar=(), body=(), unit=unit)) for unit in ("in", "mm"))
+    assert {"By area [in]", "Least [in]", "Greatest [in]", "Enlargement [in]", "Elongation [in]"} <= set(inch)
+    assert {"By area [mm]", "Least [mm]", "Greatest [mm]", "Enlargement [mm]", "Elongation [mm]"} <= set(metric)
+    assert not [text for text in metric if "[in]" in text]
+    row = intervals(content.turns, content)[0]
+    assert {f"{row.mean / 0.0254:.3f}", f"{row.greatest / 0.0254:.3f}"} <= set(inch)
+    assert {f"{row.mean * 1e3:.1f}", f"{row.greatest * 1e3:.1f}"} <= set(metric)
+
+
+def test_settings_have_units_and_say_each_thing_once(wall: hb.Wall) -> None:
+    shown = cells(page(wall, dpi=40, polar=(), body=()))
+    rows = shown[shown.index("bit diameter") :]
+    table = dict(zip(rows[0::2], rows[1::2], strict=False))
+    assert {name: table[name] for name in ("bit diameter", "pitch", "max distance", "start toolface", "tolerance")} == {
+        "bit diameter": "0.216 m", "pitch": "0.1 m", "max distance": "1 m", "start toolface": "0 deg",
+        "tolerance": "1e-06 m",
+    }  # fmt: skip
+    assert (table["start depth"], table["window"], table["direct"]) == ("that of the samples", "all samples", "no")
+    assert table["toolface 0"] == "high side of the hole"  # as the image says, and the picture
+    assert table["class"] == "0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge"
+    assert rows.count("bit diameter") == rows.count("pitch") == 1
+    assert not {"None", "False"} & set(shown)
+    made = hb.reconstruct(wall.samples, bit_diameter=BIT, sectors=8)
+    made.made_from = {"files": [{"name": "a.csv", "blake2b": "f00d"}], "by": "me"}
+    shown = cells(page(made, dpi=40, polar=(), body=()))
+    assert shown[shown.index("made from") + 1] == "a.csv, BLAKE2b f00d"
+    assert shown[shown.index("made from: by") + 1] == "me"
+
+
+def test_no_number_is_minus_nought() -> None:
+    assert (number(-0.0004), number(-0.04, 1), number(-0.06, 1), number(math.nan)) == ("0.000", "0.0", "-0.1", "")
+    one = axial_mean(np.array([93.0]))
+    assert f"{one.deviation:.0f}" == "0"
+
+
+def test_intervals_against_a_loop(wall: hb.Wall) -> None:
+    content = content_of(wall, Drawing(polar=(), body=()))
+    rows = intervals(content.turns, content)
+    assert (rows[0].top, rows[-1].bottom) == (content.top, content.bottom)
+    assert all(one.bottom == other.top for one, other in pairwise(rows))
+    K, pitch, radius = wall.settings.sectors, wall.settings.pitch, wall.radius
+    for row in rows:
+        volume, whole, count = 0.0, 0, 0
+        for turn in range(radius.size // K):
+            one = radius[turn * K : (turn + 1) * K]
+            if row.top <= wall.depth[turn * K : (turn + 1) * K].mean() < row.bottom:
+                count += 1
+                if np.isfinite(one).all():
+                    whole += 1
+                    volume += math.pi * float(np.mean(one**2)) * pitch
+        assert row.measured == pytest.approx(whole / count)
+        if whole:
+            assert row.volume == pytest.approx(volume)
+            assert row.excess == pytest.approx(volume / (whole * pitch * math.pi * BIT**2 / 4) - 1)
+        else:
+            assert math.isnan(row.volume)
+
+
+def test_the_largest_gap_is_found(wall: hb.Wall) -> None:
+    gaps = largest_gaps(diameters(wall, BIT), wall.settings.pitch)
+    assert gaps[0][0] == pytest.approx(2013.0, abs=0.2)
+    assert gaps[0][1] == pytest.approx(2015.0, abs=0.2)
+
+
+def test_a_wall_that_was_not_measured_says_so() -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(10.0, 15.0, BIT), bit_diameter=BIT, sectors=8)
+    text = page(wall, dpi=40)
+    assert '<p class="warning">gauge hole at bit size: not measured.</p>' in text
+    assert "The hole was not measured." in text
+
+
+def test_report_on_the_command_line(wall: hb.Wall, tmp_path: Path) -> None:
+    wall.save(tmp_path / "well.wall")
+    arguments = ["report", str(tmp_path / "well.wall"), "--dpi", "40", "--well", "W-1", "-o"]
+    result = CliRunner().invoke(cli, [*arguments, str(tmp_path / "well.html")])
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "well.html").read_text(encoding="utf-8")
+    assert "<title>W-1</title>" in text
+    assert "well.wall: archive of a wall" in text
+    refused = CliRunner().invoke(cli, [*arguments, str(tmp_path / "well.txt")])
+    assert refused.exit_code == 2
+    assert "the ending must be one of .html, .htm" in refused.stderr
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["well.html", "well.wall"]
+
+
+def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path) -> None:
+    (tmp_path / "well.html").write_text("old")
+    with pytest.raises(ValueError, match="interval 1 to 2 m: the wall reaches from"):
+        report(wall, tmp_path / "well.html", start=1, stop=2)
+    assert (tmp_path / "well.html").read_text() == "old"
+    assert len(list(tmp_path.iterdir())) == 1
+
+
+@NEEDS_BROWSER[0]
+@NEEDS_BROWSER[1]
+@pytest.mark.parametrize("unit", ["in", "mm"])
+def test_no_table_is_wider_than_its_page(unit: str, wall: hb.Wall, browser: Any, tmp_path: Path) -> None:
+    report(wall, tmp_path / "well.html", dpi=40, polar=(), body=(), unit=unit)
+    shown = browser.new_page(viewport={"width": 1200, "height": 900})
+    shown.goto((tmp_path / "well.html").as_uri())
+    over = "[...document.querySelectorAll('table')].map((one) => one.offsetWidth - one.parentElement.offsetWidth)"
+    found = shown.evaluate(over)
+    shown.close()
+    assert len(found) > 4
+    assert max(found) <= 0

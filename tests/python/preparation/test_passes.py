@@ -1,0 +1,217 @@
+"""Passes: numbering against a slow automaton, shifts and biases against simulated truth, walls against themselves."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from locations import SHARED
+
+import helibore as hb
+from helibore.preparation.passes import arm_sides, choose, difference, evaluate, find_bias, find_shifts, number_passes
+
+F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
+
+
+def slow_numbers(depth, reversal):
+    ends, sign, low, high = [], 0, 0, 0
+    for i, d in enumerate(depth):
+        if sign == 0:
+            low = i if d < depth[low] else low
+            high = i if d > depth[high] else high
+            if d - depth[low] > reversal or depth[high] - d > reversal:
+                sign = 1 if d - depth[low] > reversal else -1
+                start = 0
+                best = max(range(start, i + 1), key=lambda j: (sign * depth[j], j))
+                if sign * (depth[best] - d) > reversal:
+                    ends.append(best)
+                    sign, best = -sign, max(range(best, i + 1), key=lambda j: (-sign * depth[j], j))
+        elif sign * d >= sign * depth[best]:
+            best = i
+        elif sign * (depth[best] - d) > reversal:
+            ends.append(best)
+            sign, best = -sign, max(range(best, i + 1), key=lambda j: (-sign * depth[j], j))
+    return [sum(e < i for e in ends) for i in range(len(depth))]
+
+
+@settings(deadline=None)
+@given(st.lists(st.integers(-6, 6), max_size=60), st.sampled_from([0.5, 2.5, 5.5]))
+def test_numbers_against_automaton(steps, reversal):
+    depth = np.cumsum(np.array(steps, dtype=float))
+    np.testing.assert_array_equal(number_passes(depth, reversal), slow_numbers(depth.tolist(), reversal))
+
+
+def test_numbers_long_passes_with_heave():
+    leg = np.arange(0.0, 3000.0, 0.1)
+    depth = np.concatenate([leg, leg[::-1], leg]) + np.sin(np.arange(3 * leg.size) * 0.7)
+    number = number_passes(depth)
+    assert number[0] == 0
+    assert number[-1] == 2
+    assert np.all(np.abs(np.flatnonzero(np.diff(number)) - [leg.size, 2 * leg.size]) < 30)
+
+
+@given(st.lists(st.tuples(st.integers(0, 3), st.floats(0, 5)), min_size=1, max_size=40), st.booleans())
+def test_choose_against_loop(rows, latest):
+    passes, depth = [r[0] for r in rows], [r[1] for r in rows]
+    order = sorted(set(passes))[::-1][:3]
+    step = choose(passes, depth, order, latest=latest, cell=0.5)
+    for i in range(len(rows)):
+        there = [order.index(p) for p, d in rows if p in order and d // 0.5 == depth[i] // 0.5]
+        keep = passes[i] in order and (not latest or order.index(passes[i]) == max(there))
+        assert step.kept[i] == keep
+    assert sum(step.counts.values()) == np.count_nonzero(step.dropped)
+
+
+def walled(depth, toolface):
+    a = np.radians(toolface)
+    joints = np.exp(-(((depth % 11.3) - 5) ** 2) / 0.1) + 0.7 * np.exp(-(((depth % 4.7) - 2) ** 2) / 0.05)
+    return 0.1 + 0.002 * np.cos(2 * (a - 0.3)) + 0.003 * joints
+
+
+def logged(seed, quantum=0.0):
+    """Five passes of a four-arm tool that lie rotated, with known shifts and biases."""
+    rng = np.random.default_rng(seed)
+    shift = np.array([0.31, -0.22, 0.0, 0.13, -0.22])
+    by_pass, by_arm = np.array([3, -2, 0, -4, 3]) * 1e-4, np.array([5, -5, 2, -2]) * 1e-4
+    parts = []
+    for number in range(5):
+        depth = np.arange(100.0, 180.0, 0.1) + rng.random() * 0.1
+        for arm in range(4):
+            looking = (40 * number + 90 * arm + 25 * np.sin(depth / 9 + 2 * number)) % 360
+            radius = walled(depth + shift[number], looking) + by_pass[number] + by_arm[arm]
+            radius = radius + rng.normal(0, 2e-4, depth.size)
+            radius = radius + 0.02 * (rng.random(depth.size) < 0.02)
+            parts.append((depth, looking, radius, np.full(depth.size, number + 7), np.full(depth.size, arm)))
+    columns = [np.concatenate([p[i] for p in parts]) for i in range(5)]
+    if quantum:
+        columns[2] = np.round(columns[2] / quantum) * quantum
+    return columns, shift, by_pass, by_arm
+
+
+@pytest.mark.parametrize("quantum", [0.0, 0.00038])
+def test_shifts_and_biases_of_a_known_wall(quantum):
+    (depth, looking, radius, passes, arms), shift, by_pass, by_arm = logged(1, quantum)
+    found = find_shifts(depth, radius, passes)
+    np.testing.assert_array_equal(found.passes, [7, 8, 9, 10, 11])
+    assert found.found.all()
+    np.testing.assert_allclose(found.shift, shift - shift.mean(), atol=0.02)
+    assert np.all(found.correlation[[0, 1]] > found.before[[0, 1]])
+    held = find_shifts(depth, radius, passes, reference=9)
+    np.testing.assert_allclose(held.shift, shift - shift[2], atol=0.06)  # one pass tells less than four
+    assert held.shift[2] == 0.0
+    bias = find_bias(depth + found.at(passes), looking, radius, passes, arms)
+    np.testing.assert_allclose(bias.by_pass, by_pass - by_pass.mean(), atol=6e-5)
+    np.testing.assert_allclose(bias.by_arm, by_arm - by_arm.mean(), atol=6e-5)
+    np.testing.assert_allclose(bias.at([7, 11], [3, 0]), bias.by_pass[[0, 4]] + bias.by_arm[[3, 0]])
+    assert bias.shared.sum() <= depth.size
+
+
+def test_bias_laws():
+    (depth, looking, radius, passes, arms), *_ = logged(2)
+    plain = find_bias(depth, looking, radius, passes, arms)
+    larger = find_bias(depth, looking, radius + 0.05, passes, arms)
+    np.testing.assert_allclose(larger.by_pass, plain.by_pass, atol=1e-9)
+    turned = find_bias(depth, looking + 360.0 / 24 * 5, radius, passes, arms)
+    np.testing.assert_allclose(turned.by_arm, plain.by_arm, atol=1e-9)
+    order = np.random.default_rng(0).permutation(depth.size)
+    mixed = find_bias(*(c[order] for c in (depth, looking, radius, passes, arms)))
+    np.testing.assert_allclose(mixed.by_pass, plain.by_pass, atol=1e-9)
+
+
+def test_bias_without_overlap_is_none():
+    bias = find_bias([1, 2, 50, 51], [0] * 4, [0.1, 0.1, 0.2, 0.2], [1, 1, 2, 2])
+    np.testing.assert_array_equal(bias.by_pass, [0, 0])
+    assert bias.shared.sum() == 0
+    assert find_bias([], [], [], []).by_pass.size == 0
+
+
+def test_shifts_of_a_featureless_pass_are_left():
+    rng = np.random.default_rng(3)
+    depth = np.tile(np.arange(0, 60, 0.1), 2)
+    found = find_shifts(depth, 0.1 + 1e-4 * rng.standard_normal(depth.size), np.repeat([1, 2], 600))
+    assert not found.found.any()
+    np.testing.assert_array_equal(found.shift, [0, 0])
+    apart = find_shifts([0, 1, 2, 100, 101], [0.1, 0.2, 0.1, 0.1, 0.2], [1, 1, 1, 2, 2])
+    assert np.isnan(apart.correlation).all()
+    assert find_shifts([], [], []).shift.size == 0
+
+
+def test_arm_sides():
+    np.testing.assert_array_equal(arm_sides([0, 0, 1, 1, 2], [0, 350, 44, 180, 337.5], 8), [0, 0, 9, 12, 16])
+
+
+def a_wall(pitch=0.2, start=10.0, grow=0.0, sectors=16, start_toolface=0.0):
+    rng = np.random.default_rng(4)
+    depth, looking = 10 + 10 * rng.random(4000), 360 * rng.random(4000)
+    radius = 0.1 + grow + 0.004 * np.cos(np.radians(looking))
+    return hb.reconstruct(
+        hb.Caliper(depth, looking, radius), bit_diameter=0.2, sectors=sectors, pitch=pitch, start_depth=start,
+        stop_depth=10.0 if pitch < 0 else 20.0, start_toolface=start_toolface,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("pitch", "start"), [(0.2, 10.0), (-0.2, 20.0)])
+def test_evaluate_is_exact_at_vertices_and_between(pitch, start):
+    wall = a_wall(pitch, start, start_toolface=33.0)
+    np.testing.assert_allclose(evaluate(wall, wall.depth, wall.toolface), wall.radius, atol=1e-9)
+    k = np.arange(40, 500)
+    half = 0.5 * (wall.radius[k] + wall.radius[k + 16])
+    np.testing.assert_allclose(evaluate(wall, wall.depth[k] + 0.5 * pitch, wall.toolface[k]), half, atol=1e-9)
+    aside = evaluate(wall, wall.depth[k] + 0.5 * pitch / 16, wall.toolface[k] + 0.5 * 360 / 16)
+    np.testing.assert_allclose(aside, 0.5 * (wall.radius[k] + wall.radius[k + 1]), atol=1e-9)
+    assert np.isnan(evaluate(wall, [0.0, 90.0], [0.0, 0.0])).all()
+
+
+def test_difference_of_two_walls_with_other_helices():
+    before, after = a_wall(), a_wall(0.13, 10.5, grow=0.004, sectors=24)
+    grown = difference(before, after)
+    assert grown.size == len(after)
+    inside = np.isfinite(grown)
+    assert inside.mean() > 0.97
+    assert np.sqrt(np.mean((grown[inside] - 0.004) ** 2)) < 4e-4
+    assert np.mean(grown[inside]) == pytest.approx(0.004, abs=3e-5)
+    np.testing.assert_allclose(difference(before, before), 0.0, atol=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("call", "text"),
+    [
+        (lambda: number_passes([0, np.nan]), "depth[1] = nan: must be finite"),
+        (lambda: number_passes([0], 0), "reversal = 0: must be larger than 0"),
+        (lambda: choose([1, 2], [0, 0], [3]), "passes: 3 is not among the passes of the samples"),
+        (lambda: choose([1, 2], [0, 0], [1, 1]), "passes: must not hold one pass twice"),
+        (lambda: choose([1, 2], [0, 0], cell=0), "cell = 0: must be larger than 0"),
+        (lambda: choose([1, 1.5], [0, 0]), "pass_number[1] = 1.5: must be a whole number"),
+        (lambda: find_bias([1], [0], [0.1], [1], [1, 2]), "arm has 2 values, depth has 1: must be equal"),
+        (lambda: find_bias([1], [np.inf], [0.1], [1]), "toolface[0] = inf: must be finite"),
+        (lambda: find_bias([1], [0], [0.1], [1], sectors=0),
+         "cell = 0.5, sectors = 0, floor = 0.0002, expected = 0.002: all must be larger than 0"),
+        (lambda: find_bias([1], [0], [0.1], [1]).at([2]), "pass_number[0] = 2: is not among [1]"),
+        (lambda: find_shifts([1], [0.1], [1], reference=4), "reference = 4: is not among [1]"),
+        (lambda: find_shifts([1], [0.1], [1], step=3),
+         "step = 3, limit = 2, trend = 10: must be 0 < step <= limit and trend > 2 step"),
+        (lambda: arm_sides([0], [0], 0), "sides = 0: must be at least 1"),
+        (lambda: arm_sides([0], [0, 1]), "arm has 1 values, bearing has 2: must be equal"),
+    ],
+)  # fmt: skip
+def test_errors(call, text):
+    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+        call()
+    assert str(caught.value) == text
+
+
+@pytest.mark.skipif(not F12.exists(), reason="the public F-12 caliper is not beside the repository")
+def test_f12_has_the_passes_its_file_says():
+    """The tool's travel alone gives the file's passes: direction changes and gaps aside, no pass is cut in two."""
+    with gzip.open(F12, "rt", newline="") as text:
+        rows = list(csv.DictReader(text))
+    number = np.array([int(row["pass"]) for row in rows])
+    depth = np.array([float(row["md_m"]) for row in rows])
+    for one in np.unique(number):
+        assert np.all(number_passes(depth[number == one]) == 0)
+    found = number_passes(depth)
+    assert found[-1] + 1 >= np.unique(number).size

@@ -1,0 +1,375 @@
+"""Preparing readings: each step does what its module does, in the order stated, and tells what it dropped."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.channels.readings import Readings, readings
+from helibore.channels.role_map import overlay
+from helibore.channels.roles import guess
+from helibore.files.channel import Channel, LogSet
+from helibore.preparation.conditioning import Step
+from helibore.preparation.eccentering import find_centres, recentre, turn_numbers
+from helibore.preparation.passes import arm_sides, choose, find_bias, find_shifts
+from helibore.preparation.prepare import Preparation, Track, prepare
+from helibore.preparation.sensors import TimeSeries
+from helibore.trajectory.references import from_high_side, onto_path
+
+N = 400
+
+
+def log(name: str = "f.csv", **columns: Any) -> LogSet:
+    channels = []
+    for key, values in columns.items():
+        label, _, unit = key.partition("__")
+        array = np.array(values)
+        load = lambda array=array: array  # noqa: E731
+        channels.append(Channel(label, unit, "", array.shape, load, is_text=array.dtype.kind == "U"))
+    return LogSet(Path(name), "s", channels, channels[0].shape[0])
+
+
+def rotating(seed: int = 0, name: str = "f.csv", **more: Any) -> LogSet:
+    """A tool that turns 33 deg a row while it goes down 2 mm, in an oval hole."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(N)
+    turn = k * 33.0 % 360
+    radius = 0.108 + 0.002 * np.cos(np.radians(2 * turn)) + rng.normal(0, 2e-4, N)
+    columns = {"md__m": 100 + 0.002 * k, "tf__deg": turn, "radius__m": radius} | more
+    return log(name, **columns)
+
+
+def arms(seed: int = 0, **more: Any) -> LogSet:
+    """An X-Y caliper: two diameters, x and y, with a bearing."""
+    rng = np.random.default_rng(seed)
+    k = np.arange(N)
+    x, y = 8.5 + 0.1 * np.sin(k / 9) + rng.normal(0, 0.01, (2, N))
+    return log(**({"md__m": 100 + 0.05 * k, "rb__deg": k * 3.0 % 360, "cal_x__in": x, "cal_y__in": y} | more))
+
+
+def test_nothing_asked_is_nothing_done() -> None:
+    one = rotating()
+    found = prepare(one.readings())
+    samples = one.samples()
+    for name in ("depth", "toolface", "radius"):
+        np.testing.assert_array_equal(getattr(found.caliper, name), getattr(samples, name))
+    assert (found.told, found.counts, found.centres, found.earlier) == ((), {"kept": N}, None, None)
+    assert found.pass_number is None
+    assert Preparation().changed() == {}
+    assert hb.Preparation is Preparation
+    assert hb.prepare is prepare
+
+
+def test_range_interval_repeated_are_counted_in_words() -> None:
+    radius = np.full(N, 0.1)
+    radius[[3, 4]] = 0.0, 3.0
+    depth = 100 + 0.01 * np.arange(N)
+    depth[7] = depth[6]
+    turn = np.arange(N) * 7.0 % 360
+    turn[7] = turn[6]
+    one = log(md__m=depth, tf__deg=turn, radius__m=radius)
+    settings = Preparation(shallowest=100.015, deepest=103.0, least_radius=0.05, greatest_radius=0.5, repeated=True)
+    found = prepare(one.readings(), settings)
+    assert dict(found.told) == {
+        "interval": "dropped 101 of 400 samples (2 below, 99 above)",
+        "range": "dropped 2 of 299 samples (1 below, 1 above)",
+        "repeated rows": "dropped 1 of 297 samples (1 repeated)",
+    }
+    assert found.counts == {"interval": 101, "range": 2, "repeated rows": 1, "kept": 296}
+    with pytest.raises(
+        ValueError, match=r"^f.csv, row 3, column radius: radius 0 m: must be larger than 0 and at most 2"
+    ):
+        prepare(one.readings())
+    with pytest.raises(ValueError, match=r"^f.csv: no samples are left after the step range$"):
+        prepare(one.readings(), Preparation(least_radius=4.0))
+
+
+def test_closed_and_stuck_rows_go_before_anything_else() -> None:
+    one = arms()
+    x, y = (np.array(one[name].values) for name in ("cal_x", "cal_y"))
+    x[10:20] = y[10:20] = 4.0
+    x[100:200] = 8.6
+    one = arms(cal_x__in=x, cal_y__in=y)
+    found = prepare(one.readings(), Preparation(closed=2 * 0.0254, stuck=60))
+    assert found.told[:2] == (
+        ("closed", "dropped 10 of 400 rows (10 closed)"),
+        ("stuck", "dropped 100 of 800 readings (100 stuck)"),
+    )
+    assert len(found.caliper) == 4 * N - 40 - 200
+    with pytest.raises(ValueError, match="one arm alone cannot be told to be stuck"):
+        prepare(rotating().readings(), Preparation(stuck=50))
+
+
+def test_spikes_by_rotation_and_by_height() -> None:
+    one = rotating()
+    radius = np.array(one["radius"].values)
+    radius[[50, 222]] = 0.19
+    found = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0))
+    assert found.counts["spikes"] == 2
+    assert found.told[0] == ("turns", "37, by rotation; samples in one: 11")
+    assert found.caliper.radius.max() < 0.12
+    by_height = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0, turn_height=0.05))
+    assert by_height.counts["spikes"] == 2
+    assert "by depth, 0.05 m each" in by_height.told[0][1]
+    still = log(md__m=np.arange(N), radius__m=radius)
+    roles = overlay(guess(still), still, {"radius": {"angle": 0.0}}, "map")
+    with pytest.raises(ValueError, match="no toolface to tell the turns of the tool by"):
+        prepare(still.readings(roles), Preparation(spikes=6.0))
+
+
+def test_recentre_is_that_of_the_library() -> None:
+    one = rotating()
+    angle = np.radians(one["tf"].values)
+    radius = one["radius"].values + 0.006 * np.cos(angle - 1.0)
+    found = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True))
+    turn = turn_numbers(one["tf"].values)
+    centres = find_centres(one["tf"].values, radius, turn)
+    toolface, corrected = recentre(one["tf"].values, radius, turn, centres)
+    assert found.centres is not None
+    np.testing.assert_array_equal(found.centres.x, centres.x)
+    np.testing.assert_allclose(found.caliper.radius, corrected, rtol=1e-12)
+    np.testing.assert_allclose(found.caliper.toolface, toolface, rtol=1e-12)
+    assert found.centre_depth is not None
+    np.testing.assert_allclose(
+        found.centre_depth, [100 + 0.002 * np.flatnonzero(turn == t).mean() for t in np.unique(turn)]
+    )
+    corrected_turns = int(np.count_nonzero(centres.share() > 0))
+    assert corrected_turns > 30
+    assert found.told[1][1].startswith(f"{corrected_turns} of 37 turns corrected; tool off by ")
+    with pytest.raises(ValueError, match=r"^f.csv: recentring needs radii: half a diameter \(cal_x\) holds no offset"):
+        prepare(arms().readings(), Preparation(recentre=True))
+
+
+def several(seed: int = 0) -> LogSet:
+    """Three passes over one rough hole, the second 0.4 m off in depth, the third 1 mm too large."""
+    rng = np.random.default_rng(seed)
+    depth = np.tile(np.arange(0, 60, 0.05), 3)
+    number = np.repeat([1, 2, 3], depth.size // 3)
+    turn = rng.random(depth.size) * 360
+    rough = np.interp(np.arange(-5, 70, 0.05), np.arange(-5, 70.0, 0.5), rng.normal(0, 0.003, 150))
+    true = 0.108 + np.interp(depth, np.arange(-5, 70, 0.05), rough)
+    return log(
+        md__m=1000 + depth - 0.4 * (number == 2),
+        tf__deg=turn,
+        radius__m=true + 0.001 * (number == 3),
+        **{"pass": number},
+    )
+
+
+def test_passes_shift_bias_choice_and_comparison() -> None:
+    one = several()
+    settings = Preparation(passes=(1, 2, 3), find_shifts=True, bias="arm")
+    found = prepare(one.readings(), settings)
+    samples, number = one.samples(), one["pass"].values.astype(int)
+    shifts = find_shifts(samples.depth, samples.radius, number)
+    assert found.shifts is not None
+    np.testing.assert_array_equal(found.shifts.shift, shifts.shift)
+    assert shifts.shift[1] - shifts.shift[0] == pytest.approx(0.4, abs=0.02)
+    bias = find_bias(samples.depth + shifts.at(number), samples.toolface, samples.radius, number, np.zeros(number.size))
+    assert found.bias is not None
+    np.testing.assert_allclose(found.bias.by_pass, bias.by_pass, atol=1e-12)
+    np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.by_pass[number - 1], atol=1e-9)
+    assert [label for label, _ in found.told] == ["passes", "passes", "shift", "shift", "shift", "bias", "bias"]
+    given = prepare(one.readings(), Preparation(shifts=((2, 0.4),), latest=True, passes=(3, 2)))
+    assert given.pass_number is not None
+    assert set(given.pass_number.tolist()) == {2}  # the last of (3, 2)
+    expected = choose(number[number > 1], (samples.depth + 0.4 * (number == 2))[number > 1], (3, 2), latest=True)
+    assert given.counts["passes"] == int(expected.dropped.sum()) + int((number == 1).sum())
+    compared = prepare(one.readings(), Preparation(earlier=(1,), passes=(3,)))
+    assert compared.earlier is not None
+    assert (len(compared.earlier), len(compared.caliper)) == ((number == 1).sum(), (number == 3).sum())
+    rest = prepare(one.readings(), Preparation(earlier=(1,)))
+    assert len(rest.caliper) == (number > 1).sum()
+    for bad, rule in (
+        (Preparation(passes=(9,)), "pass 9: is not among the passes of the samples: 1, 2, 3"),
+        (Preparation(shifts=((9, 1.0),)), "shift 9=1 m: is not among the passes of the samples"),
+        (Preparation(earlier=(1, 2, 3)), "earlier: no pass is left to compare with them"),
+    ):
+        with pytest.raises(ValueError, match=rule):
+            prepare(one.readings(), bad)
+
+
+def test_bias_by_side_takes_the_tool_bearing() -> None:
+    one = arms(**{"pass": np.repeat([1, 2], N // 2), "md__m": np.tile(100 + 0.05 * np.arange(N // 2), 2)})
+    found = prepare(one.readings(), Preparation(bias="side"))
+    samples = one.samples()
+    arm = np.tile([0, 0, 1, 1], N)
+    sides = arm_sides(arm, one["rb"].values[samples.row])
+    number = one["pass"].values[samples.row]
+    bias = find_bias(samples.depth, samples.toolface, samples.radius, number, sides)
+    np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.at(number, sides), atol=1e-12)
+
+
+def test_several_files_are_passes() -> None:
+    first, second = rotating(1, "a.csv").readings(), rotating(2, "b.csv").readings()
+    found = prepare([first, second], Preparation(latest=True))
+    assert found.pass_number is not None
+    assert set(found.pass_number.tolist()) == {2}
+    assert found.told[0] == ("passes", "as the files number them; samples of each: 1 (400), 2 (400)")
+    merged = prepare([first, second])
+    np.testing.assert_array_equal(merged.caliper.radius, np.concatenate([first.radii[0], second.radii[0]]))
+    timed = rotating(3, "c.csv", time__s=np.arange(N)).readings()
+    told = dict(prepare([first, timed]).told)
+    assert told == {"time": "left out: not every file has one"}
+    numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
+    with pytest.raises(ValueError, match=r"^d.csv: numbers a pass as another file does: number them anew$"):
+        prepare([numbered, numbered], Preparation(latest=True))
+    again = prepare([numbered, numbered], Preparation(latest=True, reversal=0.5))
+    assert set((again.pass_number if again.pass_number is not None else np.empty(0)).tolist()) == {2}
+    bad = Readings(**(vars(numbered) | {"radii": (np.where(np.arange(N) == 5, 5.0, numbered.radii[0]),)}))
+    with pytest.raises(ValueError, match=r"^d.csv, row 5, column radius: radius 5 m"):
+        prepare([first, bad])
+
+
+def building() -> hb.Survey:
+    return hb.Survey([0.0, 50.0, 200.0], [0.0, 0.0, 60.0], [70.0, 70.0, 70.0])
+
+
+def test_toolface_references() -> None:
+    survey = building()
+    depth = np.linspace(5.0, 195.0, N)
+    turn = np.arange(N) * 33.0 % 360
+    columns = {"md__m": depth, "tf__deg": turn, "radius__m": np.full(N, 0.1)}
+    carried = survey.path(reference="carried")
+    steep = np.degrees(np.arccos(np.clip(carried.tangent(depth)[:, 2], -1, 1)))
+    automatic = prepare(log(**columns).readings(), Preparation(toolface_from="automatic"), carried)
+    expected = onto_path(turn, depth, carried, from_high_side(steep))
+    np.testing.assert_array_equal(automatic.caliper.toolface, expected)
+    tags = np.where(steep > 5, "GTF", "MTF")
+    tagged = prepare(log(**columns, tf_type=tags).readings(), None, carried)
+    np.testing.assert_array_equal(tagged.caliper.toolface, onto_path(turn, depth, carried, steep > 5))
+    assert "by the file's tags" in tagged.told[0][1]
+    one = log(**columns)
+    mapped = overlay(guess(one), one, {"tf": {"reference": "north"}}, "map")
+    north = prepare(one.readings(mapped), None, carried)
+    np.testing.assert_array_equal(north.caliper.toolface, onto_path(turn, depth, carried, False))
+    same = prepare(one.readings(mapped), None, survey.path(reference="north"))
+    np.testing.assert_array_equal(same.caliper.toolface, turn)
+    beyond = prepare(
+        one.readings(mapped), None, hb.Survey([0, 100.0], [0.0, 9.0], [0.0, 0.0]).path(reference="carried")
+    )
+    assert beyond.told[0] == ("dropped", "200 samples beyond the survey: their toolface has no reference there")
+    with pytest.raises(ValueError, match="toolfaces that count from north need a survey"):
+        prepare(one.readings(mapped))
+    with pytest.raises(ValueError, match="the wall's toolface is carried down the path, no tool's is"):
+        prepare(one.readings(), None, carried)
+    with pytest.raises(ValueError, match=r"row 1, column tf_type: 'up': must be one of n, north"):
+        log(**columns, tf_type=np.where(np.arange(N) == 1, "up", "N")).readings()
+
+
+def test_sensors_at_their_places_and_times() -> None:
+    time = np.arange(N, dtype=float)
+    columns = {
+        "time__s": time, "md__m": 100 + 0.01 * time, "tf__deg": time * 30.0 % 360, "radius__m": np.full(N, 0.1),
+        "r2__m": np.full(N, 0.11),
+    }  # fmt: skip
+    one = log(**columns)
+    roles = overlay(guess(one), one, {
+        "radius": {"offset": 0.5, "angle": 10.0},
+        "r2": {"role": "radius", "angle": 100.0, "offset": 1.5, "latency": 2.0},
+    }, "map")  # fmt: skip
+    found = prepare(readings(one, roles), Preparation(sensor_offset=0.25, latency=1.0))
+    first = found.caliper.radius == 0.1
+    np.testing.assert_allclose(found.caliper.depth[first], 100 + 0.01 * (time[1:] - 1.0) - 0.75)
+    np.testing.assert_allclose(found.caliper.toolface[first], ((time[1:] - 1.0) * 30 + 10) % 360, atol=1e-9)
+    np.testing.assert_allclose(found.caliper.depth[~first], 100 + 0.01 * (time[3:] - 3.0) - 1.75)
+    np.testing.assert_allclose(found.caliper.toolface[~first], ((time[3:] - 3.0) * 30 + 100) % 360, atol=1e-9)
+    assert found.caliper.time is not None
+    assert (np.diff(found.caliper.time) >= 0).all()
+    assert found.counts["no depth"] == 4
+    untimed = log(**{key: value for key, value in columns.items() if key != "time__s"})
+    with pytest.raises(ValueError, match=r"^f.csv: a latency or a track needs a time"):
+        prepare(untimed.readings(), Preparation(latency=1.0))
+
+
+def test_a_track_gives_depth_and_toolface_by_time() -> None:
+    time = np.arange(50, dtype=float) + 0.5
+    one = log(time__s=time, radius__m=np.full(50, 0.1))
+    track = Track(
+        TimeSeries(np.arange(52.0), 100 + 0.1 * np.arange(52.0)),
+        TimeSeries(np.arange(52.0), 20.0 * np.arange(52.0) % 360, angle=True),
+    )
+    found = prepare(readings(one, tracked=True), None, None, track)
+    np.testing.assert_allclose(found.caliper.depth, 100 + 0.1 * time)
+    np.testing.assert_allclose(found.caliper.toolface, 20.0 * time % 360)
+
+
+def test_what_closed_arms_leave_nothing_of_is_told() -> None:
+    rule = r"^f.csv: no row has depth, toolface and a radius \(400 dropped as closed\)$"
+    with pytest.raises(ValueError, match=rule):
+        prepare(rotating().readings(), Preparation(closed=0.3))
+
+
+def two_passes(backwards: bool, **columns: Any) -> tuple[LogSet, Any]:
+    """Down and up over 100 to 104 m, 20 s each, both by a clock that starts at 0; time as it went."""
+    time = np.tile(np.arange(100) * 0.2, 2)
+    depth = np.concatenate([100 + 0.2 * time[:100], 104 - 0.2 * time[100:]])
+    arms = {"time__s": time, "md__m": depth, "tf__deg": time * 30.0 % 360, "radius__m": np.full(200, 0.1)} | columns
+    return log(**{name: values[:: -1 if backwards else 1] for name, values in arms.items()}), time
+
+
+def test_a_clock_that_starts_anew_with_each_pass() -> None:
+    anew = ["f.csv: goes back, as by a clock that starts anew: read as 2 clocks"]
+    for columns, backwards, lines in (
+        ({"pass": np.repeat([3.0, 7.0], 100)}, False, []), ({}, False, anew), ({}, True, anew),
+    ):  # fmt: skip
+        one, time = two_passes(backwards, **columns)
+        found = prepare(one.readings(), Preparation(latency=1.0))
+        assert found.counts["no depth"] == 10
+        late = time[5:100] - 1.0
+        both = np.concatenate([100 + 0.2 * late, 104 - 0.2 * late])
+        np.testing.assert_allclose(np.sort(found.caliper.depth), np.sort(both))
+        assert [line for name, line in found.told if name == "time"] == lines
+
+
+def test_rows_of_one_clock_may_come_in_any_order() -> None:
+    time = np.random.default_rng(1).permutation(N).astype(float)
+    columns = {"time__s": time, "md__m": 100 + 0.01 * time, "tf__deg": time * 30 % 360}
+    found = prepare(log(**columns, radius__m=np.full(N, 0.1)).readings(), Preparation(latency=1.0))
+    np.testing.assert_allclose(np.sort(found.caliper.depth), 100 + 0.01 * np.arange(N - 1.0))
+    assert not [line for name, line in found.told if name == "time"]
+
+
+def test_a_toolface_too_fast_to_be_read_between_is_told() -> None:
+    time = np.arange(N, dtype=float)
+    columns = {"time__s": time, "md__m": 100 + 0.01 * time, "radius__m": np.full(N, 0.1)}
+    slow, fast = (prepare(log(**columns, tf__deg=time * turn % 360).readings(), Preparation(latency=0.5))
+                  for turn in (80.0, 110.0))  # fmt: skip
+    line = ("toolface", "f.csv: turns by 110 deg between half of its readings: too fast to be read between")
+    assert line in fast.told
+    assert not [told for told in slow.told if told[0] == "toolface"]
+
+
+def test_rows_without_a_time_are_left_out() -> None:
+    time = np.where(np.arange(N) == 9, np.nan, np.arange(N))
+    found = prepare(rotating(time__s=time).readings())
+    assert found.counts == {"no time": 1, "kept": N - 1}
+    assert found.told == (("dropped", "1 samples of f.csv without a time"),)
+
+
+@pytest.mark.parametrize(
+    ("settings", "rule"),
+    [
+        ({"toolface_from": "south"}, "toolface_from = 'south': must be one of north, high-side, automatic"),
+        ({"bias": "tool"}, "bias = 'tool': must be one of none, arm, side"),
+        ({"turn_height": 0.0}, "turn_height = 0: must be finite and larger than 0"),
+        (
+            {"least_radius": 2.0, "greatest_radius": 1.0},
+            "least_radius = 2: must not be larger than greatest_radius = 1",
+        ),
+        ({"shifts": ((1, 0.1), (1, 0.2))}, "shifts: pass 1 is given twice"),
+    ],
+)
+def test_bad_settings(settings: dict[str, Any], rule: str) -> None:
+    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+        Preparation(**settings)
+    assert str(caught.value) == rule
+
+
+def test_steps_of_one_kind_add_up() -> None:
+    step = Step("x", {}, np.zeros(3, dtype=bool))
+    assert step.kept.all()

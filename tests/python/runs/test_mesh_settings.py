@@ -1,0 +1,169 @@
+"""The settings beside what ``helibore mesh`` wrote: they repeat it to the last bit, or say what has changed."""
+
+from __future__ import annotations
+
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.runs.run_settings import checksum
+
+BIT = ("--bit-diameter", "216mm")
+
+
+def run(verb: str, *arguments: object) -> Result:
+    return CliRunner().invoke(cli, [verb, *(str(argument) for argument in arguments)])
+
+
+@pytest.fixture
+def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A survey, an image of gamma, an average and an azimuthal caliper, an archive, in the current folder."""
+    folder = tmp_path / "well"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    k, depth = np.arange(4000), np.arange(1000.0, 1010.05, 0.1)
+    gamma = 50 + 20 * np.random.default_rng(2).random((depth.size, 8))
+    mean = 0.22 + 0.001 * np.sin(depth)
+    around = np.column_stack([1000 + k * 0.0025, k * 37.0 % 360, 0.11 + 0.002 * np.cos(np.radians(2 * k * 37.0))])
+    tables = {
+        "s.csv": ("md_m,incl_deg,azim_deg", np.array([[990.0, 48.0, 248.0], [1020.0, 52.0, 240.0]])),
+        "g.csv": (",".join(["md_m", *(f"GR{n} [gAPI]" for n in range(1, 9))]), np.column_stack([depth, gamma])),
+        "a.csv": ("md_m,cali_m", np.column_stack([depth, mean])),
+        "c.csv": ("md_m,tf_deg,radius_m", around),
+    }
+    for name, (head, rows) in tables.items():
+        np.savetxt(folder / name, rows, fmt="%.5f", delimiter=",", header=head, comments="")
+    hb.reconstruct(hb.Caliper(*around.T), bit_diameter=0.216, sectors=16).save(folder / "w.wall")
+    return folder
+
+
+@pytest.mark.parametrize(
+    ("arguments", "output"),
+    [
+        ((*BIT, "--gauge", "--image", "g.csv:GR:edge", "--survey", "s.csv"), "m.glb"),
+        ((*BIT, "--average", "a.csv:cali_m", "--image", "g.csv:GR:edge:north", "--survey", "s.csv"), "m.wall"),
+        ((*BIT, "--pitch", "-73mm", "--sectors", "24", "--max-distance", "none", "c.csv"), "m.ply"),
+        (("w.wall", "--image", "g.csv:GR:centre:high-side", "--shell", "5cm", "--shell", "3.3in"), "m.vtu"),
+        (("w.wall", "--from", "1002", "--to", "1004.1", "--survey", "s.csv", "--head", "-10m", "20", "900"), "m.obj"),
+        (("w.glb.toml", "--color-by", "radius"), "m.vtp"),
+    ],
+)
+def test_a_mesh_is_repeated_to_the_last_bit_wherever_its_folder_is(
+    folder: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, arguments: tuple[str, ...], output: str
+) -> None:
+    assert run("reconstruct", "c.csv", *BIT, "-o", "w.glb", "-q").exit_code == 0
+    made = run("mesh", *arguments, "-o", output)
+    assert made.exit_code == 0, made.output
+    assert f"{output}.toml" in made.output
+    settings = tomllib.loads((folder / f"{output}.toml").read_text())
+    assert settings["output"] == {"file": output, "blake2b": checksum(output)}
+    named = {each["name"]: each["blake2b"] for each in settings["file"]}
+    assert named == {name: checksum(name) for name in named}
+    assert len(named) == sum(any(text.split(":")[0] == name.name for text in arguments) for name in folder.iterdir())
+    before = Path(output).read_bytes()
+    monkeypatch.chdir(tmp_path)
+    folder.rename(tmp_path / "moved")
+    again = run("mesh", "--from-settings", f"moved/{output}.toml", "-o", f"again{Path(output).suffix}")
+    assert again.exit_code == 0, again.output
+    assert "to the last bit" in again.output
+    assert (tmp_path / f"again{Path(output).suffix}").read_bytes() == before
+    third = run("mesh", "--from-settings", f"again{Path(output).suffix}.toml", "-o", f"moved/{output}", "-q")
+    assert (third.exit_code, third.output) == (0, "")
+    assert tomllib.loads((tmp_path / "moved" / f"{output}.toml").read_text()) == settings
+
+
+def test_defaults_that_have_a_say_are_written_and_others_are_not(folder: Path) -> None:
+    assert run("mesh", "--gauge", "--from", "1000", "--to", "1002", *BIT, "-o", "g.stl", "-q").exit_code == 0
+    gauge = tomllib.loads((folder / "g.stl.toml").read_text())["mesh"]
+    assert gauge == {
+        "bit_diameter": 0.216, "gauge": True, "absent": [-999.25, -9999.0, -9999.25], "start_depth": 1000.0,
+        "stop_depth": 1002.0, "sectors": 64, "pitch": 0.1, "max_distance": 1.0, "extend": 0.0,
+        "head": [0.0, 0.0, 0.0],
+    }  # fmt: skip
+    assert run("mesh", "w.wall", "-o", "w.stl", "-q").exit_code == 0
+    archive = tomllib.loads((folder / "w.stl.toml").read_text())["mesh"]
+    assert archive == {
+        "source": "w.wall", "absent": [-999.25, -9999.0, -9999.25], "extend": 0.0, "head": [0.0, 0.0, 0.0]
+    }  # fmt: skip
+
+
+def test_a_changed_file_is_refused(folder: Path) -> None:
+    assert run("mesh", "w.wall", "--image", "g.csv:GR:edge", "-o", "m.glb", "-q").exit_code == 0
+    before = checksum("g.csv")
+    with (folder / "g.csv").open("a") as file:
+        file.write("1011,1,2,3,4,5,6,7,8\n")
+    again = run("mesh", "--from-settings", "m.glb.toml", "-o", "again.glb")
+    assert (again.exit_code, again.stdout) == (2, "")
+    assert again.stderr == (
+        f"helibore: g.csv: has changed since the run: its BLAKE2b is {checksum('g.csv')}, the settings have {before}; "
+        "only the same file repeats it\n"
+    )
+    assert not (folder / "again.glb").exists()
+
+
+@pytest.mark.parametrize("option", [("--sectors", "8"), ("--gauge",), ("w.wall",), ("--extend", "0m")])
+@pytest.mark.usefixtures("folder")
+def test_no_option_goes_beside_settings(option: tuple[str, ...]) -> None:
+    assert run("mesh", "w.wall", "-o", "m.stl", "-q").exit_code == 0
+    again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl", *option)
+    name = option[0] if option[0].startswith("--") else "SOURCE"
+    assert again.exit_code == 2
+    assert f"{name}: does not go with --from-settings" in again.stderr
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "rule"),
+    [
+        ("sectors = 64", "sektors = 64", "m.stl.toml: mesh.sektors: must be one of shells, "),
+        ("sectors = 64", "sectors = 6.5", "Invalid value for '--sectors': '6.5' is not a valid integer."),
+        ("sectors = 64", "sectors = 64\nradius = ['r']", "--radius: has no say in --gauge, which reads no caliper"),
+        ("gauge = true", 'source = "w.wall"', "m.stl.toml: mesh.source = 'w.wall': no [[file]] has its blake2b"),
+        ("[mesh]", "[mess]", "m.stl.toml: mesh: is missing: no settings of helibore mesh"),
+        ("[output]", "[[file]]\nname = 3\n[output]", "m.stl.toml: file 1: must have a name and its blake2b"),
+        ("gauge = true", "gauge", "m.stl.toml: not TOML: "),
+    ],
+)
+def test_bad_settings(folder: Path, old: str, new: str, rule: str) -> None:
+    assert run("mesh", "--gauge", "--from", "1000", "--to", "1002", *BIT, "-o", "m.stl", "-q").exit_code == 0
+    text = (folder / "m.stl.toml").read_text()
+    assert old in text
+    (folder / "m.stl.toml").write_text(text.replace(old, new))
+    again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl")
+    assert (again.exit_code, again.stdout) == (2, "")
+    assert rule in again.stderr
+    assert not (folder / "again.stl").exists()
+
+
+@pytest.mark.parametrize(
+    ("arguments", "over"),
+    [(("w.wall", "-o", "w.wall"), "w.wall"), (("w.glb.toml", "-o", "w.glb"), "w.glb.toml")],
+)
+def test_no_file_that_was_given_is_written_over(folder: Path, arguments: tuple[str, ...], over: str) -> None:
+    assert run("reconstruct", "c.csv", *BIT, "-o", "w.glb", "-q").exit_code == 0
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    refused = run("mesh", *arguments)
+    assert (refused.exit_code, refused.stdout) == (2, "")
+    assert f"{arguments[-1]}: would be written over {over}, which it is made from" in refused.stderr
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+
+@pytest.mark.parametrize("verb", [("reconstruct", "--from-settings"), ("plot",), ("mesh",)])
+@pytest.mark.usefixtures("folder")
+def test_verbs_for_other_settings_say_whose_they_are(verb: tuple[str, ...]) -> None:
+    assert run("mesh", "w.wall", "-o", "m.glb", "-q").exit_code == 0
+    output = "x.png" if verb == ("plot",) else "x.glb"
+    refused = run(*verb, "m.glb.toml", "-o", output)
+    rule = "m.glb.toml: settings of helibore mesh, which repeats them by --from-settings m.glb.toml"
+    assert (refused.exit_code, refused.stderr) == (2, f"helibore: {rule}\n")
+
+
+def test_the_old_settings_stay_where_nothing_was_written(folder: Path) -> None:
+    assert run("mesh", "w.wall", "-o", "m.glb", "-q").exit_code == 0
+    before = (folder / "m.glb.toml").read_bytes(), (folder / "m.glb").read_bytes()
+    assert run("mesh", "w.wall", "--color-by", "RT", "-o", "m.glb", "-q").exit_code == 2
+    assert ((folder / "m.glb.toml").read_bytes(), (folder / "m.glb").read_bytes()) == before
