@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
+from helibore.base.errors import InputError, MissingExtraError
 from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
 from helibore.mesh.surface import Surface
@@ -26,7 +27,9 @@ if TYPE_CHECKING:
 __all__ = [
     "Caliper",
     "Change",
+    "InputError",
     "Live",
+    "MissingExtraError",
     "Path",
     "Preparation",
     "SectorImage",

@@ -1,0 +1,52 @@
+"""The two errors that a user can put right: input that breaks a rule, and an extra that is not installed.
+
+    InputError("toolface[17]", "must be finite", "nan")     ->  toolface[17] = nan: must be finite
+    InputError("well.las, line 12", "truncated")            ->  well.las, line 12: truncated
+    MissingExtraError("h5py", "vtkhdf")                     ->  needs h5py: pip install "helibore[vtkhdf]"
+
+A caller recognises them by their class and their attributes, never by their text.
+"""
+
+from __future__ import annotations
+
+
+class InputError(ValueError):
+    """Input that breaks a rule.
+
+    Attributes
+    ----------
+    place : str
+        Where the input stands: an argument, a setting, a file with its line, an option.
+    rule : str
+        What the input must be, or what is wrong with it.
+    value : str or None
+        The value as it is shown; None where no single value is at fault.
+    """
+
+    def __init__(self, place: str, rule: str, value: str | None = None) -> None:
+        self.place, self.rule, self.value = place, rule, value
+        super().__init__(f"{place}: {rule}" if value is None else f"{place} = {value}: {rule}")
+
+    def __reduce__(self) -> tuple[type[InputError], tuple[str, str, str | None]]:
+        return type(self), (self.place, self.rule, self.value)
+
+    def within(self, outer: str) -> InputError:
+        """Return the same error with its place inside an outer one: ``well.las: pitch = 0: must not be 0``."""
+        return InputError(f"{outer}: {self.place}", self.rule, self.value)
+
+
+class MissingExtraError(ImportError):
+    """A library of an extra is not installed.
+
+    Attributes
+    ----------
+    library, extra : str
+        The library that is missing, and the extra of helibore that brings it.
+    """
+
+    def __init__(self, library: str, extra: str) -> None:
+        self.library, self.extra = library, extra
+        super().__init__(f'needs {library}: pip install "helibore[{extra}]"')
+
+    def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
+        return type(self), (self.library, self.extra)
