@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.measure import machine
 
-NAMES = ("reconstruction", "scaling", "appends", "memory", "emission", "images", "logs", "files")
+NAMES = ("reconstruction", "scaling", "appends", "memory", "emission", "images", "logs", "mesh_writing")
 
 
 def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -38,7 +38,7 @@ def main(names: list[str]) -> int:
     results: dict[str, Any] = {"machine": machine()}
     print("\n".join(f"{name}: {text}" for name, text in _figures("", results["machine"])))
     for name in names or NAMES:
-        results[name] = importlib.import_module(f"bench.{name}").cases()
+        results[name] = importlib.import_module(f"bench.speed.{name}").cases()
         for result in results[name]:
             print(f"\n{result['case']}")
             for figure, text in _figures("", {k: v for k, v in result.items() if k != "case"}):

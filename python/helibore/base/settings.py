@@ -41,7 +41,7 @@ class Settings:
     angular_scale
         1: distances along the wall are true arc lengths; 2: twice that, as the published Eq. 4 has it. Beyond 1 the
         neighbours lie above and below rather than around: 4 halves the error of many holes, whose shapes go on along
-        them (``bench/angular_scale.py``).
+        them (``bench/accuracy/angular_scale.py``).
     direct
         Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
         (half a sector to either side, half a pitch up and down), the last of them in canonical order stands for it,

@@ -5,9 +5,9 @@
     chunk     "BIN": positions (4 q, 3) float32 | colours (4 q, 4) uint8 | attributes | corners (6 q) uint32
 
 trimesh takes about three times as long for the same mesh on disk, eight times without the disk's share (it hashes each
-array and scans each for bounds), and longer to import than all of this to run; bench/emission.py measures it, and the
-tests read every file back with trimesh. Sections quoted are those of the glTF 2.0 specification. No textures, normals
-or animation.
+array and scans each for bounds), and longer to import than all of this to run; bench/speed/emission.py measures it.
+The tests read every file back with trimesh. Sections quoted are those of the glTF 2.0 specification. No textures or
+normals, no animation.
 """
 
 from __future__ import annotations

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from locations import SHARED
 
 import helibore as hb
-from bench import televiewer
+from bench.accuracy import televiewer
 from helibore.files.log_files import save_table
 from helibore.images.image_breakouts import ImageCriteria
 from helibore.logs.zones import Criteria

@@ -9,7 +9,7 @@ import numpy as np
 
 import helibore as hb
 from bench.measure import in_turn, milliseconds, ratio
-from bench.reconstruction import BIT_DIAMETER, PITCH, SECTORS, reconstruct, samples
+from bench.speed.reconstruction import BIT_DIAMETER, PITCH, SECTORS, reconstruct, samples
 
 BATCH = 1000
 

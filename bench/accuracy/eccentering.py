@@ -1,4 +1,4 @@
-"""How well the tool's centre is found, and what is left in the wall: ``python bench/eccentering.py``.
+"""How well the tool's centre is found, and what is left in the wall: ``python -m bench.accuracy.eccentering``.
 
 300 turns of a simulated tool 10 mm off centre (tests/python/test_eccentering.py), each case with two seeds. Unless it
 is "one hole", every turn has toolfaces of its own at random and a shape of its own: no turn can learn from the next.
@@ -29,7 +29,7 @@ import numpy as np
 import helibore as hb
 from helibore.preparation.eccentering import find_centres, recentre
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python" / "preparation"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python" / "preparation"))
 from test_eccentering import BELL_WASHOUT, WASHOUT, Simulated
 
 HALF = {"missing": "half circle"}

@@ -1,6 +1,6 @@
 """The whole command, process start to GLB on disk, beside the least NumPy and trimesh need for the same files.
 
-    python -m bench.whole_command [--samples 2400000] [--rounds 5]
+    python -m bench.speed.whole_command [--samples 2400000] [--rounds 5]
 
 Ours    `helibore reconstruct samples.npz --survey survey.csv -o ours.glb`: load, rebuild, place, save, summary
 Peer    one Python process that imports NumPy and trimesh, loads the same arrays and the finished mesh, exports it

@@ -1,4 +1,4 @@
-"""What ``angular_scale`` is worth in a hole whose shape goes on along it: ``python bench/angular_scale.py``.
+"""What ``angular_scale`` is worth in a hole whose shape goes on along it: ``python -m bench.accuracy.angular_scale``.
 
 A sample around the corner and one a little farther up are not alike: washouts, breakouts and spirals go on for
 decimetres along the hole, while a lobe ends within centimetres around it. ``angular_scale`` stretches the arc in the

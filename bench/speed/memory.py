@@ -8,7 +8,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from bench.reconstruction import CASES, reconstruct, samples
+from bench.speed.reconstruction import CASES, reconstruct, samples
 
 
 def _status(name: str) -> float:
@@ -35,7 +35,7 @@ def cases() -> list[dict[str, Any]]:
     found = []
     for order in ("as recorded", "in random order"):
         run = subprocess.run(
-            [sys.executable, "-m", "bench.memory", order], capture_output=True, text=True, check=True, timeout=300
+            [sys.executable, "-m", "bench.speed.memory", order], capture_output=True, text=True, check=True, timeout=300
         )
         used = json.loads(run.stdout)["bytes"]
         found.append(

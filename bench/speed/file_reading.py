@@ -6,7 +6,7 @@
 Both sides run in turn in one process; a ratio is taken of each turn, and its median and spread are told. Every value is
 loaded on our side (nulls replaced and counted), and the values are compared first.
 
-    python bench/file_reading.py [las file]
+    python -m bench.speed.file_reading [las file]
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ import numpy as np
 
 import helibore as hb
 
-REAL = Path(__file__).parents[2] / "shared" / "data" / "lwd-images" / "P11-A-02_Composite_MEM_Image_NF.las"
+REAL = Path(__file__).parents[3] / "shared" / "data" / "lwd-images" / "P11-A-02_Composite_MEM_Image_NF.las"
 
 
 def las(path: Path | None = None, turns: int = 7) -> dict[str, float | str]:

@@ -1,6 +1,6 @@
 """Measures the live viewer in a real browser: first picture, append to pixels, bytes, memory, many clients.
 
-    python bench/view.py [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--snapshots]
+    python -m bench.live.page [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--snapshots]
 
 Needs Debian's chromium and playwright; the browser draws with software GL, as a weak rig's would. The wall's values
 are those of tests/python/made_wall.py, checked against the page's read-back before anything is timed. Prints one
@@ -22,7 +22,7 @@ from typing import Any
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "python"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
 from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
 from screen import FLAGS

@@ -1,6 +1,6 @@
 """A geologist's picks on a televiewer's amplitude image, beside what helibore finds in image and caliper.
 
-    python -m bench.televiewer ../shared/data/calipers
+    python -m bench.accuracy.televiewer ../shared/data/calipers
 
 Prints a line a pick: the dark lobe found there, how far azimuth and opening are off, and how much larger than gauge the
 hole is; then what was found that nobody picked, and how little the answer depends on the criteria. `docs/televiewer.md`
@@ -176,5 +176,5 @@ def main(folder: Path) -> int:
 
 if __name__ == "__main__":
     if len(sys.argv) != 2:
-        sys.exit("usage: python -m bench.televiewer FOLDER, that of breakout_picks.csv")
+        sys.exit("usage: python -m bench.accuracy.televiewer FOLDER, that of breakout_picks.csv")
     sys.exit(main(Path(sys.argv[1])))

@@ -1,6 +1,6 @@
 """Placing vertices and emitting quads, beside copying the same bytes; saving a GLB, beside trimesh.
 
-    python -m bench.emission
+    python -m bench.speed.emission
 
 Each case checks the answer before it is timed, and times our work and its peer in turn in one run. The bar: emission at
 most 4 x the copy (np.copy of the vertices and of the quads, into fresh memory), all cores.

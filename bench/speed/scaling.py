@@ -18,7 +18,7 @@ from contextlib import contextmanager
 from typing import Any
 
 from bench.measure import milliseconds, ratio, repeated
-from bench.reconstruction import CASES, reconstruct, samples
+from bench.speed.reconstruction import CASES, reconstruct, samples
 
 
 @contextmanager

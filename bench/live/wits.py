@@ -1,4 +1,4 @@
-"""How fast the WITS parser reads, one core, in MB/s of processor time: ``python bench/wits.py``.
+"""How fast the WITS parser reads, one core, in MB/s of processor time: ``python -m bench.live.wits``.
 
 The answer is checked before the clock starts. Two streams: rig frames of 40 items, and caliper frames of 30 triples.
 """

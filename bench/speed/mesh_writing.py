@@ -1,6 +1,6 @@
 """Writing meshes and archives, beside the libraries that write the same arrays.
 
-    python -m bench.files
+    python -m bench.speed.mesh_writing
 
 1 M quads with three attributes as VTU and VTKHDF beside PyVista's own save of the same points, cells and values, as it
 comes (compressed) and uncompressed; a wall's archive beside ``np.save`` and ``np.load`` of as many bytes. Every peer

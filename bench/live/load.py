@@ -1,4 +1,4 @@
-"""The live wall under load over loopback TCP, journal on: ``python bench/live_load.py --minutes 10``.
+"""The live wall under load over loopback TCP, journal on: ``python -m bench.live.load --minutes 10``.
 
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
 deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.

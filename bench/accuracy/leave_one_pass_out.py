@@ -1,4 +1,4 @@
-"""How well passes of a real caliper predict each other: ``python bench/leave_one_pass_out.py [FILE]``.
+"""How well passes of a real caliper predict each other: ``python -m bench.accuracy.leave_one_pass_out [FILE]``.
 
 Volve F-12, 2010: an X-Y caliper that went ten times over 3080 to 3240 m of cased hole at 53 deg. One pass is left out,
 the wall is built from the others, and each sample of the pass is predicted by the wall at its depth and toolface. Side
@@ -35,7 +35,7 @@ import helibore as hb
 from helibore.preparation.passes import arm_sides, evaluate, find_bias, find_shifts
 from helibore.preparation.sensors import Sensor, observe_by_depth
 
-FILE = Path(__file__).parents[2] / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
+FILE = Path(__file__).parents[3] / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 TOP, BOTTOM = 3080.0, 3240.0
 BLOCK = 10.0
 INCH = 0.0254
