@@ -7,15 +7,10 @@
 #include <limits>
 
 #include "arrays.hpp"
-#include "helibore/crews.hpp"
-#include "helibore/pages.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
 namespace {
-
-// Of the walls that are gone, for those to come.
-constexpr std::size_t pages_kept = std::size_t{64} << 20;
 
 InstructionSet instruction_set_named(const std::string& name) {
     if (name == "automatic") return InstructionSet::automatic;
@@ -111,11 +106,9 @@ py::array_t<Index> ranges_of(const Change& change) {
 }  // namespace
 
 void register_wall(py::module_& m) {
-    const auto pages = std::make_shared<Pages>(pages_kept);
-    const auto crews = std::make_shared<Crews>();
     py::class_<Wall>(m, "Wall")
-        .def(py::init([pages, crews](const py::dict& settings, int threads, const std::string& instruction_set) {
-                 return std::make_unique<Wall>(settings_of(settings, threads, instruction_set), pages, crews);
+        .def(py::init([](const py::dict& settings, int threads, const std::string& instruction_set) {
+                 return std::make_unique<Wall>(settings_of(settings, threads, instruction_set));
              }),
              py::arg("settings"), py::arg("threads"), py::arg("instruction_set"))
         .def(
@@ -184,11 +177,11 @@ void register_wall(py::module_& m) {
     m.def("are_columns", &are_columns, py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"));
     m.def(
         "check_samples",
-        [crews](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,
-                int threads) {
+        [](const Column& depth, const Column& toolface, const Column& radius, const std::optional<Column>& time,
+           int threads) {
             const SampleColumns columns = columns_of(depth, toolface, radius, time);
             const py::gil_scoped_release released;
-            columns.validate(threads, crews.get());
+            columns.validate(threads);
         },
         py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"), py::arg("threads"));
     m.def("instruction_set_in_use", [] { return std::string(instruction_set_in_use()); });

@@ -1,10 +1,8 @@
 // A host's floating-point state changes no bit and stays as the host set it: rounding upwards, flushing subnormals to
 // zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would end them).
 #include <cfenv>
-#include <memory>
 
 #include "check.hpp"
-#include "helibore/crews.hpp"
 #include "hole.hpp"
 
 #ifdef __SSE2__
@@ -15,13 +13,11 @@ namespace {
 
 using Result = std::vector<std::uint64_t>;
 
-// Checks samples and makes a wall of them on threads that both share: appends in two steps with samples exactly on
-// vertices (distance 0), and reads all, in the host's state.
+// Checks samples and makes a wall of them: appends in two steps with samples exactly on vertices (distance 0), and
+// reads all, in the host's state.
 Result work(int threads, const Hole& hole) {
-    const auto crews = std::make_shared<helibore::Crews>();
-    helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads},
-                        nullptr, crews);
-    hole.all().validate(threads, crews.get());
+    helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
+    hole.all().validate(threads);
     wall.append(hole.rows(0, 1000));
     std::vector<double> radius(static_cast<std::size_t>(wall.size()));
     CHECK(wall.read_radius(radius) == wall.size());

@@ -2,11 +2,9 @@
 // allocator (glibc; elsewhere there is none to ask).
 #include <algorithm>
 #include <cstdlib>
-#include <memory>
 #include <string>
 
 #include "check.hpp"
-#include "helibore/pages.hpp"
 #include "hole.hpp"
 
 #if defined(__GLIBC__) && !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -14,8 +12,6 @@
 
 namespace {
 
-using helibore::page_size;
-using helibore::Pages;
 using helibore::Wall;
 
 std::size_t in_use() {
@@ -26,19 +22,17 @@ std::size_t in_use() {
 // Appends a hole, its first rows at once and the others part by part, and says where it takes more than its share.
 void keep_small(const std::string& name, const Hole& hole, std::size_t a_part, double pitch = 5.0,
                 std::size_t first_rows = 0) {
-    const auto pages = std::make_shared<Pages>(100 * page_size);
     const std::size_t before = in_use();
     std::size_t used = 0;
     double allowed = 2e6;  // lists of candidates and a block of vertices
     {
-        Wall wall({.bit_diameter = 0.216, .sectors = 3, .pitch = pitch, .max_iterations = 1}, pages);
+        Wall wall({.bit_diameter = 0.216, .sectors = 3, .pitch = pitch, .max_iterations = 1});
         if (first_rows > 0) wall.append(hole.rows(0, first_rows));
         for (std::size_t first = first_rows; first < hole.depth.size(); first += a_part)
             wall.append(hole.rows(first, std::min(a_part, hole.depth.size() - first)));
         used = in_use() - before;
         allowed += 48.0 * static_cast<double>(wall.sample_count()) + 24.0 * static_cast<double>(wall.size());
     }
-    used += pages->kept();  // what the wall had of them
     if (static_cast<double>(used) > allowed)
         fail(__FILE__, __LINE__, name + ": " + std::to_string(static_cast<double>(used) / allowed) + " of the share");
 }

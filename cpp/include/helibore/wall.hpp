@@ -18,9 +18,6 @@
 
 namespace helibore {
 
-class Crews;
-class Pages;
-
 // Columns of equal length, borrowed for the call: metres, degrees clockwise looking downhole, metres from the axis of
 // the hole, and seconds or any other clock. Either all samples of a wall carry a time or none does.
 struct SampleColumns {
@@ -30,8 +27,8 @@ struct SampleColumns {
     std::span<const double> time = {};
 
     // Throws InputError that names the first row that breaks a rule of its column: "toolface[17] = nan: must be
-    // finite". Its threads are those of the crews that are lent to it, or its own.
-    void validate(int threads = 1, Crews* crews = nullptr) const;
+    // finite".
+    void validate(int threads = 1) const;
 };
 
 // One value a vertex: metres and degrees.
@@ -55,10 +52,8 @@ struct Change {
 
 class Wall {
   public:
-    // Throws InputError on bad settings. Walls that are given the same pages (helibore/pages.hpp) or crews
-    // (helibore/crews.hpp) hand on their memory and their threads.
-    explicit Wall(const Settings& settings, std::shared_ptr<Pages> pages = nullptr,
-                  std::shared_ptr<Crews> crews = nullptr);
+    // Throws InputError on bad settings.
+    explicit Wall(const Settings& settings);
     ~Wall();
     Wall(Wall&&) noexcept;
     Wall& operator=(Wall&&) noexcept;

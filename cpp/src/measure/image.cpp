@@ -12,7 +12,7 @@
 namespace helibore {
 namespace {
 
-constexpr Index piece = 1 << 14;  // quads
+constexpr Index quads_a_part = 1 << 14;  // quads
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 // Where a quad of the turn lies among the sectors of a row.
@@ -62,8 +62,7 @@ std::vector<double> fill(std::span<const double> bounds, const QuadCentres& quad
     const double step = quads.pitch / static_cast<double>(K), first = static_cast<double>(K + 1) / 2.0;
     const auto depth_of = [&](Index k) { return quads.start_depth + (static_cast<double>(k) + first) * step; };
     std::vector<double> values(static_cast<std::size_t>(quads.count));
-    for_each_part((quads.count + piece - 1) / piece, threads, [&](int, Index which) {
-        const Range range{which * piece, std::min(quads.count, (which + 1) * piece)};
+    for_each_range(threads, quads.count, quads_a_part, [&](int, const Range& range) {
         Walk walk(bounds, depth_of(range.start));
         for (Index k = range.start, column = k % K; k < range.stop; ++k) {
             const double depth = depth_of(k);

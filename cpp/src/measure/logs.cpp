@@ -253,9 +253,8 @@ TurnLogs turn_logs(const Turns& turns, int threads) {
     const Round round = round_of(turns);
     const auto first = std::ranges::find_if(turns.radius, [](double r) { return r == r; });
     const double reference = first == turns.radius.end() ? 0.0 : *first;
-    for_each_part((count + block - 1) / block, threads, [&](int, Index which) {
+    for_each_range(threads, count, block, [&](int, const Range& range) {
         Scratch scratch(round.sectors);
-        const Range range{which * block, std::min(count, (which + 1) * block)};
         for (Index turn = range.start; turn < range.stop; ++turn) {
             measure(turns, round, scratch, static_cast<std::size_t>(turn), logs);
         }

@@ -18,8 +18,8 @@ namespace {
 constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is refused, not guessed
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double least_radius = std::numeric_limits<double>::denorm_min();
-constexpr Index rows_to_start = 32768, rows_to_wake = 4096;  // that are worth a thread
-constexpr Index rows_a_part = 4096;                          // so that all end together
+constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth its start
+constexpr Index rows_a_part = 4096;     // that a thread takes at a time
 
 [[noreturn]] void refuse(const char* column, Index row, double value, const char* rule) {
     throw InputError(std::string(column) + "[" + std::to_string(row) + "] = " + number_text(value) + ": " + rule);
@@ -68,15 +68,13 @@ bool rows_valid(const SampleColumns& c, Range rows, const kernel::Functions& f) 
            (c.time.empty() || f.all_within(c.time.data() + rows.start, n, -largest, largest));
 }
 
-void SampleColumns::validate(int threads, Crews* crews) const {
+void SampleColumns::validate(int threads) const {
     check_lengths(*this);
     const auto n = static_cast<Index>(depth.size());
     const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);
     std::atomic<bool> valid{true};
-    const Shift shift(crews, threads);
-    const int shares = shift.crew().shares_worth(n, rows_to_start, rows_to_wake);
-    shift.crew().for_each_part(shares, (n + rows_a_part - 1) / rows_a_part, [&](int, Index i) {
-        if (!rows_valid(*this, {i * rows_a_part, std::min(n, (i + 1) * rows_a_part)}, f)) valid = false;
+    for_each_range(threads_for(n, rows_a_thread, threads), n, rows_a_part, [&](int, const Range& rows) {
+        if (!rows_valid(*this, rows, f)) valid = false;
     });
     if (!valid) check_rows(*this);
 }

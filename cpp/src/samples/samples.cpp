@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <iterator>
 
+#include "base/large_pages.hpp"
+
 namespace helibore {
 namespace {
 
@@ -101,14 +103,14 @@ Chunks merge(const Chunks& old, SortedBatch& batch) {
 }
 
 // Chunks of a large batch, which share pages as far as they fill three quarters of them.
-Chunks full_chunks(Index count, bool timed, Pages& pages) {
+Chunks full_chunks(Index count, bool timed) {
     const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
-    const Index a_page = static_cast<Index>(page_size / sizeof(double)) / size;
+    const Index a_page = static_cast<Index>(large_page_size / sizeof(double)) / size;
     Chunks chunks;
     chunks.reserve(static_cast<std::size_t>(total));
     std::shared_ptr<double[]> page;
     for (Index i = 0; i < total; ++i) {
-        if (i % a_page == 0) page = 4 * (count - i * Chunk::full) < 3 * a_page * Chunk::full ? nullptr : pages.take();
+        if (i % a_page == 0) page = 4 * (count - i * Chunk::full) < 3 * a_page * Chunk::full ? nullptr : large_page();
         chunks.push_back(page ? std::make_shared<Chunk>(Chunk::full, Chunk::full,
                                                         std::shared_ptr<double[]>(page, page.get() + i % a_page * size))
                               : std::make_shared<Chunk>(Chunk::full, timed));
@@ -128,11 +130,11 @@ bool SortedBatch::any_within(double low, double high) const {
 
 // A small batch that does not fit behind the others begins a chunk with room for more of its size: a wall that is
 // streamed grows in whole chunks, one made at once has none to spare. What is left of a chunk is less than a batch.
-Chunks Samples::room_for(Index count, bool timed, Pages& pages) const {
+Chunks Samples::room_for(Index count, bool timed) const {
     constexpr Index most_appends = 256;
     Chunks chunks;
     if (count >= Chunk::full)
-        chunks = full_chunks(count, timed, pages);
+        chunks = full_chunks(count, timed);
     else if (count_ == 0)
         chunks = {std::make_shared<Chunk>(count, timed)};
     else if (timed == timed_ && count <= chunks_.back()->free_room())

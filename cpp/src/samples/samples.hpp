@@ -11,8 +11,6 @@
 #include <memory>
 #include <vector>
 
-#include "base/threads.hpp"
-#include "helibore/pages.hpp"
 #include "helibore/types.hpp"
 #include "helibore/wall.hpp"
 #include "search/kernel/kernel.hpp"
@@ -106,7 +104,7 @@ class Samples {
     double last_depth() const { return chunks_.back()->last_depth(); }
 
     // Where the rows of a batch may be written: chunks that hold `count`, all full but the last.
-    Chunks room_for(Index count, bool timed, Pages& pages) const;
+    Chunks room_for(Index count, bool timed) const;
 
     // Takes the batch; rows equal to one already there in all four are dropped and added to batch.redundant.
     // Throws std::bad_alloc and then has changed nothing.
@@ -137,7 +135,7 @@ class Samples {
 
 // Validates and sorts a batch for `samples`, which do not change. Throws InputError with the first offending row of the
 // first offending column.
-SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, Pages& pages, Crew& crew,
+SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, int threads,
                        const kernel::Functions& functions);
 
 }  // namespace helibore

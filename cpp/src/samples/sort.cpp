@@ -24,8 +24,8 @@
 namespace helibore {
 namespace {
 
-constexpr Index rows_to_start = 32768, rows_to_wake = 256;  // that are worth a thread
-constexpr int slabs_a_thread = 8;                           // so that all end together
+constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth its start
+constexpr int slabs_a_thread = 8;       // so that all end together
 
 // Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
 bool in_order(const SampleColumns& c, std::size_t i) {
@@ -44,48 +44,41 @@ bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& 
     return true;
 }
 
-// Rows into a chunk, the first of them to place `to`.
-void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, Index to, const kernel::Functions& f) {
+// The rows of one chunk.
+void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::Functions& f) {
     const auto n = static_cast<std::size_t>(rows.stop - rows.start);
     const double* toolface = c.toolface.data() + rows.start;
-    std::memcpy(chunk.depth() + to, c.depth.data() + rows.start, n * sizeof(double));
-    std::memcpy(chunk.radius() + to, c.radius.data() + rows.start, n * sizeof(double));
-    if (!c.time.empty()) std::memcpy(chunk.time() + to, c.time.data() + rows.start, n * sizeof(double));
+    std::memcpy(chunk.depth(), c.depth.data() + rows.start, n * sizeof(double));
+    std::memcpy(chunk.radius(), c.radius.data() + rows.start, n * sizeof(double));
+    if (!c.time.empty()) std::memcpy(chunk.time(), c.time.data() + rows.start, n * sizeof(double));
     if (f.all_within(toolface, rows.stop - rows.start, 0.0, std::nextafter(360.0, 0.0)))
-        std::transform(toolface, toolface + n, chunk.toolface() + to, [](double x) { return x + 0.0; });  // -0 is 0
+        std::transform(toolface, toolface + n, chunk.toolface(), [](double x) { return x + 0.0; });  // -0 is 0
     else
-        std::transform(toolface, toolface + n, chunk.toolface() + to, wrap_toolface);
+        std::transform(toolface, toolface + n, chunk.toolface(), wrap_toolface);
 }
 
 // Copies rows that are in order already, checking them while they are in cache; false as soon as some are not.
-bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, Crew& crew, int threads, const kernel::Functions& f) {
+bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
-    const Index a_part = std::min((batch.count + threads - 1) / threads, Chunk::full);
-    crew.for_each_part(threads, (batch.count + a_part - 1) / a_part, [&](int, Index part) {
-        const Index stop = std::min(batch.count, (part + 1) * a_part);
-        for (Index first = part * a_part; first < stop && in_order && valid;) {
-            const Index chunk = first / Chunk::full;
-            const Range rows{first, std::min(stop, (chunk + 1) * Chunk::full)};
-            if (!rows_valid(c, rows, f))
-                valid = false;
-            else if (!rows_in_order(c, rows, f))
-                in_order = false;
-            else
-                copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(chunk)], first % Chunk::full, f);
-            first = rows.stop;
-        }
+    for_each_range(threads, batch.count, Chunk::full, [&](int, const Range& rows) {
+        if (!in_order || !valid) return;
+        if (!rows_valid(c, rows, f))
+            valid = false;
+        else if (!rows_in_order(c, rows, f))
+            in_order = false;
+        else
+            copy_rows(c, rows, *batch.chunks[static_cast<std::size_t>(rows.start / Chunk::full)], f);
     });
     if (!valid) check_rows(c);
     return in_order;
 }
 
 // The least and greatest depth, once all rows are found valid.
-std::pair<double, double> survey(const SampleColumns& c, Crew& crew, int threads, const kernel::Functions& f) {
+std::pair<double, double> survey(const SampleColumns& c, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
     std::vector<Extremes> extremes(static_cast<std::size_t>(threads));
     std::atomic<bool> valid{true};
-    crew.for_each_part(threads, (n + Chunk::full - 1) / Chunk::full, [&](int w, Index part) {
-        const Range rows{part * Chunk::full, std::min(n, (part + 1) * Chunk::full)};
+    for_each_range(threads, n, Chunk::full, [&](int w, const Range& rows) {
         if (!rows_valid(c, rows, f)) valid = false;
         extremes[static_cast<std::size_t>(w)].take(c.depth.data() + rows.start, c.depth.data() + rows.stop);
     });
@@ -204,13 +197,13 @@ class BucketSorter {
 };
 
 template <bool timed>
-void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, Crew& crew, int threads) {
+void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<Index>& ends, int threads) {
     std::vector<BucketSorter<timed>> sorters(static_cast<std::size_t>(threads));
     const auto sort_bucket = [&](int w, Index b) {
         const auto i = static_cast<std::size_t>(b);
         sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
     };
-    crew.for_each_part(threads, buckets.count, sort_bucket);
+    for_each_part(threads, buckets.count, sort_bucket);
 }
 
 // Where the rows of one bucket go. Eight of them are collected before they are written, a line of memory a column:
@@ -235,16 +228,21 @@ struct Collected {
     }
 };
 
+// Slab `which` of the rows [0, n) cut into `slabs` nearly equal ones.
+Range slab(Index n, int slabs, Index which) {
+    return {n * which / slabs, n * (which + 1) / slabs};
+}
+
 // Puts each row into its bucket. The rows are taken in slabs, each of which knows where in every bucket its own begin.
 void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
-                Crew& crew, int threads) {
+                int threads) {
     const auto n = static_cast<Index>(c.depth.size());
     const auto size = static_cast<std::size_t>(buckets.count);
     const int slabs = threads == 1 ? 1 : slabs_a_thread * threads;
     std::vector<std::vector<Index>> places(static_cast<std::size_t>(slabs));
-    crew.for_each_part(threads, slabs, [&](int, Index s) {
+    for_each_part(threads, slabs, [&](int, Index s) {
         std::vector<Index> counts(size, 0);
-        const Range rows = part(n, slabs, static_cast<int>(s));
+        const Range rows = slab(n, slabs, s);
         const Buckets which = buckets;  // on a stack of its own: another thread writes beside that one
         const double* depth = c.depth.data();
         for (Index i = rows.start; i < rows.stop; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
@@ -257,11 +255,11 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
         ends[b] = total;
     }
     std::vector<std::vector<Collected>> collected(static_cast<std::size_t>(threads));
-    crew.for_each_part(threads, slabs, [&](int w, Index s) {
+    for_each_part(threads, slabs, [&](int w, Index s) {
         auto& mine = collected[static_cast<std::size_t>(w)];
         mine.resize(size);
         for (std::size_t b = 0; b < size; ++b) mine[b].start = mine[b].next = places[static_cast<std::size_t>(s)][b];
-        const Range rows = part(n, slabs, static_cast<int>(s));
+        const Range rows = slab(n, slabs, s);
         for (auto i = static_cast<std::size_t>(rows.start); i < static_cast<std::size_t>(rows.stop); ++i) {
             Collected& bucket = mine[static_cast<std::size_t>(buckets.of(c.depth[i]))];
             const Index slot = bucket.next++ % 8;
@@ -317,23 +315,21 @@ bool has_redundant(const SortedBatch& batch) {
 
 }  // namespace
 
-SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, Pages& pages, Crew& crew,
-                       const kernel::Functions& f) {
+SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, int threads, const kernel::Functions& f) {
     check_lengths(columns);
     SortedBatch batch;
     batch.count = static_cast<Index>(columns.depth.size());
     batch.timed = !columns.time.empty();
     if (batch.count == 0) return batch;
-    const int threads = crew.shares_worth(batch.count, rows_to_start, rows_to_wake);
-
-    batch.chunks = samples.room_for(batch.count, batch.timed, pages);
-    if (copy_if_in_order(columns, batch, crew, threads, f)) return batch;
-    const auto [least, greatest] = survey(columns, crew, threads, f);
+    threads = threads_for(batch.count, rows_a_thread, threads);
+    batch.chunks = samples.room_for(batch.count, batch.timed);
+    if (copy_if_in_order(columns, batch, threads, f)) return batch;
+    const auto [least, greatest] = survey(columns, threads, f);
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
-    distribute(columns, batch, buckets, ends, crew, threads);
-    batch.timed ? sort_buckets<true>(batch, buckets, ends, crew, threads)
-                : sort_buckets<false>(batch, buckets, ends, crew, threads);
+    distribute(columns, batch, buckets, ends, threads);
+    batch.timed ? sort_buckets<true>(batch, buckets, ends, threads)
+                : sort_buckets<false>(batch, buckets, ends, threads);
     if (batch.timed && has_redundant(batch)) drop_redundant(batch);
     return batch;
 }

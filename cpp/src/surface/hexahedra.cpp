@@ -61,9 +61,8 @@ bool upright(const Corners& c) {
 // Calls visit(row) for all rows below `count`, shared out to threads.
 template <class Visit>
 void for_each_row(Index count, int threads, const Visit& visit) {
-    for_each_part((count + cells_a_part - 1) / cells_a_part, threads, [&](int, Index part_index) {
-        const Index stop = std::min(count, (part_index + 1) * cells_a_part);
-        for (Index row = part_index * cells_a_part; row < stop; ++row) visit(row);
+    for_each_range(threads, count, cells_a_part, [&](int, const Range& rows) {
+        for (Index row = rows.start; row < rows.stop; ++row) visit(row);
     });
 }
 

@@ -20,7 +20,7 @@ namespace helibore {
 namespace {
 
 constexpr int chunk_size = 256;
-constexpr Index least_share = 4096;  // vertices a thread must have for its start to pay
+constexpr Index vertices_a_part = 4096;  // that a thread takes at a time
 constexpr Index none = std::numeric_limits<Index>::max();
 
 // Cosine and sine of the toolface of vertex k at k % K, and on for a chunk more, so that a chunk reads them in a row.
@@ -152,11 +152,9 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
     const Task task{helix, radii.first, radii.radius.data(), path.pieces(), Toolfaces(helix)};
     require_reach(task, runs);
     const Index first = runs.front().k.start, length = runs.back().k.stop - first;
-    const int shares = static_cast<int>(std::clamp<Index>(length / least_share, 1, std::max(threads, 1)));
-    std::vector<Index> refused(static_cast<std::size_t>(shares), none);
-    on_workers(shares, [&](int worker) {
-        const Range share = part(length, shares, worker);
-        const Range within = {first + share.start, first + share.stop};
+    std::vector<Index> refused(static_cast<std::size_t>(std::max(threads, 1)), none);
+    for_each_range(threads, length, vertices_a_part, [&](int worker, const Range& part) {
+        const Range within = {first + part.start, first + part.stop};
         auto run = std::partition_point(runs.begin(), runs.end(),
                                         [&](const VertexRun& r) { return r.k.stop <= within.start; });
         Index& without = refused[static_cast<std::size_t>(worker)];

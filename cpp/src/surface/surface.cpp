@@ -14,7 +14,7 @@
 namespace helibore {
 namespace {
 
-constexpr Index least_share = 16384;  // cells a thread must have for its start to pay
+constexpr Index cells_a_part = 16384;  // that a thread takes at a time
 
 void require_helix(const HelixRadii& radii) {
     if (radii.sectors < 3) throw InputError("sectors = " + std::to_string(radii.sectors) + ": must be 3 or more");
@@ -122,10 +122,8 @@ template <class Run, class RangeOf, class Fill>
 void fill_runs(std::span<const Run> runs, const RangeOf& range_of, int threads, const Fill& fill) {
     if (runs.empty()) return;
     const Index first = range_of(runs.front()).start, length = range_of(runs.back()).stop - first;
-    const int shares = static_cast<int>(std::clamp<Index>(length / least_share, 1, std::max(threads, 1)));
-    on_workers(shares, [&](int worker) {
-        const Range share = part(length, shares, worker);
-        const Range within = {first + share.start, first + share.stop};
+    for_each_range(threads, length, cells_a_part, [&](int, const Range& part) {
+        const Range within = {first + part.start, first + part.stop};
         auto run = std::partition_point(runs.begin(), runs.end(),
                                         [&](const Run& r) { return range_of(r).stop <= within.start; });
         for (; run != runs.end() && range_of(*run).start < within.stop; ++run) {

@@ -3,16 +3,16 @@
 #include <algorithm>
 #include <string>
 
+#include "base/arithmetic.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
-#include "search/kernel/instruction_set.hpp"
 #include "wall/state.hpp"
 
 namespace helibore {
 
 namespace {
 
-constexpr Index blocks_to_start = 64, blocks_to_wake = 2;  // whose radii are worth a thread
+constexpr Index blocks_a_thread = 64;  // at least; to copy fewer is not worth its start
 
 std::size_t length_of(Range range) {
     return static_cast<std::size_t>(range.stop - range.start);
@@ -115,10 +115,8 @@ Index Wall::read_radius(std::span<double> into) const {
     const std::scoped_lock held(state_->lock);
     const State& s = *state_;
     if (static_cast<Index>(into.size()) != s.count) return s.count;
-    const Shift shift(s.crews.get(), s.settings.threads);
-    const Index blocks = (s.count + Vertices::block_size - 1) / Vertices::block_size;
-    const int shares = shift.crew().shares_worth(blocks, blocks_to_start, blocks_to_wake);
-    shift.crew().for_each_part(shares, blocks, [&](int, Index b) {
+    const Index blocks = Vertices::blocks_of(s.count);
+    for_each_part(threads_for(blocks, blocks_a_thread, s.settings.threads), blocks, [&](int, Index b) {
         const Index first = b * Vertices::block_size, n = std::min(Vertices::block_size, s.count - first);
         std::copy_n(s.vertices.block(b).radius.begin(), n, into.begin() + first);
     });
@@ -155,11 +153,10 @@ std::vector<std::vector<double>> Wall::carry(std::span<const std::span<const dou
             throw InputError("channel " + std::to_string(c) + " has " + std::to_string(channels[c].size()) +
                              " values, the wall " + std::to_string(s.samples.size()) + " samples: must be equal");
     std::vector<std::vector<double>> values(channels.size(), std::vector<double>(static_cast<std::size_t>(s.count)));
-    const Index groups = groups_of(s.count), parts = (groups + groups_a_part - 1) / groups_a_part;
     std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
-    for_each_part(parts, threads, [&](int worker, Index part_index) {
+    for_each_range(threads, groups_of(s.count), groups_a_part, [&](int worker, const Range& part) {
         std::vector<double*> out(channels.size());
-        for (Index g = part_index * groups_a_part; g < std::min(groups, (part_index + 1) * groups_a_part); ++g) {
+        for (Index g = part.start; g < part.stop; ++g) {
             for (std::size_t c = 0; c < channels.size(); ++c) out[c] = values[c].data() + g * lanes;
             s.search.carry(s.samples, s.helix, g, s.count, scratches[static_cast<std::size_t>(worker)], channels, out);
         }

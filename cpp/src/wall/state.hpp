@@ -18,31 +18,27 @@
 namespace helibore {
 
 inline constexpr Index lanes = kernel::lanes;
-inline constexpr Index groups_a_part = 16;  // of the work shared out to threads
+inline constexpr Index groups_a_part = 16;  // that a thread takes at a time
 
 inline Index groups_of(Index vertices) {
     return (vertices + lanes - 1) / lanes;
 }
 
 struct Wall::State {
-    State(const Settings& s, std::shared_ptr<Pages> pages_of_walls, std::shared_ptr<Crews> crews_of_walls)
-        : settings(s),
-          search((s.validate(), s)),
-          pages(pages_of_walls ? std::move(pages_of_walls) : std::make_shared<Pages>()),
-          crews(crews_of_walls ? std::move(crews_of_walls) : std::make_shared<Crews>()) {
+    explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
         if (s.start_depth) helix.start_depth = *s.start_depth;
         scratches.resize(static_cast<std::size_t>(s.threads));
     }
 
     Change append(const SampleColumns& columns);
-    Change update(const SortedBatch& batch, Crew& crew);
+    Change update(const SortedBatch& batch);
     Helix helix_now() const;
     Index count_now(const Helix& next) const;
     void measure_hulls(const std::vector<Index>& old, Index kept);
     bool advances(const SortedBatch& batch) const;
     std::vector<Index> touched_groups(const SortedBatch& batch, Index open) const;
-    void search_groups(Crew& crew, const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
-                       Vertices& into, std::vector<GroupResult>& staged);
+    void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
+                       std::vector<GroupResult>& staged);
     std::vector<Range> compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                Index new_count, const DirectRadii& next_direct) const;
     Index settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
@@ -58,8 +54,6 @@ struct Wall::State {
     mutable std::mutex lock;
     Settings settings;
     Search search;
-    std::shared_ptr<Pages> pages;
-    std::shared_ptr<Crews> crews;
     Samples samples;
     Helix helix{.start_depth = std::numeric_limits<double>::quiet_NaN()};
     Vertices vertices;

@@ -10,17 +10,17 @@
 #include <iterator>
 #include <utility>
 
+#include "base/arithmetic.hpp"
 #include "base/number_text.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
-#include "search/kernel/instruction_set.hpp"
 #include "wall/state.hpp"
 
 namespace helibore {
 namespace {
 
-// Groups that are worth a thread, and its share is cut into parts small enough that all end together.
-constexpr Index groups_to_start = 256, groups_to_wake = 4;
+// At least; fewer are not worth the start of a thread.
+constexpr Index groups_a_thread = 256;
 constexpr double most_vertices = 2147483648.0;
 
 // Merges [start, stop) into sorted ranges that never touch.
@@ -71,14 +71,13 @@ std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>&
 Change Wall::State::append(const SampleColumns& columns) {
     const std::scoped_lock held(lock);
     const StandardArithmetic standard;
-    const Shift shift(crews.get(), settings.threads);
-    SortedBatch batch = sort_batch(columns, samples, *pages, shift.crew(), search.functions());
+    SortedBatch batch = sort_batch(columns, samples, settings.threads, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
         throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
                                      : "time: missing, but the samples before carry one; give it for all or none");
     Samples::Undo undo = samples.insert(batch);
     try {
-        return update(batch, shift.crew());
+        return update(batch);
     } catch (...) {
         samples.undo(std::move(undo));
         throw;
@@ -103,7 +102,7 @@ Index Wall::State::count_now(const Helix& next) const {
 }
 
 // A wall has vertices from its first sample on.
-Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
+Change Wall::State::update(const SortedBatch& batch) {
     if (samples.size() == 0) return {};
     const Helix next = helix_now();
     const Index new_count = count_now(next);
@@ -119,7 +118,7 @@ Change Wall::State::update(const SortedBatch& batch, Crew& crew) {
         old.push_back(kept / lanes);  // the last group gains vertices
     const Range fresh{groups_of(kept), groups_of(new_count)};
     std::vector<GroupResult> staged(old.size());
-    search_groups(crew, next, old, fresh, new_count, into, staged);
+    search_groups(next, old, fresh, new_count, into, staged);
     for (Index b = Vertices::blocks_of(kept); b < growing_block(new_count); ++b) into.measure_hull(b);
 
     Change change;
@@ -183,18 +182,15 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
 }
 
 // Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
-void Wall::State::search_groups(Crew& crew, const Helix& on, const std::vector<Index>& old, Range fresh,
-                                Index vertex_count, Vertices& into, std::vector<GroupResult>& staged) {
+void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
+                                Vertices& into, std::vector<GroupResult>& staged) {
     const auto old_count = static_cast<Index>(old.size());
     const Index total = old_count + fresh.stop - fresh.start;
-    const int shares = crew.shares_worth(total, groups_to_start, groups_to_wake);
-    const Index a_part = std::clamp<Index>(total / (8 * shares), 1, groups_a_part);
-    const Index parts = (total + a_part - 1) / a_part;
-    const auto search_part = [&](int worker, Index part_index) {
+    const int threads = threads_for(total, groups_a_thread, settings.threads);
+    for_each_range(threads, total, groups_a_part, [&](int worker, const Range& part) {
         Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
         GroupResult result;
-        const Index stop = std::min(total, (part_index + 1) * a_part);
-        for (Index i = part_index * a_part; i < stop; ++i) {
+        for (Index i = part.start; i < part.stop; ++i) {
             const auto at = static_cast<std::size_t>(i);
             if (i < old_count) {
                 search.run(samples, on, old[at], vertex_count, scratch, staged[at]);
@@ -204,8 +200,7 @@ void Wall::State::search_groups(Crew& crew, const Helix& on, const std::vector<I
                 into.put(group, vertex_count, result);
             }
         }
-    };
-    crew.for_each_part(shares, parts, search_part);
+    });
 }
 
 // The vertices of searched groups that differ in any bit from what is there, or are not there yet.
@@ -254,10 +249,10 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
     return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
 }
 
-Wall::Wall(const Settings& settings, std::shared_ptr<Pages> pages, std::shared_ptr<Crews> crews)
+Wall::Wall(const Settings& settings)
     : state_([&] {
           const StandardArithmetic standard;
-          return std::make_unique<State>(settings, std::move(pages), std::move(crews));
+          return std::make_unique<State>(settings);
       }()) {}
 Wall::~Wall() = default;
 Wall::Wall(Wall&&) noexcept = default;

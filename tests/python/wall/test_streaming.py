@@ -1,4 +1,4 @@
-"""Appends that follow each other at once are shared out to threads that linger: what that must not change or cost."""
+"""Many appends one after another: what they must not change or cost, also in a forked process."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def _streamed(count: int, batch: int, threads: int = 2) -> hb.Wall:
 @pytest.mark.filterwarnings("ignore:.*fork:DeprecationWarning")
 def test_a_forked_process_with_threads_of_its_own_may_use_and_drop_a_wall() -> None:
     depth, toolface, radius = _rows(160_000)
-    for further in (100_000, 1_000):  # one batch that starts threads again, and a short one
+    for further in (100_000, 1_000):  # one batch that starts threads, and a short one
         wall = _streamed(1_000, 50)
         wall.append(depth[1_000:60_000], toolface[1_000:60_000], radius[1_000:60_000])
         child = os.fork()

@@ -1,0 +1,14 @@
+// Memory for large batches of samples in pages of 2 MB: faulting in pages of 4 kB takes as long as the search.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+
+namespace helibore {
+
+inline constexpr std::size_t large_page_size = std::size_t{2} << 20;  // bytes
+
+// One page, not zeroed. Throws std::bad_alloc.
+std::shared_ptr<double[]> large_page();
+
+}  // namespace helibore
