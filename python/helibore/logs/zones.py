@@ -242,6 +242,16 @@ class Classification:
         return f"Classification({len(self.kind)} turns: {counts or 'no zones'})"
 
 
+def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> npt.NDArray[np.bool_]:
+    """Return which turns are enlarged all around: C2 - bit >= `Criteria.washout`. NaN is not.
+
+    The one definition; a zone of washout is where such turns are long enough (`classify`).
+    """
+    criteria = Criteria() if criteria is None else criteria
+    washed: npt.NDArray[np.bool_] = c2 - bit_diameter >= criteria.washout
+    return washed
+
+
 def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None) -> Classification:
     """Tell gauge hole, washouts, breakouts, key seats and undergauge hole apart: `Wall.zones`.
 
@@ -283,7 +293,6 @@ def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> npt.
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
     missing = np.isnan(logs.mean)
-    washed = ~missing & (logs.c2 - bit >= criteria.washout)
     under = ~missing & (logs.least_diameter < bit - criteria.undergauge)
     lower, higher = _ends(logs, radius, start)
     total = lower + higher
@@ -291,7 +300,7 @@ def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> npt.
     kind = np.full(len(logs), GAUGE, dtype=np.int8)
     kind[both & (elongation >= criteria.elongation)] = BREAKOUT
     kind[~both & (higher >= criteria.key_seat)] = KEY_SEAT
-    kind[washed] = WASHOUT
+    kind[washed_out(logs.c2, bit, criteria)] = WASHOUT
     kind[under] = UNDERGAUGE
     kind[missing] = NO_KIND
     return kind

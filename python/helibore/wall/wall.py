@@ -30,6 +30,7 @@ from helibore.wall.append_result import Change, VertexColumns
 from helibore.wall.interpolation import in_canonical_order, on_quads
 
 if TYPE_CHECKING:
+    from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification, Criteria
 
@@ -363,6 +364,14 @@ class Wall:
         from helibore.logs.zones import classify
 
         return classify(self, criteria)
+
+    def summary(
+        self, start: float | None = None, stop: float | None = None, criteria: Criteria | None = None
+    ) -> WallSummary:
+        """Summarize the wall or an interval of it: `helibore.logs.summary.summarize` with this wall."""
+        from helibore.logs.summary import summarize
+
+        return summarize(self, start, stop, criteria)
 
     def __repr__(self) -> str:
         if not len(self):

@@ -1,0 +1,171 @@
+"""The summary of a wall: the only owner of the numbers that print, page, report and viewer show of a whole interval.
+
+    summary = wall.summary()                    summary.volume, summary.excess, summary.washed_out
+    wall.summary(start=2000, stop=2100)         of an interval
+
+Diameters, volume and excess come from full turns; a turn with a missing radius counts as not measured. The mean
+diameter is that of the cylinder with the same volume. Metres of a kind of hole are those of its zones (``zones``).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.logs.breakouts import Axes
+from helibore.logs.turn_logs import Logs
+from helibore.logs.zones import KINDS, Classification, Criteria, classify
+from helibore.samples.caliper import Basis
+from helibore.samples.helix import WallLike, helix_of
+
+
+class Extreme(NamedTuple):
+    """The least or greatest value of a log and its depth, both metres; NaN where no turn is full."""
+
+    value: float
+    depth: float
+
+
+@dataclass(frozen=True, kw_only=True)
+class WallSummary:
+    """What an interval of a wall measures; made by `Wall.summary`. Lengths in metres, missing numbers are NaN.
+
+    Attributes
+    ----------
+    start, stop
+        Ends of the interval, measured depth.
+    basis, bit_diameter, sectors, pitch
+        As of the wall.
+    vertices, samples
+        Vertices of the interval; samples of the whole wall.
+    mean_diameter
+        Of the cylinder with the same volume.
+    least_diameter, greatest_diameter
+        Through the axis of the hole, `Extreme` with its depth.
+    inscribed_diameter
+        The smallest of the turns' largest inscribed circles, which is what passes; `Extreme` with its depth.
+    volume, excess
+        Of the measured turns, cubic metres; over the volume at bit size, less 1.
+    measured, not_measured
+        Metres of hole in full turns, and in the other turns.
+    ovality, rugosity
+        Mean and greatest of the turns: after API, and in metres over ``rugosity_window``.
+    washed_out
+        Metres of washout by `classify`; NaN for a gauge hole, which no tool measured.
+    kinds
+        Metres of hole by kind, for the kinds that occur, without gauge hole.
+    breakout_axis
+        Mean axis of the whole wall's breakouts, weighted by length.
+    without_radius
+        Share of the vertices that no sample reaches, 0 to 1.
+    nearest_half, nearest_most
+        Distance to the nearest sample: at most so far for 50 % and for 99 % of the vertices that have one.
+    """
+
+    start: float
+    stop: float
+    basis: Basis
+    bit_diameter: float
+    sectors: int
+    pitch: float
+    vertices: int
+    samples: int
+    mean_diameter: float
+    least_diameter: Extreme
+    greatest_diameter: Extreme
+    inscribed_diameter: Extreme
+    volume: float
+    excess: float
+    measured: float
+    not_measured: float
+    ovality: tuple[float, float]
+    rugosity: tuple[float, float]
+    rugosity_window: float
+    washed_out: float
+    kinds: Mapping[str, float]
+    breakout_axis: Axes
+    without_radius: float
+    nearest_half: float
+    nearest_most: float
+
+
+def summarize(
+    wall: WallLike,
+    start: float | None = None,
+    stop: float | None = None,
+    criteria: Criteria | None = None,
+    zones: Classification | None = None,
+) -> WallSummary:
+    """Summarize an interval of a wall: `Wall.summary`.
+
+    Parameters
+    ----------
+    wall
+        Radii on a helix.
+    start, stop
+        Measured depths, metres; None: the ends of the wall. Turns count whose middle lies in [start, stop].
+    criteria
+        Of the kinds of hole; None: the defaults.
+    zones
+        `classify` of the same wall with these criteria, where it is at hand.
+    """
+    zones = classify(wall, criteria) if zones is None else zones
+    turns = zones.logs
+    radius, helix = wall.radius, helix_of(wall)
+    depth = helix.depth(np.arange(radius.size))
+    ends = (float(depth.min()), float(depth.max())) if depth.size else (math.nan, math.nan)
+    start, stop = ends[0] if start is None else float(start), ends[1] if stop is None else float(stop)
+    inside = (depth >= start) & (depth <= stop)
+    rows = turns.rows_between(start, stop)
+    logs, height = turns.between(start, stop), turns.height
+    square = logs.equivalent_diameter[np.isfinite(logs.equivalent_diameter)] ** 2
+    mean_square = float(square.mean()) if square.size else math.nan
+    metres = {kind: float((zones.kind[rows] == code).sum()) * height for code, kind in enumerate(KINDS) if code}
+    nearest: Floats = getattr(wall, "nearest", np.full(radius.size, np.nan))[inside]
+    nearest = nearest[np.isfinite(nearest)]
+    half, most = np.percentile(nearest, [50, 99]).tolist() if nearest.size else (math.nan, math.nan)
+    return WallSummary(
+        start=start,
+        stop=stop,
+        basis=turns.basis,
+        bit_diameter=turns.bit_diameter,
+        sectors=helix.sectors,
+        pitch=helix.pitch,
+        vertices=int(inside.sum()),
+        samples=int(getattr(wall, "sample_count", 0)),
+        mean_diameter=math.sqrt(mean_square),
+        least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
+        greatest_diameter=_extreme(logs, logs.c1, np.nanargmax),
+        inscribed_diameter=_extreme(logs, logs.inscribed_diameter, np.nanargmin),
+        volume=float(logs.volume[np.isfinite(logs.volume)].sum()),
+        excess=mean_square / turns.bit_diameter**2 - 1,
+        measured=float(square.size) * height,
+        not_measured=float(len(logs) - square.size) * height,
+        ovality=_mean_and_greatest(logs.ovality_api),
+        rugosity=_mean_and_greatest(logs.rugosity),
+        rugosity_window=turns.rugosity_window,
+        washed_out=math.nan if turns.basis == "gauge" else metres["washout"],
+        kinds=MappingProxyType({kind: length for kind, length in metres.items() if length}),
+        breakout_axis=zones.breakout_axis(),
+        without_radius=float(np.isnan(radius[inside]).mean()) if inside.any() else math.nan,
+        nearest_half=half,
+        nearest_most=most,
+    )
+
+
+def _extreme(logs: Logs, values: Floats, where: Any) -> Extreme:
+    if not np.isfinite(values).any():
+        return Extreme(math.nan, math.nan)
+    row = int(where(values))
+    return Extreme(float(values[row]), float(logs.depth[row]))
+
+
+def _mean_and_greatest(values: Floats) -> tuple[float, float]:
+    there = values[np.isfinite(values)]
+    return (float(there.mean()), float(there.max())) if there.size else (math.nan, math.nan)

@@ -1,0 +1,80 @@
+"""The summary of a wall against sums made turn by turn from its radii."""
+
+from __future__ import annotations
+
+import math
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.logs.summary import summarize
+from helibore.logs.zones import classify, washed_out
+
+K, BIT, PITCH = 72, 0.216, 0.1
+TOOLFACE = np.arange(K) * 5.0
+
+
+def wall_of(*stretches: tuple[int, np.ndarray]) -> Any:
+    rows = np.concatenate([np.tile(shape, (turns, 1)) for turns, shape in stretches])
+    settings = SimpleNamespace(sectors=K, pitch=PITCH, start_toolface=0.0, bit_diameter=BIT)
+    return SimpleNamespace(settings=settings, start_depth=1000.0, radius=rows.ravel())
+
+
+GAUGE = np.full(K, BIT / 2)
+OVAL = BIT / 2 + 0.002 * np.cos(np.radians(2 * TOOLFACE))
+WASHED = GAUGE + 0.02
+GAP = np.where(TOOLFACE < 30, np.nan, BIT / 2)
+
+
+def test_every_number_is_that_of_the_full_turns() -> None:
+    wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
+    found = summarize(wall)
+    squares = [np.mean(shape**2) for shape, turns in ((GAUGE, 10), (WASHED, 5), (OVAL, 10)) for _ in range(turns)]
+    mean = 2 * math.sqrt(sum(squares) / 25)
+    assert found.mean_diameter == pytest.approx(mean, rel=1e-12)
+    assert found.volume == pytest.approx(math.pi / 4 * mean**2 * 2.5, rel=1e-12)
+    assert found.excess == pytest.approx(mean**2 / BIT**2 - 1, rel=1e-12)
+    assert (found.measured, found.not_measured) == pytest.approx((2.5, 0.4))
+    assert found.least_diameter.value == pytest.approx(BIT - 0.004)
+    assert found.greatest_diameter.value == pytest.approx(BIT + 0.04)
+    assert 1001.0 < found.greatest_diameter.depth < 1001.5
+    assert 1001.5 < found.inscribed_diameter.depth < 1002.5
+    assert found.ovality[1] == pytest.approx(0.004 / BIT)
+    assert found.washed_out == pytest.approx(0.5)
+    assert dict(found.kinds) == {"washout": pytest.approx(0.5)}
+    assert found.without_radius == pytest.approx(4 * 6 / (29 * K))
+    assert (found.start, found.stop) == (1000.0, pytest.approx(1000 + (29 * K - 1) * PITCH / K))
+
+
+def test_an_interval_counts_the_turns_whose_middle_lies_in_it() -> None:
+    wall = wall_of((10, GAUGE), (5, WASHED), (10, GAUGE))
+    found = summarize(wall, 1001.2, 1002.0)
+    assert found.washed_out == pytest.approx(0.3)
+    assert found.measured == pytest.approx(0.8)
+    assert (found.start, found.stop) == (1001.2, 1002.0)
+
+
+def test_washed_out_is_what_zones_call_washout() -> None:
+    wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
+    found = classify(wall)
+    np.testing.assert_array_equal(washed_out(found.logs.c2, BIT), found.kind == 1)
+
+
+def test_a_wall_without_a_full_turn_has_no_numbers() -> None:
+    found = hb.Wall(bit_diameter=BIT).summary()
+    assert found.vertices == found.samples == 0
+    assert found.measured == found.volume == found.washed_out == 0
+    for number in (found.mean_diameter, found.excess, found.least_diameter.value, found.without_radius, found.start):
+        assert math.isnan(number)
+
+
+def test_a_gauge_hole_is_not_called_washed_out_or_sound() -> None:
+    caliper = hb.Caliper.gauge(100, 101, BIT)
+    found = hb.reconstruct(caliper, bit_diameter=BIT).summary()
+    assert found.basis == "gauge"
+    assert math.isnan(found.washed_out)
+    assert found.samples == len(caliper)
+    assert found.nearest_half <= found.nearest_most
