@@ -23,6 +23,7 @@ from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess
 from helibore.files.channel import LogSet
 from helibore.files.source import complaint
 from helibore.preparation.conditioning import Echo
+from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Sensor
 
 Floats = npt.NDArray[np.float64]
@@ -37,70 +38,6 @@ UNSTATED = {
 
 NORTH = ("n", "north", "m", "mtf", "magnetic", "0")
 HIGH_SIDE = ("h", "hs", "high side", "high-side", "g", "gtf", "gravity", "top", "1")
-
-
-@dataclass(frozen=True)
-class Readings:
-    """The readings of a set's sensors, row by row as they stand in the file.
-
-    Attributes
-    ----------
-    source
-        The set they come from: for places in errors.
-    depth, toolface
-        Of each row, (n,) m and degrees; NaN where missing. Toolfaces are 0 where the set has none.
-    sensors, radii
-        p sensors and the radius each read in each row, (n,) m, NaN where missing.
-    arm
-        Which of ``channels`` each sensor's readings stand in, (p,) int64.
-    channels
-        Names of the wall channels.
-    across
-        Whether a diameter was halved for a sensor, (p,): it holds nothing of where the tool's centre was.
-    time
-        Seconds, (n,), or None.
-    pass_number
-        Pass of each row, (n,) int64, or None where the set numbers none; -1 where the row has none.
-    reference
-        What toolfaces count from: "north", "high-side", "automatic", or "" for the wall's own reference.
-    high_side
-        For each row, where the set has a toolface-reference channel: (n,) bool; else None.
-    turning
-        Whether the set has a toolface.
-    missing
-        Channel to how many of its values are missing.
-    notes
-        One sentence for each channel used: its role, unit and reason.
-    """
-
-    source: LogSet
-    depth: Floats
-    toolface: Floats
-    sensors: tuple[Sensor, ...]
-    radii: tuple[Floats, ...]
-    arm: Integers
-    channels: tuple[str, ...]
-    across: tuple[bool, ...]
-    time: Floats | None = None
-    pass_number: Integers | None = None
-    reference: str = ""
-    high_side: Mask | None = None
-    turning: bool = True
-    missing: dict[str, int] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-
-    def __repr__(self) -> str:
-        return f"Readings({self.name}, {self.rows} rows of {', '.join(self.channels)})"
-
-    @property
-    def rows(self) -> int:
-        """Rows in the set."""
-        return self.source.rows
-
-    @property
-    def name(self) -> str:
-        """The file's name."""
-        return self.source.path.name
 
 
 @dataclass(frozen=True)
@@ -189,10 +126,10 @@ def readings(
     if tracked and time is None:
         needed(one, roles, "time")
     return Readings(
-        one, depth, toolface, tuple(sensors), tuple(radii), np.array(arm, dtype=np.int64),
+        one.path.name, depth, toolface, tuple(sensors), tuple(radii), np.array(arm, dtype=np.int64),
         tuple(role.channel for role in arms), across, time, _passes(one, roles),
         turning.reference if turning else "", _high_side(one, roles), turning is not None,
-        _count_missing(one, roles, depth, toolface, time), _notes(roles, arms),
+        _count_missing(one, roles, depth, toolface, time), _notes(roles, arms), one.place,
     )  # fmt: skip
 
 

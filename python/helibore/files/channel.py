@@ -24,9 +24,10 @@ from helibore.files.source import complaint
 
 if TYPE_CHECKING:
     from helibore.channels.columns import SectorColumns
-    from helibore.channels.readings import Readings, WallSamples
+    from helibore.channels.readings import WallSamples
     from helibore.channels.roles import RoleMap
     from helibore.preparation.conditioning import Echo
+    from helibore.preparation.readings import Readings
     from helibore.samples.caliper import Caliper
     from helibore.trajectory.survey import Survey
 

@@ -21,10 +21,10 @@ from helibore.preparation.sample_columns import LARGEST_RADIUS, Samples, Track, 
 from helibore.samples.caliper import Caliper
 
 if TYPE_CHECKING:
-    from helibore.channels.readings import Readings
     from helibore.preparation.conditioning import Step
     from helibore.preparation.eccentering import Centres
     from helibore.preparation.passes import Bias, Shifts
+    from helibore.preparation.readings import Readings
     from helibore.trajectory.survey import Path
 
 __all__ = ["Preparation", "Prepared", "Track", "prepare"]

@@ -18,8 +18,8 @@ from helibore.base.arrays import Floats, Integers
 from helibore.preparation.sensors import Observed, Sensor, TimeSeries, observe_by_depth, observe_by_time
 
 if TYPE_CHECKING:
-    from helibore.channels.readings import Readings
     from helibore.preparation.prepare import Preparation
+    from helibore.preparation.readings import Readings
     from helibore.trajectory.survey import Path
 
 Mask = npt.NDArray[np.bool_]
@@ -356,4 +356,4 @@ def place_of(samples: Samples, readings: list[Readings], at: int) -> str:
     """Where a sample stands, for an error: file, line and column."""
     one = readings[int(samples.file[at])]
     channel = one.channels[int(one.arm[int(samples.sensor[at])])]
-    return f"{one.name}, {one.source.place(int(samples.row[at]))}, column {channel}"
+    return f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"

@@ -23,12 +23,13 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.settings import Settings
 from helibore.channels.depth_remarks import depth_remarks
-from helibore.channels.readings import Readings, note, readings
+from helibore.channels.readings import note, readings
 from helibore.channels.roles import RoleMap
 from helibore.files import open as open_file
 from helibore.files.channel import LogFile, LogSet
 from helibore.mesh.surface import Surface
 from helibore.preparation.prepare import Prepared, Track, prepare
+from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
 from helibore.runs.run_settings import (
     Input,

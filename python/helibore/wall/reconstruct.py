@@ -16,8 +16,8 @@ from helibore.wall.interpolation import on_quads
 from helibore.wall.wall import Wall
 
 if TYPE_CHECKING:
-    from helibore.channels.readings import Readings
     from helibore.preparation.prepare import Preparation, Prepared, Track
+    from helibore.preparation.readings import Readings
     from helibore.trajectory.survey import Path
 
 DIFFERENCE = "difference"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.channels.readings import Readings, readings
+from helibore.channels.readings import readings
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
 from helibore.files.channel import Channel, LogSet
@@ -17,6 +17,7 @@ from helibore.preparation.conditioning import Step
 from helibore.preparation.eccentering import find_centres, recentre, turn_numbers
 from helibore.preparation.passes import arm_sides, choose, find_bias, find_shifts
 from helibore.preparation.prepare import Preparation, Track, prepare
+from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
 from helibore.trajectory.references import from_high_side, onto_path
 
