@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import ipaddress
 from dataclasses import dataclass
 from urllib.parse import parse_qs, urlsplit
 
-from helibore.live.tables import Table
+from helibore.base.errors import InputError
 
 
 @dataclass(frozen=True)
 class Address:
-    """Where bytes come from: ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host``."""
+    """Where bytes come from: ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the program itself)."""
 
     kind: str
     host: str = ""
@@ -21,31 +20,27 @@ class Address:
     speed: float = 0.0
     url: str = ""
 
-
-def check_allowed(table: Table, address: Address, allow: tuple[str, ...], given: bool) -> None:
-    """A listener that is not on loopback needs to be told who may connect."""
-    for index, network in enumerate(allow):
-        try:
-            ipaddress.ip_network(network)
-        except ValueError:
-            rule = "must be an IP address or a network such as 10.1.0.0/16"
-            raise table.fail(f"allow[{index}]", network, rule) from None
-    loopback = address.host == "localhost" or address.host.startswith("127.") or address.host == "::1"
-    if address.kind == "listen" and not loopback and not given:
-        raise ValueError(f"{table.place}.allow: must be set: who may connect to a listener on {address.host}")
+    @property
+    def is_loopback(self) -> bool:
+        """Whether only this machine can reach it."""
+        return self.host in ("localhost", "::1") or self.host.startswith("127.")
 
 
-def read_address(table: Table) -> Address:
-    """Take ``address`` out of the table of a source."""
-    kinds = '"file:///PATH?speed=1", "https://STORE" or "host" (the program pushes the bytes)'
-    text = table.text(
-        "address", why=f'"tcp://HOST:PORT", "listen://HOST:PORT", "serial:///dev/ttyS0?baud=9600", {kinds}'
-    )
+def read_address(text: object) -> Address:
+    """Return the address that ``text`` names.
+
+    Raises
+    ------
+    InputError
+        If it names none; the text shows neither a user, a password nor a query.
+    """
+    if not isinstance(text, str):
+        raise ValueError("must be a text that is not empty")
     if text == "host":
         return Address("host")
-    parts = urlsplit(text)
-    query = {key: values[-1] for key, values in parse_qs(parts.query).items()}
     try:
+        parts = urlsplit(text)
+        query = {key: values[-1] for key, values in parse_qs(parts.query).items()}
         if parts.scheme in ("tcp", "listen") and parts.hostname and parts.port and not query:
             return Address(parts.scheme, host=parts.hostname, port=parts.port)
         if parts.scheme == "serial" and parts.path and set(query) <= {"baud"}:
@@ -56,20 +51,19 @@ def read_address(table: Table) -> Address:
             parts.scheme == "https"
             and parts.hostname
             and parts.username is None
-            and not parts.fragment
-            and not parts.query
+            and not (parts.fragment or parts.query)
         ):
             return Address("https", host=parts.hostname, port=443 if parts.port is None else parts.port, url=text)
-    except ValueError:
+    except ValueError:  # of a port or a host that is none
         pass
-    if parts.username is not None:
-        shown = text.replace(parts.netloc.rpartition("@")[0], "...")
-        raise table.fail("address", shown, "must not hold a user or password: give user and password_env")
-    if parts.scheme == "https" and parts.query:
-        raise table.fail(
-            "address", text.partition("?")[0] + "?...", "must not hold a query: it would be in the journal"
-        )
-    if parts.scheme == "http":
-        raise table.fail("address", text, "must be https: what is sent in the clear can be read and changed")
-    raise table.fail("address", text, "must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
-                                      "file:///PATH?speed=BYTES_A_SECOND, https://STORE or host")  # fmt: skip
+    scheme = text.partition(":")[0]
+    if "@" in text:
+        shown = f"{scheme}://...@{text.rpartition('@')[2].partition('?')[0]}"
+        raise InputError("", "must not hold a user or password: give user and password_env", repr(shown))
+    if scheme == "https" and "?" in text:
+        shown = text.partition("?")[0] + "?..."
+        raise InputError("", "must not hold a query: it would be in the journal", repr(shown))
+    if scheme == "http":
+        raise ValueError("must be https: what is sent in the clear can be read and changed")
+    raise ValueError("must be tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE?baud=N, "
+                     "file:///PATH?speed=BYTES_A_SECOND, https://STORE or host")  # fmt: skip

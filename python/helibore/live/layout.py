@@ -1,24 +1,25 @@
-"""How the sectors of a live image lie around the hole: the words of `helibore.SectorImage`, taken from a configuration.
+"""How the sectors of a live image lie around the hole: the terms of `helibore.SectorImage`, from a configuration.
 
     image.GR = { first = "5110", count = 8, unit = "gAPI", origin = "edge", reference = "high-side" }
 
 ``toolface_offset`` here is ``SectorImage.offset``: beside it ``offset`` is metres from the bit, as for the caliper.
-Where rows come from, and at what depth, is not here (``mapping.py``, ``depth.py``).
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import cast, get_args
+from typing import Annotated, Literal
 
 import numpy as np
 import numpy.typing as npt
+from pydantic import Field
 
+from helibore.base.errors import InputError
 from helibore.images.sector_image import Direction, Origin, Reference, SectorImage
-from helibore.live.tables import Table
+from helibore.live.checks import Table, check, joined_place, within, without_none
 
-REFERENCES = ("high-side", "north")
-"""What toolface 0 is, on a path that grows with its survey; a carried reference depends on how far it was carried."""
+PathReference = Literal["high-side", "north"]
+"""What toolface 0 is, on a path that grows with its survey; a carried reference would depend on the first station."""
 
 
 @dataclass(frozen=True)
@@ -40,27 +41,29 @@ class Layout:
         )  # fmt: skip
 
 
+class LayoutTable(Table):
+    """The part of an image's table that says how its sectors lie."""
+
+    origin: Origin = Field(description='"centre" or "edge": what of sector 1 lies at toolface_offset; tools differ')
+    reference: PathReference = Field(description='"high-side" or "north": what toolface 0 is')
+    direction: Direction = "clockwise"
+    toolface_offset: Annotated[float, within(-360, 360)] = 0.0
+
+    def layout(self, path_reference: str, place: str = "") -> Layout:
+        """Return the layout; ``path_reference`` is what the wall's toolfaces count from."""
+        if self.reference != path_reference:
+            rule = f'must be the path\'s reference, "{path_reference}": an image is not turned on its way to the wall'
+            raise InputError(joined_place(place, "reference"), rule, repr(self.reference))
+        return Layout(self.origin, self.reference, self.direction, self.toolface_offset)
+
+
 def given_layout(
-    origin: str | None, reference: str | None, direction: str, toolface_offset: float, of_path: str
+    origin: str | None, reference: str | None, direction: str, toolface_offset: float, path_reference: str
 ) -> Layout | None:
     """Return the layout a host gives with an image; None where it gives neither origin nor reference."""
     if origin is None and reference is None:
         return None
-    table = Table("", {"origin": origin, "reference": reference, "direction": direction,
-                       "toolface_offset": toolface_offset})  # fmt: skip
-    return read_layout(table, cast("Reference", of_path))
-
-
-def read_layout(table: Table, reference: Reference) -> Layout:
-    """Take the layout out of the table of an image; ``reference`` is what the wall's toolfaces count from."""
-    origin = table.choice("origin", get_args(Origin), why=": what of sector 1 lies at toolface_offset; tools differ")
-    given = table.choice("reference", REFERENCES, why=": what toolface 0 is")
-    if given != reference:
-        rule = f'must be the path\'s reference, "{reference}": an image is not turned on its way to the wall'
-        raise table.fail("reference", given, rule)
-    return Layout(
-        origin=cast("Origin", origin),
-        reference=reference,
-        direction=cast("Direction", table.choice("direction", get_args(Direction), "clockwise")),
-        offset=table.number("toolface_offset", 0.0, least=-360, most=360),
+    entries = without_none(
+        origin=origin, reference=reference, direction=direction, toolface_offset=float(toolface_offset)
     )
+    return check(LayoutTable, entries).layout(path_reference)

@@ -18,10 +18,10 @@ import numpy.typing as npt
 
 from helibore.base.angles import wrapped
 from helibore.live import wits
-from helibore.live.configuration import ImageItems, Item, Source
 from helibore.live.events import Event, EventBook, Flag
 from helibore.live.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.sequence import SequenceWatch
+from helibore.live.sources import ImageItems, Item, Source
 
 Integers = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]

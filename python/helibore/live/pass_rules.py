@@ -17,12 +17,14 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 import numpy.typing as npt
 
+from helibore.base.errors import InputError
+from helibore.live.checks import Table, within
 from helibore.live.file_names import RULE, can_be_file
-from helibore.live.tables import Table
 
 Integers = npt.NDArray[np.int64]
 
@@ -38,14 +40,13 @@ TABLES = ("passes", "events", "survey")
 NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
 
 
-@dataclass(frozen=True)
-class PassRules:
+class PassRules(Table):
     """When the bit is on bottom (m), when the string turns (rpm), and how far depth may be interpolated (s)."""
 
-    on_bottom: float = 0.3
-    rotating: float = 5.0
-    max_depth_gap: float = 60.0
-    stale: float = 60.0
+    on_bottom: Annotated[float, within(0)] = 0.3
+    rotating: Annotated[float, within(0)] = 5.0
+    max_depth_gap: Annotated[float, within(0.001, 3600)] = 60.0
+    stale: Annotated[float, within(0.001)] = 60.0
 
 
 @dataclass(frozen=True)
@@ -86,46 +87,42 @@ def layer_of(names: tuple[str, ...]) -> Layer:
     )
 
 
-def read_passes(table: Table) -> PassRules:
-    """Take the table ``passes``."""
-    rules = PassRules(
-        table.number("on_bottom", 0.3, least=0),
-        table.number("rotating", 5.0, least=0),
-        table.number("max_depth_gap", 60.0, least=0.001, most=3600),
-        table.number("stale", 60.0, least=0.001),
-    )
-    table.close()
-    return rules
-
-
-def read_layers(table: Table, *, numbered: bool) -> dict[str, tuple[str, ...]]:
-    """Take the table ``layers``; ``numbered``: whether any source says pass numbers."""
-    layers: dict[str, tuple[str, ...]] = {"main": ("drill", "rescan", "unknown")}
-    for name in table.names():
-        kinds = table.array(name, str)
+def read_layers(layers: dict[str, list[str]], *, numbered: bool) -> dict[str, tuple[str, ...]]:
+    """Check the table ``layers``; ``numbered``: whether any source sends pass numbers."""
+    for name, kinds in layers.items():
+        place = f"layers.{name}"
         if not can_be_file(name):
-            raise table.fail(name, kinds, f"its name {RULE}")
+            raise InputError(place, f"its name {RULE}", repr(kinds))
         if name.casefold() in TABLES or name.casefold().startswith("image-"):
-            raise table.fail(name, kinds, f"the snapshot has a table of that name, as of {', '.join(TABLES)}, image-*")
+            rule = f"the snapshot has a table of that name, as of {', '.join(TABLES)}, image-*"
+            raise InputError(place, rule, repr(kinds))
         for kind in kinds:
             if NUMBERED.fullmatch(kind):
                 if not numbered:
-                    raise table.fail(name, kind, "no source maps pass_number")
+                    raise InputError(place, "no source maps pass_number", repr(kind))
             elif kind not in PASSES:
-                raise table.fail(name, kind, f'must be passes out of {", ".join(PASSES)}, or "pass N" by its number')
-        layers[name] = tuple(kinds)
-    return layers
+                rule = f'must be passes out of {", ".join(PASSES)}, or "pass N" by its number'
+                raise InputError(place, rule, repr(kind))
+    return {"main": ("drill", "rescan", "unknown"), **{name: tuple(kinds) for name, kinds in layers.items()}}
 
 
-def read_pass_numbers(table: Table) -> PassNumbers:
-    """Take the table ``source.NAME.pass_numbers``."""
-    listed: dict[int, int] = {}
-    for name in PASSES:
-        for number in table.array(name, int, []):
-            if not 0 <= number <= LARGEST:
-                raise table.fail(name, number, f"must be whole numbers from 0 to {LARGEST}")
-            if number in listed:
-                raise table.fail(name, number, f"is {PASSES[listed[number]]} already")
-            listed[number] = PASSES.index(name)
-    table.close()
-    return PassNumbers(tuple(sorted(listed.items())))
+class PassNumbersTable(Table):
+    """The table ``source.NAME.pass_numbers``: the numbers of each pass."""
+
+    drill: list[int] = []
+    ream: list[int] = []
+    rescan: list[int] = []
+    trip: list[int] = []
+    unknown: list[int] = []
+
+    def read(self, place: str) -> PassNumbers:
+        """Return what the numbers mean."""
+        listed: dict[int, int] = {}
+        for name in PASSES:
+            for number in getattr(self, name):
+                if not 0 <= number <= LARGEST:
+                    raise InputError(f"{place}.{name}", f"must be whole numbers from 0 to {LARGEST}", str(number))
+                if number in listed:
+                    raise InputError(f"{place}.{name}", f"is {PASSES[listed[number]]} already", str(number))
+                listed[number] = PASSES.index(name)
+        return PassNumbers(tuple(sorted(listed.items())))

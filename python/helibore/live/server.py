@@ -17,9 +17,9 @@ from collections.abc import Callable
 
 from helibore.live import journal as journals
 from helibore.live import wits
-from helibore.live.configuration import Source
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
+from helibore.live.sources import Source
 from helibore.live.store import Position
 from helibore.live.transport import Link, Opener, close_quietly, opener
 from helibore.live.update import Update

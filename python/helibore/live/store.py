@@ -26,7 +26,7 @@ from collections.abc import Callable
 from typing import Any
 
 from helibore.live import witsml
-from helibore.live.configuration import Source
+from helibore.live.sources import Source
 
 PIECE = 1 << 19
 SOON = 0.25

@@ -17,10 +17,9 @@ import numpy.typing as npt
 
 from helibore.base import units
 from helibore.live import witsml
-from helibore.live.configuration import Source
 from helibore.live.events import Event, EventBook
 from helibore.live.mapping import ABSENT, INVALID, NULL, VALUE, Chunk, Integers, Reading, SourceReader, Values
-from helibore.live.store_settings import INDEX, Curve, Store
+from helibore.live.sources import INDEX, Curve, Source, Store
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024

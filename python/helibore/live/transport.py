@@ -16,7 +16,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, Protocol
 
-from helibore.live.configuration import Source
+from helibore.live.sources import Source
 from helibore.live.store import Position, StoreClient
 
 CHUNK = 65536

@@ -8,8 +8,10 @@ from pathlib import Path
 import pytest
 
 from helibore import live
-from helibore.live.configuration import Address, Item, load, parse
+from helibore.live.address import Address
+from helibore.live.configuration import load, parse
 from helibore.live.layout import Layout
+from helibore.live.sources import Item
 
 WALL = "[wall]\nbit_diameter = 0.2\nstart_depth = 10.0\n"
 SOURCE = '[source.rig]\naddress = "tcp://127.0.0.1:9872"\nunits = "metric"\n'
@@ -89,10 +91,13 @@ def test_what_is_only_transport_does_not_change_the_meaning():
             WALL + SOURCE + 'items = { bit_depth = "108" }\n',
             "source.rig.items.bit_depth = '108': must be four digits RRII, 01 to 99 each",
         ),
-        (WALL + SOURCE + 'items = { depth = "0108" }\n', "source.rig.items.depth: is not a setting"),
+        (
+            WALL + SOURCE + 'items = { depth = "0108" }\n',
+            "source.rig.items.depth: is not a setting; did you mean bit_depth?",
+        ),
         (
             WALL + SOURCE + 'items = { bit_depth = { item = "0108", unit = "fathom" } }\n',
-            "source.rig.items.bit_depth = '0108': not known; known are "
+            "source.rig.items.bit_depth.unit = 'fathom': not known; known are "
             "m, cm, mm, ft, ftUS, in, 0.1in, deg, rad, s, ms, us, min, h, rpm, c/s, rad/s",
         ),
         (WALL + SOURCE + CALIPER, "source.rig.caliper.toolface: must be set: a list of items, one for each triple"),
@@ -137,7 +142,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
             "an image is not turned on its way to the wall",
         ),
         (
-            WALL + SOURCE + IMAGE.replace("count = 4", "count = 1"),
+            WALL + SOURCE + IMAGE.replace("count = 4", "count = 1") + 'origin = "edge"\nreference = "high-side"\n',
             "source.rig.image.GR.count = 1: must be a whole number from 2 to 99",
         ),
         (
@@ -152,7 +157,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
             + 'items = { bit_depth = "0108" }\n',
             "source.b.items.bit_depth: is mapped by source.rig too; one source only",
         ),
-        (WALL + SOURCE + 'nulls = ["x"]\n', "source.rig.nulls = ['x']: must be a list of numbers"),
+        (WALL + SOURCE + 'nulls = ["x"]\n', "source.rig.nulls[0] = 'x': must be a finite number"),
         (WALL + SOURCE + "line_limit = 3\n", "source.rig.line_limit = 3: must be a whole number from 16 to 16777216"),
         (WALL + SOURCE + "every = 0\n", "source.rig.every = 0: must be from 0.05 to 3600"),
         (
@@ -177,7 +182,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (
             WALL + SOURCE + "[path]\nhead = [1]\n",
-            "path.head = [1.0]: must be three numbers: north, east, down in metres",
+            "path.head = [1]: must be three numbers: north, east, down in metres",
         ),
         (
             WALL + SOURCE + "[path]\nstations = [[1, 2]]\n",
@@ -186,6 +191,17 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         (WALL + SOURCE + "[passes]\nmax_depth_gap = -1\n", "passes.max_depth_gap = -1: must be from 0.001 to 3600"),
         (WALL + SOURCE + "[other]\n", "other: is not a setting"),
         ("wall = 3", "wall = 3: must be a table"),
+        (
+            WALL + SOURCE + "items = { bit_depth = 0108 }\n",
+            'configuration, line 7 = 0108: an item must be in quotes: "0108"',
+        ),
+        (
+            WALL + SOURCE + "items = { bit_depth = 1108 }\n",
+            'source.rig.items.bit_depth = 1108: must be four digits RRII, 01 to 99 each, in quotes: "1108"',
+        ),
+        (WALL + SOURCE + "silense = 60\n", "source.rig.silense: is not a setting; did you mean silence?"),
+        ("source = 3\n" + WALL, "source = 3: must be a table"),
+        (WALL + SOURCE + "image = 3\n", "source.rig.image = 3: must be a table"),
     ],
 )
 def test_what_is_wrong_is_named(text, error):

@@ -101,7 +101,7 @@ def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
 @pytest.mark.parametrize(
     ("given", "told"),
     [
-        ({"origin": "edge"}, 'reference = None: must be "high-side" or "north"'),
+        ({"origin": "edge"}, 'reference: must be set: "high-side" or "north": what toolface 0 is'),
         ({**LIES, "origin": "middle"}, "origin = 'middle': must be \"centre\" or \"edge\""),
         ({**LIES, "reference": "north"}, "reference = 'north': must be the path's reference, \"high-side\": "
          "an image is not turned on its way to the wall"),

@@ -190,11 +190,11 @@ def test_a_journal_of_before_goes_on_when_no_number_is_mapped(tmp_path):
             "source.mwd.pass_numbers.rescan = 5: is drill already",
         ),
         (("[4]", "[-1]"), "source.mwd.pass_numbers.drill = -1: must be whole numbers from 0 to 32767"),
-        (("[4]", '["4"]'), "source.mwd.pass_numbers.drill = ['4']: must be a list of whole numbers"),
-        (("drill =", "drilling ="), "source.mwd.pass_numbers.drilling: is not a setting"),
+        (("[4]", '["4"]'), "source.mwd.pass_numbers.drill[0] = '4': must be a whole number"),
+        (("drill =", "drilling ="), "source.mwd.pass_numbers.drilling: is not a setting; did you mean drill?"),
         (
             ('items = { pass_number = "0812" }\n', ""),
-            "source.mwd.pass_numbers: items.pass_number must be set: what says the number",
+            "source.mwd.pass_numbers: items.pass_number must be set: it has the number",
         ),
         (
             ('hole_depth = "0110"', 'pass_number = "0812"'),

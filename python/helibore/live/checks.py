@@ -1,0 +1,105 @@
+"""Checks the tables of a configuration with pydantic; every error names place, value and rule.
+
+source.rig.units = 'SI': must be "metric" or "fps"
+source.rig.itmes: is not a setting; did you mean items?
+"""
+
+from __future__ import annotations
+
+import difflib
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, TypeVar, get_args, get_origin
+
+from helibore.base.errors import InputError, MissingExtraError
+
+try:
+    from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
+except ImportError:
+    raise MissingExtraError("pydantic", "live") from None
+
+
+class Table(BaseModel):
+    """One table of a configuration; a key without a rule is an error."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
+
+
+Checked = TypeVar("Checked", bound=Table)
+
+
+def within(least: float, most: float = math.inf) -> AfterValidator:
+    """Return the rule that a number lies in [least, most]."""
+
+    def check(value: float) -> float:
+        if not least <= value <= most:
+            kind = "a whole number " if isinstance(value, int) else ""
+            raise ValueError(
+                f"must be {kind}" + (f"from {least:.8g} to {most:.8g}" if most < math.inf else f"at least {least:g}")
+            )
+        return value
+
+    return AfterValidator(check)
+
+
+def check(model: type[Checked], entries: Any, place: str = "") -> Checked:
+    """Return ``entries`` as a table of ``model``.
+
+    Raises
+    ------
+    InputError
+        For the first entry that breaks a rule; ``place`` is the name of the table, such as ``source.rig``.
+    """
+    try:
+        return model.model_validate(entries)
+    except ValidationError as error:
+        first = error.errors(include_url=False)[0]
+    where = joined_place(place, *first["loc"])
+    kind, context = first["type"], first.get("ctx", {})
+    if kind == "missing":
+        raise InputError(where, f"must be set: {_description(model, first['loc'])}")
+    if kind == "extra_forbidden":
+        key = str(first["loc"][-1])
+        near = difflib.get_close_matches(key, _table_at(model, first["loc"][:-1]).model_fields, 1)
+        raise InputError(where, "is not a setting" + (f"; did you mean {near[0]}?" if near else ""))
+    cause = context.get("error")
+    if isinstance(cause, InputError):
+        raise InputError(joined_place(where, cause.place), cause.rule, cause.value)
+    rules = {
+        "float_type": "must be a finite number", "finite_number": "must be a finite number",
+        "int_type": "must be a whole number", "string_type": "must be a text that is not empty",
+        "string_too_short": "must be a text that is not empty", "list_type": "must be a list",
+        "dict_type": "must be a table", "model_type": "must be a table",
+        "literal_error": f"must be {context.get('expected', '')}".replace("'", '"'),
+    }  # fmt: skip
+    raise InputError(where, str(cause) if cause else rules.get(kind, first["msg"]), repr(first["input"]))
+
+
+def joined_place(*parts: str | int) -> str:
+    """Return ``source.rig.nulls[0]`` for its parts."""
+    place = ""
+    for part in parts:
+        place += f"[{part}]" if isinstance(part, int) else f".{part}" if place and part else str(part)
+    return place
+
+
+def _table_at(model: type[Table], location: Sequence[str | int]) -> type[Table]:
+    """The table that a location in ``model`` names."""
+    parts = list(location)
+    while parts:
+        annotation = model.model_fields[str(parts.pop(0))].annotation
+        if get_origin(annotation) is dict:
+            parts.pop(0)  # the key
+        model = next(
+            kind for kind in (annotation, *get_args(annotation)) if isinstance(kind, type) and issubclass(kind, Table)
+        )
+    return model
+
+
+def _description(model: type[Table], location: Sequence[str | int]) -> str:
+    return _table_at(model, location[:-1]).model_fields[str(location[-1])].description or "a value"
+
+
+def without_none(**entries: Any) -> Mapping[str, Any]:
+    """Return the entries that are not None."""
+    return {name: value for name, value in entries.items() if value is not None}
