@@ -150,14 +150,14 @@ void register_wall(py::module_& m) {
             },
             py::arg("start"), py::arg("stop"))
         .def(
-            "carry",
+            "interpolate_samples",
             [](const Wall& wall, const std::vector<Column>& channels, int threads) {
                 std::vector<std::span<const double>> spans;
                 for (const Column& channel : channels) spans.push_back(span_of(channel));
                 std::vector<std::vector<double>> values;
                 {
                     const py::gil_scoped_release released;
-                    values = wall.carry(spans, threads);
+                    values = wall.interpolate_samples(spans, threads);
                 }
                 py::list arrays;
                 for (auto& channel : values) arrays.append(array_of(std::move(channel)));

@@ -30,12 +30,12 @@ void parts_threads_and_polls() {
     const Hole hole = oval_hole(4000, 1000.0, 12.0);
     Live live(settings);
     std::vector<double> copy;
-    Index told = 0;
+    Index reported = 0;
     const auto follow = [&] {
-        const Update news = live.poll();
-        if (!news.change) return;
-        told += news.change->accepted;
-        for (const Range range : news.change->ranges) {
+        const Update update = live.poll();
+        if (!update.change) return;
+        reported += update.change->accepted;
+        for (const Range range : update.change->ranges) {
             if (static_cast<Index>(copy.size()) < range.stop) copy.resize(static_cast<std::size_t>(range.stop));
             const std::vector<double> radius = live.wall().vertices(range).radius;
             std::copy(radius.begin(), radius.end(), copy.begin() + range.start);
@@ -44,7 +44,7 @@ void parts_threads_and_polls() {
     std::thread pushes([&] {
         for (std::size_t at = 0; at < 4000; at += 50) live.append_samples(hole.rows(at, 50));
     });
-    while (told < 4000) follow();
+    while (reported < 4000) follow();
     pushes.join();
     helibore::Wall batch(settings.wall);
     batch.append(hole.all());
@@ -73,7 +73,7 @@ void quads_of_a_change() {
 }
 
 // A host that never polls: samples 4 m apart, each with a reach of 1 m, all over the hole and in any order.
-void news_is_bounded() {
+void an_update_is_bounded() {
     Live live({.wall = {.bit_diameter = 0.216, .sectors = 16, .start_depth = 1000.0}});
     std::vector<Range> every;
     const double deepest[] = {20000.0}, angle[] = {0.0}, radius[] = {0.11};
@@ -84,12 +84,12 @@ void news_is_bounded() {
         const Update update = live.append_samples({depth, angle, radius});
         every.insert(every.end(), update.change->ranges.begin(), update.change->ranges.end());
     }
-    const Update news = live.poll();
-    const std::vector<Range>& told = news.change->ranges;
-    CHECK(told.size() == Update::most_ranges && news.change->accepted == 3000);
-    for (std::size_t i = 1; i < told.size(); ++i) CHECK(told[i - 1].stop < told[i].start);
+    const Update update = live.poll();
+    const std::vector<Range>& reported = update.change->ranges;
+    CHECK(reported.size() == Update::most_ranges && update.change->accepted == 3000);
+    for (std::size_t i = 1; i < reported.size(); ++i) CHECK(reported[i - 1].stop < reported[i].start);
     for (const Range range : every)
-        CHECK(std::any_of(told.begin(), told.end(),
+        CHECK(std::any_of(reported.begin(), reported.end(),
                           [range](Range one) { return one.start <= range.start && range.stop <= one.stop; }));
 }
 
@@ -110,8 +110,8 @@ void stations() {
     const Update refused = live.append_stations(bad, over, north);
     CHECK(!refused.path_from && refused.events.size() == 2 && live.survey()->depth().size() == 4);
     CHECK(refused.events[1] == "station at nan m: depth must be finite");
-    const Update news = live.poll();
-    CHECK(news.path_from == 50.0 && news.events == refused.events && !news.change);
+    const Update update = live.poll();
+    CHECK(update.path_from == 50.0 && update.events == refused.events && !update.change);
     CHECK(live.path()->stop_depth() == 230.0);
     const double no_depth[] = {nan}, first_dip[] = {inclination[0]}, first_way[] = {azimuth[0]};
     CHECK(live.append_stations(no_depth, first_dip, first_way).events.size() == 1);  // like the first but for its depth
@@ -164,7 +164,7 @@ void refusals() {
 int main() {
     parts_threads_and_polls();
     quads_of_a_change();
-    news_is_bounded();
+    an_update_is_bounded();
     stations();
     image_rows();
     refusals();

@@ -39,8 +39,8 @@ void a_whole_wall() {
     CHECK(bits(one) == bits(many));
     const std::vector<double> channel = one.samples()[2];
     const std::span<const double> channels[] = {channel};
-    CHECK(same(one.carry(channels, 1)[0], one.carry(channels, many_threads)[0]));
-    CHECK(same(one.carry(channels, 1)[0], one.carry(channels, 0)[0]));
+    CHECK(same(one.interpolate_samples(channels, 1)[0], one.interpolate_samples(channels, many_threads)[0]));
+    CHECK(same(one.interpolate_samples(channels, 1)[0], one.interpolate_samples(channels, 0)[0]));
 }
 
 void what_follows_from_it() {

@@ -79,7 +79,7 @@ void refuses_samples() {
     CHECK_THROWS(InputError, "toolface[1] = nan: must be finite", wall.append({two, bad, two, two}));
     CHECK_THROWS(InputError, "depth[1] = nan: must be finite", wall.append({bad, bad, two, two}));
     CHECK_THROWS(InputError, "radius has 2 values, depth has 1: must be equal", wall.append({one, one, two, one}));
-    CHECK_THROWS(InputError, "time: missing, but the samples before carry one; give it for all or none",
+    CHECK_THROWS(InputError, "time: missing, but earlier samples have one; give it for all or none",
                  wall.append({one, one, one}));
     CHECK_THROWS(InputError, "range = [-1, 2): must lie within the wall's " + std::to_string(wall.size()) + " vertices",
                  wall.vertices({-1, 2}));

@@ -1,4 +1,4 @@
-// The two ways helibore fails: the caller's input breaks a rule, or helibore has a bug.
+// The two kinds of failure: the caller's input breaks a rule, or helibore has a bug.
 #pragma once
 
 #include <stdexcept>
@@ -12,7 +12,7 @@ class InputError : public std::invalid_argument {
     using std::invalid_argument::invalid_argument;
 };
 
-// A broken promise of our own. The text ends "this is a bug in helibore".
+// A bug in helibore. The text ends "this is a bug in helibore".
 class InternalError : public std::logic_error {
   public:
     explicit InternalError(const std::string& what) : std::logic_error(what + "; this is a bug in helibore") {}

@@ -5,9 +5,9 @@
 //                    x                      top = left + across (right - left), and so below
 //     row i+1  --- s --------- s+1 ---
 //
-// Linear values: where a cell with a say is missing, between rows too far apart, above the first row and below the last
-// there is none: NaN. A quad on a row, or at the centre of a sector, hears that one alone. What the sectors' angles
-// mean is the caller's business.
+// A linear value is NaN where a cell that it needs is missing, between rows that are too far apart, above the first row
+// and below the last. A quad exactly on a row, or at the centre of a sector, uses that row or sector alone. The caller
+// says at which angles the sectors lie.
 #pragma once
 
 #include <span>
@@ -17,7 +17,7 @@
 
 namespace helibore {
 
-// Borrowed: one row a depth, rising, `sectors` values a row.
+// Borrowed: one row for each depth, in rising order, with `sectors` values each.
 struct ImageRows {
     std::span<const double> depth;  // metres
     std::span<const double> values;
@@ -29,17 +29,18 @@ struct QuadCentres {
     double start_depth = 0.0;
     double pitch = 0.1;
     Index count = 0;
-    std::span<const double> sector;  // of the K quads of a turn, in sectors, any real number: from the start of sector
-                                     // 1 for cells, from its centre for linear values
+    // Where each of the K quads of a turn lies among the sectors, any real number: counted from the start of sector 1
+    // for cells, from its centre for linear values.
+    std::span<const double> sector;
 };
 
-// One value a quad; the bits do not depend on `threads`. Both throw InputError unless there is a value for every cell
-// of the rows, and a sector.
+// Both return one value for each quad; the result does not depend on `threads`. Both throw InputError unless every cell
+// of the rows has a value and there is a sector.
 //
-// low, high: the depths [low, high) that each row covers, rising and without overlap; NaN between them.
+// low, high: each row covers the depths [low, high), rising and without overlap; NaN between them.
 std::vector<double> cell_values(const ImageRows& image, std::span<const double> low, std::span<const double> high,
                                 const QuadCentres& quads, int threads = 1);
-// reach: rows more than twice that apart, metres, have nothing between them.
+// reach: metres; there is no value between rows that are more than twice this apart.
 std::vector<double> linear_values(const ImageRows& image, double reach, const QuadCentres& quads, int threads = 1);
 
 }  // namespace helibore

@@ -1,12 +1,12 @@
-// The records of a journal: how one is sealed, and how the good ones are found again in bytes that may be torn,
-// flipped or cut. Only bytes in memory; files belong to the caller.
+// The records of a journal: how one is written, and how the intact ones are found again in bytes that may be damaged or
+// cut. Only bytes in memory; the caller reads and writes files.
 //
 //   0     4       8         16       24         32          36      38    40           44          48
 //   | HLBJ | length | sequence | wall ns | monotonic ns | connection | source | kind | payload crc | header crc |
 //   payload ...
 //
 // All little-endian. Both checksums are CRC-32C; the header's is seeded with the segment's salt, a random number, so
-// bytes that arrive from outside cannot pass as a record when the search starts again behind damage.
+// that bytes from a sender cannot look like a record when the search resumes after damage.
 #pragma once
 
 #include <array>
@@ -24,7 +24,7 @@ inline constexpr std::uint32_t longest_payload = 1u << 20;
 struct Record {
     std::uint64_t sequence = 0;
     std::int64_t wall = 0;       // receive time, ns since 1970
-    std::int64_t monotonic = 0;  // receive time, ns of a clock that is never set
+    std::int64_t monotonic = 0;  // receive time, ns of a clock that only runs forward
     Index offset = 0;            // of the payload in the bytes scanned
     std::uint32_t length = 0;
     std::uint32_t connection = 0;

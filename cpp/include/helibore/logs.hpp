@@ -10,8 +10,8 @@
 //        `-----'
 //
 // The means over evenly spaced toolfaces are the periodic trapezoid rule: exact to rounding for a smooth hole, where
-// the polygon of 16 vertices loses 2.5 %. A turn with a radius missing is NaN in all columns but `coverage`, `smallest`
-// and `largest`. Volumes, ratios and depths are one step from here and left to the caller.
+// the polygon of 16 vertices loses 2.5 %. A turn with a missing radius is NaN in all columns except `coverage`,
+// `smallest` and `largest`. The caller computes volumes, ratios and depths from these.
 #pragma once
 
 #include <span>
@@ -21,15 +21,15 @@
 
 namespace helibore {
 
-// Radii of consecutive vertices from the first of a turn on; a rest that fills no turn is left out. Borrowed.
+// Radii of consecutive vertices, starting with the first of a turn; an incomplete last turn is left out. Borrowed.
 struct Turns {
     double start_toolface = 0.0;     // degrees, of the first vertex
-    int sectors = 64;                // K: vertices a turn, 3 or more
+    int sectors = 64;                // K: vertices per turn, 3 or more
     std::span<const double> radius;  // metres; NaN: missing
     Index window = 11;               // turns that rugosity is measured over: odd, 3 or more
 };
 
-// One value a turn. Lengths in metres; directions 0 and 90 are toolfaces. Diameters go through the axis.
+// One value for each turn. Lengths in metres; directions 0 and 90 are toolfaces. Diameters go through the axis.
 struct TurnLogs {
     std::vector<double> coverage;                 // share of the vertices that have a radius
     std::vector<double> mean, mean_square;        // of the radius
@@ -40,13 +40,13 @@ struct TurnLogs {
     std::vector<double> centre_0, centre_90;      // of the area, from the axis towards toolfaces 0 and 90
     std::vector<double> inscribed_diameter, inscribed_0, inscribed_90;  // and its centre
     std::vector<double> enclosing_diameter;
-    // Root mean square of what is left of the radii in the window around the turn after taking off, in each sector, its
-    // straight line along the hole; two degrees of freedom a sector go with the line. NaN where the window reaches
-    // beyond the ends or over a turn that is not whole.
+    // Root mean square of the radii in the window around the turn, minus a straight line along the hole in each sector;
+    // each line takes two degrees of freedom. NaN where the window reaches beyond the ends or over a turn with a
+    // missing radius.
     std::vector<double> rugosity;
 };
 
-// The bits do not depend on `threads`. Throws InputError on sectors < 3 or a window that is even or below 3.
+// The result does not depend on `threads`. Throws InputError on sectors < 3 or a window that is even or below 3.
 TurnLogs turn_logs(const Turns& turns, int threads = 1);
 
 }  // namespace helibore

@@ -1,4 +1,4 @@
-// Where the hole goes: survey stations in, positions and frames at any depth out.
+// The path of the hole: survey stations in, positions and frames at any depth out.
 //
 //     const helibore::Survey survey({0, 100}, {15, 25}, {20, 45});   // metres, degrees, degrees
 //     const helibore::Path path(survey, {.extend = 20});
@@ -9,7 +9,7 @@
 //   radius of curvature  a curve on an upright cylinder: inclination linear in depth, azimuth linear in the horizontal
 //                        distance covered. Both its projections are circular arcs, and it passes through the
 //                        positions of the closed form; azimuth linear in depth would not.
-// A path never changes. A survey that grew gives a new path with the same bits down to its previous last station.
+// A path never changes. A longer survey gives a new path with the same bits down to its previous last station.
 // Not done here: corrections of a survey (grid convergence, declination, sag), uncertainty.
 #pragma once
 
@@ -35,7 +35,7 @@ class Survey {
     std::span<const double> inclination() const { return inclination_; }
     std::span<const double> azimuth() const { return azimuth_; }
 
-    // The angle between the tangents of each two neighbouring stations, degrees: one value fewer than stations.
+    // Degrees between the tangents of each pair of neighbouring stations: one value fewer than stations.
     std::vector<double> dogleg() const;
 
   private:
@@ -44,14 +44,17 @@ class Survey {
 
 enum class Method { minimum_curvature, radius_of_curvature };
 
-// What toolface 0 points to. The high side is up, square to the hole: undefined where the hole is vertical. North is
-// north, square to the hole: undefined where the hole runs level north or south. Carried is north (the high side, where
-// the first station lies within 45 deg of level north or south) square to the hole at the first station, and from there
-// carried down the hole without twisting about it: defined everywhere, so it is what a well from vertical to horizontal
-// has one unbroken angle from.
-enum class Reference { high_side, north, carried };
+// What toolface 0 points to.
+//   high side            up, at a right angle to the hole; undefined where the hole is vertical
+//   north                north, at a right angle to the hole; undefined where the hole runs level north or south
+//   parallel transport   north at the first station (the high side, if that station lies within 45 deg of level north
+//   or
+//                        south), and from there moved down the hole without twisting about it. Defined everywhere, so a
+//                        well from vertical to horizontal has one continuous angle.
+enum class Reference { high_side, north, parallel_transport };
 
-// "minimum-curvature", "radius-of-curvature"; "high-side", "north", "carried". Throws InputError at any other name.
+// "minimum-curvature", "radius-of-curvature"; "high-side", "north", "parallel-transport". Throws InputError at any
+// other name.
 Method method_of(std::string_view name);
 Reference reference_of(std::string_view name);
 
@@ -59,22 +62,22 @@ struct PathSettings {
     Method method = Method::minimum_curvature;
     Reference reference = Reference::high_side;
     Vector3 head = {0.0, 0.0, 0.0};  // position of the first station
-    double extend = 0.0;             // metres the path goes straight on below the last station, provisionally
+    double extend = 0.0;             // metres that the path continues straight below the last station, provisionally
 };
 
-// Three unit vectors, each square to the others: towards toolface 0 (the high side, or north), towards toolface 90
-// (right of it, looking downhole), and the tangent, downhole. A point of the wall lies at
+// Three unit vectors at right angles: towards toolface 0 (the high side, or north), towards toolface 90 (right of it,
+// looking downhole), and the tangent, downhole. A point of the wall lies at
 // position + radius (cos(toolface) frame[0] + sin(toolface) frame[1]).
 using Frame = std::array<Vector3, 3>;
 
-struct Pieces;  // private: src/surface/segments.hpp
+struct Segments;  // private: src/surface/segments.hpp
 
 class Path {
   public:
     // A straight vertical hole through (0, 0, 0), without ends, whose reference is north.
     Path();
-    // Throws InputError where two neighbouring stations point opposite ways (minimum curvature has no arc there), and
-    // on settings that are not finite or extend < 0.
+    // Throws InputError if two neighbouring stations point in opposite directions (minimum curvature has no arc there),
+    // and on settings that are not finite or extend < 0.
     explicit Path(const Survey& survey, const PathSettings& settings = {});
 
     // At any depth from the first station to the last plus `extend`; throws InputError ("depth[3] = 12: ...")
@@ -83,8 +86,8 @@ class Path {
     std::vector<Vector3> tangent(std::span<const double> depth) const;
     std::vector<Frame> frame(std::span<const double> depth) const;
 
-    // Degrees in [0, 360) to add to a toolface measured from north to get it from the high side: atan2(-sinA, cosI
-    // cosA).
+    // Degrees in [0, 360) to add to a toolface measured from north to get it measured from the high side:
+    // atan2(-sinA, cosI cosA).
     std::vector<double> north_to_high_side(std::span<const double> depth) const;
 
     Reference reference() const;
@@ -92,10 +95,10 @@ class Path {
     double survey_depth() const;  // the last station: the path below it is provisional
     double stop_depth() const;    // survey_depth + extend
 
-    const Pieces& pieces() const { return *pieces_; }
+    const Segments& segments() const { return *segments_; }
 
   private:
-    std::shared_ptr<const Pieces> pieces_;
+    std::shared_ptr<const Segments> segments_;
 };
 
 }  // namespace helibore

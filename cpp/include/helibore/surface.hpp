@@ -1,20 +1,18 @@
 // The wall in space: vertices along the path, joined into quads (a surface) or hexahedra (a volume).
 //
 //     const std::vector<double> radius = wall.radius();
-//     const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .pitch = 0.1, .sectors = 64, .radius =
-//     radius}; const helibore::Surface surface = helibore::surface_of(radii, path);
+//     const helibore::HelixRadii radii{.start_depth = wall.start_depth(), .radius = radius};
+//     const helibore::Surface surface = helibore::surface_of(radii, path);
 //
 // Quads of vertex k, seen from the formation; depth downwards, toolface to the right for a positive pitch:
 //
-//      k (a0) ---- k+1 (a1)        order (a0, a1, b1, b0) turns counter-clockwise seen from the formation, so the
-//      normal
-//        |            |            points away from the axis. A negative pitch puts b above a; the order is then
-//     k+K (b0) -- k+1+K (b1)       (a0, b0, b1, a1), with the same outward normal.
+//      k (a0) ---- k+1 (a1)        Order (a0, a1, b1, b0): counter-clockwise seen from the formation, so that the
+//        |            |            normal points away from the axis. With a negative pitch b lies above a, and the
+//     k+K (b0) -- k+1+K (b1)       order is (a0, b0, b1, a1), with the same outward normal.
 //
-// A vertex whose radius is NaN is left out, with every quad and hexahedron that touches it; the others close ranks.
-// What is left is a list of runs: consecutive vertices k that also lie consecutively in the output. Layouts hold the
-// runs, so that a caller can reserve exactly the memory needed and have it filled once, from several threads. Not done
-// here: attributes, files.
+// A vertex whose radius is NaN is left out, with every quad and hexahedron that touches it. The remaining vertices form
+// runs: consecutive vertices k that are also consecutive in the output. A layout holds the runs, so that a caller can
+// reserve exactly the memory needed and have it filled once, by several threads. Not here: attributes, files.
 #pragma once
 
 #include <array>
@@ -30,8 +28,8 @@ namespace helibore {
 struct HelixRadii {
     double start_depth = 0.0;        // metres, of vertex 0
     double start_toolface = 0.0;     // degrees, of vertex 0
-    double pitch = 0.1;              // metres a turn; negative for a well logged upwards
-    int sectors = 64;                // K: vertices a turn
+    double pitch = 0.1;              // metres per turn; negative for a well logged upwards
+    int sectors = 64;                // K: vertices per turn
     Index first = 0;                 // the vertex that radius[0] belongs to
     std::span<const double> radius;  // metres; NaN: no vertex here
 };
@@ -58,8 +56,7 @@ struct SurfaceLayout {
     Index vertex_count = 0, quad_count = 0;
 };
 
-// Shell after shell from the wall outwards: vertices of shell 0, of shell 1, ...; hexahedra between 0 and 1, 1 and 2,
-// ...
+// Shell after shell from the wall outwards: vertices of shell 0, 1, ...; hexahedra between 0 and 1, 1 and 2, ...
 struct VolumeLayout {
     std::vector<std::vector<VertexRun>> shells;
     std::vector<std::vector<HexahedronRun>> layers;
@@ -69,24 +66,24 @@ struct VolumeLayout {
 // Throws InputError on sectors < 3, a pitch of 0 or not finite, or a radius that is neither positive nor NaN.
 SurfaceLayout surface_layout(const HelixRadii& radii);
 
-// `shells`: two or more, each the radii of the same vertices as radii.radius, the first being that very span. Throws
-// InputError unless every shell lies beyond the one before wherever both are there ("shells[0][17] = 0.1 at depth 12.5:
-// must lie beyond radius[17] = 0.11").
+// `shells`: two or more, each with the radii of the same vertices as radii.radius; the first is that span itself.
+// Throws InputError unless every shell lies beyond the one before, wherever both have a radius ("shells[0][17] = 0.1 at
+// depth 12.5: must lie beyond radius[17] = 0.11").
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells);
 
-// Fill memory of exactly the counted size; the bits do not depend on `threads`. place throws InputError where the path
-// does not reach a vertex or its reference is undefined there ("vertex 7 at depth 12: ...").
+// Fill memory of exactly the counted size; the result does not depend on `threads`. place throws InputError if the path
+// does not reach a vertex, or its reference is undefined there ("vertex 7 at depth 12: ...").
 void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun> runs, std::span<Vector3> vertices,
            int threads = 1);
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads = 1);
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads = 1);
 
 // Throws InputError that names the first hexahedron with a corner turned inside out ("shells[1] at vertex 7, depth
-// 12.5: ..."): nested radii make it only where the path bends or turns more sharply than the shells are thick.
+// 12.5: ..."). With nested radii that happens only where the path bends more sharply than the shells are thick.
 void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
                      std::span<const Hexahedron> hexahedra, int threads = 1);
 
-// Cubic metres of each, its faces being the bilinear patches that neighbours share.
+// Cubic metres of each hexahedron; its faces are bilinear patches, which neighbours share.
 std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads = 1);
 
 struct Surface {

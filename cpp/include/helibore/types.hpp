@@ -1,4 +1,4 @@
-// The vocabulary every other header uses: indices, half-open ranges, three-vectors.
+// Types that all other headers use: indices, half-open ranges, three-vectors.
 // Quantities are metres and degrees at every public border; see cpp/DESIGN.md for the conventions.
 #pragma once
 

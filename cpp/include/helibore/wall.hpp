@@ -1,11 +1,11 @@
-// The wall of a hole: settings and samples in, the radius at every vertex of the helix out, and what each append
+// The wall of a hole: settings and samples in; the radius at every vertex of the helix out, and what each append
 // changed.
 //
 //     helibore::Wall wall({.bit_diameter = 0.216});
 //     const helibore::Change change = wall.append({depth, toolface, radius});
 //     const std::vector<double> radius = wall.radius();
 //
-// Batch is live with one append. A Wall may be used from several threads; it never lends its memory.
+// A batch is one append, live use is many. Several threads may use one Wall; it hands out copies only.
 #pragma once
 
 #include <memory>
@@ -19,7 +19,7 @@
 namespace helibore {
 
 // Columns of equal length, borrowed for the call: metres, degrees clockwise looking downhole, metres from the axis of
-// the hole, and seconds or any other clock. Either all samples of a wall carry a time or none does.
+// the hole, and seconds or any other clock. Either all samples of a wall have a time or none has.
 struct SampleColumns {
     std::span<const double> depth;
     std::span<const double> toolface;
@@ -31,23 +31,23 @@ struct SampleColumns {
     void validate(int threads = 1) const;
 };
 
-// One value a vertex: metres and degrees.
+// One value for each vertex: metres and degrees.
 struct VertexColumns {
     std::vector<double> depth, toolface;
-    std::vector<double> radius;            // NaN where no sample is in reach
-    std::vector<double> nearest;           // to the nearest sample used; NaN where there is none
+    std::vector<double> radius;            // NaN where no sample is within max_distance
+    std::vector<double> nearest;           // distance to the nearest sample used; NaN where there is none
     std::vector<std::int32_t> support;     // samples used
     std::vector<std::int32_t> iterations;  // estimates made
 
-    // 1: the radius is that of a sample in the vertex's cell, until the vertex is settled. With Settings::direct only.
+    // 1: the vertex is not settled and shows the radius of a sample in its cell. With Settings::direct only.
     std::vector<std::uint8_t> provisional;
 };
 
 struct Change {
-    std::vector<Range> ranges;  // vertices that are new or have other bits than before; sorted, never touching
+    std::vector<Range> ranges;  // vertices that are new or whose values changed; sorted and apart
     Index settled = 0;          // vertices below this no longer change while the hole only gets deeper
     Index accepted = 0;         // samples taken
-    Index redundant = 0;        // samples equal to one already there in depth, time, toolface and radius: dropped
+    Index redundant = 0;        // samples dropped: equal to another in depth, time, toolface and radius
 };
 
 class Wall {
@@ -60,8 +60,8 @@ class Wall {
 
     const Settings& settings() const;
 
-    // Takes samples anywhere in the hole and recomputes the vertices they can change. Throws InputError
-    // ("toolface[17] = nan: must be finite") or std::bad_alloc, and then leaves every bit as it was.
+    // Adds samples anywhere in the hole and recomputes the vertices that they can change. Throws InputError
+    // ("toolface[17] = nan: must be finite") or std::bad_alloc, and then the wall is unchanged.
     Change append(const SampleColumns& samples);
 
     Index size() const;          // vertices
@@ -69,13 +69,13 @@ class Wall {
     Index settled() const;
     double start_depth() const;  // depth of vertex 0; NaN while there is none
 
-    // Owned copies: of a range of vertices, as those of a Change, or of all. All columns are of one moment. Throws
-    // InputError where the range reaches beyond the wall.
+    // Copies of a range of vertices, or of all, between two appends. Throws InputError if the range reaches beyond the
+    // wall.
     VertexColumns vertices(Range range) const;
     VertexColumns vertices() const;
 
-    // The radii of all vertices into memory of the host's own, which need not be cleared before; shared out to threads.
-    // Returns size(), and writes nothing where `into` is of another length: the wall may have grown since it was asked.
+    // Writes the radii of all vertices into the host's own memory. Returns size(), and writes nothing if `into` has
+    // another length: the wall may have grown since the host asked for its size.
     [[nodiscard]] Index read_radius(std::span<double> into) const;
 
     // One column of all vertices.
@@ -87,12 +87,13 @@ class Wall {
     std::vector<std::int32_t> iterations() const;
     std::vector<std::uint8_t> provisional() const;
 
-    // Scattered attributes: values measured with the samples, one channel after another, each with a value a sample in
-    // canonical order (samples()), NaN for none. One value a vertex comes back, by the neighbours and weights of its
-    // radius; NaN where none of them has one. Throws InputError where a channel has another length.
-    std::vector<std::vector<double>> carry(std::span<const std::span<const double>> channels, int threads = 1) const;
+    // Values measured with the samples, interpolated at the vertices by the neighbours and weights of the radius. Each
+    // channel has one value for each sample, in the order of samples(), NaN for none, and gets one value for each
+    // vertex, NaN where no neighbour has a value. Throws InputError if a channel has another length.
+    std::vector<std::vector<double>> interpolate_samples(std::span<const std::span<const double>> channels,
+                                                         int threads = 1) const;
 
-    // The samples kept, in canonical order: depth, toolface, radius, and time where they carry one.
+    // The samples kept, in canonical order: depth, toolface, radius, and time if they have one.
     std::vector<std::vector<double>> samples() const;
 
   private:

@@ -4,9 +4,9 @@
 //   01083650.40   record 01, item 08        text items may hold both ("2210Watch out!! kick")
 //   !!            the frame ends
 //
-// A frame is given out when its "!!" was read, never before, so any chunking of the stream gives the same frames.
-// Work is linear in the bytes fed. Between two calls the parser holds at most one frame and one line (Limits).
-// Not here: units, which item means what, level 1 and above (binary), sockets.
+// The parser returns a frame when it has read its "!!", never before, so the frames do not depend on how the stream is
+// cut into chunks. Work is linear in the bytes fed. Between two calls the parser holds at most one frame and one line
+// (Limits). Not here: units, the meaning of items, level 1 and above (binary), sockets.
 #pragma once
 
 #include <cstdint>
@@ -19,8 +19,8 @@
 
 namespace helibore::wits {
 
-// Bytes of a line without its end, bytes of a frame after its "&&" line, and lines of a frame. What is longer is
-// dropped, counted and told as an Event; reading goes on at the next line, for a frame at the next "&&".
+// Bytes of a line without its end, bytes of a frame after its "&&" line, and lines of a frame. A longer line or frame
+// is dropped, counted and reported as an Event; reading continues at the next line, or for a frame at the next "&&".
 struct Limits {
     Index line = 1024;
     Index frame = 65536;
@@ -30,12 +30,12 @@ struct Limits {
 enum class Rule : std::uint16_t {
     stray_text,   // text between frames; one event for a run of lines
     stray_end,    // "!!" without "&&"
-    unclosed,     // "&&" before the "!!" of the frame before: that frame is not given out
-    not_an_item,  // a line in a frame that does not begin with RRII, 01 to 99 each: only the line is lost
+    unclosed,     // "&&" before the "!!" of the previous frame: that frame is lost
+    not_an_item,  // a line that does not begin with RRII, 01 to 99 each: only the line is lost
     long_line,    // a line over Limits::line: only the line is lost
-    long_frame,   // a frame over Limits::frame: not given out
-    many_items,   // a frame over Limits::items: not given out
-    cut_off,      // the stream ended within a frame: not given out
+    long_frame,   // a frame over Limits::frame: lost
+    many_items,   // a frame over Limits::items: lost
+    cut_off,      // the stream ended within a frame, which is lost
 };
 inline constexpr std::size_t rule_count = 8;
 
@@ -46,7 +46,7 @@ inline constexpr std::uint16_t not_a_number = 2;  // text, or a number that brea
 // [+-] digits [. digits] [e [+-] digits], blanks around it ignored, finite. Not: nan, inf, 1_2, 1,5, 1e400, 1e-400,
 // 0x1p3.
 struct Item {
-    Index frame = 0;   // frames given out before this one, by this parser
+    Index frame = 0;   // frames that this parser returned before this one
     Index offset = 0;  // of the value's text in the stream
     double value = 0;  // NaN when a flag is set
     std::int32_t length = 0;
@@ -56,7 +56,7 @@ struct Item {
 
 struct Frame {
     Index start = 0;  // stream offset of "&&"
-    Index stop = 0;   // stream offset behind the end of the "!!" line
+    Index stop = 0;   // stream offset after the end of the "!!" line
     Index first = 0;  // its items are batch.items[first, first + items)
     Index items = 0;
     Index line = 0;  // number of the "&&" line in the stream, from 1
@@ -72,7 +72,7 @@ struct Event {
 
 struct Batch {
     Index base = 0;    // stream offset of text[0]
-    std::string text;  // the stream from the first byte not given out before
+    std::string text;  // the stream from the first byte not returned before
     std::vector<Item> items;
     std::vector<Frame> frames;
     std::vector<Event> events;
@@ -89,7 +89,7 @@ struct Counts {
     Index events[rule_count] = {};
 };
 
-// Reads one stream (one connection). Calls from several threads wait for each other.
+// Reads one stream (one connection). Several threads may call; one call waits for the other.
 class Parser {
   public:
     explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25}, Limits limits = {});
@@ -97,7 +97,8 @@ class Parser {
     // The frames that these bytes complete.
     Batch feed(std::string_view bytes);
 
-    // The stream has ended: a last "!!" without a line end still closes its frame. The parser starts anew after it.
+    // Ends the stream: a last "!!" without a line end still closes its frame. The parser is then ready for a new
+    // stream.
     Batch finish();
 
     Counts counts() const;
@@ -113,8 +114,8 @@ class Parser {
     void take_unended_line(Batch& batch);
     Batch take(std::string_view bytes);
     void lose_frame();
-    void hand_over(Batch& batch);
-    void tell(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
+    void release_text(Batch& batch);
+    void report(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
     void stray(std::size_t start, std::size_t length, Index line, Batch& batch);
 
     std::vector<double> nulls_;
@@ -126,8 +127,8 @@ class Parser {
     Index held_base_ = 0;         // stream offset of held_[0]
     std::size_t line_start_ = 0;  // in held_
     std::size_t searched_ = 0;    // held_ before here has no line end past line_start_
-    bool skipping_line_ = false;  // the head of the line being read was dropped
-    bool in_stray_run_ = false;   // the stray text was told
+    bool skipping_line_ = false;  // the start of the line being read was dropped
+    bool in_stray_run_ = false;   // this run of stray text was reported
     Place place_ = Place::outside;
     std::size_t frame_start_ = 0;  // in held_, of "&&"
     std::size_t body_start_ = 0;   // in held_, behind the "&&" line

@@ -1,4 +1,4 @@
-// Samples to the wall, stations to the path, rows to the images, and one Update for all that changed between two polls.
+// Passes samples to the wall, stations to the path and rows to the images, and collects what changed between two polls.
 #include "helibore/live.hpp"
 
 #include <algorithm>
@@ -9,7 +9,8 @@
 #include <numeric>
 #include <utility>
 
-#include "helibore/error.hpp"
+#include "base/messages.hpp"
+#include "base/ranges.hpp"
 
 namespace helibore {
 
@@ -17,7 +18,7 @@ namespace {
 
 constexpr std::size_t most_events = 100;
 
-// Ranges less the narrowest gaps between them, of equal gaps the deepest, so that most_ranges are left.
+// Closes the narrowest gaps between ranges, of equal gaps the deepest, so that most_ranges are left.
 std::vector<Range> widened(const std::vector<Range>& ranges) {
     std::vector<std::size_t> gaps(ranges.size() - 1);  // gap i lies before range i + 1
     std::iota(gaps.begin(), gaps.end(), std::size_t{0});
@@ -37,25 +38,17 @@ std::vector<Range> widened(const std::vector<Range>& ranges) {
     return found;
 }
 
-// Sorted, those that touch made one, most_ranges at most.
-std::vector<Range> joined(std::vector<Range> ranges) {
-    std::sort(ranges.begin(), ranges.end(), [](const Range& a, const Range& b) { return a.start < b.start; });
-    std::vector<Range> found;
-    for (const Range& range : ranges)
-        if (!found.empty() && range.start <= found.back().stop)
-            found.back().stop = std::max(found.back().stop, range.stop);
-        else
-            found.push_back(range);
+// The union of ranges, widened so that there are most_ranges at most.
+std::vector<Range> bounded_union(std::vector<Range> ranges) {
+    std::vector<Range> found = union_of(std::move(ranges));
     return found.size() <= Update::most_ranges ? found : widened(found);
 }
 
 void join(Update& all, const Update& more) {
     if (more.change && all.change) {
-        std::vector<Range> ranges = all.change->ranges;
-        ranges.insert(ranges.end(), more.change->ranges.begin(), more.change->ranges.end());
         all.change =
-            Change{joined(std::move(ranges)), more.change->settled, all.change->accepted + more.change->accepted,
-                   all.change->redundant + more.change->redundant};
+            Change{bounded_union(concatenated(all.change->ranges, more.change->ranges)), more.change->settled,
+                   all.change->accepted + more.change->accepted, all.change->redundant + more.change->redundant};
     } else if (more.change) {
         all.change = more.change;
     }
@@ -68,24 +61,11 @@ void join(Update& all, const Update& more) {
         if (all.events.size() < most_events) all.events.push_back(text);
 }
 
-// Six digits, as Python's :g; a host's locale and the sign of a NaN do not show.
+// Six digits, as with Python's :g. The host's locale and the sign of a NaN do not show.
 std::string short_text(double value) {
     if (std::isnan(value)) return "nan";
     char text[32];
     return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
-}
-
-void require_finite(const char* name, std::span<const double> values) {
-    for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isfinite(values[i]))
-            throw InputError(std::string(name) + "[" + std::to_string(i) + "] = " + short_text(values[i]) +
-                             ": must be finite");
-}
-
-void require_length(const char* name, std::span<const double> values, std::span<const double> depth) {
-    if (values.size() != depth.size())
-        throw InputError(std::string(name) + " has " + std::to_string(values.size()) + " values, depth has " +
-                         std::to_string(depth.size()) + ": must be equal");
 }
 
 Settings with_a_start(const Settings& settings) {
@@ -100,29 +80,29 @@ std::vector<Range> Update::quads(int sectors) const {
     if (!change) return {};
     std::vector<Range> ranges = change->ranges;
     for (Range& range : ranges) range.start = std::max<Index>(range.start - sectors - 1, 0);
-    return joined(std::move(ranges));
+    return bounded_union(std::move(ranges));
 }
 
 Live::Live(const LiveSettings& settings) : path_settings_(settings.path), wall_(with_a_start(settings.wall)) {
     const double two[] = {0.0, 1.0};
     const double straight[] = {0.0, 0.0};
-    static_cast<void>(Path(Survey(two, straight, straight), path_settings_));  // bad settings are refused now
+    static_cast<void>(Path(Survey(two, straight, straight), path_settings_));  // throws on bad settings
 }
 
 Update Live::append_samples(const SampleColumns& samples) {
     const std::lock_guard guard(lock_);
     Update update;
     update.change = wall_.append(samples);
-    return told(std::move(update));
+    return report(std::move(update));
 }
 
 Update Live::append_stations(std::span<const double> depth, std::span<const double> inclination,
                              std::span<const double> azimuth) {
-    require_length("inclination", inclination, depth);
-    require_length("azimuth", azimuth, depth);
+    require_length("inclination", inclination.size(), depth.size());
+    require_length("azimuth", azimuth.size(), depth.size());
     const std::lock_guard guard(lock_);
     Update update;
-    // All at once. Where that fails one by one, so that the bad are told and the others count.
+    // All at once; if that fails, one by one, so that each bad station is reported and the others are taken.
     try {
         take_stations(depth, inclination, azimuth, update);
     } catch (const InputError&) {
@@ -134,14 +114,14 @@ Update Live::append_stations(std::span<const double> depth, std::span<const doub
             }
         }
     }
-    return told(std::move(update));
+    return report(std::move(update));
 }
 
-// Stations take part only if the survey and the path with them can be made; otherwise throws and has changed nothing.
+// Takes stations if a survey and a path can be made with them; otherwise throws and changes nothing.
 void Live::take_stations(std::span<const double> depth, std::span<const double> inclination,
                          std::span<const double> azimuth, Update& update) {
     auto stations = stations_;
-    std::optional<double> first;  // that is new or different
+    std::optional<double> first;  // the first depth with a new or different station
     for (std::size_t i = 0; i < depth.size(); ++i) {
         if (!std::isfinite(depth[i])) throw InputError("depth must be finite");
         const std::array<double, 2> row = {inclination[i], azimuth[i]};
@@ -199,17 +179,17 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     }
     Update update;
     update.images[name] = {start, static_cast<Index>(rows.depth.size())};
-    return told(std::move(update));
+    return report(std::move(update));
 }
 
-Update Live::told(Update update) {
-    join(news_, update);
+Update Live::report(Update update) {
+    join(pending_, update);
     return update;
 }
 
 Update Live::poll() {
     const std::lock_guard guard(lock_);
-    return std::exchange(news_, {});
+    return std::exchange(pending_, {});
 }
 
 std::optional<Survey> Live::survey() const {
@@ -259,7 +239,7 @@ ImageArrays Live::image(const std::string& name) const {
     ImageArrays image{{}, {}, rows.sectors, rows.unit};
     for (std::size_t i = 0; i < order.size(); ++i) {
         if (i + 1 < order.size() && !(rows.depth[order[i]] < rows.depth[order[i + 1]]))
-            continue;  // a later one follows
+            continue;  // a later row at the same depth follows
         image.depth.push_back(rows.depth[order[i]]);
         const auto first = rows.values.begin() + static_cast<Index>(order[i]) * rows.sectors;
         image.values.insert(image.values.end(), first, first + rows.sectors);

@@ -1,6 +1,6 @@
-// The frame machine: outside -> "&&" -> inside -> "!!" -> outside; a frame over a limit is `dropped` up to the next
-// delimiter. A line is judged when its end is read, or when it is already too long to be anything good: both
-// judgements are the same, which is what makes the frames and events independent of the chunks.
+// The states of the parser: outside -> "&&" -> inside -> "!!" -> outside; after a frame over a limit, `dropped` until
+// the next delimiter. A line is examined when its end is read, or as soon as it is too long. Both give the same result,
+// so frames and events do not depend on how the stream is cut into chunks.
 #include "helibore/wits.hpp"
 
 #include <algorithm>
@@ -150,7 +150,7 @@ Batch Parser::feed(std::string_view bytes) {
     }
 }
 
-// The frame that was open is lost, and what is left of its line: parsing goes on at the next "&&".
+// Drops the open frame and the rest of its line: parsing continues at the next "&&".
 void Parser::lose_frame() {
     if (place_ == Place::inside) place_ = Place::dropped;
     open_items_.clear();
@@ -176,7 +176,7 @@ Batch Parser::take(std::string_view bytes) {
     }
     searched_ = held_.size();
     take_unended_line(batch);
-    hand_over(batch);
+    release_text(batch);
     return batch;
 }
 
@@ -195,7 +195,7 @@ Batch Parser::finish() {
         stray(line_start_, last.size(), counts_.lines, batch);
     place_ = Place::outside;
     line_start_ = searched_ = held_.size();
-    hand_over(batch);
+    release_text(batch);
     skipping_line_ = in_stray_run_ = false;
     return batch;
 }
@@ -220,13 +220,13 @@ void Parser::take_line(std::size_t start, std::size_t stop, std::size_t next, Ba
     if (as_index(next - 1 - body_start_) > limits_.frame) return drop_frame(Rule::long_frame, batch);
     if (++frame_lines_ > limits_.items) return drop_frame(Rule::many_items, batch);
     const Index offset = held_base_ + as_index(start);
-    if (as_index(line.size()) > limits_.line) return tell(Rule::long_line, offset, counts_.lines, line.size(), batch);
+    if (as_index(line.size()) > limits_.line) return report(Rule::long_line, offset, counts_.lines, line.size(), batch);
     if (!line.empty()) take_item(line, offset, batch);
 }
 
 void Parser::take_item(std::string_view line, Index offset, Batch& batch) {
     const std::uint16_t code = code_of(line);
-    if (code == 0) return tell(Rule::not_an_item, offset, counts_.lines, line.size(), batch);
+    if (code == 0) return report(Rule::not_an_item, offset, counts_.lines, line.size(), batch);
     Item& item = batch.items.emplace_back();
     item.frame = counts_.frames;
     item.offset = offset + 4;
@@ -248,7 +248,7 @@ void Parser::begin_frame(std::size_t start, std::size_t next, Batch& batch) {
 
 void Parser::end_frame(std::size_t next, Batch& batch) {
     if (place_ == Place::outside)
-        return tell(Rule::stray_end, held_base_ + as_index(line_start_), counts_.lines, 2, batch);
+        return report(Rule::stray_end, held_base_ + as_index(line_start_), counts_.lines, 2, batch);
     if (place_ == Place::inside) {
         const std::span items = std::span(batch.items).subspan(frame_first_);
         batch.frames.push_back({held_base_ + as_index(frame_start_), held_base_ + as_index(next),
@@ -264,13 +264,13 @@ void Parser::end_frame(std::size_t next, Batch& batch) {
 }
 
 void Parser::drop_frame(Rule rule, Batch& batch) {
-    tell(rule, held_base_ + as_index(frame_start_), frame_line_, 2, batch);
+    report(rule, held_base_ + as_index(frame_start_), frame_line_, 2, batch);
     place_ = Place::dropped;
     batch.items.resize(frame_first_);
 }
 
-// The line whose end has not come: nothing to do unless it is already too long. Within a frame it stays until the
-// frame is too long; elsewhere its bytes are let go.
+// Checks a line whose end has not arrived. Within a frame its bytes are kept until the frame is too long; elsewhere
+// they are dropped when the line is too long.
 void Parser::take_unended_line(Batch& batch) {
     const std::size_t length = held_.size() - line_start_;
     if (skipping_line_ || length <= longest_delimiter) return;
@@ -284,9 +284,9 @@ void Parser::take_unended_line(Batch& batch) {
     skipping_line_ = true;
 }
 
-// Everything before the open frame, or before the line being read, goes out with the batch. An open frame that is all
-// there is keeps its memory, so that one-byte chunks stay linear.
-void Parser::hand_over(Batch& batch) {
+// Moves the text before the open frame, or before the line being read, into the batch. If there is only an open frame,
+// its memory is kept, so that work stays linear in one-byte chunks.
+void Parser::release_text(Batch& batch) {
     open_items_.clear();
     if (place_ == Place::inside && frame_first_ == 0) {
         open_items_.swap(batch.items);
@@ -313,11 +313,11 @@ void Parser::stray(std::size_t start, std::size_t length, Index line, Batch& bat
     ++counts_.stray_lines;
     if (in_stray_run_) return;
     in_stray_run_ = true;
-    tell(Rule::stray_text, held_base_ + as_index(start), line, std::min(length, static_cast<std::size_t>(limits_.line)),
-         batch);
+    report(Rule::stray_text, held_base_ + as_index(start), line,
+           std::min(length, static_cast<std::size_t>(limits_.line)), batch);
 }
 
-void Parser::tell(Rule rule, Index offset, Index line, std::size_t length, Batch& batch) {
+void Parser::report(Rule rule, Index offset, Index line, std::size_t length, Batch& batch) {
     ++counts_.events[static_cast<std::size_t>(rule)];
     batch.events.push_back({offset, line, static_cast<std::int32_t>(length), rule, 0});
 }

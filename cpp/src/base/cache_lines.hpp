@@ -1,5 +1,5 @@
-// Whole lines of memory written past the cache, for results too large to stay in it: the processor then does not read
-// from memory what is about to be overwritten.
+// Writes whole cache lines directly to memory, for results too large for the cache: the processor then does not first
+// read the memory that is about to be overwritten.
 #pragma once
 
 #include <cstdint>
@@ -11,7 +11,7 @@
 
 namespace helibore {
 
-// Eight doubles. Others see them after finish_streams() only.
+// Writes eight doubles. Other threads see them only after finish_streams().
 inline void stream_line(double* to, const double* from) {
 #if defined(__SSE2__) || defined(_M_X64)
     if (reinterpret_cast<std::uintptr_t>(to) % 16 == 0) {

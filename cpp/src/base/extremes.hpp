@@ -7,7 +7,7 @@
 
 namespace helibore {
 
-// Of every eighth value each, which the compiler makes vectors of. NaN counts for nothing.
+// Eight extremes, each of every eighth value, which the compiler turns into vectors. NaN is ignored.
 class alignas(64) Extremes {
   public:
     Extremes() {
@@ -16,7 +16,7 @@ class alignas(64) Extremes {
     }
 
     void take(const double* values, const double* end) {
-        Extremes now = *this;  // values cannot be a part of it
+        Extremes now = *this;  // a copy that `values` cannot overlap
         for (std::size_t i = 0; values + i < end; ++i) now.take(i % 8, values[i], values[i]);
         *this = now;
     }

@@ -1,8 +1,8 @@
 // Circles of a section: the largest that fits inside its points, and the smallest around them.
 //
-// Both rest on two or three points. A circle through such points is tried against all; the worst offender joins, one of
-// the others leaves, and the radius goes strictly one way, so that it ends. The inscribed circle grows from the centre
-// it is given to the nearest one that no small move makes larger; the enclosing one is unique.
+// Both touch two or three points. A circle through such points is compared with all points; the point that violates it
+// most replaces one of the others. The radius only grows, or only shrinks, so the search ends. The inscribed circle is
+// the one near the given centre that no small move makes larger; the enclosing circle is unique.
 #pragma once
 
 #include <cstddef>
@@ -20,8 +20,8 @@ struct Circle {
     double radius = 0.0;
 };
 
-// Points around the origin in the order of their angle, three or more; the first repeated until they fill packs of
-// lanes.
+// Three or more points around the origin in the order of their angle. The first is repeated at the end to fill whole
+// packs.
 class Points {
   public:
     Points(std::size_t size, const kernel::Functions& functions)
@@ -33,7 +33,7 @@ class Points {
         x_[i] = point.x;
         y_[i] = point.y;
     }
-    // Once all are put.
+    // To be called when all points are put.
     void fill_packs() {
         for (std::size_t i = size_; i < x_.size(); ++i) put(i, (*this)[0]);
     }

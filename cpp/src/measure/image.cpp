@@ -1,4 +1,5 @@
-// Values of an image on quads. Neighbouring quads lie between the same rows, so a row is walked to, not searched for.
+// Values of an image on quads. Neighbouring quads lie between the same rows, so each row is found in steps from the
+// last.
 #include "helibore/image.hpp"
 
 #include <algorithm>
@@ -12,7 +13,7 @@
 namespace helibore {
 namespace {
 
-constexpr Index quads_a_part = 1 << 14;  // quads
+constexpr Index quads_a_part = 1 << 14;  // that a thread takes at a time
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 // Where a quad of the turn lies among the sectors of a row.
@@ -21,7 +22,7 @@ struct Across {
     double share;
 };
 
-// At share 0 the start alone has a say, so that a gap at the stop does not reach it.
+// At share 0 only the start counts, so that a missing value at the stop does not reach it.
 double between(double start, double stop, double share) {
     return share == 0.0 ? start : start + share * (stop - start);
 }
@@ -36,7 +37,7 @@ std::vector<Across> across_of(const ImageRows& image, std::span<const double> se
     return across;
 }
 
-// The last of the rising bounds at or above a depth, -1 for none, walked to from where the quad before was.
+// The last of the rising bounds at or above a depth, -1 for none, found in steps from that of the previous quad.
 class Walk {
   public:
     Walk(std::span<const double> bounds, double depth)

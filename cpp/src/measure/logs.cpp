@@ -1,4 +1,4 @@
-// Turns measured in blocks of fixed size, so that the threads that take them leave the bits alone.
+// Turns are measured in blocks of fixed size, so the result does not depend on threads.
 #include "helibore/logs.hpp"
 
 #include <algorithm>
@@ -27,7 +27,7 @@ struct Between {
     double share;  // of the way to the next
 };
 
-// What all turns have in common.
+// What all turns share.
 struct Round {
     std::size_t sectors;
     double start_toolface;
@@ -56,7 +56,7 @@ Round round_of(const Turns& turns) {
     return round;
 }
 
-// Memory of one worker, the size of a turn: radii and diameters go round twice, so that no index wraps.
+// Memory for one turn. Radii and diameters are stored twice in a row, so that no index wraps.
 struct Scratch {
     std::vector<double> radius, diameter;
     Points points;
@@ -70,7 +70,7 @@ void measure_diameters(const Round& round, Scratch& scratch, std::size_t turn, T
     const std::size_t K = round.sectors;
     const std::vector<double>& r = scratch.radius;
     std::vector<double>& across = scratch.diameter;
-    const std::size_t near = K / 2, far = (K + 1) / 2;  // an odd turn has its far side between two vertices
+    const std::size_t near = K / 2, far = (K + 1) / 2;  // with an odd K the far side lies between two vertices
     for (std::size_t k = 0; k < K; ++k) across[k] = across[k + K] = r[k] + 0.5 * (r[k + near] + r[k + far]);
     std::size_t greatest = 0;
     double least = across[0];
@@ -140,9 +140,9 @@ void measure(const Turns& turns, const Round& round, Scratch& scratch, std::size
     measure_whole(round, scratch, turn, logs);
 }
 
-// Sums over a window of turns, x = -half .. half along the hole, of radii less a reference that keeps them small:
+// Sums over a window of turns, x = -half .. half along the hole, of radii minus a reference that keeps them small:
 //
-//     left over = sum r^2 - sum over sectors of ((sum r)^2 / W + (sum x r)^2 / sum x^2)
+//     residual = sum r^2 - sum over sectors of ((sum r)^2 / W + (sum x r)^2 / sum x^2)
 class Window {
   public:
     Window(const Turns& turns, double reference)
@@ -197,8 +197,8 @@ class Window {
             levels += sum_[s] * sum_[s];
             slopes += moment_[s] * moment_[s];
         }
-        const double left_over = squares_ - levels / size - slopes / (size * (size * size - 1.0) / 12.0);
-        return std::sqrt(std::max(left_over, 0.0) / (static_cast<double>(sectors_) * (size - 2.0)));
+        const double residual = squares_ - levels / size - slopes / (size * (size * size - 1.0) / 12.0);
+        return std::sqrt(std::max(residual, 0.0) / (static_cast<double>(sectors_) * (size - 2.0)));
     }
 
   private:

@@ -25,7 +25,7 @@ struct Helix {
     double toolface(Index k) const {
         return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
     }
-    // floor(K (stop - start) / pitch) + 1, or 0 where stop lies before start. A double, for it may be absurdly large.
+    // floor(K (stop - start) / pitch) + 1, or 0 if stop lies before start. A double, because it may exceed an Index.
     double count(double stop_depth) const {
         const double turns = static_cast<double>(sectors) * (stop_depth - start_depth) / pitch;
         return turns < 0.0 ? 0.0 : std::floor(turns) + 1.0;

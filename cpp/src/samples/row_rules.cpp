@@ -1,63 +1,41 @@
-// The rules of row_rules.hpp: quickly for all rows at once, and slowly for the text of the error.
+// A fast check of many rows, and a slow one that finds the row for the error.
 #include "samples/row_rules.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
-#include <string>
 
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
-#include "helibore/error.hpp"
 #include "search/kernel/instruction_set.hpp"
 
 namespace helibore {
 namespace {
 
-constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is refused, not guessed
+constexpr double largest_radius = 2.0;  // metres; a diameter or a value in inches is an error
 constexpr double largest = std::numeric_limits<double>::max();
 constexpr double least_radius = std::numeric_limits<double>::denorm_min();
-constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth its start
+constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth the start of a thread
 constexpr Index rows_a_part = 4096;     // that a thread takes at a time
-
-[[noreturn]] void refuse(const char* column, Index row, double value, const char* rule) {
-    throw InputError(std::string(column) + "[" + std::to_string(row) + "] = " + number_text(value) + ": " + rule);
-}
-
-// The first row that breaks the rule of a column, or none.
-template <class Good>
-void check(const char* name, std::span<const double> values, const char* rule, const Good& good) {
-    const auto bad = std::find_if_not(values.begin(), values.end(), good);
-    if (bad != values.end()) refuse(name, bad - values.begin(), *bad, rule);
-}
-
-bool finite(double x) {
-    return std::isfinite(x);
-}
-bool good_radius(double x) {
-    return x > 0.0 && x <= largest_radius;
-}
 
 }  // namespace
 
 void check_lengths(const SampleColumns& c) {
-    const auto same = [&](const char* name, std::size_t n) {
-        if (n != c.depth.size())
-            throw InputError(std::string(name) + " has " + std::to_string(n) + " values, depth has " +
-                             std::to_string(c.depth.size()) + ": must be equal");
-    };
-    same("toolface", c.toolface.size());
-    same("radius", c.radius.size());
-    if (!c.time.empty()) same("time", c.time.size());
+    require_length("toolface", c.toolface.size(), c.depth.size());
+    require_length("radius", c.radius.size(), c.depth.size());
+    if (!c.time.empty()) require_length("time", c.time.size(), c.depth.size());
 }
 
 void check_rows(const SampleColumns& c) {
-    check("depth", c.depth, "must be finite", finite);
-    check("toolface", c.toolface, "must be finite", finite);
-    check("radius", c.radius, "must be finite", finite);
-    check("radius", c.radius, "must be above 0 and at most 2 m", good_radius);
-    check("time", c.time, "must be finite", finite);
+    require_finite("depth", c.depth);
+    require_finite("toolface", c.toolface);
+    require_finite("radius", c.radius);
+    for (std::size_t i = 0; i < c.radius.size(); ++i)
+        if (!(c.radius[i] > 0.0 && c.radius[i] <= largest_radius))
+            throw InputError(entry_text("radius", static_cast<Index>(i), c.radius[i]) +
+                             ": must be above 0 and at most 2 m");
+    require_finite("time", c.time);
 }
 
 bool rows_valid(const SampleColumns& c, Range rows, const kernel::Functions& f) {

@@ -1,4 +1,4 @@
-// What every row of a batch must be: depth, toolface and time finite, radius above 0 and at most 2 m.
+// The rules for every row of a batch: depth, toolface and time finite, radius above 0 and at most 2 m.
 #pragma once
 
 #include "helibore/types.hpp"
@@ -10,10 +10,10 @@ namespace helibore {
 // Throws InputError unless all columns are as long as depth; time may be empty.
 void check_lengths(const SampleColumns& columns);
 
-// Throws InputError with the first offending row of the first offending column.
+// Throws InputError with the first bad row of the first bad column.
 void check_rows(const SampleColumns& columns);
 
-// Do all of these rows keep the rules?
+// Do all of these rows follow the rules?
 bool rows_valid(const SampleColumns& columns, Range rows, const kernel::Functions& functions);
 
 }  // namespace helibore

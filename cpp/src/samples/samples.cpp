@@ -39,8 +39,8 @@ class Reader {
     bool timed_;
 };
 
-// Writes so many rows into chunks, as few and as equal as can be, and none larger than its rows: a row more in a full
-// chunk makes two halves of it, not one that is all but empty.
+// Writes a number of rows into as few and as equal chunks as possible, none larger than its rows: one row too many for
+// a chunk gives two halves, not a full chunk and a nearly empty one.
 class Writer {
   public:
     Writer(Index rows, bool timed) : timed_(timed), left_(rows), chunks_left_((rows + Chunk::full - 1) / Chunk::full) {}
@@ -71,8 +71,8 @@ Index rows_of(const Chunks& chunks) {
     return rows;
 }
 
-// Merges chunks with the batch. Rows without a time keep their arrival order: old before new at equal
-// depth. Rows with one are compared whole, and equal rows are kept once.
+// Merges chunks with the batch. Rows without a time keep their order of arrival: old before new at equal depth. Rows
+// with a time are compared as a whole, and equal rows are kept once.
 Chunks merge(const Chunks& old, SortedBatch& batch) {
     Writer writer(rows_of(old) + batch.count, batch.timed);
     Reader a(old, batch.timed), b(batch.chunks, batch.timed);
@@ -102,7 +102,7 @@ Chunks merge(const Chunks& old, SortedBatch& batch) {
     return std::move(writer.chunks);
 }
 
-// Chunks of a large batch, which share pages as far as they fill three quarters of them.
+// Chunks of a large batch. They share large pages, if they fill at least three quarters of a page.
 Chunks full_chunks(Index count, bool timed) {
     const Index size = Chunk::size(Chunk::full, timed), total = (count + Chunk::full - 1) / Chunk::full;
     const Index a_page = static_cast<Index>(large_page_size / sizeof(double)) / size;
@@ -128,8 +128,8 @@ bool SortedBatch::any_within(double low, double high) const {
     return *std::lower_bound(depth, depth + (*chunk)->count, low) <= high;
 }
 
-// A small batch that does not fit behind the others begins a chunk with room for more of its size: a wall that is
-// streamed grows in whole chunks, one made at once has none to spare. What is left of a chunk is less than a batch.
+// A small batch that does not fit into the last chunk begins a chunk with room for more batches of its size, so a
+// streamed wall grows by whole chunks. A first batch gets no spare room.
 Chunks Samples::room_for(Index count, bool timed) const {
     constexpr Index most_appends = 256;
     Chunks chunks;
@@ -180,7 +180,7 @@ Samples::Undo Samples::merge_in(SortedBatch& batch) {
                                       [&](const auto& c) { return c->last_depth() < batch.first_depth(); });
     auto last = std::partition_point(first, chunks_.end(),
                                      [&](const auto& c) { return c->first_depth() <= batch.last_depth(); });
-    // A short neighbour comes along, else many small batches would leave as many short chunks.
+    // A short neighbour is merged as well; otherwise many small batches would leave many short chunks.
     constexpr Index few = 512;
     if (last != chunks_.end() && (*last)->count < few)
         ++last;
@@ -193,14 +193,14 @@ Samples::Undo Samples::merge_in(SortedBatch& batch) {
     const Chunks merged = merge(undo.replaced, batch);
     undo.inserted = merged.size();
     reserve(merged.size());
-    // Nothing below throws: the reservation may have moved the chunks, so their places are counted anew.
+    // Nothing below throws. The reservation may have moved the chunks, so the iterators are made again.
     const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
     const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.replaced.size()));
     chunks_.insert(rest, merged.begin(), merged.end());
     return undo;
 }
 
-// Room for further chunks, growing in steps that keep appends cheap.
+// Reserves room for further chunks, doubling so that appends stay cheap.
 void Samples::reserve(std::size_t further) {
     const std::size_t needed = chunks_.size() + further;
     if (needed > chunks_.capacity()) chunks_.reserve(std::max(needed, 2 * chunks_.capacity()));

@@ -3,9 +3,9 @@
 //
 //     | chunk 0: depth.. toolface.. radius.. time.. | chunk 1 ... | last chunk: room to grow |
 //
-// Rows are written once where they may stay: a small batch into the last chunk's free room, as far as nobody looks yet,
-// others into chunks of their own. A batch that lies below everything is then there; one in the middle (a re-scan, late
-// data) rewrites the chunks it falls into. An insertion can be undone until it is kept.
+// A small batch is written into the free room of the last chunk, which is not read before the batch is inserted; a
+// large one into chunks of its own. A batch below all samples then stays where it was written. A batch in the middle (a
+// re-scan, late data) rewrites the chunks that it falls into. An insertion can be undone.
 #pragma once
 
 #include <memory>
@@ -21,12 +21,12 @@ class Chunk {
   public:
     static constexpr Index full = 4096;
 
-    // Doubles that the columns of a chunk take.
+    // How many doubles the columns of a chunk take.
     static Index size(Index capacity, bool timed) { return capacity * (timed ? 4 : 3); }
 
     Chunk(Index capacity, bool timed)
         : Chunk(capacity, whole_lines(capacity), lines(size(whole_lines(capacity), timed))) {}
-    // In memory that may be shared with other chunks, the columns `stride` doubles apart.
+    // In memory that other chunks may share, with columns `stride` doubles apart.
     Chunk(Index capacity, Index stride, std::shared_ptr<double[]> columns)
         : columns_(std::move(columns)), capacity_(capacity), stride_(stride) {}
 
@@ -42,12 +42,12 @@ class Chunk {
     double last_depth() const { return depth()[count - 1]; }
     Index free_room() const { return capacity_ - count; }
 
-    // The free room of this one as a chunk of its own, in the same memory.
+    // The free room as a chunk of its own in the same memory.
     std::shared_ptr<Chunk> room() const {
         return std::make_shared<Chunk>(free_room(), stride_,
                                        std::shared_ptr<double[]>(columns_, columns_.get() + count));
     }
-    // Does it begin where the free room of the other does?
+    // Does this chunk begin where the free room of the other one does?
     bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
 
     Index count = 0;
@@ -70,7 +70,7 @@ using Chunks = std::vector<std::shared_ptr<Chunk>>;
 
 // A batch in canonical order, toolfaces in [0, 360).
 struct SortedBatch {
-    Chunks chunks;  // all full but the last
+    Chunks chunks;  // all full except the last
     Index count = 0;
     Index redundant = 0;
     bool timed = false;
@@ -88,13 +88,13 @@ class Samples {
         std::size_t chunk = 0;
         Index offset = 0;
     };
-    // What an insertion replaced. Dropping it keeps the insertion.
+    // What an insertion replaced.
     struct Undo {
-        std::size_t first = 0;     // chunks from here on ...
-        std::size_t inserted = 0;  // ... this many stand for ...
-        Chunks replaced;           // ... these,
-        Index tail_count = 0;      // whose last had this many samples
-        Index count = 0;           // samples before
+        std::size_t first = 0;     // index of the first inserted chunk
+        std::size_t inserted = 0;  // how many chunks were inserted
+        Chunks replaced;           // the chunks before, in their place
+        Index tail_count = 0;      // samples of the last replaced chunk
+        Index count = 0;           // all samples before
     };
 
     Index size() const { return count_; }
@@ -103,11 +103,11 @@ class Samples {
     double first_depth() const { return chunks_.front()->first_depth(); }
     double last_depth() const { return chunks_.back()->last_depth(); }
 
-    // Where the rows of a batch may be written: chunks that hold `count`, all full but the last.
+    // Chunks for the `count` rows of a batch, all full except the last.
     Chunks room_for(Index count, bool timed) const;
 
-    // Takes the batch; rows equal to one already there in all four are dropped and added to batch.redundant.
-    // Throws std::bad_alloc and then has changed nothing.
+    // Inserts the batch. Timed rows equal to an earlier one are dropped and added to batch.redundant. If it throws
+    // std::bad_alloc, nothing has changed.
     Undo insert(SortedBatch& batch);
     void undo(Undo&& undo) noexcept;
 
@@ -117,7 +117,7 @@ class Samples {
     // Samples with depth <= the given one.
     Index count_to(double depth) const;
     double depth(Index rank) const;
-    // A place at or before the first sample with depth >= low, and by less than `stride` samples of its chunk. Found in
+    // A place at the first sample with depth >= low, or less than `stride` samples before it in its chunk. Found in
     // steps from a hint that is near, by bisection otherwise.
     Place step_to(double low, Place hint, Index stride) const;
 
@@ -133,8 +133,8 @@ class Samples {
     bool timed_ = false;
 };
 
-// Validates and sorts a batch for `samples`, which do not change. Throws InputError with the first offending row of the
-// first offending column.
+// Checks and sorts a batch that `samples` can then insert. Throws InputError with the first bad row of the first bad
+// column.
 SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, int threads,
                        const kernel::Functions& functions);
 

@@ -1,11 +1,10 @@
-// Brings a batch of samples into canonical order, its rows checked on the way (row_rules.hpp).
+// Checks a batch of samples (row_rules.hpp) and brings it into canonical order.
 //
-// Recorded data mostly come in order already: one pass finds that out and copies. Otherwise
+// Recorded data are mostly in order already: one pass finds that out and copies them. Otherwise
 //
-//     rows -> buckets by depth, each row put where it belongs in the chunks -> each bucket sorted by itself
+//     rows -> buckets by depth, which follow each other in the chunks -> each bucket is sorted
 //
-// Both steps are stable, so rows without a time stay in the order of their arrival, and both are shared out to threads
-// in a way that does not show in the result.
+// Both steps are stable, so rows without a time stay in order of arrival, and the result does not depend on threads.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
@@ -24,10 +23,10 @@
 namespace helibore {
 namespace {
 
-constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth its start
+constexpr Index rows_a_thread = 32768;  // at least; fewer are not worth the start of a thread
 constexpr int slabs_a_thread = 8;       // so that all end together
 
-// Is row i where it belongs after row i - 1? Equal timed rows are not "in order": they go the long way.
+// Does row i come after row i - 1? Equal timed rows count as not in order, because one of them must be dropped.
 bool in_order(const SampleColumns& c, std::size_t i) {
     if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
     const double a[3] = {c.time[i - 1], wrap_toolface(c.toolface[i - 1]), c.radius[i - 1]};
@@ -44,7 +43,7 @@ bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& 
     return true;
 }
 
-// The rows of one chunk.
+// Copies the rows of one chunk.
 void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::Functions& f) {
     const auto n = static_cast<std::size_t>(rows.stop - rows.start);
     const double* toolface = c.toolface.data() + rows.start;
@@ -57,7 +56,7 @@ void copy_rows(const SampleColumns& c, Range rows, Chunk& chunk, const kernel::F
         std::transform(toolface, toolface + n, chunk.toolface(), wrap_toolface);
 }
 
-// Copies rows that are in order already, checking them while they are in cache; false as soon as some are not.
+// Copies rows that are in order already, and checks them while they are in the cache; false if some are not in order.
 bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, const kernel::Functions& f) {
     std::atomic<bool> in_order{true}, valid{true};
     for_each_range(threads, batch.count, Chunk::full, [&](int, const Range& rows) {
@@ -73,8 +72,8 @@ bool copy_if_in_order(const SampleColumns& c, SortedBatch& batch, int threads, c
     return in_order;
 }
 
-// The least and greatest depth, once all rows are found valid.
-std::pair<double, double> survey(const SampleColumns& c, int threads, const kernel::Functions& f) {
+// Checks all rows; the least and the greatest depth.
+std::pair<double, double> depth_extent(const SampleColumns& c, int threads, const kernel::Functions& f) {
     const auto n = static_cast<Index>(c.depth.size());
     std::vector<Extremes> extremes(static_cast<std::size_t>(threads));
     std::atomic<bool> valid{true};
@@ -99,14 +98,14 @@ struct Buckets {
     Index of(double depth) const {
         return std::clamp(static_cast<Index>((depth - least) * scale), Index{0}, count - 1);
     }
-    // Finer ones for the depths of one of these.
+    // n finer buckets for the depths of one of these.
     Buckets bins(Index bucket, Index n) const {
         if (scale == 0.0) return {least, least, n};
         return {least + static_cast<double>(bucket) / scale, least + static_cast<double>(bucket + 1) / scale, n};
     }
 };
 
-// Brings the rows of one bucket, [start, stop) of the chunks, into order.
+// Sorts the rows of one bucket, which are rows [start, stop) of the chunks.
 template <bool timed>
 class BucketSorter {
   public:
@@ -125,9 +124,9 @@ class BucketSorter {
         double depth, toolface, radius, time;
     };
 
-    // Calls with each piece of a chunk the rows lie in: (chunk, offset in it, index in the rows, length).
+    // Calls call(chunk, offset in it, index in the rows, length) for each chunk that the rows lie in.
     template <class Call>
-    static void pieces(const SortedBatch& batch, Range rows, const Call& call) {
+    static void for_each_chunk(const SortedBatch& batch, Range rows, const Call& call) {
         for (Index i = rows.start; i < rows.stop;) {
             const Index offset = i % Chunk::full, n = std::min(rows.stop - i, Chunk::full - offset);
             call(*batch.chunks[static_cast<std::size_t>(i / Chunk::full)], offset, i - rows.start, n);
@@ -135,13 +134,13 @@ class BucketSorter {
         }
     }
 
-    // A stable counting sort into about one bin a row; bins that stay large are sorted by comparison at once.
+    // A stable counting sort into about one bin for each row; large bins are then sorted by comparison.
     void put_in_bins(const SortedBatch& batch, Range rows, const Buckets& bins) {
         const auto n = static_cast<std::size_t>(rows.stop - rows.start);
         bin_.resize(std::max(bin_.size(), n));
         starts_.assign(n + 1, 0);
         std::uint32_t most = 0;
-        pieces(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
+        for_each_chunk(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
             for (Index i = 0; i < length; ++i) {
                 const auto bin = static_cast<std::uint32_t>(bins.of(c.depth()[offset + i]));
                 bin_[static_cast<std::size_t>(at + i)] = bin;
@@ -149,7 +148,7 @@ class BucketSorter {
             }
         });
         std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
-        pieces(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
+        for_each_chunk(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
             for (Index i = 0; i < length; ++i) {
                 Row& row = rows_[starts_[bin_[static_cast<std::size_t>(at + i)]]++];
                 row.depth = c.depth()[offset + i];
@@ -181,7 +180,7 @@ class BucketSorter {
     }
 
     void store(SortedBatch& batch, Range rows) const {
-        pieces(batch, rows, [&](Chunk& c, Index offset, Index at, Index length) {
+        for_each_chunk(batch, rows, [&](Chunk& c, Index offset, Index at, Index length) {
             const Row* from = rows_.data() + at;
             for (Index i = 0; i < length; ++i) {
                 c.depth()[offset + i] = from[i].depth;
@@ -206,10 +205,10 @@ void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<
     for_each_part(threads, buckets.count, sort_bucket);
 }
 
-// Where the rows of one bucket go. Eight of them are collected before they are written, a line of memory a column:
-// scattered single stores would have the processor fetch and write back each line several times.
+// The next place of a bucket. Eight rows are collected and then written, one cache line for each column: with scattered
+// single stores the processor would fetch and write back each line several times.
 struct Collected {
-    Index start, next;  // the rows' places in the order of buckets
+    Index start, next;  // places in the chunks
     alignas(64) double rows[4][8];
 
     // Writes the rows collected since the last place that is a multiple of 8.
@@ -233,7 +232,7 @@ Range slab(Index n, int slabs, Index which) {
     return {n * which / slabs, n * (which + 1) / slabs};
 }
 
-// Puts each row into its bucket. The rows are taken in slabs, each of which knows where in every bucket its own begin.
+// Puts each row into its bucket. The rows are taken in slabs; a count for each slab and bucket gives the places.
 void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& buckets, std::vector<Index>& ends,
                 int threads) {
     const auto n = static_cast<Index>(c.depth.size());
@@ -243,7 +242,7 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
     for_each_part(threads, slabs, [&](int, Index s) {
         std::vector<Index> counts(size, 0);
         const Range rows = slab(n, slabs, s);
-        const Buckets which = buckets;  // on a stack of its own: another thread writes beside that one
+        const Buckets which = buckets;  // a copy on this thread's stack: others write beside the original
         const double* depth = c.depth.data();
         for (Index i = rows.start; i < rows.stop; ++i) ++counts[static_cast<std::size_t>(which.of(depth[i]))];
         places[static_cast<std::size_t>(s)] = std::move(counts);
@@ -275,7 +274,7 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
     });
 }
 
-// Timed rows equal in all four are kept once: what follows them moves up. Rare, so serial and simple.
+// Keeps timed rows that are equal in all four once and moves the rows after them up. Rare, so serial and simple.
 void drop_redundant(SortedBatch& batch) {
     Index kept = 0;
     double last[4] = {};
@@ -324,7 +323,7 @@ SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, int
     threads = threads_for(batch.count, rows_a_thread, threads);
     batch.chunks = samples.room_for(batch.count, batch.timed);
     if (copy_if_in_order(columns, batch, threads, f)) return batch;
-    const auto [least, greatest] = survey(columns, threads, f);
+    const auto [least, greatest] = depth_extent(columns, threads, f);
     const Buckets buckets(least, greatest, std::clamp<Index>(batch.count / 4096, 1, 1024));
     std::vector<Index> ends;
     distribute(columns, batch, buckets, ends, threads);

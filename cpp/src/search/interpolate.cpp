@@ -1,9 +1,9 @@
-// Scattered attributes: values at the samples ride the neighbours and weights that the radius was estimated from.
+// Values measured with the samples, at the vertices: the weighted mean over the neighbours that give the radius.
 //
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
 //     radius
 //
-// Away from the kernel: it runs once for all channels and on demand, not with every append.
+// Not part of the kernel: it runs on demand, once for all channels, not in every append.
 #include <algorithm>
 #include <bit>
 #include <cmath>
@@ -13,8 +13,8 @@
 
 namespace helibore {
 
-void Search::carry(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
-                   std::span<const std::span<const double>> channels, std::span<double* const> out) const {
+void Search::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+                         std::span<const std::span<const double>> channels, std::span<double* const> out) const {
     const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
     const Index used = std::min<Index>(kernel::lanes, vertex_count - group * kernel::lanes);
     std::vector<Neighbour> neighbours;

@@ -1,4 +1,4 @@
-// The search around the kernel: which samples a group may need, and whether it has seen enough.
+// The search around the kernel: which samples a group may need, and whether it has seen all that matter.
 #include "search/search.hpp"
 
 #include <algorithm>
@@ -12,7 +12,7 @@ namespace helibore {
 namespace {
 
 constexpr Index lanes = kernel::lanes;
-constexpr Index stride = 16;  // samples the depth bounds of a box are found to; a few too many do no harm
+constexpr Index stride = 16;  // the depth bounds of a box are exact to so many samples; a few too many do no harm
 
 }  // namespace
 
@@ -40,7 +40,7 @@ Search::Scratch::Scratch()
     rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
 }
 
-// "None" up to the next multiple of sixteen.
+// Fills the list with "none" up to the next multiple of sixteen.
 void Search::Scratch::pad() {
     for (std::int64_t i = list.count; i % 16 != 0; ++i) list.rows[i] = {kernel::none_depth, 0.0, 0.0, 0};
 }
@@ -84,7 +84,7 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
     return g;
 }
 
-// The group with its estimates; the list then holds the neighbours of every vertex at its last trial radius.
+// Estimates the group. The list then holds the neighbours of every vertex at its last trial radius.
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
     kernel::Group g = start(samples, helix, group, vertex_count);
@@ -113,7 +113,7 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     if (rules_.windowed)
         window_reach(samples, g, used, result);
     else {
-        // Rounded outwards; missing_square (too few samples, no limit) is out of any hole's reach.
+        // Rounded outwards; missing_square (too few samples, no limit) is longer than any hole.
         reach = std::sqrt(reach) * (1.0 + 1e-6);
         const Span span(g, helix);
         result.shallow = span.shallow - reach;
@@ -121,8 +121,8 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     }
 }
 
-// A window changes when a sample falls between it and the vertex or into it, or, where the end of the samples has cut
-// it short on one side, when there are more on that side.
+// A window changes if a new sample lies in it, or between it and the vertex, or on a side where the window is cut short
+// by the end of the samples.
 void Search::window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const {
     result.shallow = no_limit;
     result.deep = -no_limit;
@@ -162,7 +162,7 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;
     }
-    // The next group's first box: where samples are spread evenly, few vertices need 2.4 times the mean area.
+    // The first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
     const double mean = std::accumulate(g.reach_square, g.reach_square + lanes, 0.0) / lanes;
     if (mean < kernel::missing_square) {
         scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
@@ -213,8 +213,8 @@ void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scr
     scratch.pad();
 }
 
-// Rows [start, stop) of a chunk into the list, the first of them of the given rank; where the list fills up, all but
-// the nearest so far make room.
+// Adds rows [start, stop) of a chunk to the list; `rank` is that of the first. When the list is full, all but the
+// nearest so far are removed.
 void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
                     kernel::Group& g, Scratch& scratch) const {
     while (start < stop) {

@@ -1,8 +1,8 @@
 // Finds the neighbours of groups of eight vertices and has the kernel estimate their radii.
 //
-// The samples lie in canonical order, so the box around a group (kernel/kernel.hpp) is a run of them filtered by
-// toolface; the half height of the box is carried over from the group before, and grows until the kernel says that
-// nothing outside can matter. How large the box was never shows in the result.
+// The samples lie in canonical order, so the box around a group (kernel/kernel.hpp) is a run of them, filtered by
+// toolface. Its half height starts from that of the previous group and grows until the kernel finds that no sample
+// outside can matter. The size of the box does not change the result.
 #pragma once
 
 #include <memory>
@@ -16,7 +16,7 @@
 
 namespace helibore {
 
-// What the search knows of a group when it is done.
+// The result of the search of a group.
 struct GroupResult {
     double radius[kernel::lanes];
     double nearest[kernel::lanes];
@@ -30,8 +30,9 @@ class Search {
   public:
     explicit Search(const Settings& settings);
 
-    // Memory of one worker: the candidate list, and where the last group was. Every group writes it, so no other worker
-    // has a part of its two lines (of which the processor fetches one with the other): that cost each a tenth.
+    // Memory of one worker: the list of candidates and the place of the previous group. Every group writes to it, so it
+    // is aligned to the two cache lines that processors fetch together: shared lines cost each worker a tenth of its
+    // time.
     class alignas(128) Scratch {
       public:
         Scratch();
@@ -40,24 +41,25 @@ class Search {
         friend class Search;
         void pad();
 
-        // Room for the longest list, which few groups need: not zeroed, so that what is not used costs nothing.
+        // Room for the longest list, which few groups need; not zeroed, so that unused memory costs nothing.
         std::unique_ptr<kernel::Candidate[]> rows;
         std::unique_ptr<float[]> across, along;
         kernel::CandidateList list;
         std::vector<unsigned char> keep;
         Samples::Place place;
-        double half_height = 0.0;  // of the next group's first box; 0: not known yet
-        double mean_square = 0.0;  // of the reach of the groups before
+        double half_height = 0.0;  // of the first box of the next group; 0: not known yet
+        double mean_square = 0.0;  // of the reach of previous groups
     };
 
     // Vertices [8 group, 8 group + 8) of the helix, those from vertex_count on left out.
     void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
              GroupResult& result) const;
 
-    // The means, by the weights of the radius, of values at the neighbours of each vertex of the group: channels of one
-    // value a sample, in canonical order, NaN for none; into out[channel][vertex - 8 group], NaN where none has one.
-    void carry(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
-               std::span<const std::span<const double>> channels, std::span<double* const> out) const;
+    // Means of values at the neighbours of each vertex of the group, by the weights of the radius. Each channel has one
+    // value for each sample in canonical order, NaN for none; results go to out[channel][vertex - 8 group], NaN if no
+    // neighbour has a value.
+    void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
+                     std::span<const std::span<const double>> channels, std::span<double* const> out) const;
 
     const kernel::Functions& functions() const { return *functions_; }
 

@@ -1,4 +1,4 @@
-// Volumes of hexahedra, and whether their corners stand upright.
+// Volumes of hexahedra, and whether any is turned inside out.
 //
 //        7 ---- 6        the outer quad over the inner one; edges run straight, faces are the bilinear
 //       /|     /|        patches between them, which neighbours share: volumes add up without gaps
@@ -10,7 +10,7 @@
 #include <atomic>
 #include <limits>
 
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "helibore/surface.hpp"
@@ -46,7 +46,7 @@ double volume_of(const Corners& c) {
     return (determinant(b + a, d, e) + determinant(a, d + f, g) + determinant(b, f, g + e)) / 12.0;
 }
 
-// Do the three edges at every corner keep their order, that of the axes?
+// Do the three edges at every corner form a right-handed system?
 bool upright(const Corners& c) {
     constexpr std::size_t edges[8][3] = {{1, 3, 4}, {2, 0, 5}, {3, 1, 6}, {0, 2, 7},
                                          {7, 5, 0}, {4, 6, 1}, {5, 7, 2}, {6, 4, 3}};
@@ -58,7 +58,7 @@ bool upright(const Corners& c) {
     return all;
 }
 
-// Calls visit(row) for all rows below `count`, shared out to threads.
+// Calls visit(row) for all rows below `count`, on several threads.
 template <class Visit>
 void for_each_row(Index count, int threads, const Visit& visit) {
     for_each_range(threads, count, cells_a_part, [&](int, const Range& rows) {

@@ -1,5 +1,5 @@
-// Surveys to pieces of curve, and pieces to positions and frames. The formulas, with t the tangent, L the course
-// length:
+// Turns surveys into segments of curves, and segments into positions and frames. The formulas, with t the tangent and L
+// the course length:
 //
 //   dogleg b = 2 atan2(|t2 - t1|, |t2 + t1|)        no cancellation at tiny or huge b
 //   minimum curvature     step = L/2 (t1 + t2) tan(b/2)/(b/2)
@@ -13,7 +13,7 @@
 #include <cmath>
 
 #include "base/degrees.hpp"
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
 #include "helibore/error.hpp"
 #include "surface/segments.hpp"
 
@@ -22,20 +22,14 @@ namespace {
 
 using glm::dvec3;
 
-// Two tangents that differ from opposite by less than this (radians) span no plane an arc could lie in.
+// Two tangents that are opposite to within this angle (radians) define no plane for an arc.
 constexpr double least_from_opposite = 1e-8;
-// A course that covers less horizontal distance than this share of its length is vertical: it has no azimuth to turn.
+// A course that covers less horizontal distance than this share of its length is vertical: its azimuth cannot change.
 constexpr double least_across = 1e-12;
 
-void require_equal_lengths(const char* name, std::size_t size, std::size_t depths) {
-    if (size == depths) return;
-    throw InputError(std::string(name) + " has " + std::to_string(size) + " values, depth has " +
-                     std::to_string(depths) + ": must be equal");
-}
-
 void require_between(const char* name, std::span<const double> values, double low, double high) {
+    require_finite(name, values);
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!std::isfinite(values[i])) throw InputError(entry_text(name, Index(i), values[i]) + ": must be finite");
         if (values[i] < low || values[i] > high) {
             throw InputError(entry_text(name, Index(i), values[i]) + ": must lie in " + number_text(low) + " to " +
                              number_text(high) + " degrees");
@@ -44,9 +38,9 @@ void require_between(const char* name, std::span<const double> values, double lo
 }
 
 void require_growing(std::span<const double> depth) {
-    for (std::size_t i = 0; i < depth.size(); ++i) {
-        if (!std::isfinite(depth[i])) throw InputError(entry_text("depth", Index(i), depth[i]) + ": must be finite");
-        if (i > 0 && depth[i] <= depth[i - 1]) {
+    require_finite("depth", depth);
+    for (std::size_t i = 1; i < depth.size(); ++i) {
+        if (depth[i] <= depth[i - 1]) {
             throw InputError(entry_text("depth", Index(i), depth[i]) + ": must be greater than " +
                              entry_text("depth", Index(i) - 1, depth[i - 1]));
         }
@@ -69,7 +63,7 @@ Station station(const Survey& survey, std::size_t index) {
     return {survey.depth()[index], inclination, azimuth, i, a, {i.sine * a.cosine, i.sine * a.sine, i.cosine}};
 }
 
-// |t2 - t1| / 2 is written as the haversine, which keeps all digits of doglegs far below a millionth of a degree.
+// |t2 - t1| / 2 is written as the haversine, which is exact for doglegs far below a millionth of a degree.
 double dogleg_between(const Station& above, const Station& below) {
     const double build = sine_cosine(0.5 * (below.inclination - above.inclination)).sine;
     const double turn = sine_cosine(0.5 * wrap_difference(below.azimuth - above.azimuth)).sine;
@@ -77,13 +71,13 @@ double dogleg_between(const Station& above, const Station& below) {
     return 2.0 * std::atan2(half_chord, 0.5 * glm::length(below.tangent + above.tangent));
 }
 
-int pieces_for(double bend) {
+int segments_for(double bend) {
     return std::max(1, static_cast<int>(std::ceil(bend / max_bend)));
 }
 
 // Appends the arcs of one course that starts at `head`; returns where it ends.
 //
-//         m = unit(t1 + t2)          The arc's plane is spanned by m, the tangent half-way, and e, square to it.
+//         m = unit(t1 + t2)          The arc lies in the plane of m, its tangent half-way, and e, normal to m.
 //     t1 \ | / t2                    t(x) = cos(x - b/2) m + sin(x - b/2) e,  x from 0 to b,
 //         \|/                        and its normal is dt/dx.
 //          +---> e = unit(t2 - t1)
@@ -97,7 +91,7 @@ dvec3 append_arcs(std::vector<Arc>& arcs, const Station& above, const Station& b
     }
     const dvec3 m = sum / glm::length(sum), e = difference / glm::length(difference);
     const double curvature = bend / length;
-    const int count = pieces_for(bend);
+    const int count = segments_for(bend);
     for (int j = 0; j < count; ++j) {
         const double beyond = length * j / count, x = curvature * beyond;
         const double half = 0.5 * bend, s = std::sin(x - half), c = std::cos(x - half);
@@ -127,8 +121,8 @@ dvec3 append_curves(std::vector<CylinderCurve>& curves, const Station& above, co
         const double down = beyond * sine_cosine(above.inclination + half / degree).cosine * sinc(half);
         return head + dvec3(level * a.cosine, level * a.sine, down);
     };
-    // Nowhere on a course is the sine of the inclination more than twice its mean, nor the azimuth's rate.
-    const int count = pieces_for(std::max(std::abs(build) * length, 2.0 * std::abs(azimuth_change)));
+    // On a course the sine of the inclination is at most twice its mean, and so is the rate of the azimuth.
+    const int count = segments_for(std::max(std::abs(build) * length, 2.0 * std::abs(azimuth_change)));
     for (int j = 0; j < count; ++j) {
         const double beyond = length * j / count;
         const SineCosine i = sine_cosine(above.inclination + build * beyond / degree);
@@ -157,63 +151,65 @@ void require_sane(const PathSettings& settings) {
     }
 }
 
-// Carries toolface 0 from the first piece to the start of every other.
-template <class Piece>
-void carry(std::vector<Piece>& pieces) {
-    const Point top = pieces.front().at(0.0);
-    const Axes north = axes_of<Reference::north>(pieces.front(), top);
-    const Axes first = north.square >= 0.5 ? north : axes_of<Reference::high_side>(pieces.front(), top);
-    pieces.front().zero = glm::normalize(dvec3(first.zero_n, first.zero_e, first.zero_d));
-    for (std::size_t i = 1; i < pieces.size(); ++i) {
-        const dvec3 t = pieces[i].start_tangent();
-        const Axes a = axes_of<Reference::carried>(pieces[i - 1], {0.0, 0.0, 0.0, t.x, t.y, t.z});
+// Moves toolface 0 from the first segment to the start of every other by parallel transport.
+template <class Segment>
+void transport_toolface(std::vector<Segment>& segments) {
+    const Point top = segments.front().at(0.0);
+    const Axes north = axes_of<Reference::north>(segments.front(), top);
+    const Axes first = north.square >= 0.5 ? north : axes_of<Reference::high_side>(segments.front(), top);
+    segments.front().zero = glm::normalize(dvec3(first.zero_n, first.zero_e, first.zero_d));
+    for (std::size_t i = 1; i < segments.size(); ++i) {
+        const dvec3 t = segments[i].start_tangent();
+        const Axes a = axes_of<Reference::parallel_transport>(segments[i - 1], {0.0, 0.0, 0.0, t.x, t.y, t.z});
         const dvec3 zero(a.zero_n, a.zero_e, a.zero_d);
-        pieces[i].zero = glm::normalize(zero - glm::dot(zero, t) * t);  // rounding does not add up
+        segments[i].zero = glm::normalize(zero - glm::dot(zero, t) * t);  // so that rounding errors do not add up
     }
 }
 
-Pieces pieces_of(const Survey& survey, const PathSettings& settings) {
+Segments segments_of(const Survey& survey, const PathSettings& settings) {
     require_sane(settings);
-    Pieces pieces;
-    pieces.reference = settings.reference;
-    pieces.start_depth = survey.depth().front();
-    pieces.survey_depth = survey.depth().back();
-    pieces.stop_depth = pieces.survey_depth + settings.extend;
+    Segments segments;
+    segments.reference = settings.reference;
+    segments.start_depth = survey.depth().front();
+    segments.survey_depth = survey.depth().back();
+    segments.stop_depth = segments.survey_depth + settings.extend;
     const bool arcs = settings.method == Method::minimum_curvature;
     const std::size_t last = survey.depth().size() - 1;
     dvec3 head(settings.head[0], settings.head[1], settings.head[2]);
     for (std::size_t i = 0; i < last; ++i) {
         if (arcs) require_arc(survey, i + 1);
         const Station above = station(survey, i), below = station(survey, i + 1);
-        head = arcs ? append_arcs(pieces.arcs, above, below, head) : append_curves(pieces.curves, above, below, head);
+        head =
+            arcs ? append_arcs(segments.arcs, above, below, head) : append_curves(segments.curves, above, below, head);
     }
-    // The last piece goes straight on. It starts at the last station, so that station, too, is the start of a piece and
-    // keeps its bits when the next course takes the place of the straight one.
+    // The last segment is straight. It starts at the last station, so that this station starts a segment, too, and
+    // keeps its bits when the next course replaces the straight segment.
     const Station end = station(survey, last);
     if (arcs) {
-        pieces.arcs.push_back({end.depth, head, end.tangent, dvec3(0.0), 0.0});
-        carry(pieces.arcs);
+        segments.arcs.push_back({end.depth, head, end.tangent, dvec3(0.0), 0.0});
+        transport_toolface(segments.arcs);
     } else {
-        pieces.curves.push_back({end.depth, head, end.i.sine, end.i.cosine, end.a.sine, end.a.cosine, 0.0, 0.0});
-        carry(pieces.curves);
+        segments.curves.push_back({end.depth, head, end.i.sine, end.i.cosine, end.a.sine, end.a.cosine, 0.0, 0.0});
+        transport_toolface(segments.curves);
     }
-    return pieces;
+    return segments;
 }
 
-// Calls visit(i, piece, point of depth[i]) for every depth.
+// Calls visit(i, segment, point of depth[i]) for every depth.
 template <class Visit>
-void for_each_point(const Pieces& pieces, std::span<const double> depth, const Visit& visit) {
+void for_each_point(const Segments& segments, std::span<const double> depth, const Visit& visit) {
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        pieces.require_reach(depth[i], entry_text("depth", Index(i), depth[i]));
-        const auto point = [&](const auto& piece) { visit(i, piece, piece.at(depth[i] - piece.depth)); };
-        pieces.curves.empty() ? point(piece_at(pieces.arcs, depth[i])) : point(piece_at(pieces.curves, depth[i]));
+        segments.require_reach(depth[i], entry_text("depth", Index(i), depth[i]));
+        const auto point = [&](const auto& segment) { visit(i, segment, segment.at(depth[i] - segment.depth)); };
+        segments.curves.empty() ? point(segment_at(segments.arcs, depth[i]))
+                                : point(segment_at(segments.curves, depth[i]));
     }
 }
 
-template <Reference reference, class Piece>
-Frame frame_at(const Pieces& pieces, const Piece& piece, const Point& p, Index i, double depth) {
-    const Axes a = axes_of<reference>(piece, p);
-    if (a.square < least_reference_angle * least_reference_angle) pieces.refuse_frame(entry_text("depth", i, depth));
+template <Reference reference, class Segment>
+Frame frame_at(const Segments& segments, const Segment& segment, const Point& p, Index i, double depth) {
+    const Axes a = axes_of<reference>(segment, p);
+    if (a.square < least_reference_angle * least_reference_angle) segments.refuse_frame(entry_text("depth", i, depth));
     const double scale = 1.0 / std::sqrt(a.square);
     return {{{a.zero_n * scale, a.zero_e * scale, a.zero_d * scale},
              {a.right_n * scale, a.right_e * scale, a.right_d * scale},
@@ -226,8 +222,8 @@ Survey::Survey(std::span<const double> depth, std::span<const double> inclinatio
     : depth_(depth.begin(), depth.end()),
       inclination_(inclination.begin(), inclination.end()),
       azimuth_(azimuth.begin(), azimuth.end()) {
-    require_equal_lengths("inclination", inclination.size(), depth.size());
-    require_equal_lengths("azimuth", azimuth.size(), depth.size());
+    require_length("inclination", inclination.size(), depth.size());
+    require_length("azimuth", azimuth.size(), depth.size());
     if (depth.size() < 2) {
         throw InputError("survey has " + std::to_string(depth.size()) + (depth.size() == 1 ? " station" : " stations") +
                          ": must have two or more");
@@ -256,11 +252,11 @@ Method method_of(std::string_view name) {
 Reference reference_of(std::string_view name) {
     if (name == "high-side") return Reference::high_side;
     if (name == "north") return Reference::north;
-    if (name == "carried") return Reference::carried;
+    if (name == "carried") return Reference::parallel_transport;
     throw InputError("reference = \"" + std::string(name) + "\": must be \"high-side\", \"north\" or \"carried\"");
 }
 
-void Pieces::require_reach(double depth, const std::string& where) const {
+void Segments::require_reach(double depth, const std::string& where) const {
     if (std::isnan(depth) || std::isinf(depth)) throw InputError(where + ": must be finite");
     if (depth < start_depth) {
         throw InputError(where + ": must not lie above the first station of the survey, at " +
@@ -273,7 +269,7 @@ void Pieces::require_reach(double depth, const std::string& where) const {
     }
 }
 
-void Pieces::refuse_frame(const std::string& where) const {
+void Segments::refuse_frame(const std::string& where) const {
     if (reference == Reference::high_side) {
         throw InputError(where + ": the high side is undefined where the hole is vertical; use reference=\"north\"");
     }
@@ -282,52 +278,44 @@ void Pieces::refuse_frame(const std::string& where) const {
 }
 
 Path::Path() {
-    Pieces pieces;
-    pieces.arcs.push_back({});
-    pieces_ = std::make_shared<const Pieces>(std::move(pieces));
+    Segments segments;
+    segments.arcs.push_back({});
+    segments_ = std::make_shared<const Segments>(std::move(segments));
 }
 
 Path::Path(const Survey& survey, const PathSettings& settings)
-    : pieces_(std::make_shared<const Pieces>(pieces_of(survey, settings))) {}
+    : segments_(std::make_shared<const Segments>(segments_of(survey, settings))) {}
 
 std::vector<Vector3> Path::position(std::span<const double> depth) const {
     std::vector<Vector3> positions(depth.size());
-    for_each_point(*pieces_, depth,
+    for_each_point(*segments_, depth,
                    [&](std::size_t i, const auto&, const Point& p) { positions[i] = {p.north, p.east, p.down}; });
     return positions;
 }
 
 std::vector<Vector3> Path::tangent(std::span<const double> depth) const {
     std::vector<Vector3> tangents(depth.size());
-    for_each_point(*pieces_, depth,
+    for_each_point(*segments_, depth,
                    [&](std::size_t i, const auto&, const Point& p) { tangents[i] = {p.tan_n, p.tan_e, p.tan_d}; });
     return tangents;
 }
 
 std::vector<Frame> Path::frame(std::span<const double> depth) const {
     std::vector<Frame> frames(depth.size());
-    for_each_point(*pieces_, depth, [&](std::size_t i, const auto& piece, const Point& p) {
-        switch (pieces_->reference) {
-            case Reference::high_side:
-                frames[i] = frame_at<Reference::high_side>(*pieces_, piece, p, Index(i), depth[i]);
-                break;
-            case Reference::north:
-                frames[i] = frame_at<Reference::north>(*pieces_, piece, p, Index(i), depth[i]);
-                break;
-            case Reference::carried:
-                frames[i] = frame_at<Reference::carried>(*pieces_, piece, p, Index(i), depth[i]);
-                break;
-        }
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const Point& p) {
+        frames[i] = with_reference(segments_->reference, [&](auto reference) {
+            return frame_at<reference>(*segments_, segment, p, Index(i), depth[i]);
+        });
     });
     return frames;
 }
 
 std::vector<double> Path::north_to_high_side(std::span<const double> depth) const {
-    Pieces high_side;  // the high side's own rule and error, whatever the path's reference
+    Segments high_side;  // its rule and error, whatever the reference of the path
     high_side.reference = Reference::high_side;
     std::vector<double> degrees(depth.size());
-    for_each_point(*pieces_, depth, [&](std::size_t i, const auto& piece, const Point& p) {
-        if (axes_of<Reference::high_side>(piece, p).square < least_reference_angle * least_reference_angle) {
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const Point& p) {
+        if (axes_of<Reference::high_side>(segment, p).square < least_reference_angle * least_reference_angle) {
             high_side.refuse_frame(entry_text("depth", Index(i), depth[i]));
         }
         const double angle = std::atan2(-p.tan_e, p.tan_d * p.tan_n) / degree;
@@ -338,16 +326,16 @@ std::vector<double> Path::north_to_high_side(std::span<const double> depth) cons
 }
 
 Reference Path::reference() const {
-    return pieces_->reference;
+    return segments_->reference;
 }
 double Path::start_depth() const {
-    return pieces_->start_depth;
+    return segments_->start_depth;
 }
 double Path::survey_depth() const {
-    return pieces_->survey_depth;
+    return segments_->survey_depth;
 }
 double Path::stop_depth() const {
-    return pieces_->stop_depth;
+    return segments_->stop_depth;
 }
 
 }  // namespace helibore

@@ -1,15 +1,16 @@
-// Placing vertices: P = C(depth) + R (cos(toolface) h + sin(toolface) right), for millions of them.
+// Positions of vertices: P = C(depth) + R (cos(toolface) h + sin(toolface) right), for millions of them.
 //
-// Vertices go in chunks that lie on one piece of the path. A chunk is plain loops without a library call or branch:
-// the piece's series give position and tangent, the tangent gives the frame, and K sines and cosines are all the
-// toolfaces there are. Each vertex's bits depend on its k alone, not on where chunks, runs or threads begin.
+// Vertices are placed in chunks, each on one segment of the path. A chunk is plain loops without a library call or
+// branch: the segment's series give position and tangent, the tangent gives the frame, and a table holds the sines and
+// cosines of all K toolfaces. The result for a vertex depends on its k alone, not on where chunks, runs or threads
+// begin.
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "base/degrees.hpp"
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "helibore/surface.hpp"
@@ -23,7 +24,8 @@ constexpr int chunk_size = 256;
 constexpr Index vertices_a_part = 4096;  // that a thread takes at a time
 constexpr Index none = std::numeric_limits<Index>::max();
 
-// Cosine and sine of the toolface of vertex k at k % K, and on for a chunk more, so that a chunk reads them in a row.
+// Cosine and sine of the toolface of vertex k at k % K, continued for one chunk, so that a chunk reads them in
+// sequence.
 struct Toolfaces {
     std::vector<double> cosine, sine;
     explicit Toolfaces(const Helix& helix) {
@@ -39,13 +41,13 @@ struct Task {
     Helix helix;
     Index first;  // the vertex of radius[0]
     const double* radius;
-    const Pieces& path;
+    const Segments& path;
     Toolfaces toolfaces;
 };
 
-// Places vertices k .. k + count - 1, all on `piece`. Returns how many of them have no frame.
-template <Reference reference, class Piece>
-int place_chunk(const Task& task, const Piece& piece, Index k, int count, Vector3* out) {
+// Places vertices k .. k + count - 1, all on `segment`. Returns how many of them have no frame.
+template <Reference reference, class Segment>
+int place_chunk(const Task& task, const Segment& segment, Index k, int count, Vector3* out) {
     const Index sectors = task.helix.sectors, phase = ((k % sectors) + sectors) % sectors;
     const double* cosine = task.toolfaces.cosine.data() + phase;
     const double* sine = task.toolfaces.sine.data() + phase;
@@ -55,8 +57,8 @@ int place_chunk(const Task& task, const Piece& piece, Index k, int count, Vector
     double north[chunk_size], east[chunk_size], down[chunk_size], square[chunk_size];
     for (int j = 0; j < count; ++j) {
         const double depth = start + (first + static_cast<double>(j)) * pitch / turn;  // Helix::depth, bit for bit
-        const Point p = piece.at(depth - piece.depth);
-        const Axes a = axes_of<reference>(piece, p);
+        const Point p = segment.at(depth - segment.depth);
+        const Axes a = axes_of<reference>(segment, p);
         const double scale = radius[j] / std::sqrt(a.square), c = cosine[j] * scale, s = sine[j] * scale;
         north[j] = p.north + (c * a.zero_n + s * a.right_n);
         east[j] = p.east + (c * a.zero_e + s * a.right_e);
@@ -64,38 +66,38 @@ int place_chunk(const Task& task, const Piece& piece, Index k, int count, Vector
         square[j] = a.square;
     }
     for (int j = 0; j < count; ++j) out[j] = {north[j], east[j], down[j]};
-    int without = 0;  // counted apart: in the loop above it would keep compilers from vectorising that loop
+    int without = 0;  // in a loop of its own: in the loop above it would prevent vectorisation
     for (int j = 0; j < count; ++j) without += square[j] < least_reference_angle * least_reference_angle ? 1 : 0;
     return without;
 }
 
-// How many of the `count` vertices from k on lie on the piece that k lies on.
-template <class Piece>
-int count_on(const std::vector<Piece>& pieces, const Piece& piece, const Helix& helix, Index k, int count) {
-    const double upper = &piece == pieces.data() ? -no_limit : piece.depth;
-    const double lower = &piece == &pieces.back() ? no_limit : (&piece + 1)->depth;
-    const auto on_piece = [&](int j) {
+// How many of the `count` vertices from k on lie on the segment that k lies on.
+template <class Segment>
+int count_on(const std::vector<Segment>& segments, const Segment& segment, const Helix& helix, Index k, int count) {
+    const double upper = &segment == segments.data() ? -no_limit : segment.depth;
+    const double lower = &segment == &segments.back() ? no_limit : (&segment + 1)->depth;
+    const auto on_segment = [&](int j) {
         const double depth = helix.depth(k + j);
         return depth >= upper && depth < lower;
     };
-    if (on_piece(count - 1)) return count;
-    int on = 1, off = count - 1;  // vertex k + on - 1 lies on the piece, k + off does not
+    if (on_segment(count - 1)) return count;
+    int on = 1, off = count - 1;  // vertex k + on - 1 lies on the segment, k + off does not
     while (on < off) {
         const int middle = on + (off - on) / 2;
-        on_piece(middle) ? on = middle + 1 : off = middle;
+        on_segment(middle) ? on = middle + 1 : off = middle;
     }
     return on;
 }
 
 // Places vertices [k.start, k.stop) from row `out` on. Returns the first that has no frame, or `none`.
-template <Reference reference, class Piece>
-Index place_range(const Task& task, const std::vector<Piece>& pieces, Range k, Vector3* out) {
+template <Reference reference, class Segment>
+Index place_range(const Task& task, const std::vector<Segment>& segments, Range k, Vector3* out) {
     Index refused = none;
     while (k.start < k.stop) {
-        const Piece& piece = piece_at(pieces, task.helix.depth(k.start));
+        const Segment& segment = segment_at(segments, task.helix.depth(k.start));
         const int most = static_cast<int>(std::min<Index>(chunk_size, k.stop - k.start));
-        const int count = count_on(pieces, piece, task.helix, k.start, most);
-        if (place_chunk<reference>(task, piece, k.start, count, out) > 0 && refused == none) refused = k.start;
+        const int count = count_on(segments, segment, task.helix, k.start, most);
+        if (place_chunk<reference>(task, segment, k.start, count, out) > 0 && refused == none) refused = k.start;
         k.start += count;
         out += count;
     }
@@ -103,18 +105,10 @@ Index place_range(const Task& task, const std::vector<Piece>& pieces, Range k, V
 }
 
 Index place_range(const Task& task, const Range& k, Vector3* out) {
-    const auto on = [&](const auto& pieces) {
-        switch (task.path.reference) {
-            case Reference::high_side:
-                return place_range<Reference::high_side>(task, pieces, k, out);
-            case Reference::north:
-                return place_range<Reference::north>(task, pieces, k, out);
-            case Reference::carried:
-                return place_range<Reference::carried>(task, pieces, k, out);
-        }
-        throw InternalError("a path without a reference");
-    };
-    return task.path.curves.empty() ? on(task.path.arcs) : on(task.path.curves);
+    return with_reference(task.path.reference, [&](auto reference) {
+        return task.path.curves.empty() ? place_range<reference>(task, task.path.arcs, k, out)
+                                        : place_range<reference>(task, task.path.curves, k, out);
+    });
 }
 
 void require_reach(const Task& task, std::span<const VertexRun> runs) {
@@ -127,19 +121,19 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
     }
 }
 
-// The vertices of [k, k + chunk_size) hold one without a frame: says which. A carried reference has one everywhere.
+// Throws for the first vertex from k on that has no frame; there is one. Parallel transport has a frame everywhere.
 [[noreturn]] void refuse(const Task& task, const Path& path, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);
         const std::string where = "vertex " + std::to_string(k) + " at depth " + number_text(depth);
-        const auto square = [&](const auto& piece) {
-            const Point p = piece.at(depth - piece.depth);
-            return task.path.reference == Reference::high_side ? axes_of<Reference::high_side>(piece, p).square
-                                                               : axes_of<Reference::north>(piece, p).square;
+        const auto square = [&](const auto& segment) {
+            const Point p = segment.at(depth - segment.depth);
+            return with_reference(task.path.reference,
+                                  [&](auto reference) { return axes_of<reference>(segment, p).square; });
         };
-        const double of = task.path.curves.empty() ? square(piece_at(task.path.arcs, depth))
-                                                   : square(piece_at(task.path.curves, depth));
-        if (of < least_reference_angle * least_reference_angle) path.pieces().refuse_frame(where);
+        const double of = task.path.curves.empty() ? square(segment_at(task.path.arcs, depth))
+                                                   : square(segment_at(task.path.curves, depth));
+        if (of < least_reference_angle * least_reference_angle) path.segments().refuse_frame(where);
     }
 }
 
@@ -149,7 +143,7 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
            int threads) {
     if (runs.empty()) return;
     const Helix helix{radii.start_depth, radii.start_toolface, radii.pitch, radii.sectors};
-    const Task task{helix, radii.first, radii.radius.data(), path.pieces(), Toolfaces(helix)};
+    const Task task{helix, radii.first, radii.radius.data(), path.segments(), Toolfaces(helix)};
     require_reach(task, runs);
     const Index first = runs.front().k.start, length = runs.back().k.stop - first;
     std::vector<Index> refused(static_cast<std::size_t>(std::max(threads, 1)), none);

@@ -1,11 +1,11 @@
-// A path cut into pieces so short that two series give every sine and cosine on them: no library call per vertex,
-// plain arithmetic that compilers vectorise, and the same bits from path.cpp (one depth) and surface.cpp (millions).
+// A path cut into segments so short that two series give every sine and cosine on them: no library call for a vertex,
+// plain arithmetic that compilers vectorise, and the same bits from path.cpp (one depth) and place.cpp (millions).
 //
 //     station i           station i+1
-//        |--piece--|--piece--|--piece--|...      each bends by at most max_bend from its start
+//        |-segment-|-segment-|-segment-|...      each bends by at most max_bend from its start
 //
-// Each piece starts from its own closed-form position, so errors do not add up along it, and a piece depends only on
-// the stations above and below it: later stations cannot move it.
+// Each segment starts from its own closed-form position, so errors do not add up along it, and a segment depends only
+// on the stations above and below it: later stations cannot move it.
 #pragma once
 
 #include <algorithm>
@@ -13,6 +13,7 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <string>
+#include <type_traits>
 #include <vector>
 
 #include "helibore/path.hpp"
@@ -21,7 +22,7 @@ namespace helibore {
 
 inline constexpr double max_bend = 1.0 / 32.0;  // radians; the series below are then exact to 3e-18
 
-// sin(x)/x and (1 - cos(x))/x^2 for |x| <= max_bend. No division, no special case at 0.
+// sin(x)/x and (1 - cos(x))/x^2 for |x| <= max_bend. No division, and no special case at 0.
 inline double sine_ratio(double x) {
     const double q = x * x;
     return 1.0 - q * (1.0 / 6.0) * (1.0 - q * (1.0 / 20.0) * (1.0 - q * (1.0 / 42.0)));
@@ -38,10 +39,10 @@ struct Point {
 
 // A circular arc (or, with no curvature, a straight line) in the plane of tangent and normal.
 struct Arc {
-    double depth = 0.0;  // where the piece starts
+    double depth = 0.0;  // where the segment starts
     glm::dvec3 position{0.0}, tangent{0.0, 0.0, 1.0}, normal{0.0};
     double curvature = 0.0;          // radians a metre
-    glm::dvec3 zero{1.0, 0.0, 0.0};  // toolface 0 of the carried reference where the piece starts
+    glm::dvec3 zero{1.0, 0.0, 0.0};  // toolface 0 by parallel transport, where the segment starts
 
     glm::dvec3 start_tangent() const { return tangent; }
 
@@ -65,7 +66,7 @@ struct CylinderCurve {
     double sin_inclination = 0.0, cos_inclination = 1.0, sin_azimuth = 0.0, cos_azimuth = 1.0;
     double build = 0.0;              // radians a metre of depth
     double turn = 0.0;               // radians a metre of horizontal distance
-    glm::dvec3 zero{1.0, 0.0, 0.0};  // toolface 0 of the carried reference where the piece starts
+    glm::dvec3 zero{1.0, 0.0, 0.0};  // toolface 0 by parallel transport, where the segment starts
 
     glm::dvec3 start_tangent() const {
         return {sin_inclination * cos_azimuth, sin_inclination * sin_azimuth, cos_inclination};
@@ -91,24 +92,24 @@ struct CylinderCurve {
     }
 };
 
-// A frame is refused where its reference lies within this angle (radians, 0.00006 deg) of the tangent: closer, rounding
-// in the survey's last digits would turn the frame.
+// A frame is undefined if its reference lies within this angle (radians, 0.00006 deg) of the tangent: closer, rounding
+// in the last digits of the survey would turn the frame.
 inline constexpr double least_reference_angle = 1e-6;
 
 // Towards toolface 0 and toolface 90, before division by `length`, the sine of the angle between reference and tangent.
-//   high side: up, made square to t    = (td tn, td te, -(tn^2 + te^2)) / length,  right = (-te, tn, 0) / length
-//   north:     north, made square to t = (te^2 + td^2, -tn te, -tn td) / length,   right = (0, td, -te) / length
-//   carried:   turned by the smallest rotation that takes s, the tangent where the piece starts, to t; z is toolface 0
+//   high side: up, made normal to t    = (td tn, td te, -(tn^2 + te^2)) / length,  right = (-te, tn, 0) / length
+//   north:     north, made normal to t = (te^2 + td^2, -tn te, -tn td) / length,   right = (0, td, -te) / length
+//   parallel transport: the smallest rotation that takes s, the tangent where the segment starts, to t. z is toolface 0
 //              there:  zero = z - (t z) / (1 + s t) (s + t),  right = t x zero
-//              On arcs that is exactly the frame that never twists about t (Bishop 1975), on the other curve within
+//              On arcs that is exactly the frame that never twists about t (Bishop 1975), on cylinder curves within
 //              0.01 deg of it over a well.
 struct Axes {
     double zero_n, zero_e, zero_d;
     double right_n, right_e, right_d;
     double square;  // length^2
 };
-template <Reference reference, class Piece>
-inline Axes axes_of(const Piece& piece, const Point& p) {
+template <Reference reference, class Segment>
+inline Axes axes_of(const Segment& segment, const Point& p) {
     if constexpr (reference == Reference::high_side) {
         const double square = p.tan_n * p.tan_n + p.tan_e * p.tan_e;
         return {p.tan_d * p.tan_n, p.tan_d * p.tan_e, -square, -p.tan_e, p.tan_n, 0.0, square};
@@ -116,7 +117,7 @@ inline Axes axes_of(const Piece& piece, const Point& p) {
         const double square = p.tan_e * p.tan_e + p.tan_d * p.tan_d;
         return {square, -p.tan_n * p.tan_e, -p.tan_n * p.tan_d, 0.0, p.tan_d, -p.tan_e, square};
     } else {
-        const glm::dvec3 s = piece.start_tangent(), &z = piece.zero;
+        const glm::dvec3 s = segment.start_tangent(), &z = segment.zero;
         const double tz = p.tan_n * z.x + p.tan_e * z.y + p.tan_d * z.z;
         const double st = p.tan_n * s.x + p.tan_e * s.y + p.tan_d * s.z;
         const double share = tz / (1.0 + st);
@@ -132,7 +133,21 @@ inline Axes axes_of(const Piece& piece, const Point& p) {
     }
 }
 
-struct Pieces {
+// Calls visit with the reference as a compile-time constant.
+template <class Visit>
+auto with_reference(Reference reference, const Visit& visit) {
+    switch (reference) {
+        case Reference::high_side:
+            return visit(std::integral_constant<Reference, Reference::high_side>{});
+        case Reference::north:
+            return visit(std::integral_constant<Reference, Reference::north>{});
+        case Reference::parallel_transport:
+            break;
+    }
+    return visit(std::integral_constant<Reference, Reference::parallel_transport>{});
+}
+
+struct Segments {
     // One of the two is filled, by the path's method; sorted by depth.
     std::vector<Arc> arcs;
     std::vector<CylinderCurve> curves;
@@ -141,19 +156,19 @@ struct Pieces {
     double survey_depth = std::numeric_limits<double>::infinity();
     double stop_depth = std::numeric_limits<double>::infinity();
 
-    // Throws InputError that opens with `where` ("depth[3] = 12", "vertex 7 at depth 12") unless the path reaches
-    // there.
+    // Throws InputError that begins with `where` ("depth[3] = 12", "vertex 7 at depth 12") unless the path reaches
+    // this depth.
     void require_reach(double depth, const std::string& where) const;
-    // The InputError for a place whose reference is undefined.
+    // Throws the InputError for a place where the reference is undefined.
     [[noreturn]] void refuse_frame(const std::string& where) const;
 };
 
-// The last piece that starts at or above `depth`; the first one for depths above all.
-template <class Piece>
-inline const Piece& piece_at(const std::vector<Piece>& pieces, double depth) {
-    const auto below = std::upper_bound(pieces.begin(), pieces.end(), depth,
-                                        [](double value, const Piece& piece) { return value < piece.depth; });
-    return below == pieces.begin() ? pieces.front() : *(below - 1);
+// The last segment that starts at or above `depth`; the first one for depths above all.
+template <class Segment>
+inline const Segment& segment_at(const std::vector<Segment>& segments, double depth) {
+    const auto below = std::upper_bound(segments.begin(), segments.end(), depth,
+                                        [](double value, const Segment& segment) { return value < segment.depth; });
+    return below == segments.begin() ? segments.front() : *(below - 1);
 }
 
 }  // namespace helibore

@@ -1,12 +1,12 @@
-// Topology: which vertices stay, and the quads and hexahedra between them. Integer arithmetic on runs; counted first,
-// then filled once. Where the vertices lie in space is place.cpp.
+// Topology: which vertices are kept, and the quads and hexahedra between them. Integer arithmetic on runs, which are
+// counted first and then filled. place.cpp computes positions.
 #include "helibore/surface.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "samples/helix.hpp"
@@ -21,7 +21,7 @@ void require_helix(const HelixRadii& radii) {
     if (!std::isfinite(radii.pitch) || radii.pitch == 0.0) {
         throw InputError("pitch = " + number_text(radii.pitch) + ": must be finite and not 0");
     }
-    if (radii.radius.empty()) return;  // an empty wall does not know where it starts
+    if (radii.radius.empty()) return;  // an empty wall has no start
     for (const auto& [name, value] :
          {std::pair{"start_depth", radii.start_depth}, std::pair{"start_toolface", radii.start_toolface}}) {
         if (!std::isfinite(value))
@@ -33,10 +33,10 @@ bool is_there(double radius) {
     return radius > 0.0 && radius <= std::numeric_limits<double>::max();
 }
 
-// How many of the values from `start` on are all there (or, with there = false, all missing).
+// How many values from `start` on are there (or, with there = false, missing) without interruption.
 Index run_length(std::span<const double> radius, std::size_t start, bool there) {
     std::size_t i = start;
-    constexpr std::size_t stride = 64;  // a stride is checked without branches
+    constexpr std::size_t stride = 64;  // checked without branches
     for (int all = 1; i + stride <= radius.size(); i += stride) {
         for (std::size_t j = i; j < i + stride; ++j) all &= static_cast<int>(is_there(radius[j]) == there);
         if (all == 0) break;
@@ -45,7 +45,7 @@ Index run_length(std::span<const double> radius, std::size_t start, bool there) 
     return static_cast<Index>(i - start);
 }
 
-// Runs of vertices that have a radius; their rows follow each other from `row` on, which is moved behind the last.
+// Runs of vertices that have a radius. Their rows begin at `row`, which is advanced past the last.
 std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, const char* name, Index& row) {
     std::vector<VertexRun> runs;
     for (std::size_t i = 0; i < radius.size();) {
@@ -65,7 +65,7 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
 }
 
 // Runs of quads: those k whose upper corners k, k+1 lie in one vertex run and whose lower corners k+K, k+K+1 lie in
-// one, that is the overlaps of the runs with themselves moved up by a turn.
+// one. These are the overlaps of the runs with the same runs moved up by a turn.
 std::vector<QuadRun> quad_runs(const std::vector<VertexRun>& vertices, Index sectors) {
     std::vector<QuadRun> runs;
     for (std::size_t upper = 0, lower = 0; upper < vertices.size() && lower < vertices.size();) {
@@ -94,7 +94,7 @@ std::vector<HexahedronRun> hexahedron_runs(const std::vector<QuadRun>& inner, co
     return runs;
 }
 
-// "radius" is the wall, and the shells beyond it count from 0.
+// "radius" for the wall, then "shells[0]" and so on.
 std::string name_of_shell(std::size_t s) {
     return s == 0 ? "radius" : "shells[" + std::to_string(s - 1) + "]";
 }
@@ -117,7 +117,7 @@ Range overlap(const Range& run, const Range& within) {
     return {std::max(run.start, within.start), std::min(run.stop, within.stop)};
 }
 
-// Calls fill(run, range of k) for the parts of all runs, shared out to threads by k.
+// Calls fill(run, range of k) for parts of all runs, on several threads.
 template <class Run, class RangeOf, class Fill>
 void fill_runs(std::span<const Run> runs, const RangeOf& range_of, int threads, const Fill& fill) {
     if (runs.empty()) return;
@@ -161,10 +161,7 @@ VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<co
     std::vector<QuadRun> inner;
     for (std::size_t s = 0; s < shells.size(); ++s) {
         const std::string name = name_of_shell(s);
-        if (shells[s].size() != radii.radius.size()) {
-            throw InputError(name + " has " + std::to_string(shells[s].size()) + " values, radius has " +
-                             std::to_string(radii.radius.size()) + ": must be equal");
-        }
+        require_length(name, shells[s].size(), radii.radius.size(), "radius");
         layout.shells.push_back(vertex_runs(shells[s], radii.first, name.c_str(), layout.vertex_count));
         std::vector<QuadRun> outer = quad_runs(layout.shells.back(), radii.sectors);
         if (s > 0) layout.layers.push_back(hexahedron_runs(inner, outer, layout.hexahedron_count));

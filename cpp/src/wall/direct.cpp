@@ -1,10 +1,12 @@
-// Which samples stand for vertices that are not settled.
+// Which samples are shown at vertices that are not settled.
 #include "wall/direct.hpp"
 
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
+
+#include "base/ranges.hpp"
 
 namespace helibore {
 namespace {
@@ -46,13 +48,8 @@ std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& 
         return std::bit_cast<std::uint64_t>(radii.shown(k, none));
     };
     std::vector<Range> ranges;
-    for (Index k = std::min(before.start, after.start); k < count; ++k) {
-        if (bits(before, k) == bits(after, k)) continue;
-        if (!ranges.empty() && ranges.back().stop == k)
-            ++ranges.back().stop;
-        else
-            ranges.push_back({k, k + 1});
-    }
+    for (Index k = std::min(before.start, after.start); k < count; ++k)
+        if (bits(before, k) != bits(after, k)) add_range(ranges, {k, k + 1});
     return ranges;
 }
 

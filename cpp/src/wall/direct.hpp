@@ -1,11 +1,10 @@
-// Direct connection (Energies 2021, 14, 291, Eq. 6): while drilling, a sample that falls in the cell of a vertex that
-// is not settled yet stands for that vertex at once, provisionally; once settled the vertex is interpolated like any
-// other.
+// Direct connection (Energies 2021, 14, 291, Eq. 6): while drilling, a vertex that is not settled shows the latest
+// sample in its cell, provisionally. When it is settled, it is interpolated like any other.
 //
 //         |<- 360/K ->|
 //     ----+-----------+----   pitch/2 above
 //         |           |
-//         |     k     |       of the samples in it the last in canonical order counts: while drilling, the newest
+//         |     k     |       the last sample in canonical order counts, which while drilling is the newest
 //         |           |
 //     ----+-----------+----   pitch/2 below
 #pragma once
@@ -19,7 +18,7 @@
 
 namespace helibore {
 
-// The radii of samples that stand for the vertices [start, start + radii.size()); NaN: none does.
+// The radii of samples shown at the vertices [start, start + radii.size()); NaN: none.
 struct DirectRadii {
     Index start = 0;
     std::vector<double> radii;
@@ -28,16 +27,16 @@ struct DirectRadii {
         return start <= k && k - start < static_cast<Index>(radii.size()) &&
                !std::isnan(radii[static_cast<std::size_t>(k - start)]);
     }
-    // What a vertex shows whose estimate is `radius`.
+    // The radius that a vertex shows if its estimate is `radius`.
     double shown(Index k, double radius) const {
         return stands_for(k) ? radii[static_cast<std::size_t>(k - start)] : radius;
     }
-    // The vertices of a range that samples may stand for; mostly few, or none.
+    // The vertices of a range that may show samples; mostly few, or none.
     Range among(Range range) const {
         const Index first = std::max(range.start, start);
         return {first, std::max(first, std::min(range.stop, start + static_cast<Index>(radii.size())))};
     }
-    // What the vertices of a range show.
+    // Replaces the estimates of a range by the radii shown.
     void show(Range range, double* radius) const {
         const Range some = among(range);
         for (Index k = some.start; k < some.stop; ++k) radius[k - range.start] = shown(k, radius[k - range.start]);
@@ -46,7 +45,7 @@ struct DirectRadii {
 
 DirectRadii direct_radii(const Samples& samples, const Helix& helix, Range vertices);
 
-// The vertices of [0, count) where the two differ: sorted, never touching.
+// The vertices of [0, count) where the two differ.
 std::vector<Range> direct_changes(const DirectRadii& before, const DirectRadii& after, Index count);
 
 }  // namespace helibore

@@ -1,5 +1,4 @@
-// What a wall shows: its vertices, scattered attributes on them, the samples it keeps. Owned copies, each of one
-// moment.
+// Copies of what a wall holds: its vertices, its samples, and values interpolated at its vertices.
 #include <algorithm>
 #include <string>
 
@@ -12,10 +11,18 @@ namespace helibore {
 
 namespace {
 
-constexpr Index blocks_a_thread = 64;  // at least; to copy fewer is not worth its start
+constexpr Index blocks_a_thread = 64;  // at least; copying fewer is not worth the start of a thread
 
 std::size_t length_of(Range range) {
     return static_cast<std::size_t>(range.stop - range.start);
+}
+
+// Calls read(state) while no append changes the state.
+template <class State, class Read>
+auto locked(const State& state, const Read& read) {
+    const StandardArithmetic standard;
+    const std::scoped_lock held(state.lock);
+    return read(state);
 }
 
 }  // namespace
@@ -38,6 +45,18 @@ std::vector<double> Wall::State::radius(Range range) const {
     return out;
 }
 
+std::vector<double> Wall::State::nearest(Range range) const {
+    return vertices.column<double>(&Vertices::Block::nearest, range);
+}
+
+std::vector<std::int32_t> Wall::State::support(Range range) const {
+    return vertices.column<std::int32_t>(&Vertices::Block::support, range);
+}
+
+std::vector<std::int32_t> Wall::State::iterations(Range range) const {
+    return vertices.column<std::int32_t>(&Vertices::Block::iterations, range);
+}
+
 std::vector<std::uint8_t> Wall::State::provisional(Range range) const {
     std::vector<std::uint8_t> out(length_of(range));
     const Range some = direct.among(range);
@@ -50,131 +69,110 @@ VertexColumns Wall::State::read(Range range) const {
     if (range.start < 0 || range.stop < range.start || range.stop > count)
         throw InputError("range = [" + std::to_string(range.start) + ", " + std::to_string(range.stop) +
                          "): must lie within the wall's " + std::to_string(count) + " vertices");
-    VertexColumns of;
-    of.depth = depth(range);
-    of.toolface = toolface(range);
-    of.radius = radius(range);
-    of.nearest = vertices.column<double>(&Vertices::Block::nearest, range);
-    of.support = vertices.column<std::int32_t>(&Vertices::Block::support, range);
-    of.iterations = vertices.column<std::int32_t>(&Vertices::Block::iterations, range);
-    of.provisional = provisional(range);
-    return of;
+    return {depth(range),   toolface(range),   radius(range),     nearest(range),
+            support(range), iterations(range), provisional(range)};
 }
 
 Index Wall::size() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->count;
+    return locked(*state_, [](const State& s) { return s.count; });
 }
 
 Index Wall::sample_count() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->samples.size();
+    return locked(*state_, [](const State& s) { return s.samples.size(); });
 }
 
 Index Wall::settled() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->settled;
+    return locked(*state_, [](const State& s) { return s.settled; });
 }
 
 double Wall::start_depth() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->helix.start_depth;
+    return locked(*state_, [](const State& s) { return s.helix.start_depth; });
 }
 
 VertexColumns Wall::vertices(Range range) const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    return state_->read(range);
+    return locked(*state_, [&](const State& s) { return s.read(range); });
 }
 
 VertexColumns Wall::vertices() const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    return state_->read({0, state_->count});
+    return locked(*state_, [](const State& s) { return s.read(s.all()); });
 }
 
 // One column alone moves less memory than all of them.
 std::vector<double> Wall::depth() const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    return state_->depth({0, state_->count});
+    return locked(*state_, [](const State& s) { return s.depth(s.all()); });
 }
 
 std::vector<double> Wall::toolface() const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    return state_->toolface({0, state_->count});
+    return locked(*state_, [](const State& s) { return s.toolface(s.all()); });
 }
 
 std::vector<double> Wall::radius() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->radius({0, state_->count});
-}
-
-Index Wall::read_radius(std::span<double> into) const {
-    const std::scoped_lock held(state_->lock);
-    const State& s = *state_;
-    if (static_cast<Index>(into.size()) != s.count) return s.count;
-    const Index blocks = Vertices::blocks_of(s.count);
-    for_each_part(threads_for(blocks, blocks_a_thread, s.settings.threads), blocks, [&](int, Index b) {
-        const Index first = b * Vertices::block_size, n = std::min(Vertices::block_size, s.count - first);
-        std::copy_n(s.vertices.block(b).radius.begin(), n, into.begin() + first);
-    });
-    s.direct.show({0, s.count}, into.data());
-    return s.count;
+    return locked(*state_, [](const State& s) { return s.radius(s.all()); });
 }
 
 std::vector<double> Wall::nearest() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->vertices.column<double>(&Vertices::Block::nearest, {0, state_->count});
+    return locked(*state_, [](const State& s) { return s.nearest(s.all()); });
 }
 
 std::vector<std::int32_t> Wall::support() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->vertices.column<std::int32_t>(&Vertices::Block::support, {0, state_->count});
+    return locked(*state_, [](const State& s) { return s.support(s.all()); });
 }
 
 std::vector<std::int32_t> Wall::iterations() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->vertices.column<std::int32_t>(&Vertices::Block::iterations, {0, state_->count});
+    return locked(*state_, [](const State& s) { return s.iterations(s.all()); });
 }
 
 std::vector<std::uint8_t> Wall::provisional() const {
-    const std::scoped_lock held(state_->lock);
-    return state_->provisional({0, state_->count});
+    return locked(*state_, [](const State& s) { return s.provisional(s.all()); });
 }
 
-std::vector<std::vector<double>> Wall::carry(std::span<const std::span<const double>> channels, int threads) const {
-    const StandardArithmetic standard;
-    const std::scoped_lock held(state_->lock);
-    const State& s = *state_;
-    for (std::size_t c = 0; c < channels.size(); ++c)
-        if (channels[c].size() != static_cast<std::size_t>(s.samples.size()))
-            throw InputError("channel " + std::to_string(c) + " has " + std::to_string(channels[c].size()) +
-                             " values, the wall " + std::to_string(s.samples.size()) + " samples: must be equal");
-    std::vector<std::vector<double>> values(channels.size(), std::vector<double>(static_cast<std::size_t>(s.count)));
-    std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
-    for_each_range(threads, groups_of(s.count), groups_a_part, [&](int worker, const Range& part) {
-        std::vector<double*> out(channels.size());
-        for (Index g = part.start; g < part.stop; ++g) {
-            for (std::size_t c = 0; c < channels.size(); ++c) out[c] = values[c].data() + g * lanes;
-            s.search.carry(s.samples, s.helix, g, s.count, scratches[static_cast<std::size_t>(worker)], channels, out);
-        }
+Index Wall::read_radius(std::span<double> into) const {
+    return locked(*state_, [&](const State& s) {
+        if (static_cast<Index>(into.size()) != s.count) return s.count;
+        const Index blocks = Vertices::blocks_of(s.count);
+        for_each_part(threads_for(blocks, blocks_a_thread, s.settings.threads), blocks, [&](int, Index b) {
+            const Index first = b * Vertices::block_size, n = std::min(Vertices::block_size, s.count - first);
+            std::copy_n(s.vertices.block(b).radius.begin(), n, into.begin() + first);
+        });
+        s.direct.show(s.all(), into.data());
+        return s.count;
     });
-    return values;
+}
+
+std::vector<std::vector<double>> Wall::interpolate_samples(std::span<const std::span<const double>> channels,
+                                                           int threads) const {
+    return locked(*state_, [&](const State& s) {
+        for (std::size_t c = 0; c < channels.size(); ++c)
+            if (channels[c].size() != static_cast<std::size_t>(s.samples.size()))
+                throw InputError("channel " + std::to_string(c) + " has " + std::to_string(channels[c].size()) +
+                                 " values, the wall " + std::to_string(s.samples.size()) + " samples: must be equal");
+        std::vector<std::vector<double>> values(channels.size(), std::vector<double>(length_of(s.all())));
+        std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
+        for_each_range(threads, groups_of(s.count), groups_a_part, [&](int worker, const Range& part) {
+            Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
+            std::vector<double*> out(channels.size());
+            for (Index g = part.start; g < part.stop; ++g) {
+                for (std::size_t c = 0; c < channels.size(); ++c) out[c] = values[c].data() + g * lanes;
+                s.search.interpolate(s.samples, s.helix, g, s.count, scratch, channels, out);
+            }
+        });
+        return values;
+    });
 }
 
 std::vector<std::vector<double>> Wall::samples() const {
-    const std::scoped_lock held(state_->lock);
-    const bool timed = state_->samples.timed();
-    std::vector<std::vector<double>> columns(timed ? 4 : 3);
-    for (auto& column : columns) column.reserve(static_cast<std::size_t>(state_->samples.size()));
-    for (const auto& chunk : state_->samples.chunks()) {
-        const double* from[4] = {chunk->depth(), chunk->toolface(), chunk->radius(), timed ? chunk->time() : nullptr};
-        for (std::size_t i = 0; i < columns.size(); ++i)
-            columns[i].insert(columns[i].end(), from[i], from[i] + chunk->count);
-    }
-    return columns;
+    return locked(*state_, [](const State& s) {
+        const bool timed = s.samples.timed();
+        std::vector<std::vector<double>> columns(timed ? 4 : 3);
+        for (auto& column : columns) column.reserve(static_cast<std::size_t>(s.samples.size()));
+        for (const auto& chunk : s.samples.chunks()) {
+            const double* from[4] = {chunk->depth(), chunk->toolface(), chunk->radius(),
+                                     timed ? chunk->time() : nullptr};
+            for (std::size_t i = 0; i < columns.size(); ++i)
+                columns[i].insert(columns[i].end(), from[i], from[i] + chunk->count);
+        }
+        return columns;
+    });
 }
 
 }  // namespace helibore

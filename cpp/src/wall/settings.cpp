@@ -1,11 +1,11 @@
-// The rules of the settings.
+// The rules for settings.
 #include "helibore/settings.hpp"
 
 #include <cmath>
 #include <string>
 #include <type_traits>
 
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
 #include "helibore/error.hpp"
 #include "search/kernel/kernel.hpp"
 

@@ -1,4 +1,4 @@
-// What a wall consists of. wall.cpp changes it, read.cpp reads it; both hold its lock.
+// The parts of a wall. wall.cpp changes them, read.cpp reads them; both hold the lock.
 #pragma once
 
 #include <array>
@@ -45,10 +45,14 @@ struct Wall::State {
                         const std::vector<Index>& old, const std::vector<GroupResult>& staged) const;
 
     // Of a range of vertices; read.cpp.
+    Range all() const { return {0, count}; }
     VertexColumns read(Range range) const;
     std::vector<double> depth(Range range) const;
     std::vector<double> toolface(Range range) const;
     std::vector<double> radius(Range range) const;
+    std::vector<double> nearest(Range range) const;
+    std::vector<std::int32_t> support(Range range) const;
+    std::vector<std::int32_t> iterations(Range range) const;
     std::vector<std::uint8_t> provisional(Range range) const;
 
     mutable std::mutex lock;
@@ -59,7 +63,7 @@ struct Wall::State {
     Vertices vertices;
     Index count = 0;
     Index settled = 0;
-    double far_end = std::numeric_limits<double>::quiet_NaN();  // of the samples that `settled` was found with
+    double far_end = std::numeric_limits<double>::quiet_NaN();  // of the samples, when `settled` was last computed
     DirectRadii direct;
     std::vector<Search::Scratch> scratches;
 };

@@ -1,4 +1,4 @@
-// What a wall keeps of its vertices, in blocks so that a growing hole never copies what it has.
+// The values of vertices, in blocks, so that a growing hole never copies them.
 #pragma once
 
 #include <algorithm>
@@ -28,7 +28,7 @@ class Vertices {
         const auto needed = static_cast<std::size_t>(blocks_of(count));
         if (needed > blocks_.capacity()) blocks_.reserve(std::max(needed, 2 * blocks_.capacity()));
         while (blocks_.size() < needed) blocks_.push_back(std::unique_ptr<Block>(new Block));  // not zeroed
-        hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // forgets those that a failed append measured
+        hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // drops those that a failed append measured
         hulls_.resize(needed);
     }
 
@@ -54,10 +54,10 @@ class Vertices {
         double shallow = -no_limit, deep = no_limit;
     };
     const Hull& hull(Index b) const { return hulls_[static_cast<std::size_t>(b)]; }
-    // Of a block that is full.
+    // Of a full block.
     void measure_hull(Index b) {
         const Block& of = block(b);
-        Hull several[8];  // eight at a time, which the compiler makes vectors of
+        Hull several[8];  // eight at a time, which the compiler turns into vectors
         std::fill_n(several, 8, Hull{no_limit, -no_limit});
         for (std::size_t g = 0; g < of.deep.size(); ++g) {
             Hull& hull = several[g % 8];

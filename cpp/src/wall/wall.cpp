@@ -1,17 +1,17 @@
 // The one stateful class: samples in, changed vertices out.
 //
-// An append is: sort the batch, insert it, find the groups of vertices it can change (GroupResult::shallow and deep say
-// what each depends on), search those anew beside the old values, compare, and only then write. Whatever throws does so
-// before the writing, and the insertion is undone.
+// An append sorts the batch, inserts it, finds the groups of vertices that it can change (GroupResult::shallow and deep
+// bound the samples that each depends on), searches those again, compares the results with the old values, and only
+// then writes them. Anything that throws does so before the writing, and then the insertion is undone.
 #include "helibore/wall.hpp"
 
 #include <algorithm>
 #include <bit>
-#include <iterator>
 #include <utility>
 
 #include "base/arithmetic.hpp"
-#include "base/number_text.hpp"
+#include "base/messages.hpp"
+#include "base/ranges.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "wall/state.hpp"
@@ -23,17 +23,8 @@ namespace {
 constexpr Index groups_a_thread = 256;
 constexpr double most_vertices = 2147483648.0;
 
-// Merges [start, stop) into sorted ranges that never touch.
-void add_range(std::vector<Range>& ranges, Range range) {
-    if (range.start == range.stop) return;
-    if (!ranges.empty() && ranges.back().stop == range.start)
-        ranges.back().stop = range.stop;
-    else
-        ranges.push_back(range);
-}
-
-// The first of values[from, to) that is `good`, or `to`. Sixteen at a time, which the compiler compares as vectors:
-// every append looks through the last block.
+// The first of values[from, to) that is `good`, or `to`. Sixteen at a time, which the compiler compares as vectors,
+// because every append looks through the last block.
 template <class Good>
 Index first_that(const double* values, Index from, Index to, const Good& good) {
     for (; from + 16 <= to; from += 16) {
@@ -45,25 +36,9 @@ Index first_that(const double* values, Index from, Index to, const Good& good) {
     return from;
 }
 
-// The last block, which every append looks through: its hull is left unmeasured while it grows.
+// The last block, which every append looks through: its hull is not measured while it grows.
 Index growing_block(Index vertex_count) {
     return Vertices::blocks_of(vertex_count) - 1;
-}
-
-// Two sorted lists of ranges as one.
-std::vector<Range> joined(const std::vector<Range>& a, const std::vector<Range>& b) {
-    std::vector<Range> both;
-    both.reserve(a.size() + b.size());
-    std::merge(a.begin(), a.end(), b.begin(), b.end(), std::back_inserter(both),
-               [](const Range& x, const Range& y) { return x.start < y.start; });
-    std::vector<Range> ranges;
-    for (const Range& range : both) {
-        if (!ranges.empty() && range.start <= ranges.back().stop)
-            ranges.back().stop = std::max(ranges.back().stop, range.stop);
-        else
-            ranges.push_back(range);
-    }
-    return ranges;
 }
 
 }  // namespace
@@ -73,8 +48,8 @@ Change Wall::State::append(const SampleColumns& columns) {
     const StandardArithmetic standard;
     SortedBatch batch = sort_batch(columns, samples, settings.threads, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
-        throw InputError(batch.timed ? "time: the samples before carry none; give it for all or none"
-                                     : "time: missing, but the samples before carry one; give it for all or none");
+        throw InputError(batch.timed ? "time: earlier samples have none; give it for all or none"
+                                     : "time: missing, but earlier samples have one; give it for all or none");
     Samples::Undo undo = samples.insert(batch);
     try {
         return update(batch);
@@ -84,7 +59,7 @@ Change Wall::State::append(const SampleColumns& columns) {
     }
 }
 
-// The helix starts at start_depth, or at the sample that comes first along it.
+// The helix starts at start_depth, or at the first sample along it.
 Helix Wall::State::helix_now() const {
     const bool down = settings.pitch > 0.0;
     const double start = settings.start_depth.value_or(down ? samples.first_depth() : samples.last_depth());
@@ -101,14 +76,14 @@ Index Wall::State::count_now(const Helix& next) const {
     return static_cast<Index>(vertices_needed);
 }
 
-// A wall has vertices from its first sample on.
+// A wall has no vertices before its first sample.
 Change Wall::State::update(const SortedBatch& batch) {
     if (samples.size() == 0) return {};
     const Helix next = helix_now();
     const Index new_count = count_now(next);
     const bool moved = count > 0 && next.start_depth != helix.start_depth;
     const Index kept = moved ? 0 : count;                                // vertices that may keep their values
-    const Index open = !moved && advances(batch) ? settled / lanes : 0;  // no group before it can change
+    const Index open = !moved && advances(batch) ? settled / lanes : 0;  // the first group that can change
 
     Vertices moved_vertices;
     Vertices& into = moved ? moved_vertices : vertices;
@@ -128,7 +103,8 @@ Change Wall::State::update(const SortedBatch& batch) {
     DirectRadii next_direct;
     if (settings.direct) next_direct = direct_radii(samples, next, {change.settled, new_count});
     change.ranges = compare(old, staged, new_count, next_direct);
-    if (settings.direct) change.ranges = joined(change.ranges, direct_changes(direct, next_direct, kept));
+    if (settings.direct)
+        change.ranges = union_of(concatenated(change.ranges, direct_changes(direct, next_direct, kept)));
     change.ranges.reserve(change.ranges.size() + 1);
     add_range(change.ranges, {kept, std::max(kept, new_count)});
 
@@ -144,7 +120,7 @@ Change Wall::State::update(const SortedBatch& batch) {
     return change;
 }
 
-// The hulls of the blocks that were there and have other values now, or are full.
+// Measures the hulls of old blocks that have new values, or have become full.
 void Wall::State::measure_hulls(const std::vector<Index>& old, Index kept) {
     Index measured = -1;
     const auto measure = [&](Index b) {
@@ -154,8 +130,8 @@ void Wall::State::measure_hulls(const std::vector<Index>& old, Index kept) {
     if (kept > 0) measure(growing_block(kept));
 }
 
-// Does the batch lie at the far end of the hole or beyond? What is settled then stays as it is, and need not be looked
-// at, so that an append costs no more where the hole is long.
+// Does the batch lie at the far end of the hole or beyond? Then settled vertices do not change and are not looked at,
+// so an append takes no longer in a long hole.
 bool Wall::State::advances(const SortedBatch& batch) const {
     return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
 }
@@ -181,7 +157,8 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
     return touched;
 }
 
-// Searches old groups into `staged` and fresh ones straight into their place, which nobody sees before `count` says so.
+// Writes the results of old groups to `staged`, those of new groups to their place, which is not read before `count`
+// includes it.
 void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count,
                                 Vertices& into, std::vector<GroupResult>& staged) {
     const auto old_count = static_cast<Index>(old.size());
@@ -203,7 +180,7 @@ void Wall::State::search_groups(const Helix& on, const std::vector<Index>& old, 
     });
 }
 
-// The vertices of searched groups that differ in any bit from what is there, or are not there yet.
+// The vertices of searched groups that differ in any bit from their present values.
 std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const std::vector<GroupResult>& staged,
                                         Index new_count, const DirectRadii& next_direct) const {
     const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };
@@ -223,8 +200,8 @@ std::vector<Range> Wall::State::compare(const std::vector<Index>& groups, const 
     return ranges;
 }
 
-// The first vertex whose group a sample at the far end of the hole, or beyond, could still change, once the staged
-// groups are in their place; not before group `from`.
+// The first vertex, from group `from` on, that a sample at the far end of the hole or beyond could still change. Staged
+// groups count with their staged bounds.
 Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from, Index vertex_count,
                                  const std::vector<Index>& old, const std::vector<GroupResult>& staged) const {
     const bool down = on.pitch > 0.0;
@@ -245,7 +222,7 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
             if (g < last && open(bound(staged[next++]))) return g * lanes;
         }
     }
-    // A last group that is not full may gain vertices, and depend on more than now, unless the wall ends there.
+    // An incomplete last group may gain vertices and then depend on more samples, unless the wall ends there.
     return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
 }
 

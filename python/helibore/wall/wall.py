@@ -225,8 +225,10 @@ class Wall:
         """The samples kept, in canonical order: depth, time or arrival, toolface, radius; a copy."""
         return Caliper(*self._core.samples(), basis=self._basis)
 
-    def carry(self, values: npt.ArrayLike, caliper: Caliper | None = None, *, on: str = "quads") -> Floats:
-        """Carry values that were measured with the samples to the wall, by the neighbours and weights of its radius.
+    def interpolate_samples(
+        self, values: npt.ArrayLike, caliper: Caliper | None = None, *, on: str = "quads"
+    ) -> Floats:
+        """Interpolate values measured with the samples on the wall, by the neighbours and weights of its radius.
 
         Parameters
         ----------
@@ -250,13 +252,13 @@ class Wall:
         Examples
         --------
         >>> wall = reconstruct(Caliper([0, 0.1, 0.2], [0, 90, 180], [0.1] * 3), bit_diameter=0.2, sectors=4)
-        >>> wall.attributes["GR"] = wall.carry([40.0, 40.0, 40.0])
+        >>> wall.attributes["GR"] = wall.interpolate_samples([40.0, 40.0, 40.0])
         """
         if on not in ("quads", "vertices"):
             raise ValueError(f"on = {on!r}: must be 'quads' or 'vertices'")
         rows = in_canonical_order(self, values, caliper)
-        (carried,) = self._core.carry([rows], self._threads)
-        return on_quads(carried, self._settings.sectors) if on == "quads" else carried
+        (interpolated,) = self._core.interpolate_samples([rows], self._threads)
+        return on_quads(interpolated, self._settings.sectors) if on == "quads" else interpolated
 
     def surface(
         self, path: Path | Literal["own"] | None = "own", start: float | None = None, stop: float | None = None

@@ -18,7 +18,7 @@ def test_the_radius_carried_is_the_radius(case: dict[str, Any], window: int | No
     chosen = dict(case)
     columns = random_hole(11, chosen.pop("shape"), chosen.pop("n"), chosen.pop("length"))
     wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT, window=window, **chosen)
-    carried = wall.carry(wall.samples.radius, on="vertices")
+    carried = wall.interpolate_samples(wall.samples.radius, on="vertices")
     np.testing.assert_allclose(carried, wall.radius, rtol=0, atol=1e-13)
 
 
@@ -29,7 +29,7 @@ def test_long_lists_ties_and_samples_on_vertices() -> None:
     radius = 0.1 + 0.02 * rng.random(depth.size)
     for chosen in ({"sectors": 16, "pitch": 0.1}, {"sectors": 4, "pitch": 5.0, "neighbors": 200}):
         wall = hb.reconstruct(hb.Caliper(depth, toolface, radius), bit_diameter=BIT, **chosen)
-        carried = wall.carry(wall.samples.radius, on="vertices")
+        carried = wall.interpolate_samples(wall.samples.radius, on="vertices")
         np.testing.assert_allclose(carried, wall.radius, rtol=0, atol=1e-13)
 
 
@@ -43,7 +43,7 @@ def test_values_come_in_the_order_of_their_caliper(timed: bool) -> None:
     caliper = hb.Caliper(depth[order], toolface[order] - 360, radius[order], time)
     wall = hb.reconstruct(caliper, bit_diameter=BIT)
     assert wall.sample_count == (500 if timed else 1000)
-    carried = wall.carry(2 * caliper.radius, caliper, on="vertices")
+    carried = wall.interpolate_samples(2 * caliper.radius, caliper, on="vertices")
     np.testing.assert_allclose(carried, 2 * wall.radius, rtol=0, atol=1e-13)
 
 
@@ -53,10 +53,10 @@ def test_what_is_missing_has_no_say() -> None:
     wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT, sectors=16, neighbors=4)
     middle = (columns[0].min() + columns[0].max()) / 2
     values = np.where(wall.samples.depth < middle, 7.5, np.nan)
-    carried = wall.carry(values, on="vertices")
+    carried = wall.interpolate_samples(values, on="vertices")
     assert np.isnan(carried).any()
     np.testing.assert_allclose(carried[~np.isnan(carried)], 7.5, rtol=1e-15)
-    quads = wall.carry(values)
+    quads = wall.interpolate_samples(values)
     corners = [carried[first : first + quads.size] for first in (0, 1, 17, 16)]
     np.testing.assert_array_equal(np.isnan(quads), np.isnan(corners).any(axis=0))
     wall.attributes["GR"] = quads
@@ -68,11 +68,11 @@ def test_errors() -> None:
     columns = random_hole(7, "round", 50, 1.0)
     wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT)
     with pytest.raises(ValueError, match=exactly("values has 3 values, the wall has 50: must be equal")):
-        wall.carry([1.0, 2.0, 3.0])
+        wall.interpolate_samples([1.0, 2.0, 3.0])
     with pytest.raises(ValueError, match=exactly("on = 'cells': must be 'quads' or 'vertices'")):
-        wall.carry(np.zeros(50), on="cells")
+        wall.interpolate_samples(np.zeros(50), on="cells")
     other = hb.Caliper(columns[0] + 1, *columns[1:])
     with pytest.raises(
         ValueError, match=exactly("caliper: must hold the samples of the wall, in the order they were appended")
     ):
-        wall.carry(np.zeros(50), other)
+        wall.interpolate_samples(np.zeros(50), other)

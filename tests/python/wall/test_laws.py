@@ -254,7 +254,7 @@ BAD = [
     (([1.0, 2.0], [0.0, 0.0], [0.1, 0.1, 0.1], [9.0, 9.0]), "radius has 3 values, depth has 2: must be equal"),
     (([1.0, 2.0], [0.0, 0.0], [0.1, 0.1], [9.0]), "time has 1 values, depth has 2: must be equal"),
     (([1.0, 2.0], [0.0, 0.0], [0.1, 0.1], []), "time has 0 values, depth has 2: must be equal"),
-    (([1.0], [0.0], [0.1], None), "time: missing, but the samples before carry one; give it for all or none"),
+    (([1.0], [0.0], [0.1], None), "time: missing, but earlier samples have one; give it for all or none"),
     (
         ([1e9], [0.0], [0.1], [9.0]),
         "the wall from 0 m to 1e+09 m would have 64000000001 vertices: must be at most 2147483648",
@@ -283,6 +283,6 @@ def test_all_or_nothing(bad: tuple[Any, ...], text: str) -> None:
 def test_a_time_where_there_was_none() -> None:
     wall = whole(([1.0], [0.0], [0.1]), {"bit_diameter": BIT})
     before = bits(wall)
-    with pytest.raises(ValueError, match=r"^time: the samples before carry none; give it for all or none$"):
+    with pytest.raises(ValueError, match=r"^time: earlier samples have none; give it for all or none$"):
         wall.append([1.0], [0.0], [0.1], [3.0])
     assert bits(wall) == before

@@ -1,4 +1,4 @@
-// What a vertex makes of its neighbours: the radius, iterated until it stands still or the list cannot decide.
+// The radius of a vertex from its neighbours, iterated until it converges or the list cannot decide.
 //
 // Neighbours are put in canonical order (their position in the list), in which the sums run: the order does not depend
 // on how they were found.

@@ -9,7 +9,7 @@ namespace helibore::kernel {
 // Throws InputError if the processor lacks a level that is forced.
 const Functions& functions_for(InstructionSet level);
 
-// list_capacity + 1 doubles that carry the bits of the integers 0, 1, 2, ...
+// list_capacity + 1 doubles with the bits of the integers 0, 1, 2, ...
 const double* position_table();
 const float* narrow_position_table();
 

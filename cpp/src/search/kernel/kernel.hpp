@@ -1,6 +1,6 @@
-// The border between the search (ordinary C++) and its innermost loops, which are compiled once for each instruction
-// set (plain.cpp, avx2.cpp, avx512.cpp) from one text (body.hpp). Only plain old structs
-// cross it, and nothing here includes the standard containers: a wide translation unit must not leak inline functions.
+// The interface between the search (ordinary C++) and its innermost loops, which are compiled once for each instruction
+// set (plain.cpp, avx2.cpp, avx512.cpp) from one text (body.hpp). It has only plain structs and includes no standard
+// containers: inline functions compiled for a wide instruction set must not be linked into other code.
 //
 // Eight consecutive vertices of the helix form a group. They share one list of candidates:
 //
@@ -20,14 +20,14 @@ namespace helibore::kernel {
 
 inline constexpr int lanes = 8;
 
-// A candidate's position in the list rides in the low 12 bits of its squared distance: one number is both the sorting
-// key and the payload. Squared distances that agree to 2^-40 are ties, decided by position, that is canonical order.
+// The low 12 bits of a candidate's squared distance hold its position in the list: one number is both the sorting key
+// and the payload. Squared distances that agree to 2^-40 are ties, decided by position, that is by canonical order.
 inline constexpr int position_bits = 12;
 inline constexpr std::int64_t list_capacity = (std::int64_t{1} << position_bits) - 1;  // the last position is "none"
 inline constexpr int max_neighbors = 256;
 
-// Short lists are searched with floats first, at half the cost, the position in the low 8 bits. What floats cannot tell
-// apart is left to the doubles, so which of the two found the neighbours does not show.
+// Short lists are searched with floats first, at half the cost, with the position in the low 8 bits. Doubles decide
+// what floats cannot tell apart, so the result does not depend on which of the two found the neighbours.
 inline constexpr int narrow_position_bits = 8;
 inline constexpr std::int64_t narrow_capacity = (std::int64_t{1} << narrow_position_bits) - 16;
 
@@ -93,8 +93,8 @@ struct Group {
 struct Box {
     double height;  // h, metres; infinity when all depths are in the list
     double width;   // w, degrees; infinity when all toolfaces are in the list
-    // Half the extent of the list around the group's center and middle, for the error of the narrow columns; narrow:
-    // may they be used?
+    // Half the extent of the list around the group's center and middle, for the error of the narrow columns. `narrow`:
+    // may the narrow columns be used?
     double across, along;
     bool narrow;
 };
