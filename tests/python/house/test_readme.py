@@ -1,4 +1,4 @@
-"""The programs on the README's page run as they stand there."""
+"""The programs of README.md and of the pages in docs run as they stand there."""
 
 from __future__ import annotations
 
@@ -12,6 +12,7 @@ import pytest
 from locations import ROOT
 
 README = (ROOT / "README.md").read_text()
+PAGES = README + "".join(path.read_text() for path in sorted(ROOT.glob("docs/*.md")))
 IMAGES = ROOT.parent / "shared/data/lwd-images"
 F12 = ROOT.parent / "shared/data/calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
@@ -19,7 +20,7 @@ REAL = {F12.name: F12, "P11-A-02.las": IMAGES / "P11-A-02_Composite_MEM_Image_NF
 
 
 def block(language: str, having: str) -> str:
-    blocks = re.findall(rf"```{language}\n(.*?)```", README, re.DOTALL)
+    blocks = re.findall(rf"```{language}\n(.*?)```", PAGES, re.DOTALL)
     return next(text for text in blocks if having in text)
 
 
@@ -74,7 +75,7 @@ def commands(having: str, folder: Path) -> None:
 def test_real_hole(tmp_path: Path) -> None:
     if not F12.exists() or not IMAGES.is_dir():
         pytest.skip("shared/data is not beside the project: no Volve F-12 caliper, no images")
-    for having in ("-o f12.glb", "-o f12-larger.glb", "helibore logs", "helibore report", "-o helibore-log.png"):
+    for having in ("-o f12.glb", "-o f12-larger.glb", "helibore simulate hole", "--gauge", "-o helibore-log.png"):
         commands(having, tmp_path)
     made = {path.name: path.read_bytes() for path in tmp_path.iterdir() if path.is_file()}
     assert made["f12.glb"][:4] == b"glTF"
@@ -82,7 +83,7 @@ def test_real_hole(tmp_path: Path) -> None:
     assert {"f12.las", "hole.csv", "zones.csv", "f12.pdf", "images.pdf", "f12.html", "helibore-log.png"} < made.keys()
 
 
-def test_every_place_named_is_there() -> None:
-    for name in ("develop", "cpp/DESIGN.md", "CHANGELOG.md", "LICENSE", "docs/helibore-demo.png", "tests/consumer"):
-        assert name in README
-        assert (ROOT / name).exists(), name
+@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))], ids=lambda page: page.name)
+def test_every_link_leads_somewhere(page: Path) -> None:
+    for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
+        assert (page.parent / target).exists(), target
