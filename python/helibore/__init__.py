@@ -1,79 +1,28 @@
-"""helibore: the wall of a borehole, rebuilt from scattered measurements on a uniform helix."""
+"""helibore: the wall of a borehole, rebuilt from scattered measurements on a uniform helix.
 
-from __future__ import annotations
+The public names are those of ``__init__.pyi``; each is imported when it is first used.
+"""
 
-from typing import TYPE_CHECKING, Any
+import logging
 
-from helibore._core import __version__
-from helibore.base.errors import InputError, MissingExtraError
-from helibore.base.settings import Settings
-from helibore.images.sector_image import SectorImage
-from helibore.mesh.surface import Surface
-from helibore.mesh.volume import Volume
-from helibore.samples.caliper import Caliper
-from helibore.trajectory.survey import Path, Survey
-from helibore.wall.append_result import Change
-from helibore.wall.reconstruct import reconstruct
-from helibore.wall.wall import Wall
+import lazy_loader
 
-if TYPE_CHECKING:
-    from helibore import plot as plot
-    from helibore.files import open as open  # noqa: A004
-    from helibore.live.live import Live
-    from helibore.preparation.prepare import Preparation, prepare
-    from helibore.viewer import view as view
-    from helibore.wall.archive import load as load
+from helibore._core import __version__ as __version__
+from helibore.base.tables import LogTable
 
-__all__ = [
-    "Caliper",
-    "Change",
-    "InputError",
-    "Live",
-    "MissingExtraError",
-    "Path",
-    "Preparation",
-    "SectorImage",
-    "Settings",
-    "Surface",
-    "Survey",
-    "Volume",
-    "Wall",
-    "__version__",
-    "load",
-    "plot",
-    "prepare",
-    "reconstruct",
-    "view",
-]
+__getattr__, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
+__all__.remove("open")  # a star import must not replace the built-in function
 
 
-def __getattr__(name: str) -> Any:
-    """Load the live part, archive, readers and preparation when they are asked for; `import helibore` stays small.
+def __dir__():
+    return sorted({*globals(), *__all__, "open"})
 
-    ``open`` stays out of ``__all__``: a star import must not shadow the builtin.
-    """
-    if name == "Live":
-        from helibore.live.live import Live
 
-        return Live
-    if name == "load":
-        from helibore.wall.archive import load
+def _save_table(table, filename):
+    from helibore.files.log_files import save_table
 
-        return load
-    if name in ("Preparation", "prepare"):
-        from helibore.preparation import prepare as preparation
+    save_table(table, filename)
 
-        return getattr(preparation, name)
-    if name == "open":
-        from helibore.files import open  # noqa: A004
 
-        return open
-    if name == "plot":
-        import helibore.plot
-
-        return helibore.plot
-    if name == "view":
-        from helibore.viewer import view
-
-        return view
-    raise AttributeError(f"module 'helibore' has no attribute '{name}'")
+LogTable.writer = staticmethod(_save_table)  # tables lie below the formats of files and do not know them
+logging.getLogger(__name__).addHandler(logging.NullHandler())

@@ -12,13 +12,22 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
+from helibore.base.errors import InputError
 
 Floats = npt.NDArray[np.float64]
+Floats32 = npt.NDArray[np.float32]
 Integers = npt.NDArray[np.int64]
+Integers32 = npt.NDArray[np.int32]
+Complexes = npt.NDArray[np.complex128]
+Mask = npt.NDArray[np.bool_]
+Bytes = npt.NDArray[np.uint8]
+Rows = npt.NDArray[np.void]
+"""Structured rows, as the core's readers fill them."""
+Array = npt.NDArray[Any]
 
 
 def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
-    """Return ``values`` as an array of ``dtype`` and of its own shape, copied only where it is of another."""
+    """Return ``values`` as an array of ``dtype`` and of its own shape, copied only if it has another dtype."""
     return np.asarray(values, dtype)
 
 
@@ -36,22 +45,22 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
 
     Raises
     ------
-    ValueError
+    InputError
         If the values are not numbers, not one-dimensional, or of another length.
     """
     if isinstance(values, np.ma.MaskedArray):
-        raise ValueError(f"{name}: masked arrays are not taken; drop the masked rows or use compressed()")
+        raise InputError(name, "masked arrays are not taken; drop the masked rows or use compressed()")
     try:
         array = np.asarray(values)
         if array.dtype.kind not in "fiu" and array.size:
             raise TypeError
         array = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"])
     except (TypeError, ValueError) as error:
-        raise ValueError(f"{name}: must be numbers") from error
+        raise InputError(name, "must be numbers") from error
     if np.ndim(values) != 1:
-        raise ValueError(f"{name}: must be one-dimensional, not {np.ndim(values)}-dimensional")
+        raise InputError(name, f"must be one-dimensional, not {np.ndim(values)}-dimensional")
     if length is not None and array.size != length:
-        raise ValueError(f"{name} has {array.size} values, {like} has {length}: must be equal")
+        raise InputError(f"{name} has {array.size} values, {like} has {length}", "must be equal")
     return array
 
 
@@ -68,5 +77,5 @@ def sample_columns(
             None if time is None else column("time", time),
         )
     if time is not None and columns[3].size == 0 < columns[0].size:  # which the core would take for none
-        raise ValueError(f"time has 0 values, depth has {columns[0].size}: must be equal")
+        raise InputError(f"time has 0 values, depth has {columns[0].size}", "must be equal")
     return columns

@@ -7,11 +7,14 @@ What files are written from. Missing values are NaN.
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import ClassVar
 
 from helibore.base.arrays import Floats, column
+from helibore.base.errors import InputError
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,9 +43,9 @@ class LogColumn:
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", self.mnemonic):
-            raise ValueError(f"mnemonic = {self.mnemonic!r}: must be capital letters, digits and underscores")
+            raise InputError("mnemonic", "must be capital letters, digits and underscores", repr(self.mnemonic))
         if not (self.description.isascii() and self.unit.isascii()):
-            raise ValueError(f"{self.mnemonic}: unit and description must be ASCII")
+            raise InputError(self.mnemonic, "unit and description must be ASCII")
 
 
 class LogTable:
@@ -57,23 +60,30 @@ class LogTable:
 
     Raises
     ------
-    ValueError
-        ``C1: 99 values, DEPT has 100: must be equal``; on a mnemonic that comes twice; on an empty table.
+    InputError
+        ``C1: 99 values, DEPT has 100: must be equal``; on a mnemonic that comes twice; on a table without columns.
     """
 
+    writer: ClassVar[Callable[[LogTable, str | os.PathLike[str]], None]]
+    """Writes a table to a file by its ending. The package sets it: the formats of files lie above the tables."""
+
     def __init__(self, columns: Sequence[LogColumn], facts: Mapping[str, str]) -> None:
-        if not columns or not columns[0].values.size:
-            raise ValueError("a table of logs must have a depth and at least one row")
+        if not columns:
+            raise InputError("columns", "a table of logs must have a depth")
         self.facts = dict(facts)
         self._columns: dict[str, LogColumn] = {}
         for one in columns:
             if one.mnemonic in self._columns:
-                raise ValueError(f"{one.mnemonic}: comes twice; mnemonics must differ")
+                raise InputError(one.mnemonic, "comes twice; mnemonics must differ")
             size, rows = one.values.size, columns[0].values.size
             if size != rows:
-                raise ValueError(f"{one.mnemonic}: {size} values, {columns[0].mnemonic} has {rows}: must be equal")
+                raise InputError(f"{one.mnemonic}: {size} values, {columns[0].mnemonic} has {rows}", "must be equal")
             column(one.mnemonic, one.values)
             self._columns[one.mnemonic] = one
+
+    def save(self, filename: str | os.PathLike[str]) -> None:
+        """Write the table to .las, .csv, .parquet or .dlis: `helibore.files.log_files.save_table`."""
+        type(self).writer(self, filename)
 
     @property
     def rows(self) -> int:

@@ -12,7 +12,6 @@ from __future__ import annotations
 from dataclasses import asdict, dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore.base.arrays import Floats
 from helibore.images.sector_image import SectorImage
@@ -24,7 +23,8 @@ from helibore.live.live import Live
 from helibore.live.pass_log import Pass
 from helibore.samples.caliper import Caliper
 from helibore.trajectory.survey import Path
-from helibore.wall.wall import Wall, _Moment
+from helibore.wall.state import WallState
+from helibore.wall.wall import Wall
 
 Rows = tuple[tuple[Floats, Floats], str, Layout | None]
 """Of an image: (depth, values) in order of arrival, unit, and how its sectors lie."""
@@ -43,42 +43,39 @@ class StillWall(Wall):
 
     def __init__(self, wall: Wall, path: Path | None) -> None:
         super().__init__(basis=wall.basis, **asdict(wall.settings))
-        self._samples, self._vertices, self._start = wall._state()
-        size = len(self._vertices[0])
-        self.stop_depth = float(wall.vertices(size - 1, size).depth[0]) if size else self._start
+        self._copy = wall._state()
+        size = len(self._copy.radius)
+        self.stop_depth = float(wall.vertices(size - 1, size).depth[0]) if size else self._copy.start_depth
         self.path = path
 
-    def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[np.generic], ...], float]:
-        return self._samples, self._vertices, self._start
-
-    def _moment(self) -> _Moment:
-        return _Moment(self.settings, self._start, self.radius, self.basis, self.made_from, self.path)
+    def _state(self, samples: bool = True) -> WallState:  # noqa: ARG002
+        return self._copy._replace(
+            path=self.path, images=self.images, attributes=self.attributes, made_from=self.made_from
+        )
 
     def __len__(self) -> int:
         """Return the number of vertices."""
-        return len(self._vertices[0])
+        return len(self._copy.radius)
 
     @property
     def start_depth(self) -> float:
         """As `Wall.start_depth`."""
-        return self._start
+        return self._copy.start_depth
 
     @property
     def radius(self) -> Floats:
         """As `Wall.radius`; not a copy."""
-        radius: Floats = self._vertices[0]
-        return radius
+        return self._copy.radius
 
     @property
     def nearest(self) -> Floats:
         """As `Wall.nearest`; not a copy."""
-        nearest: Floats = self._vertices[1]
-        return nearest
+        return self._copy.nearest
 
     @property
     def samples(self) -> Caliper:
         """As `Wall.samples`."""
-        return Caliper(*self._samples, basis=self.basis)
+        return self._copy.samples
 
 
 @dataclass(frozen=True)

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
+from helibore.base.ranges import union
 from helibore.live.events import Event, gather
 from helibore.wall.append_result import Change
 
@@ -55,19 +56,7 @@ class Update:
 
 def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
     """Return ranges sorted, those that touch made one, and MOST_RANGES at most."""
-    found: list[list[int]] = []
-    for start, stop in sorted(ranges.tolist()):
-        if found and start <= found[-1][1]:
-            found[-1][1] = max(stop, found[-1][1])
-        else:
-            found.append([start, stop])
-    joint = np.array(found, np.int64).reshape(-1, 2)
-    if len(joint) <= MOST_RANGES:
-        return joint
-    gaps = joint[1:, 0] - joint[:-1, 1]
-    kept = np.sort(np.argsort(-gaps, kind="stable")[: MOST_RANGES - 1])  # of equal gaps the shallower stay
-    starts, stops = np.append(joint[0, 0], joint[kept + 1, 0]), np.append(joint[kept, 1], joint[-1, 1])
-    return np.column_stack([starts, stops])
+    return np.array(union(ranges.tolist(), MOST_RANGES), np.int64).reshape(-1, 2)
 
 
 def joined(first: Change | None, second: Change) -> Change:

@@ -31,6 +31,7 @@ from helibore.mesh.surface import Surface
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
+from helibore.runs.reconstruct import compare
 from helibore.runs.run_settings import (
     Input,
     RunSettings,
@@ -43,7 +44,7 @@ from helibore.runs.run_settings import (
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
 from helibore.wall.archive import ENDING as ARCHIVE
-from helibore.wall.reconstruct import compare, reconstruct
+from helibore.wall.reconstruct import reconstruct
 from helibore.wall.wall import Wall
 
 __all__ = ["Opened", "Run", "opened", "place", "placing", "read", "rebuild", "repeat", "save"]

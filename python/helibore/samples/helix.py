@@ -65,7 +65,12 @@ class Helix(NamedTuple):
 
     def quads(self, vertices: int) -> int:
         """The quads that so many vertices have room for."""
-        return max(vertices - self.sectors - 1, 0)
+        return quad_room(vertices, self.sectors)
+
+
+def quad_room(vertices: int, sectors: int) -> int:
+    """Return how many quads so many vertices have room for."""
+    return max(vertices - sectors - 1, 0)
 
 
 def helix_of(wall: WallLike) -> Helix:

@@ -7,25 +7,13 @@ which resends that gap and loses nothing.
 
 from __future__ import annotations
 
-MOST = 4
+from helibore.base.ranges import Range as Interval
+from helibore.base.ranges import union
 
-Interval = tuple[int, int]
+__all__ = ["MOST", "Interval", "add"]
+MOST = 4
 
 
 def add(intervals: list[Interval], start: int, stop: int) -> list[Interval]:
     """Return the sorted intervals with [start, stop) added, at most `MOST` of them."""
-    if stop <= start:
-        return intervals
-    kept: list[Interval] = []
-    for a, b in intervals:
-        if b < start or a > stop:
-            kept.append((a, b))
-        else:
-            start, stop = min(a, start), max(b, stop)
-    kept.append((start, stop))
-    kept.sort()
-    while len(kept) > MOST:
-        gaps = [kept[i + 1][0] - kept[i][1] for i in range(len(kept) - 1)]
-        i = gaps.index(min(gaps))
-        kept[i : i + 2] = [(kept[i][0], kept[i + 1][1])]
-    return kept
+    return union([*intervals, (start, stop)], MOST)

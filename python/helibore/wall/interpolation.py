@@ -1,4 +1,4 @@
-"""Scattered attributes: values measured with the samples, carried to the wall by the weights of its radius.
+"""Scattered attributes: values measured with the samples, interpolated on the wall by the weights of its radius.
 
     gamma on the wall:   sum(w v) / sum(w)   over the neighbours of each vertex that have a value
 
@@ -7,17 +7,13 @@ The same neighbours and weights as the radius (Energies 2021, 14, 291); images o
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
-
-if TYPE_CHECKING:
-    from helibore.samples.caliper import Caliper
-    from helibore.wall.wall import Wall
+from helibore.base.errors import InputError
+from helibore.samples.caliper import Caliper
 
 
 def canonical_order(caliper: Caliper) -> Integers:
@@ -33,16 +29,16 @@ def canonical_order(caliper: Caliper) -> Integers:
     return order[~same]
 
 
-def in_canonical_order(wall: Wall, values: npt.ArrayLike, caliper: Caliper | None) -> Floats:
-    """``values`` as one a sample of the wall; ValueError if they, or ``caliper``, do not fit it."""
+def in_canonical_order(samples: Caliper, values: npt.ArrayLike, caliper: Caliper | None) -> Floats:
+    """Return ``values``, one a row of ``caliper`` (None: of ``samples``), as one a row of a wall's ``samples``."""
     if caliper is None:
-        return column("values", values, wall.sample_count, "the wall")
+        return column("values", values, len(samples), "the wall")
     array = column("values", values, len(caliper), "caliper")
-    order, samples = canonical_order(caliper), wall.samples
+    order = canonical_order(caliper)
     if not np.array_equal(caliper.depth[order], samples.depth) or not np.array_equal(
         caliper.radius[order], samples.radius
     ):
-        raise ValueError("caliper: must hold the samples of the wall, in the order they were appended")
+        raise InputError("caliper", "must hold the samples of the wall, in the order they were appended")
     return array[order]
 
 

@@ -11,13 +11,14 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, sample_columns
+from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
 from helibore.images.sector_image import SectorImage, SectorImages
@@ -25,28 +26,17 @@ from helibore.mesh.attributes import WallAttributes
 from helibore.mesh.surface import Surface, surface_of
 from helibore.mesh.volume import Volume, volume_of
 from helibore.samples.caliper import Basis, Caliper, check_basis
+from helibore.samples.helix import quad_room
 from helibore.trajectory.survey import Path, checked_path
+from helibore.wall import archive
 from helibore.wall.append_result import Change, VertexColumns
 from helibore.wall.interpolation import in_canonical_order, on_quads
+from helibore.wall.state import WallState
 
 if TYPE_CHECKING:
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification, Criteria
-
-
-class _Moment(NamedTuple):
-    """A wall as it is now, for what is made of its radii."""
-
-    settings: Settings
-    start_depth: float
-    radius: Floats
-    basis: Basis
-    made_from: dict[str, Any]
-    path: Path | None
-
-    def quads(self) -> int:
-        return _quad_room(self.radius.size, self.settings.sectors)
 
 
 class Wall:
@@ -77,7 +67,7 @@ class Wall:
 
     Raises
     ------
-    ValueError
+    InputError
         On a setting that breaks its rule: ``pitch = 0: must be finite and not 0``.
 
     Notes
@@ -105,7 +95,7 @@ class Wall:
         self.images: dict[str, SectorImage] = SectorImages()
         # Of the core, not of self: a wall that refers to itself would keep its memory until the garbage collector runs.
         core, sectors = self._core, self._settings.sectors
-        self.attributes = WallAttributes(lambda: (core.start_depth, _quad_room(len(core), sectors)))
+        self.attributes = WallAttributes(lambda: (core.start_depth, quad_room(len(core), sectors)))
         self.made_from: dict[str, Any] = {}
 
     @property
@@ -139,7 +129,7 @@ class Wall:
 
         Raises
         ------
-        ValueError
+        InputError
             As `Caliper`. The wall is then as it was, to the last bit.
         """
         columns = sample_columns(depth, toolface, radius, time)
@@ -215,7 +205,7 @@ class Wall:
 
         Raises
         ------
-        ValueError
+        InputError
             If the range reaches beyond the wall: ``range = [0, 12): must lie within the wall's 10 vertices``.
         """
         return VertexColumns(*self._core.vertices(start, len(self._core) if stop is None else stop))
@@ -228,7 +218,7 @@ class Wall:
     def interpolate_samples(
         self, values: npt.ArrayLike, caliper: Caliper | None = None, *, on: str = "quads"
     ) -> Floats:
-        """Interpolate values measured with the samples on the wall, by the neighbours and weights of its radius.
+        """Interpolate values that were measured with the samples, by the neighbours and weights of the radius.
 
         Parameters
         ----------
@@ -246,7 +236,7 @@ class Wall:
 
         Raises
         ------
-        ValueError
+        InputError
             If lengths differ or ``caliper`` does not hold the samples of this wall.
 
         Examples
@@ -255,8 +245,8 @@ class Wall:
         >>> wall.attributes["GR"] = wall.interpolate_samples([40.0, 40.0, 40.0])
         """
         if on not in ("quads", "vertices"):
-            raise ValueError(f"on = {on!r}: must be 'quads' or 'vertices'")
-        rows = in_canonical_order(self, values, caliper)
+            raise InputError("on", "must be 'quads' or 'vertices'", repr(on))
+        rows = in_canonical_order(self.samples, values, caliper)
         (interpolated,) = self._core.interpolate_samples([rows], self._threads)
         return on_quads(interpolated, self._settings.sectors) if on == "quads" else interpolated
 
@@ -279,16 +269,16 @@ class Wall:
 
         Raises
         ------
-        ValueError
+        InputError
             As `surface_of`, `SectorImage.on` and `WallAttributes`.
         """
-        moment = self._moment()
-        surface = surface_of(moment, self._way(path), start, stop)
+        state = self._state(samples=False)
+        surface = surface_of(state, self._resolve_path(path), start, stop)
         for name, image in self.images.items():
-            surface.attributes[name] = image.on(moment)
+            surface.attributes[name] = image.on(state)
             surface.attributes.units[name] = image.unit
         for name in self.attributes:
-            surface.attributes[name] = self.attributes.whole(name, moment.start_depth, moment.quads())
+            surface.attributes[name] = self.attributes.whole(name, state.start_depth, state.quads)
         surface.attributes.units.update(self.attributes.units)
         return surface
 
@@ -303,12 +293,12 @@ class Wall:
 
         ``path`` as for `surface`.
         """
-        return volume_of(self._moment(), self._way(path), shells, start, stop)
+        return volume_of(self._state(samples=False), self._resolve_path(path), shells, start, stop)
 
-    def _way(self, path: Path | Literal["own"] | None) -> Path | None:
+    def _resolve_path(self, path: Path | Literal["own"] | None) -> Path | None:
         if isinstance(path, str):
             if path != "own":
-                raise ValueError(f"path = {path!r}: must be a Path, None or 'own'")
+                raise InputError("path", "must be a Path, None or 'own'", repr(path))
             return self.path
         return path
 
@@ -322,7 +312,7 @@ class Wall:
         self._path = checked_path(path)
 
     def save(self, filename: str | os.PathLike[str]) -> None:
-        """Write all that this wall is to an archive, whole or not at all; `helibore.load` reopens it.
+        """Write everything that this wall holds to an archive, whole or not at all; `helibore.load` reopens it.
 
         Settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the same
         bits, and goes on with the bits that this one would have. `helibore.wall.archive` says what the file holds.
@@ -334,38 +324,34 @@ class Wall:
 
         Raises
         ------
-        ValueError
+        InputError
             On another ending, and on a `made_from` that JSON cannot hold.
         OSError
             If the file cannot be written; the old one is then as it was.
         """
-        from helibore.wall import archive
+        archive.save(self._state(), filename)
 
-        archive.save(self, filename)
-
-    def _moment(self) -> _Moment:
-        with self._growing:
-            radius = self._core.radius()
-            return _Moment(self._settings, self._core.start_depth, radius, self._basis, self.made_from, self.path)
-
-    def _state(self) -> tuple[tuple[Floats, ...], tuple[npt.NDArray[Any], ...], float]:
-        """Samples, vertices (radius, nearest, support, iterations) and start depth of one moment."""
+    def _state(self, samples: bool = True) -> WallState:
+        """Return all arrays of one moment, without the samples if they are not needed."""
         core = self._core
         with self._growing:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
-            return core.samples(), vertices, core.start_depth
+            columns = core.samples() if samples else ()
+            start_depth = core.start_depth
+        placing = (self.path, self.images, self.attributes, self.made_from)
+        return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing)
 
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter."""
         from helibore.logs.turn_logs import turn_logs
 
-        return turn_logs(self, None, rugosity_window, threads)
+        return turn_logs(self._state(), None, rugosity_window, threads)
 
     def zones(self, criteria: Criteria | None = None) -> Classification:
         """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall."""
         from helibore.logs.zones import classify
 
-        return classify(self, criteria)
+        return classify(self._state(), criteria)
 
     def summary(
         self, start: float | None = None, stop: float | None = None, criteria: Criteria | None = None
@@ -373,15 +359,10 @@ class Wall:
         """Summarize the wall or an interval of it: `helibore.logs.summary.summarize` with this wall."""
         from helibore.logs.summary import summarize
 
-        return summarize(self, start, stop, criteria)
+        return summarize(self._state(), start, stop, criteria)
 
     def __repr__(self) -> str:
         if not len(self):
             return "Wall(empty)"
         last = self.start_depth + (len(self) - 1) * self._settings.pitch / self._settings.sectors
         return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
-
-
-def _quad_room(vertices: int, sectors: int) -> int:
-    """The quads that so many vertices have room for."""
-    return max(vertices - sectors - 1, 0)

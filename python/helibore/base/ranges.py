@@ -1,0 +1,25 @@
+"""The union of half-open ranges [start, stop) of whole numbers: what changed, or what a reader still lacks."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+Range = tuple[int, int]
+
+
+def union(ranges: Iterable[Iterable[int]], most: int | None = None) -> list[Range]:
+    """Return the sorted ranges that cover all of ``ranges``; those that touch become one, and empty ones go.
+
+    ``most`` bounds how many there are: the narrowest gaps are then covered, too, of equal ones the first.
+    """
+    found: list[list[int]] = []
+    for start, stop in sorted((int(start), int(stop)) for start, stop in ranges):
+        if found and start <= found[-1][1]:
+            found[-1][1] = max(stop, found[-1][1])
+        elif start < stop:
+            found.append([start, stop])
+    excess = 0 if most is None else max(len(found) - most, 0)
+    gaps = sorted(range(1, len(found)), key=lambda after: found[after][0] - found[after - 1][1])
+    for after in sorted(gaps[:excess], reverse=True):
+        found[after - 1][1] = found.pop(after)[1]
+    return [(start, stop) for start, stop in found]

@@ -1,0 +1,101 @@
+"""`hb.reconstruct`: from samples or readings to a wall in one call.
+
+    caliper                              -->  wall          hb.reconstruct(caliper, bit_diameter=0.216)
+    readings --preparation--> caliper    -->  wall          hb.reconstruct(file.readings(), bit_diameter=..., ...)
+
+Not here: what the preparation does (``preparation``), and runs that a settings file repeats (``run``).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from helibore.base.errors import InputError
+from helibore.samples.caliper import Caliper
+from helibore.wall import reconstruct as samples_to_wall
+from helibore.wall.interpolation import on_quads
+from helibore.wall.wall import Wall
+
+if TYPE_CHECKING:
+    from helibore.preparation.prepare import Preparation, Prepared, Track
+    from helibore.preparation.readings import Readings
+    from helibore.trajectory.survey import Path
+
+DIFFERENCE = "difference"
+"""The attribute that says how much larger the wall is than the wall of the earlier passes, metres."""
+
+
+def reconstruct(
+    samples: Caliper | Prepared | Readings | Sequence[Readings],
+    *,
+    bit_diameter: float,
+    preparation: Preparation | None = None,
+    path: Path | None = None,
+    track: Track | None = None,
+    threads: int | None = None,
+    **settings: Any,
+) -> Wall:
+    """Rebuild the wall of a hole from its samples: an empty `Wall` and one append.
+
+    Parameters
+    ----------
+    samples
+        A caliper, whose basis the wall takes over; what `helibore.prepare` made; or the readings of one file or of
+        several over one hole, earliest first (``hb.open("caliper.las").readings()``), which are prepared here.
+    preparation, track
+        As in `helibore.prepare`, for readings.
+    path
+        What the wall's `Wall.path` becomes; readings are turned into its reference.
+    bit_diameter, threads, **settings
+        As in `Wall` and `Settings`.
+
+    Returns
+    -------
+    Wall
+        It takes more samples by `Wall.append`. With earlier passes to compare with, its attribute ``"difference"``
+        is how much larger it is than theirs, metres.
+
+    Raises
+    ------
+    InputError
+        On a setting that breaks its rule, a preparation of samples that are prepared, and as `helibore.prepare`.
+
+    Examples
+    --------
+    >>> wall = reconstruct(Caliper([0.0, 0.1], [0.0, 180.0], [0.1, 0.1]), bit_diameter=0.2, sectors=4)
+    >>> wall.radius
+    array([0.1, 0.1, 0.1, 0.1, 0.1])
+    """
+    caliper, earlier = _prepared(samples, preparation, path, track)
+    wall = samples_to_wall.reconstruct(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
+    if earlier is not None:
+        compare(wall, samples_to_wall.reconstruct(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
+    return wall
+
+
+def _prepared(
+    samples: Caliper | Prepared | Readings | Sequence[Readings],
+    preparation: Preparation | None,
+    path: Path | None,
+    track: Track | None,
+) -> tuple[Caliper, Caliper | None]:
+    """Return the samples of the wall, and those of the earlier passes."""
+    if not isinstance(samples, Caliper):
+        from helibore.preparation.prepare import Prepared, prepare
+
+        if not isinstance(samples, Prepared):
+            made = prepare(samples, preparation, path, track)
+            return made.caliper, made.earlier
+    for name, given in (("preparation", preparation), ("track", track)):
+        if given is not None:
+            raise InputError(name, f"is for readings; a {type(samples).__name__} is prepared")
+    return (samples, None) if isinstance(samples, Caliper) else (samples.caliper, samples.earlier)
+
+
+def compare(wall: Wall, earlier: Wall) -> None:
+    """Give a wall the attribute that says how much larger it is than an earlier one."""
+    from helibore.preparation.passes import difference
+
+    wall.attributes[DIFFERENCE] = on_quads(difference(earlier, wall), wall.settings.sectors)
+    wall.attributes.units[DIFFERENCE] = "m"

@@ -1,0 +1,96 @@
+"""`hb.load`: an archive becomes a wall again, by appending its samples in canonical order in one go.
+
+By the law of splits the reopened wall goes on with the bits of one never saved. The stored vertices prove that this
+helibore still makes the same of the same samples.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+from dataclasses import fields
+from typing import Any
+
+import numpy as np
+
+from helibore import _core
+from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
+from helibore.base.settings import Settings
+from helibore.images.sector_image import SectorImage
+from helibore.trajectory.survey import Survey
+from helibore.wall.archive import STATIONS, VERTICES, Arrays, Members, opened
+from helibore.wall.wall import Wall
+
+
+def load(filename: str | os.PathLike[str], threads: int | None = None, recompute: bool = False) -> Wall:
+    """Reopen a wall that `Wall.save` wrote: the same bits, ready for further appends.
+
+    Parameters
+    ----------
+    filename
+        An archive, whatever its name.
+    threads
+        As in `Wall`.
+    recompute
+        Take the values that this helibore makes of the samples, even where another version made others.
+
+    Returns
+    -------
+    Wall
+        With the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of the saved
+        one. Further appends give the bits they would have given to that.
+
+    Raises
+    ------
+    InputError
+        Naming the file and the reason: foreign, truncated, damaged, or of a newer version; and if this version makes
+        other values of the samples than the one that saved them.
+    OSError
+        If the file cannot be read.
+    """
+    with opened(filename) as members:
+        return _wall(members, threads, recompute)
+
+
+def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
+    contents = members.contents()
+    unknown = sorted(set(contents["settings"]) - {field.name for field in fields(Settings)})
+    if unknown:
+        versions = f"written by helibore {contents['helibore']}; helibore {_core.__version__} does not have them"
+        raise InputError(f"settings {', '.join(unknown)}", versions)
+    wall = Wall(threads=threads, basis=contents["basis"], **contents["settings"])
+    samples = {name: members.array(f"samples/{name}") for name in contents["samples"]}
+    if samples:
+        wall.append(**samples)
+    saved = {name: members.array(f"vertices/{name}", dtype) for name, dtype in VERTICES.items()}
+    if not recompute:
+        _require_same(wall, saved, contents)
+    if contents["path"] is not None:
+        placing = contents["path"] | {"head": tuple(contents["path"]["head"])}
+        wall.path = Survey(*(members.array(f"survey/{name}") for name in STATIONS)).path(**placing)
+    for number, image in enumerate(contents["images"]):
+        key = image.pop("key")
+        depth, values = members.array(f"images/{number}/depth"), members.array(f"images/{number}/values", "<f8", 2)
+        wall.images[key] = SectorImage(depth, values, **image)
+    for number, row in enumerate(contents["attributes"]):
+        start = math.nan if row["start_depth"] is None else row["start_depth"]
+        wall.attributes.restore(row["name"], start, members.array(f"attributes/{number}"))
+        if row["unit"] is not None:
+            wall.attributes.units[row["name"]] = row["unit"]
+    wall.made_from = contents["made_from"]
+    return wall
+
+
+def _require_same(wall: Wall, saved: Arrays, contents: dict[str, Any]) -> None:
+    """Refuse, unless the samples still make the vertices that were saved."""
+    versions = f"helibore {contents['helibore']}, and this helibore {_core.__version__}"
+    advice = "hb.load(..., recompute=True) takes what this version makes"
+    for name, before in saved.items():
+        now: Floats = getattr(wall, name)
+        if now.size != before.size:
+            raise InputError(f"{before.size} vertices", f"made by {versions} makes {now.size}; {advice}")
+        differ = np.flatnonzero(now.view(f"u{now.itemsize}") != before.view(f"u{before.itemsize}"))
+        if differ.size:
+            k = differ[0]
+            raise InputError(f"{name}[{k}]", f"made by {versions} makes {now[k]}; {advice}", str(before[k]))
