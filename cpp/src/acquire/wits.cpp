@@ -72,35 +72,12 @@ double word_number(const char* first, const char* last) {
     return static_cast<double>(numerator) / power_of_ten[7 - below / 8];
 }
 
-// Digits with at most one point, 15 digits at most: numerator and power of ten are both exact doubles, so their
-// quotient is the correctly rounded value, the same bits as from_chars gives. NaN for any other text.
-double short_number(const char* first, const char* last) {
-    std::uint64_t numerator = 0;
-    const auto take_digits = [&] {
-        const char* begin = first;
-        for (unsigned digit; first != last && (digit = static_cast<unsigned char>(*first) - unsigned{'0'}) <= 9;
-             ++first)
-            numerator = 10 * numerator + digit;
-        return first - begin;
-    };
-    std::ptrdiff_t digits = take_digits();
-    std::ptrdiff_t decimals = 0;
-    if (first != last && *first == '.') {
-        ++first;
-        decimals = take_digits();
-        digits += decimals;
-    }
-    if (first != last || digits < 1 || digits > 15) return nan;
-    return static_cast<double>(numerator) / power_of_ten[decimals];
-}
-
 // Strict decimal number: from_chars without its "inf" and "nan", with an optional '+'. NaN when the text is not one.
 double strict_number(const char* first, const char* last) {
     const bool negative = *first == '-';
     const std::ptrdiff_t length = last - first - negative;
-    if (length >= 1 && length <= 16) {
-        const bool in_a_word = length <= 8 && std::endian::native == std::endian::little;
-        const double quick = in_a_word ? word_number(first + negative, last) : short_number(first + negative, last);
+    if (length >= 1 && length <= 8 && std::endian::native == std::endian::little) {
+        const double quick = word_number(first + negative, last);
         if (!std::isnan(quick)) return negative ? -quick : quick;
     }
     const char* digits = first + (*first == '+' || *first == '-');

@@ -9,22 +9,12 @@
 namespace helibore {
 namespace {
 
-// A row of a chunk, to compare and to copy.
-struct Row {
-    double depth, time, toolface, radius;
-
-    static Row of(const Chunk& chunk, Index i, bool timed) {
-        return {chunk.depth()[i], timed ? chunk.time()[i] : 0.0, chunk.toolface()[i], chunk.radius()[i]};
-    }
-    friend auto operator<=>(const Row&, const Row&) = default;
-};
-
 // Reads chunks row after row.
 class Reader {
   public:
     Reader(const Chunks& chunks, bool timed) : chunks_(chunks), timed_(timed) {}
     bool at_end() const { return chunk_ == chunks_.size(); }
-    Row row() const { return Row::of(*chunks_[chunk_], offset_, timed_); }
+    Row row() const { return chunks_[chunk_]->row(offset_, timed_); }
     void next() {
         if (++offset_ == chunks_[chunk_]->count) {
             offset_ = 0;
@@ -50,12 +40,7 @@ class Writer {
             --chunks_left_;
         }
         --left_;
-        Chunk& c = *chunks.back();
-        c.depth()[c.count] = row.depth;
-        c.toolface()[c.count] = row.toolface;
-        c.radius()[c.count] = row.radius;
-        if (timed_) c.time()[c.count] = row.time;
-        ++c.count;
+        chunks.back()->set_row(chunks.back()->count++, row, timed_);
     }
 
     Chunks chunks;
@@ -148,8 +133,8 @@ Chunks Samples::room_for(Index count, bool timed) const {
 Samples::Undo Samples::insert(SortedBatch& batch) {
     if (batch.count == 0) return {};
     if (count_ == 0) timed_ = batch.timed;
-    const Row front = Row::of(*batch.chunks.front(), 0, timed_);
-    const bool appends = count_ == 0 || (timed_ ? Row::of(*chunks_.back(), chunks_.back()->count - 1, true) < front
+    const Row front = batch.chunks.front()->row(0, timed_);
+    const bool appends = count_ == 0 || (timed_ ? chunks_.back()->row(chunks_.back()->count - 1, true) < front
                                                 : last_depth() <= front.depth);
     Undo undo = appends ? append(batch) : merge_in(batch);
     undo.count = count_;

@@ -8,6 +8,7 @@
 // re-scan, late data) rewrites the chunks that it falls into. An insertion can be undone.
 #pragma once
 
+#include <compare>
 #include <memory>
 #include <vector>
 
@@ -16,6 +17,12 @@
 #include "search/kernel/kernel.hpp"
 
 namespace helibore {
+
+// A sample. Comparison is the canonical order of timed samples.
+struct Row {
+    double depth, time, toolface, radius;
+    friend auto operator<=>(const Row&, const Row&) = default;
+};
 
 class Chunk {
   public:
@@ -40,6 +47,13 @@ class Chunk {
     const double* time() const { return columns_.get() + 3 * stride_; }
     double first_depth() const { return depth()[0]; }
     double last_depth() const { return depth()[count - 1]; }
+    Row row(Index i, bool timed) const { return {depth()[i], timed ? time()[i] : 0.0, toolface()[i], radius()[i]}; }
+    void set_row(Index i, const Row& row, bool timed) {
+        depth()[i] = row.depth;
+        toolface()[i] = row.toolface;
+        radius()[i] = row.radius;
+        if (timed) time()[i] = row.time;
+    }
     Index free_room() const { return capacity_ - count; }
 
     // The free room as a chunk of its own in the same memory.

@@ -8,11 +8,15 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <numeric>
 #include <utility>
 
-#include "base/cache_lines.hpp"
+#if defined(__SSE2__) || defined(_M_X64)
+#include <emmintrin.h>
+#endif
+
 #include "base/extremes.hpp"
 #include "base/threads.hpp"
 #include "samples/helix.hpp"
@@ -29,9 +33,10 @@ constexpr int slabs_a_thread = 8;       // so that all end together
 // Does row i come after row i - 1? Equal timed rows count as not in order, because one of them must be dropped.
 bool in_order(const SampleColumns& c, std::size_t i) {
     if (c.depth[i - 1] != c.depth[i] || c.time.empty()) return c.depth[i - 1] <= c.depth[i];
-    const double a[3] = {c.time[i - 1], wrap_toolface(c.toolface[i - 1]), c.radius[i - 1]};
-    const double b[3] = {c.time[i], wrap_toolface(c.toolface[i]), c.radius[i]};
-    return std::lexicographical_compare(a, a + 3, b, b + 3);
+    const auto row = [&](std::size_t j) {
+        return Row{c.depth[j], c.time[j], wrap_toolface(c.toolface[j]), c.radius[j]};
+    };
+    return row(i - 1) < row(i);
 }
 
 bool rows_in_order(const SampleColumns& c, Range rows, const kernel::Functions& f) {
@@ -120,10 +125,6 @@ class BucketSorter {
     }
 
   private:
-    struct Row {
-        double depth, toolface, radius, time;
-    };
-
     // Calls call(chunk, offset in it, index in the rows, length) for each chunk that the rows lie in.
     template <class Call>
     static void for_each_chunk(const SortedBatch& batch, Range rows, const Call& call) {
@@ -149,13 +150,8 @@ class BucketSorter {
         });
         std::partial_sum(starts_.begin(), starts_.end(), starts_.begin());
         for_each_chunk(batch, rows, [&](const Chunk& c, Index offset, Index at, Index length) {
-            for (Index i = 0; i < length; ++i) {
-                Row& row = rows_[starts_[bin_[static_cast<std::size_t>(at + i)]]++];
-                row.depth = c.depth()[offset + i];
-                row.toolface = c.toolface()[offset + i];
-                row.radius = c.radius()[offset + i];
-                if constexpr (timed) row.time = c.time()[offset + i];
-            }
+            for (Index i = 0; i < length; ++i)
+                rows_[starts_[bin_[static_cast<std::size_t>(at + i)]]++] = c.row(offset + i, timed);
         });
         if (most <= 32) return;
         // starts_[b] is now the end of bin b.
@@ -166,11 +162,8 @@ class BucketSorter {
     }
 
     static bool before(const Row& x, const Row& y) {
-        if constexpr (!timed) return x.depth < y.depth;
-        if (x.depth != y.depth) return x.depth < y.depth;
-        if (x.time != y.time) return x.time < y.time;
-        if (x.toolface != y.toolface) return x.toolface < y.toolface;
-        return x.radius < y.radius;
+        if constexpr (timed) return x < y;
+        return x.depth < y.depth;
     }
 
     void sift(std::size_t i) {
@@ -181,13 +174,7 @@ class BucketSorter {
 
     void store(SortedBatch& batch, Range rows) const {
         for_each_chunk(batch, rows, [&](Chunk& c, Index offset, Index at, Index length) {
-            const Row* from = rows_.data() + at;
-            for (Index i = 0; i < length; ++i) {
-                c.depth()[offset + i] = from[i].depth;
-                c.toolface()[offset + i] = from[i].toolface;
-                c.radius()[offset + i] = from[i].radius;
-                if constexpr (timed) c.time()[offset + i] = from[i].time;
-            }
+            for (Index i = 0; i < length; ++i) c.set_row(offset + i, rows_[static_cast<std::size_t>(at + i)], timed);
         });
     }
 
@@ -203,6 +190,24 @@ void sort_buckets(SortedBatch& batch, const Buckets& buckets, const std::vector<
         sorters[static_cast<std::size_t>(w)].sort(batch, {i == 0 ? 0 : ends[i - 1], ends[i]}, buckets, b);
     };
     for_each_part(threads, buckets.count, sort_bucket);
+}
+
+// Writes eight doubles, a cache line, directly to memory: the processor then does not first read what is about to be
+// overwritten. Other threads see them only after finish_streams().
+void stream_line(double* to, const double* from) {
+#if defined(__SSE2__) || defined(_M_X64)
+    if (reinterpret_cast<std::uintptr_t>(to) % 16 == 0) {
+        for (int i = 0; i < 8; i += 2) _mm_stream_pd(to + i, _mm_loadu_pd(from + i));
+        return;
+    }
+#endif
+    std::memcpy(to, from, 8 * sizeof(double));
+}
+
+void finish_streams() {
+#if defined(__SSE2__) || defined(_M_X64)
+    _mm_sfence();
+#endif
 }
 
 // The next place of a bucket. Eight rows are collected and then written, one cache line for each column: with scattered
@@ -277,39 +282,23 @@ void distribute(const SampleColumns& c, SortedBatch& batch, const Buckets& bucke
 // Keeps timed rows that are equal in all four once and moves the rows after them up. Rare, so serial and simple.
 void drop_redundant(SortedBatch& batch) {
     Index kept = 0;
-    double last[4] = {};
+    const auto kept_chunk = [&](Index i) -> Chunk& { return *batch.chunks[static_cast<std::size_t>(i / Chunk::full)]; };
     for (const auto& from : batch.chunks)
         for (Index i = 0; i < from->count; ++i) {
-            const double row[4] = {from->depth()[i], from->time()[i], from->toolface()[i], from->radius()[i]};
-            if (kept > 0 && std::equal(row, row + 4, last)) {
-                ++batch.redundant;
-                continue;
+            if (kept > 0) {
+                const Chunk& last = kept_chunk(kept - 1);
+                const Index at = (kept - 1) % Chunk::full;
+                if (last.depth()[at] == from->depth()[i] && last.row(at, true) == from->row(i, true)) {
+                    ++batch.redundant;
+                    continue;
+                }
             }
-            Chunk& to = *batch.chunks[static_cast<std::size_t>(kept / Chunk::full)];
-            const Index at = kept++ % Chunk::full;
-            to.depth()[at] = row[0];
-            to.time()[at] = row[1];
-            to.toolface()[at] = row[2];
-            to.radius()[at] = row[3];
-            std::copy_n(row, 4, last);
+            if (batch.redundant > 0) kept_chunk(kept).set_row(kept % Chunk::full, from->row(i, true), true);
+            ++kept;
         }
     batch.count = kept;
     batch.chunks.resize(static_cast<std::size_t>((kept + Chunk::full - 1) / Chunk::full));
     batch.chunks.back()->count = kept - static_cast<Index>(batch.chunks.size() - 1) * Chunk::full;
-}
-
-bool has_redundant(const SortedBatch& batch) {
-    const Chunk* chunk = nullptr;
-    Index last = 0;
-    for (const auto& next : batch.chunks)
-        for (Index i = 0; i < next->count; ++i) {
-            if (chunk && chunk->depth()[last] == next->depth()[i] && chunk->time()[last] == next->time()[i] &&
-                chunk->toolface()[last] == next->toolface()[i] && chunk->radius()[last] == next->radius()[i])
-                return true;
-            chunk = next.get();
-            last = i;
-        }
-    return false;
 }
 
 }  // namespace
@@ -329,7 +318,7 @@ SortedBatch sort_batch(const SampleColumns& columns, const Samples& samples, int
     distribute(columns, batch, buckets, ends, threads);
     batch.timed ? sort_buckets<true>(batch, buckets, ends, threads)
                 : sort_buckets<false>(batch, buckets, ends, threads);
-    if (batch.timed && has_redundant(batch)) drop_redundant(batch);
+    if (batch.timed) drop_redundant(batch);
     return batch;
 }
 
