@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import csv
+import itertools
 import json
 import threading
+import time
 
 import numpy as np
 import pytest
@@ -44,7 +46,7 @@ def test_the_files_are_of_one_instant_while_the_wall_grows(tmp_path):
     stop = threading.Event()
 
     def push():
-        for number in range(1, 100_000):
+        for number in itertools.count(1001):  # no frame twice: a duplicate is a record without a row
             if stop.is_set():
                 return
             live.receive("mwd", both(number))
@@ -65,8 +67,10 @@ def test_the_files_are_of_one_instant_while_the_wall_grows(tmp_path):
             assert manifest["records"] == rows + 1  # and the one that opened the session
             assert (manifest["number"], manifest["complete"]) == (number, True)
             assert manifest["files"] == {n: len(b) for n, b in contents(tmp_path).items() if n != "snapshot.json"}
-            assert len(saved.images["GR"].depth) == rows - (live.images["GR"].rows(0, 2)[0][0] != 100)
+            assert len(saved.images["GR"].depth) == rows
             seen.append(rows)
+            while live.model.records < manifest["records"] + 5:  # the sender goes on, however loaded the machine is
+                time.sleep(0.001)
     finally:
         stop.set()
         pushing.join()
