@@ -4,7 +4,7 @@ kill      a live wall under load is killed at 200 random instants; every acknowl
           has the bits of the wall rebuilt from its samples
 hostile   100 MB without an end, a number of 10 million digits, binary noise, one-byte packets and 1,000 connections a
           second, over loopback; memory stays bounded and the good frame after each is drawn
-flips     2,000 bit flips of a journal, replayed: one record lost each time, told, and nothing else changed
+flips     2,000 bit flips of a journal, replayed: one record lost each time, reported, and nothing else changed
 truncations  a live wall's journal cut at each of its last 4,096 bytes, recovered and continued with the rest of the
           stream: the wall in the end has the bits of one that was never cut
 disk      a journal on a disk of 1 MB (tmpfs, needs root) that fills up again and again under a sender: nothing is lost
@@ -110,7 +110,7 @@ def flips() -> None:
             lost[missing] = lost.get(missing, 0) + 1
             assert missing == 3, f"bit flip at byte {at}: {missing} samples lost"
             assert again.model.events.counts["", "journal"] == 1
-    print(f"2,000 bit flips: each cost its record of 3 samples and was told: {lost}")
+    print(f"2,000 bit flips: each cost its record of 3 samples and was reported: {lost}")
 
 
 def truncations() -> None:
@@ -153,7 +153,7 @@ def disk() -> None:
                 sender = threading.Thread(target=_send, args=(port, stream))
                 sender.start()
                 while running.live.wall.sample_count < 60_000:
-                    if running.live.model.events.counts["mwd", "disk"] > fills:  # told once each time it fills
+                    if running.live.model.events.counts["mwd", "disk"] > fills:  # reported once each time it fills
                         fills, size = fills + 1, size + 1
                         subprocess.run(["mount", "-o", f"remount,size={size}m", name], check=True)
                     assert running.server.failure is None

@@ -67,7 +67,7 @@ def live(
 
 
 def _window(well: str, port: int) -> Window:
-    """Serve the page, before a journal is begun: what keeps it from being served ends the command."""
+    """Serve the page before a journal is begun: the command ends here if the page cannot be served."""
     from helibore.cli.live_view import Window
 
     window = Window(well, port=port)
@@ -137,24 +137,24 @@ def _watch(
 
 
 def _show(window: Window, server: Server) -> bool:
-    """Keep the page up to date; what keeps the wall from being shown is told, there too, and does not stop the wall."""
+    """Keep the page up to date; if the wall cannot be shown, report it, on the page too, and go on."""
     try:
         window.refresh(server.states)
     except (OSError, ValueError) as error:
-        server.live.tell("view", str(error))
-        window.tell(str(error))
+        server.live.report("view", str(error))
+        window.report(str(error))
         return False
     return True
 
 
 def _snapshot(running: Live, target: Path) -> None:
-    """Write a snapshot; what keeps it from being written is told and does not stop the wall."""
+    """Write a snapshot; if it cannot be written, report it and go on."""
     from helibore.live.snapshot import snapshot
 
     try:
         snapshot(running, target)
     except (OSError, ValueError) as error:
-        running.tell("snapshot", str(error))
+        running.report("snapshot", str(error))
 
 
 def _serve_metrics(server: Server, port: int) -> http.server.ThreadingHTTPServer:

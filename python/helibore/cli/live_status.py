@@ -5,7 +5,9 @@ Every number here is counted where the thing happens; nothing is guessed from an
 
 from __future__ import annotations
 
+import itertools
 import time
+from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
 from helibore.live.events import Flag
@@ -22,69 +24,68 @@ PARSED = ("bytes", "frames", "items", "nulls", "not_numbers", *RULE_NAMES)
 
 def metrics(server: Server) -> str:
     """Return every counter in the Prometheus text format."""
-    live, model = server.live, server.live.model
-    lines: list[str] = []
+    from prometheus_client import CollectorRegistry
+    from prometheus_client.core import CounterMetricFamily, GaugeMetricFamily, HistogramMetricFamily, Metric
+    from prometheus_client.exposition import generate_latest
+    from prometheus_client.registry import Collector
 
-    def family(name: str, kind: str, text: str, rows: list[tuple[str, float]]) -> None:
-        lines.extend([f"# HELP helibore_{name} {text}", f"# TYPE helibore_{name} {kind}"])
-        lines.extend(f"helibore_{name}{label} {value:.17g}" for label, value in rows)
+    live, model = server.live, server.live.model
+    families: list[Metric] = []
+    kinds = {"counter": CounterMetricFamily, "gauge": GaugeMetricFamily}
+
+    def family(name: str, kind: str, text: str, rows: Iterable[tuple[tuple[str, ...], float]], *labels: str) -> None:
+        made = kinds[kind](f"helibore_{name}", text, labels=labels)
+        for values, number in rows:
+            made.add_metric(values, number)
+        families.append(made)
 
     readers = {reader.source.name: reader for reader in model.readers.values()}
     for count in PARSED:
-        rows = [(_label(source=name), float(reader.total(count))) for name, reader in readers.items()]
-        family(f"wits_{count}_total", "counter", f"WITS {count.replace('_', ' ')} read.", rows)
-    lost = [(_label(source=name), float(sum(w.lost for w in r.watches.values()))) for name, r in readers.items()]
-    family("sequence_numbers_missing", "gauge", "Sequence numbers that were skipped and have not come.", lost)
-    ages = [(_label(source=name), age) for name, age in source_ages(server).items() if age is not None]
-    family("source_age_seconds", "gauge", "Time since the last byte.", ages)
-    family(
-        "samples_received_total",
-        "counter",
-        "Samples that have a depth or never will.",
-        [("", model.counts["received"])],
-    )
-    family("samples_drawn_total", "counter", "Samples drawn in a layer.", [("", model.counts["drawn"])])
-    family("samples_waiting", "gauge", "Samples whose depth is not known yet.", [("", model.waiting)])
-    flags = [(_label(flag=str(flag.name).lower()), float(model.counts[f"flag {flag.name}"])) for flag in Flag]
-    family("samples_flagged_total", "counter", "Samples with a flag.", flags)
-    passes = [(_label(**{"pass": name}), float(model.counts[f"pass {name}"])) for name in PASSES]
-    family("samples_of_pass_total", "counter", "Samples by the pass they belong to.", passes)
-    told = sorted((_label(source=event.source, rule=event.rule), event) for event in model.events.latest)
-    family("events_total", "counter", "Events by source and rule.", [(label, event.count) for label, event in told])
-    first = [(label, event.wall / 1e9) for label, event in told]
-    family("event_first_timestamp_seconds", "gauge", "When an event of this source and rule was first.", first)
-    last = [(label, event.newest.wall / 1e9) for label, event in told]
-    family("event_last_timestamp_seconds", "gauge", "When an event of this source and rule was last.", last)
-    vertices = [(_label(layer=name), float(len(wall))) for name, wall in live.layers.items()]
-    family("wall_vertices", "gauge", "Vertices of each layer.", vertices)
+        rows = [((name,), float(reader.total(count))) for name, reader in readers.items()]
+        family(f"wits_{count}", "counter", f"WITS {count.replace('_', ' ')} read.", rows, "source")
+    lost = [((name,), float(sum(w.lost for w in r.watches.values()))) for name, r in readers.items()]
+    family("sequence_numbers_missing", "gauge", "Sequence numbers that were skipped and have not come.", lost, "source")
+    ages = [((name,), age) for name, age in source_ages(server).items() if age is not None]
+    family("source_age_seconds", "gauge", "Time since the last byte.", ages, "source")
+    received, drawn = model.counts["received"], model.counts["drawn"]
+    family("samples_received", "counter", "Samples that have a depth or never will.", [((), received)])
+    family("samples_drawn", "counter", "Samples drawn in a layer.", [((), drawn)])
+    family("samples_waiting", "gauge", "Samples whose depth is not known yet.", [((), model.waiting)])
+    flags = [((str(flag.name).lower(),), float(model.counts[f"flag {flag.name}"])) for flag in Flag]
+    family("samples_flagged", "counter", "Samples with a flag.", flags, "flag")
+    passes = [((name,), float(model.counts[f"pass {name}"])) for name in PASSES]
+    family("samples_of_pass", "counter", "Samples by the pass they belong to.", passes, "pass")
+    events = sorted(((event.source, event.rule), event) for event in model.events.latest)
+    place = ("source", "rule")
+    family("events", "counter", "Events by source and rule.", [(key, event.count) for key, event in events], *place)
+    first = [(key, event.wall / 1e9) for key, event in events]
+    family("event_first_timestamp_seconds", "gauge", "First event of this source and rule.", first, *place)
+    last = [(key, event.newest.wall / 1e9) for key, event in events]
+    family("event_last_timestamp_seconds", "gauge", "Last event of this source and rule.", last, *place)
+    vertices = [((name,), float(len(wall))) for name, wall in live.layers.items()]
+    family("wall_vertices", "gauge", "Vertices of each layer.", vertices, "layer")
     if live.journal:
-        family("journal_bytes_left", "gauge", "Bytes left on the journal's disk.", [("", live.journal.bytes_left)])
-    family("queue_records", "gauge", "Records stored and not yet drawn.", [("", server.queued)])
-    _histogram(server, lines)
-    return "\n".join(lines) + "\n"
+        family("journal_bytes_left", "gauge", "Bytes left on the journal's disk.", [((), live.journal.bytes_left)])
+    family("queue_records", "gauge", "Records stored and not yet drawn.", [((), server.queued)])
+    latency, bounds = server.latency, [f"{bound:g}" for bound in server.latency.BOUNDS] + ["+Inf"]
+    buckets = list(zip(bounds, itertools.accumulate(latency.counts), strict=True))
+    text = "From a packet's arrival to its changed vertices."
+    families.append(HistogramMetricFamily("helibore_latency_seconds", text, buckets=buckets, sum_value=latency.sum))
 
+    class Families(Collector):
+        def collect(self) -> list[Metric]:
+            return families
 
-def _histogram(server: Server, lines: list[str]) -> None:
-    latency = server.latency
-    name = "helibore_latency_seconds"
-    lines.extend([f"# HELP {name} From a packet's arrival to its changed vertices.", f"# TYPE {name} histogram"])
-    total = 0
-    for bound, count in zip([*latency.BOUNDS, float("inf")], latency.counts, strict=True):
-        total += count
-        lines.append(f'{name}_bucket{{le="{"+Inf" if bound == float("inf") else f"{bound:g}"}"}} {total}')
-    lines.extend([f"{name}_sum {latency.sum:.9g}", f"{name}_count {total}"])
-
-
-def _label(**labels: str) -> str:
-    quoted = str.maketrans({"\\": "\\\\", '"': '\\"', "\n": " "})
-    escaped = (f'{key}="{value.translate(quoted)}"' for key, value in labels.items())
-    return "{" + ",".join(escaped) + "}"
+    registry = CollectorRegistry()
+    registry.register(Families())
+    return generate_latest(registry).decode()
 
 
 def source_ages(server: Server) -> dict[str, float | None]:
     """Return the seconds since the last byte of each source; None before the first."""
     now = time.monotonic()
-    return {name: None if (heard := server.heard.get(name)) is None else now - heard for name in server.states}
+    last = server.last_received
+    return {name: now - last[name] if name in last else None for name in server.states}
 
 
 class Page:

@@ -3,8 +3,8 @@
     server's drawing thread --show(update)--> Feed of the viewer (a thread of its own) --> pages
     command's loop ---------refresh()-------> the wall begins with its first vertex; bit depth, path, sources
 
-The page is served from the start, before a journal is begun, so that a port in use is told then; until the first vertex
-it says what it waits for. It shows layer ``main``. A path that ends above the wall is drawn on straight; one that
+The page is served from the start, before a journal is begun, so that a port in use is an error then; until the first
+vertex it says what it waits for. It shows layer ``main``. A path that ends above the wall goes on straight; one that
 begins below its top, or none, is a vertical hole. What the page looks like is ``helibore/viewer``; nothing of it is
 loaded without ``--view``.
 """
@@ -94,9 +94,9 @@ class Window:
             self._path_moved = False
             self._feed.set_path(self._path())
         bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
-        self.scene.state(bit_depth=bit[0] if bit else None, newest=self._newest, feed=self._told(states))
+        self.scene.state(bit_depth=bit[0] if bit else None, newest=self._newest, feed=self._status_text(states))
 
-    def tell(self, text: str) -> None:
+    def report(self, text: str) -> None:
         """Say on the page what keeps the wall from being shown."""
         self.scene.state(feed=text)
 
@@ -122,14 +122,14 @@ class Window:
         self._feed = feed
         feed.update()  # what was drawn meanwhile
 
-    def _told(self, states: Mapping[str, str]) -> str:
+    def _status_text(self, states: Mapping[str, str]) -> str:
         """What the sources are doing; before the wall begins, how far samples have come too."""
-        told = "; ".join(f"{name}: {state}" for name, state in states.items())
+        text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if self._feed:
-            return told
+            return text
         model = self._wanted().model
         received, waiting = model.counts["received"], model.waiting
-        return f"{told}. {received:,} samples received" + (f", {waiting:,} wait for their depth." if waiting else ".")
+        return f"{text}. {received:,} samples received" + (f", {waiting:,} wait for their depth." if waiting else ".")
 
     def _wanted(self) -> Live:
         assert self._live is not None, "follow comes first"

@@ -1,1 +1,1 @@
-"""While drilling: measurements arrive over WITS, are stored, and the wall grows."""
+"""While drilling: measurements arrive over WITS or from a WITSML store, are journalled, and the wall grows."""

@@ -13,7 +13,7 @@ What the string does is decided at each bit depth entry:
 
     activity 4, 5: ream     8, 9: trip     on bottom: drill     off bottom, turning: rescan     off bottom, not: trip
 
-A sender that counts its passes is believed before this (``pass_rules.py``).
+The pass number of a sender that counts its passes decides before this (``pass_rules.py``).
 """
 
 from __future__ import annotations
@@ -50,7 +50,7 @@ class Track:
         return np.searchsorted(self.order, order, side="right") - 1
 
     def forget(self, count: int) -> None:
-        """Let go of the first ``count`` entries."""
+        """Drop the first ``count`` entries."""
         self.time, self.order, self.value = self.time[count:], self.order[count:], self.value[count:]
 
 
@@ -126,7 +126,7 @@ class Rig:
         known = at >= 0
         kind = np.where(known, self.kind[at], UNKNOWN)
         flags[known & self.off_bottom[at]] |= Flag.OFF_BOTTOM
-        flags[self._still(time, order)] |= Flag.NOT_ROTATING
+        flags[self._not_rotating(time, order)] |= Flag.NOT_ROTATING
         found, ready = self._from_bit(time, at, now)
         flags[~sent & np.isnan(found)] |= Flag.NO_DEPTH
         return np.where(sent, depth, found - offset), kind, flags, sent | ready
@@ -146,7 +146,7 @@ class Rig:
         final = exact | (at < 0) | (at < last) | (after > gap) | (now - time > gap)
         return depth, final
 
-    def _still(self, time: Times, order: Times) -> npt.NDArray[np.bool_]:
+    def _not_rotating(self, time: Times, order: Times) -> npt.NDArray[np.bool_]:
         track = self.tracks["rotation"]
         if not len(track.value):
             return np.zeros(len(time), bool)
@@ -155,7 +155,7 @@ class Rig:
         return fresh & (track.value[at] < self._rules.rotating)
 
     def forget(self, time: int) -> None:
-        """Let go of entries that no measurement made at ``time`` or later can need."""
+        """Drop entries that no measurement made at ``time`` or later can need."""
         for name, track in self.tracks.items():
             needed = time - int(max(self._rules.stale, self._rules.max_depth_gap) * SECOND)
             spare = int(np.searchsorted(track.time, needed)) - 1

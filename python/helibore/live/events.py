@@ -1,16 +1,17 @@
-"""What went wrong, or changed, on the way from a wire to a wall: events with source, time, place and rule, and flags.
+"""What went wrong or changed between wire and wall: events with source, time, place and rule, and flags of samples.
 
     gap at 10:02:11    gap at 10:02:12    ...    gap at 14:55:02     ->    one event: 37 times, the first, the last
 
-Every occurrence is counted, and events of one rule of one source are joined, so that a flood holds no more than a
-trickle. Times are those at which the bytes were received, so a replay tells the same. Bad bytes stay in the journal at
-the place the event names.
+Every occurrence is counted, and events of one rule of one source are joined, so that a flood of events takes no more
+memory than a few. Times are those at which the bytes were received, so a replay reports the same. Wrong bytes stay in
+the journal at the place that the event names.
 """
 
 from __future__ import annotations
 
 import datetime
 import enum
+import logging
 import threading
 from collections import Counter
 from collections.abc import Callable, Iterable, Sequence
@@ -21,6 +22,8 @@ import numpy.typing as npt
 
 from helibore.live.clock import utc
 
+LOGGER = logging.getLogger("helibore.live")
+LOGGER.addHandler(logging.NullHandler())
 LISTED = 8
 """Events of one rule of one source that an update lists one by one; the last of them stands for those that follow."""
 
@@ -44,12 +47,12 @@ NEVER_DRAWN = Flag.NULL | Flag.INVALID | Flag.RANGE | Flag.DUPLICATE | Flag.NOT_
 
 @dataclass(frozen=True, slots=True)
 class Event:
-    """One thing worth telling, or several of one rule of one source.
+    """One occurrence, or several of one rule of one source.
 
     Attributes
     ----------
     wall
-        When its bytes were received, ns since 1970 (UTC); for what no bytes caused (a disk, a link), when it was.
+        When its bytes were received, ns since 1970 (UTC); an event without bytes (a disk, a link): when it happened.
     source, connection
         Whose bytes; ``""`` and 0 for the journal and the host.
     line, offset
@@ -115,7 +118,7 @@ def _add(events: list[Event], places: dict[tuple[str, str], list[int]], event: E
 
 
 class EventBook:
-    """Counts every event, joins those of one rule of one source, and hands out new ones once.
+    """Counts every event, joins those of one rule of one source, and returns new ones once.
 
     May be used from several threads.
     """
@@ -129,11 +132,11 @@ class EventBook:
 
     @property
     def latest(self) -> list[Event]:
-        """Everything told so far, one event for each rule of each source, the one that happened last at the end."""
+        """Everything reported so far, one event for each rule of each source, the one that happened last at the end."""
         with self._lock:
             return list(self._joined.values())
 
-    def tell(self, event: Event) -> None:
+    def report(self, event: Event) -> None:
         """Count ``event`` and join it to those before it."""
         key = event.source, event.rule
         with self._lock:
@@ -142,16 +145,16 @@ class EventBook:
             self._joined[key] = event if before is None else before.and_then(event)
             _add(self._new, self._places, event)
 
-    def tell_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:
-        """Tell an event for each of many rows; only those that are listed, and the last, are described."""
+    def report_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:
+        """Report an event for each of many rows; only those that are listed, and the last, are described."""
         for row in rows[: LISTED - 1]:
-            self.tell(describe(int(row)))
+            self.report(describe(int(row)))
         if len(rest := rows[LISTED - 1 :]):
             last = describe(int(rest[-1])) if len(rest) > 1 else None
-            self.tell(replace(describe(int(rest[0])), count=len(rest), last=last))
+            self.report(replace(describe(int(rest[0])), count=len(rest), last=last))
 
     def take(self) -> list[Event]:
-        """Return what was told since the last call."""
+        """Return what was reported since the last call."""
         with self._lock:
             new, self._new, self._places = self._new, [], {}
             return new

@@ -2,8 +2,7 @@
 
     buffer  | row 0 | row 1 | ... | row count-1 | free, to be filled ... |      doubled when it is full
 
-A row that is there never changes, so a reader notes buffers and count in one instant and copies at leisure. What a row
-means, and how its sectors lie, is not here (``mapping.py``, ``layout.py``).
+A row never changes after it arrived, so a reader takes buffers and count under the lock and copies without it.
 """
 
 from __future__ import annotations
@@ -47,8 +46,7 @@ class ImageRows:
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
         """Return (depth (r,), values (r, sectors)) of the rows [start, stop) in order of arrival; copies.
 
-        What `Update.images` tells are such rows. All of them, sorted by depth, of those at one depth the latest, are
-        :meth:`arrays`.
+        `Update.images` has such ranges. :meth:`arrays` returns all rows by depth, of those at one depth the latest.
         """
         depth, values = self.so_far()
         return depth[start:stop].copy(), values[start:stop].copy()

@@ -360,7 +360,7 @@ class Journal:
         return status.f_bavail * status.f_frsize
 
     def close(self) -> None:
-        """Sync and let go of the folder."""
+        """Sync and close the files."""
         try:
             if self._file >= 0:
                 self.sync()

@@ -5,12 +5,26 @@
     update.changes["main"].ranges                             # the vertices that are new or changed
     live.wall.radius, live.path, live.image("GR")
 
-For software that owns its own transport: no thread, no callback. ``helibore live`` adds sockets and a status page.
+For software with its own transport: no thread, no callback. ``helibore live`` adds sockets and a status page. Events
+are logged by the logger ``helibore.live``, too.
+
+`helibore::Live` in C++ offers samples, stations, image rows and `poll` to hosts that have no journal. `Live` here does
+not bind it, because each part would lose something:
+
+- It holds one wall. Here a sample goes to the walls of several layers, and one update joins the changes of all.
+- It copies image rows while it holds its lock. `ImageRows` copies without a lock, so that an export of a long image
+  does not delay the next packet.
+- It makes a survey from two stations on and reports a refused station without its source and line. Here one station is
+  exported and restored too, and every event names the line it came from.
+- It stores nothing. Here a push is journalled between its checks and its effect.
+
+Both append to `helibore::Wall`, and ``test_a_host_in_cpp_has_the_bits_of_python`` holds them to the same bits.
 """
 
 from __future__ import annotations
 
 import json
+import logging
 import os
 import secrets
 import threading
@@ -27,14 +41,14 @@ from helibore.base.arrays import column
 from helibore.images.sector_image import SectorImage
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load
-from helibore.live.events import gather
+from helibore.live.events import LOGGER, Event, gather
 from helibore.live.file_names import RULE, can_be_file
 from helibore.live.image_rows import ImageRows
 from helibore.live.journal import Journal, segments
 from helibore.live.layout import given_layout
 from helibore.live.model import Model, Rows
-from helibore.live.openings import check_meaning, recorded_configuration
 from helibore.live.pass_log import Pass
+from helibore.live.session_header import check_meaning, recorded_configuration
 from helibore.live.update import Update, merge
 from helibore.trajectory.survey import Path, Survey
 from helibore.wall.wall import Wall
@@ -49,7 +63,7 @@ WINDOW_RECORDS = 8192
 
 
 class Stored(NamedTuple):
-    """A record that is in the journal and waits to be read."""
+    """A record that is in the journal and not yet read."""
 
     record: Rows
     payloads: list[bytes]
@@ -68,15 +82,15 @@ class Live:
     configuration
         A Configuration, or the TOML file that holds it.
     journal
-        Folder of the journal; what it holds is read first. None: nothing is stored (for trials).
+        Folder of the journal; its records are read first. None: nothing is stored (for trials).
     clock
         Returns (wall ns, monotonic ns).
 
     Raises
     ------
     ValueError
-        On a wrong configuration, a journal another process writes, or one begun with a configuration of another
-        meaning (units, items, walls; another address is fine).
+        On a wrong configuration, a journal that another process writes, or a journal that was begun with a
+        configuration of another meaning (units, items, walls; another address is fine).
     """
 
     def __init__(
@@ -91,7 +105,8 @@ class Live:
         self._lock = threading.Lock()
         self._clock = clock
         self._sequence = 0
-        self._news = Update()
+        self._pending_update = Update()
+        self._logged: dict[tuple[str, str], float] = {}
         self.journal: Journal | None = None
         session = {"session": secrets.token_hex(8), "meaning": self.configuration.meaning(),
                    "configuration": self.configuration.text}  # fmt: skip
@@ -108,10 +123,10 @@ class Live:
             sync_interval=self.configuration.sync_interval,
             clock=clock,
         )
-        for note in self.journal.recovery.notes:  # not its damage: what reads the journal tells it
-            self.tell("journal", note)
-        for update in read_into(self.model, FilePath(journal)):  # the others were told when they happened
-            gather(self._news.events, (event for event in update.events if event.rule == "journal"))
+        for note in self.journal.recovery.notes:  # read_into reports the damage
+            self.report("journal", note)
+        for update in read_into(self.model, FilePath(journal)):  # the others were reported in their own session
+            gather(self._pending_update.events, (event for event in update.events if event.rule == "journal"))
 
     @classmethod
     def replay(cls, folder: str | os.PathLike[str], configuration: Configuration | None = None) -> Live:
@@ -143,17 +158,17 @@ class Live:
         Parameters
         ----------
         name
-            X of ``[source.NAME.image.X]``, or of an image appended with its origin.
+            The X of ``[source.NAME.image.X]``, or the name of an image that was appended with its origin.
         reach
             As in `SectorImage`; needed while the image has one row.
 
         Raises
         ------
         ValueError
-            If how this image lies is not known, and as `SectorImage`: no row has come yet.
+            If the layout of the image is not known, and as `SectorImage`: no row has come yet.
         """
         if name not in self.model.layouts:
-            rule = "no source brings it, and no origin came with its rows, so how its sectors lie is not known"
+            rule = "no source sends it, and its rows came without an origin, so the layout of its sectors is not known"
             raise ValueError(f"image '{name}': {rule}")
         rows = self.images[name]
         return self.model.layouts[name].image(name, rows.unit, rows.arrays(), reach)
@@ -186,7 +201,7 @@ class Live:
         ValueError
             If the source is not in the configuration.
         JournalFullError
-            If the bytes could not be stored; then they were not read either, and may be given again.
+            If the bytes could not be stored. They were not read either; the caller may pass them again.
         """
         number = self._number(source)
         update = Update()
@@ -200,13 +215,13 @@ class Live:
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
-        """Note that a connection ended: a frame that was open is given up."""
+        """Note that a connection ended: its unfinished frame is dropped."""
         return self._store(self._number(source), connection, b"", journals.CLOSED)
 
     def append_samples(
         self, depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None = None
     ) -> Update:
-        """Store and draw samples that the host already placed; as `Wall.append`, into layers that take ``unknown``.
+        """Store and draw samples whose depth the host knows: `Wall.append` to the layers that take ``unknown``.
 
         Raises
         ------
@@ -234,7 +249,7 @@ class Live:
         return update
 
     def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:
-        """Store and take survey stations, metres and degrees; a bad one becomes an event and is left out."""
+        """Store survey stations (m, deg) and add them to the survey; a wrong one is left out with an event."""
         depths = column("depth", depth)
         table = [depths, column("inclination", inclination, depths.size, "depth"),
                  column("azimuth", azimuth, depths.size, "depth")]  # fmt: skip
@@ -245,7 +260,7 @@ class Live:
         origin: str | None = None, reference: str | None = None, direction: str = "clockwise",
         toolface_offset: float = 0.0,
     ) -> Update:  # fmt: skip
-        """Store and take rows of a sector image.
+        """Store rows of a sector image and add them to it.
 
         Parameters
         ----------
@@ -254,30 +269,29 @@ class Live:
         depth, values
             (r,) in metres, and (r, sectors).
         origin, reference, direction, toolface_offset
-            How the sectors lie, as for the images of a source: both origin and reference, or neither. Once said it
-            holds for all rows of the image, and :meth:`image` can lay them around the hole.
+            The layout of the sectors, as for the images of a source: both origin and reference, or neither. Once given
+            it holds for all rows of the image, and :meth:`image` returns them as a `SectorImage`.
 
         Raises
         ------
         ValueError
-            On other sectors, unit or layout than before, or one that is none, fewer than two sectors, infinite values
-            and a name no file can have; nothing was stored then.
+            On a number of sectors, a unit or a layout that differs from before, a wrong layout, fewer than two
+            sectors, infinite values, or a name that no file can have. Nothing was stored then.
         """
         depths = column("depth", depth)
         self._check_image(name, depths.size, values, unit)
         layout = given_layout(origin, reference, direction, toolface_offset, self.configuration.path["reference"])
         if layout and self.model.layouts.get(name, layout) != layout:
-            raise ValueError(f"image '{name}': lies otherwise: {self.model.layouts[name]}")
+            raise ValueError(f"image '{name}': has another layout: {self.model.layouts[name]}")
         _require_finite("depth", depths)
-        lies = astuple(layout) if layout else ()
-        head = json.dumps([name, values.shape[1], unit, *lies]).encode() + b"\n"
+        head = json.dumps([name, values.shape[1], unit, *(astuple(layout) if layout else ())]).encode() + b"\n"
         table = np.column_stack([depths, values]).astype(np.float64)
         return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
 
     def _check_image(self, name: str, rows: int, values: npt.NDArray[np.float64], unit: str) -> None:
-        """Refuse what is no image, or another than the one of that name."""
+        """Refuse values that are no image, or that do not fit the image of that name."""
         if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
-            raise ValueError(f"image '{name}': comes from a source already")
+            raise ValueError(f"image '{name}': a source sends it already")
         if not can_be_file(name):
             raise ValueError(f"name = {name[:60]!r}: {RULE}")
         if np.ndim(values) != 2 or len(values) != rows or values.shape[1] < 2:
@@ -297,11 +311,20 @@ class Live:
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
         """Journal first, then the model."""
         with self._lock:
-            return self._told(self.model.take(*self._stamp(source, connection, payload, kind)))
+            return self._add_to_pending(self.model.take(*self._stamp(source, connection, payload, kind)))
 
-    def _told(self, update: Update) -> Update:
-        merge(self._news, update)
+    def _add_to_pending(self, update: Update) -> Update:
+        merge(self._pending_update, update)
+        for event in update.events:
+            self._log(event)
         return update
+
+    def _log(self, event: Event) -> None:
+        """Log an event; of one rule of one source at most one a second."""
+        key, now = (event.source, event.rule), time.monotonic()
+        if now - self._logged.get(key, -1.0) >= 1.0:
+            self._logged[key] = now
+            LOGGER.log(logging.INFO if event.rule == "connected" else logging.WARNING, "%s", event)
 
     def at_one_moment(self, read: Callable[[], Read]) -> Read:
         """Return what ``read`` returns; meanwhile nothing is drawn, so it should only copy."""
@@ -309,21 +332,21 @@ class Live:
             return read()
 
     def poll(self) -> Update:
-        """Return everything that changed since the last poll, in one; the first tells what recovery did, too.
+        """Return everything that changed since the last poll in one update; the first contains what recovery reported.
 
-        For a host whose screen has a pace of its own: one thread pushes, another polls.
+        For a host that draws at its own pace: one thread pushes, another polls.
         """
         with self._lock:
-            news, self._news = self._news, Update()
-            gather(news.events, self.model.events.take())  # told since, by no record
-            return news
+            pending, self._pending_update = self._pending_update, Update()
+            gather(pending.events, self.model.events.take())  # those that no record caused
+            return pending
 
-    def tell(self, rule: str, text: str, source: str = "") -> None:
-        """Tell an event that no record caused, of the host or of a source's link; it is not in the journal."""
-        self.model.tell(self._clock()[0], rule, text, source)
+    def report(self, rule: str, text: str, source: str = "") -> None:
+        """Report an event that no record caused, of the host or of a source's link; it is not in the journal."""
+        self._log(self.model.report(self._clock()[0], rule, text, source))
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
-        """Journal only; :meth:`draw` must be given what this returns, in the order of the calls.
+        """Journal only; the caller passes the results to :meth:`draw` in the order of the calls.
 
         Raises
         ------
@@ -333,10 +356,12 @@ class Live:
         return Stored(*self._stamp(self._number(source), connection, payload, kind))
 
     def draw(self, stored: Sequence[Stored]) -> Update:
-        """Read what was stored, all at once."""
+        """Read stored records, all at once."""
         with self._lock:
             records = np.concatenate([one.record for one in stored])
-            return self._told(self.model.take(records, [payload for one in stored for payload in one.payloads]))
+            return self._add_to_pending(
+                self.model.take(records, [payload for one in stored for payload in one.payloads])
+            )
 
     def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:
         if self.journal is not None:
@@ -348,12 +373,12 @@ class Live:
         return record, [payload]
 
     def sync(self) -> None:
-        """Have the journal on the disk itself."""
+        """Write the journal through to the disk."""
         if self.journal is not None:
             self.journal.sync()
 
     def close(self) -> None:
-        """Sync and let go of the journal."""
+        """Sync and close the journal."""
         if self.journal is not None:
             self.journal.close()
 
@@ -370,10 +395,10 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 
 
 def read_into(model: Model, folder: FilePath) -> Iterator[Update]:
-    """Give a journal's records to ``model``, a window at a time; damage becomes events."""
+    """Pass a journal's records to ``model``, a window at a time; damage becomes events."""
     for segment in segments(folder):
         for (start, _), text in zip(segment.damage, segment.damage_texts(), strict=True):
-            model.tell(segment.wall_before(start), "journal", text)
+            model.report(segment.wall_before(start), "journal", text)
         for start, stop in windows(segment.records):
             payloads = [segment.payload(row) for row in range(start, stop)]
             yield model.take(segment.records[start:stop], payloads)

@@ -3,8 +3,8 @@
     frames x mapped items  ->  one table of float64, one of states (absent, value, null, invalid)  ->  columns
 
 Everything is done for many frames at once; only bad input and gaps are looked at one by one. A frame repeated word for
-word within the last 4096 frames that carried measurements is a duplicate when a repeat can be told from a new
-measurement: it carries a sequence number or the sensor's own depth.
+word within the last 4096 frames that carried measurements is a duplicate if it carries a sequence number or
+the sensor's own depth: only then does a repeat differ from a new measurement.
 """
 
 from __future__ import annotations
@@ -82,12 +82,12 @@ class SourceReader:
             self._codes.append(code)
         self._measured = np.array(sorted({self._column[c] for c in self._measurements()}), np.int64)
         self._caliper_places = [self._places(items) for items in self._item_groups()]
-        told_apart = [*self.watches]
+        distinguishing = [*self.watches]
         if caliper := source.caliper:
-            told_apart += [item.code for item in caliper.depth]
-        told_apart += [image.depth.code for image in source.images if image.depth]
-        told_apart += [item.code for item in (source.survey or ())[:1]]
-        self._told_apart = np.array([self._column[code] for code in told_apart], np.int64)
+            distinguishing += [item.code for item in caliper.depth]
+        distinguishing += [image.depth.code for image in source.images if image.depth]
+        distinguishing += [item.code for item in (source.survey or ())[:1]]
+        self._distinguishing = np.array([self._column[code] for code in distinguishing], np.int64)
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
         self._held = bytearray()  # what the parser holds; where its records end in the stream, and when they came
@@ -139,7 +139,7 @@ class SourceReader:
         return readings
 
     def _finish(self, chunk: Chunk) -> Reading:
-        """What the end of the connection completes; it ended when the first record of ``chunk`` came."""
+        """Columns of what the end of the connection completes; it ended when the first record of ``chunk`` came."""
         reading = self._columns(self._parser.finish(), chunk, np.array([np.iinfo(np.int64).max]))
         self._add_counts()
         self._parser, self._ends, self._walls, self._held = self._new_parser(), [], [], bytearray()
@@ -164,7 +164,7 @@ class SourceReader:
         within = np.arange(len(at)) - np.searchsorted(at, at)
         order = (chunk.order[at] << 20) + within
         reading = Reading(chunk.time[at], order, chunk.wall[at], batch.frames["line"], self._connection)
-        self._tell_bad_text(batch, int(chunk.wall[0]))
+        self._report_bad_text(batch, int(chunk.wall[0]))
         if not len(batch.frames):
             return reading
         values, states = self._table(batch, reading)
@@ -192,12 +192,12 @@ class SourceReader:
         states[row, column[mapped]] = np.array([VALUE, NULL, INVALID, INVALID], np.uint8)[items["flags"][mapped]]
         reading.keep_alives = int(np.count_nonzero((frames["items"] == 1) & self._is_keep_alive(batch)))
         bad = mapped[items["flags"][mapped] == wits.INVALID][::-1]
-        self._tell_invalid(bad, batch, reading, values)
+        self._report_invalid(bad, batch, reading, values)
         if len(mapped) != np.count_nonzero(states):
             pairs = row * len(self._codes) + column[mapped]
             kept = np.zeros(len(mapped), bool)
             kept[len(pairs) - 1 - np.unique(pairs[::-1], return_index=True)[1]] = True
-            self._tell_items(
+            self._report_items(
                 mapped[~kept][::-1], batch, reading, "twice", "is there twice in a frame: the first counts"
             )
         return values, states
@@ -210,8 +210,8 @@ class SourceReader:
         alone: npt.NDArray[np.bool_] = (batch.items["code"][first] == 111) & (batch.items["flags"][first] == wits.NULL)
         return alone
 
-    def _tell_items(self, rows: Integers, batch: wits.Batch, reading: Reading, rule: str, words: str) -> None:
-        self._events.tell_rows(rows, lambda row: self._item_event(row, batch, reading, rule, words))
+    def _report_items(self, rows: Integers, batch: wits.Batch, reading: Reading, rule: str, words: str) -> None:
+        self._events.report_rows(rows, lambda row: self._item_event(row, batch, reading, rule, words))
 
     def _item_event(self, row: int, batch: wits.Batch, reading: Reading, rule: str, words: str) -> Event:
         item = batch.items[row]
@@ -219,8 +219,8 @@ class SourceReader:
         text = f"item {item['code']:04d} = {batch.text_of(row)[:60]!r}: {words}"
         return self._event(int(reading.wall[frame]), rule, text, batch.line_of(row, frame), int(item["offset"]))
 
-    def _tell_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
-        """Tell the items ``bad``, which are no numbers, and numbers that are of no pass, frame by frame."""
+    def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
+        """Report the items ``bad``, which are no numbers, and numbers of no pass, frame by frame."""
         wrong = self._wrong_numbers(values)
         frames = np.concatenate([np.searchsorted(batch.frames["first"], bad, side="right") - 1, wrong])
 
@@ -229,7 +229,7 @@ class SourceReader:
                 return self._item_event(int(bad[place]), batch, reading, "invalid", "is not a number")
             return self._wrong_number(int(wrong[place - len(bad)]), reading, values)
 
-        self._events.tell_rows(np.argsort(frames, kind="stable"), describe)
+        self._events.report_rows(np.argsort(frames, kind="stable"), describe)
 
     def _wrong_numbers(self, values: Values) -> Integers:
         """Frames whose pass number is a number that no pass has."""
@@ -244,7 +244,7 @@ class SourceReader:
         text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
         return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
-    def _tell_bad_text(self, batch: wits.Batch, wall: int) -> None:
+    def _report_bad_text(self, batch: wits.Batch, wall: int) -> None:
         """Events of bad text, each at the time its first byte came; ``wall``: the end of the connection."""
         rules = batch.events["rule"]
 
@@ -259,21 +259,21 @@ class SourceReader:
             return self._event(came, name, text, int(event["line"]), int(event["offset"]))
 
         for rule in np.unique(rules).tolist():
-            self._events.tell_rows(np.flatnonzero(rules == rule), describe)
+            self._events.report_rows(np.flatnonzero(rules == rule), describe)
 
     def _event(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> Event:
         return Event(wall, self.source.name, self._connection, line, offset, rule, text)
 
-    def _tell(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> None:
-        self._events.tell(self._event(wall, rule, text, line, offset))
+    def _report(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> None:
+        self._events.report(self._event(wall, rule, text, line, offset))
 
-    def _tell_frame(self, reading: Reading, row: int, rule: str, text: str) -> None:
-        self._tell(int(reading.wall[row]), rule, text, int(reading.line[row]))
+    def _report_frame(self, reading: Reading, row: int, rule: str, text: str) -> None:
+        self._report(int(reading.wall[row]), rule, text, int(reading.line[row]))
 
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
         """DUPLICATE for frames with measurements whose text was there before."""
         flags = np.zeros(len(batch.frames), np.int64)
-        measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._told_apart] == VALUE).any(
+        measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._distinguishing] == VALUE).any(
             axis=1
         )
         rows = np.flatnonzero(measured)
@@ -284,7 +284,7 @@ class SourceReader:
             words = text[start:stop]
             if words in recent:
                 flags[row] = Flag.DUPLICATE
-                self._tell(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),
+                self._report(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),
                            start + batch.base)  # fmt: skip
                 continue
             recent[words] = None
@@ -299,11 +299,11 @@ class SourceReader:
             numbers = values[:, self._column[code]]
             if np.isnan(numbers).all():
                 continue
-            found, told = watch.take(numbers)
+            found, reported = watch.take(numbers)
             flags |= found
-            events += [(index, rule, f"record {code // 100:02d}: {text}") for index, rule, text in told]
+            events += [(index, rule, f"record {code // 100:02d}: {text}") for index, rule, text in reported]
         for event in sorted(events, key=lambda event: event[0]):  # as they came, not record by record
-            self._tell_frame(reading, *event)
+            self._report_frame(reading, *event)
         return flags
 
     def _value(self, values: Values, item: Item) -> Values:
@@ -311,9 +311,9 @@ class SourceReader:
         return scaled
 
     def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
-        """The number each frame says, or the last one said before it; a null takes it back.
+        """The pass number in each frame, or the last one sent before it; a null ends it.
 
-        What a late or repeated frame says counts for that frame only.
+        The number of a late or repeated frame counts for that frame only.
         """
         item = self.source.pass_number
         if item is None:

@@ -2,7 +2,7 @@
 
     records -> parser and mapping of each source -> rig tracks -> samples placed -> layers (walls), images, path
 
-The same records give the same bits whether they are taken one by one as they arrive or by the thousand at a replay:
+The same records give the same bits whether the model takes them one by one or by the thousand at a replay:
 samples carry their time, so the wall does not depend on how they were grouped, and a sample is placed only when the
 depth entries on both sides of it are known. No sockets, no files, no clocks here.
 """
@@ -110,9 +110,11 @@ class Model:
         update.events = self.events.take()
         return update
 
-    def tell(self, wall: int, rule: str, text: str, source: str = "") -> None:
-        """Tell an event that belongs to no record, at ``wall``, ns since 1970."""
-        self.events.tell(Event(wall, source, 0, 0, -1, rule, text))
+    def report(self, wall: int, rule: str, text: str, source: str = "") -> Event:
+        """Report an event that belongs to no record, at ``wall``, ns since 1970."""
+        event = Event(wall, source, 0, 0, -1, rule, text)
+        self.events.report(event)
+        return event
 
     def _open(self, record: np.void, payload: bytes) -> None:
         session = json.loads(payload or b"{}").get("session", "")
@@ -121,17 +123,17 @@ class Model:
         self._session = session
         behind = self.clock.begin_session(int(record["wall"]), int(record["monotonic"]))
         if behind:
-            self._tell(
+            self._report(
                 record, "clock", f"the wall clock is {behind / SECOND:.3f} s behind the last session: not followed"
             )
 
-    def _tell(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
-        self.events.tell(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
+    def _report(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
+        self.events.report(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
 
     def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
         times = self.clock.times(records["monotonic"])
         for row, jumped in self.clock.jumps(records["wall"], times):
-            self._tell(records[row], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
+            self._report(records[row], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
         found: list[Rows] = []
         for number in np.unique(records["source"]).tolist():
             rows = np.flatnonzero(records["source"] == number)
@@ -163,7 +165,7 @@ class Model:
             number = int(records["connection"][run[0]])
             for row in run[kinds == journal.CONNECTED].tolist():
                 self.counts[f"connections {name}"] += 1
-                self._tell(records[row], "connected", payloads[row].decode(errors="replace"), name, number)
+                self._report(records[row], "connected", payloads[row].decode(errors="replace"), name, number)
             for some, closing in ((run[kinds == journal.BYTES], False), (run[kinds == journal.CLOSED], True)):
                 if not len(some):
                     continue
@@ -177,16 +179,16 @@ class Model:
     def _watch_silence(
         self, name: str, rows: npt.NDArray[np.int64], records: Rows, times: npt.NDArray[np.int64]
     ) -> None:
-        heard = rows[records["kind"][rows] == journal.BYTES]
-        if not len(heard):
+        last_received = rows[records["kind"][rows] == journal.BYTES]
+        if not len(last_received):
             return
         silence = int(self.configuration.sources[name].silence * SECOND)
-        before = np.concatenate([[self.last_seen.get(name, int(times[heard[0]]))], times[heard]])
+        before = np.concatenate([[self.last_seen.get(name, int(times[last_received[0]]))], times[last_received]])
         for index in np.flatnonzero(np.diff(before) > silence).tolist():
             quiet = (int(before[index + 1]) - int(before[index])) / SECOND
-            record = records[heard[index]]
-            self._tell(record, "silence", f"nothing came for {quiet:.1f} s", name, int(record["connection"]))
-        self.last_seen[name] = int(times[heard[-1]])
+            record = records[last_received[index]]
+            self._report(record, "silence", f"nothing came for {quiet:.1f} s", name, int(record["connection"]))
+        self.last_seen[name] = int(times[last_received[-1]])
 
     def _use(self, reading: Reading, reader: SourceReader, update: Update) -> list[Rows]:
         """Rig quantities to their tracks, stations to the path; triples and image rows become pending rows."""
@@ -229,7 +231,7 @@ class Model:
         """Take a station; ``event`` has the place, should it be refused."""
         moved, refused = self.stations.take(*station)
         if refused:
-            self.events.tell(replace(event, text=refused))
+            self.events.report(replace(event, text=refused))
         if moved is not None:
             update.path_from = moved if update.path_from is None else min(moved, update.path_from)
 
@@ -274,7 +276,7 @@ class Model:
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
         flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known
         triples = ready & (rows["image"] < 0)
-        if not triples.all():  # copies of what is mostly all are dear
+        if not triples.all():  # copying nearly all rows would double memory
             self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
         else:
             self._draw(rows, depth, kind, flags, update)
@@ -313,7 +315,7 @@ class Model:
                 depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
             gaps += self._depth_gaps(name, depth[chosen], np.flatnonzero(chosen))
         if gaps:
-            self.passes.tell(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
+            self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 

@@ -1,8 +1,8 @@
 """The passes of a well as its samples came: which pass each belongs to, and from when to when, how deep and how many.
 
-    wire says  . . 1 1 1 1 2 2 2       number of the source, "." where it says none
+    wire       . . 1 1 1 1 2 2 2       number from the source, "." where it sends none
     string     d d d d r r r r r       drill, rescan: from bit depth and rotation (depth.py)
-    pass       d d d d d d r r r       the number decides; the two samples that differ are told
+    pass       d d d d d d r r r       the number decides; the two samples that differ are reported
                |-| |-----| |---|       runs, one row each: passes of one source follow each other
 
 Runs are in order of arrival of each source, so they do not depend on how the stream was cut. The latest 10,000 are
@@ -38,7 +38,7 @@ class Pass:
     name
         A pass out of `PASSES`.
     number
-        What the source called it; None where it said nothing.
+        The source's number of it; None where it sent none.
     start, stop
         When the first and the last of them were measured, ns of the model's clock (UTC since 1970, never going back).
     top, bottom
@@ -107,12 +107,12 @@ class PassLog:
                     found.append((differ, f"{text}: the number counts"))
         if found:
             which = np.repeat(np.arange(len(found)), [len(rows) for rows, _ in found])
-            told = np.concatenate([rows for rows, _ in found])
-            self.tell(samples, told, "pass", lambda place: found[which[place]][1])
+            reported = np.concatenate([rows for rows, _ in found])
+            self.report(samples, reported, "pass", lambda place: found[which[place]][1])
         return decided
 
-    def tell(self, samples: Rows, rows: Integers, rule: str, text: Callable[[int], str]) -> None:
-        """Tell an event for each of ``rows``, of one source in order of arrival; ``text(i)`` is of ``rows[i]``."""
+    def report(self, samples: Rows, rows: Integers, rule: str, text: Callable[[int], str]) -> None:
+        """Report an event for each of ``rows``, by source in order of arrival; ``text(i)`` describes ``rows[i]``."""
         order = np.argsort(rows, kind="stable")
         source = samples["source"][rows[order]]
 
@@ -120,7 +120,7 @@ class PassLog:
             return self._event(samples[rows[place]], rule, text(place))
 
         for who in np.unique(source).tolist():
-            self._events.tell_rows(order[source == who], describe)
+            self._events.report_rows(order[source == who], describe)
 
     def _event(self, sample: np.void, rule: str, text: str) -> Event:
         """Return an event at the place a sample came from."""

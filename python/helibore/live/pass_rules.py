@@ -9,8 +9,8 @@
     drill = [1]
     rescan = [2, 3]
 
-Where a source says a number, the number decides for its samples; where the string did something else meanwhile, that
-is told (``pass_log.py``). 0 says nothing unless it is listed, nor does a null; then the string's own pass counts.
+Where a source sends a number, the number decides for its samples; where the string's motion means another pass, that
+is reported (``pass_log.py``). 0 means nothing unless it is listed, nor does a null; then the string's motion decides.
 """
 
 from __future__ import annotations

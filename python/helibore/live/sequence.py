@@ -35,7 +35,7 @@ class SequenceWatch:
         self._repeated: int | None = None
 
     def take(self, numbers: npt.NDArray[np.float64]) -> tuple[npt.NDArray[np.int64], list[tuple[int, str, str]]]:
-        """Return flags (GAP_BEFORE, LATE) for each number, and (index, rule, text) of what is worth an event."""
+        """Return flags (GAP_BEFORE, LATE) for each number, and (index, rule, text) of each event."""
         flags = np.zeros(len(numbers), np.int64)
         known = np.flatnonzero((numbers >= 0) & (numbers < WRAP))
         if not len(known):
@@ -44,13 +44,13 @@ class SequenceWatch:
         if self.last is not None and whole[0] == self.last + 1 and (np.diff(whole) == 1).all():
             self.last, self._repeated = int(whole[-1]), None
             return flags, []
-        told: list[tuple[int, str, str]] = []
+        reported: list[tuple[int, str, str]] = []
         for index, number in zip(known.tolist(), whole.tolist(), strict=True):
             flag, rule, text = self._step(number)
             flags[index] |= flag
             if rule:
-                told.append((index, rule, text))
-        return flags, told
+                reported.append((index, rule, text))
+        return flags, reported
 
     def _step(self, number: int) -> tuple[int, str, str]:
         last = self.last

@@ -3,7 +3,7 @@
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
 Bytes are in the journal before they are in the queue. A link that breaks is opened again after 1, 2, 4 ... 60 s, each
-shortened by up to half at random so that sources do not knock together.
+shortened by up to half at random so that sources do not reconnect all at once.
 """
 
 from __future__ import annotations
@@ -104,7 +104,7 @@ class Server:
 
     Attributes
     ----------
-    latency, states, heard
+    latency, states, last_received
         Packet in to changed vertices out; what each source is doing; when it last sent, seconds of the monotonic clock.
     """
 
@@ -112,7 +112,7 @@ class Server:
         self.live = live
         self.latency = Latency()
         self.states = dict.fromkeys(live.configuration.sources, "not started")
-        self.heard: dict[str, float] = {}
+        self.last_received: dict[str, float] = {}
         self.updates = 0
         self.failure: BaseException | None = None
         self._updated = updated
@@ -135,7 +135,7 @@ class Server:
         try:
             for name, source in self.live.configuration.sources.items():
                 if source.address.kind != "host":
-                    self.openers[name] = opener(source, functools.partial(self._tell, name), self._position(name))
+                    self.openers[name] = opener(source, functools.partial(self._report, name), self._position(name))
         except BaseException:
             for one in self.openers.values():
                 one.close()
@@ -172,8 +172,8 @@ class Server:
         """Records stored and not yet drawn."""
         return len(self._queue)
 
-    def _tell(self, source: str, rule: str, text: str) -> None:
-        self.live.tell(rule, text, source)
+    def _report(self, source: str, rule: str, text: str) -> None:
+        self.live.report(rule, text, source)
 
     def _position(self, source: str) -> Position:
         """Where the log of a store stands, as far as it is drawn: what is asked for twice is read once."""
@@ -181,7 +181,7 @@ class Server:
         return lambda: getattr(reader, "last", None)
 
     def _follow(self, source: Source, one: Opener) -> None:
-        """Open, read, open again, until told to stop."""
+        """Open, read, open again, until the server stops."""
         failures = 0
         connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
         try:
@@ -196,7 +196,7 @@ class Server:
                     failures = 0 if self._read(source, link, connection) else failures + 1
                 except OSError as error:
                     failures = 1 if time.monotonic() - began > LONGEST_WAIT else failures + 1
-                    self._tell(source.name, "link", str(error))
+                    self._report(source.name, "link", str(error))
                 if one.ends and failures == 0:
                     self.states[source.name] = "ended"
                     return
@@ -224,7 +224,7 @@ class Server:
                     break
                 if payload:
                     came = True
-                    self.heard[source.name] = time.monotonic()
+                    self.last_received[source.name] = time.monotonic()
                     self._put(source, connection, payload, journals.BYTES)
         finally:
             close_quietly(link)
@@ -233,15 +233,15 @@ class Server:
 
     def _put(self, source: Source, connection: int, payload: bytes, kind: int) -> None:
         """Store, trying again every second while the disk is full; the sender waits meanwhile."""
-        state, told = self.states[source.name], False
+        state, reported = self.states[source.name], False
         while True:
             try:
                 self._queue.put(source.name, connection, payload, kind, self._stop)
             except JournalFullError as error:
-                if not told:
-                    self._tell(source.name, "disk", str(error))
+                if not reported:
+                    self._report(source.name, "disk", str(error))
                     self.states[source.name] = "waiting for the disk"
-                    told = True
+                    reported = True
                 if self._stop.wait(1.0):
                     return  # not stored: never acknowledged, never read
             else:
@@ -269,12 +269,12 @@ class Server:
         interval = self.live.configuration.sync_interval
         if self.live.journal is None or interval == 0:
             return
-        told = False
+        reported = False
         while not self._stop.wait(interval):
             try:
                 self.live.sync()
-                told = False
+                reported = False
             except JournalFullError as error:
-                if not told:
-                    self.live.tell("disk", str(error))
-                told = True
+                if not reported:
+                    self.live.report("disk", str(error))
+                reported = True

@@ -1,4 +1,4 @@
-"""The state of a live wall as files of one instant: walls, mesh, logs, images, survey, passes, events.
+"""The export of a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
 
     main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
     main.las        every turn measured, or main.csv                                  one file a layer of a turn or more
@@ -9,9 +9,9 @@
     events.csv      source, rule, count, first and last: utc, connection, line, text
     snapshot.json   number, utc, records, complete, files
 
-Everything is copied at one moment (``still.py``), written beside, in the folder ``.new``, and then put in place, file
-by file. Meanwhile ``snapshot.json`` says ``"complete": false``: who reads it before and after the files, and finds the
-same number, complete, has the files of one instant. If anything cannot be written, the files of before stay, all.
+Everything is copied at one moment (``frozen_copy.py``), written to the folder ``.new``, and then moved file by file.
+Meanwhile ``snapshot.json`` says ``"complete": false``: a program that reads it before and after the files and finds
+the same number, complete, has the files of one moment. If anything cannot be written, all previous files stay.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ from helibore.base.atomic_file import write_whole
 from helibore.live.clock import utc
 from helibore.live.events import Event
 from helibore.live.file_names import escaped
+from helibore.live.frozen_copy import FrozenCopy, FrozenWall, frozen_copy
 from helibore.live.live import Live
-from helibore.live.still import Still, StillWall, still
 
 MANIFEST = "snapshot.json"
 Cells = Sequence[float | str | None]
@@ -37,12 +37,12 @@ Cells = Sequence[float | str | None]
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
     """Write the files; returns those written, ``snapshot.json`` last. A wall that the path does not reach has no mesh.
 
-    An image that cannot be laid on a wall, or whose name makes no file, is left out, and that is an event.
+    An image that cannot be laid on a wall, or whose name no file can have, is left out with an event.
 
     Raises
     ------
     OSError
-        If the folder cannot be written; the files of the snapshot before are then as they were.
+        If the folder cannot be written; the files of the previous export are then unchanged.
     """
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
@@ -50,17 +50,17 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     shutil.rmtree(beside, ignore_errors=True)  # of a run that was killed
     beside.mkdir()
     try:
-        of = still(live)
+        of = frozen_copy(live)
         for text in of.left_out:
-            live.tell("snapshot", text)
+            live.report("snapshot", text)
         _write(of, beside, str(live.configuration.snapshot["logs"]))
         return _put_in_place(beside, target, of)
     finally:
         shutil.rmtree(beside, ignore_errors=True)
 
 
-def _put_in_place(beside: Path, target: Path, of: Still) -> list[Path]:
-    """Move the files of ``beside`` to ``target``, and let those go that were of the snapshot before only."""
+def _put_in_place(beside: Path, target: Path, of: FrozenCopy) -> list[Path]:
+    """Move the files of ``beside`` to ``target``; delete the files that only the previous export used."""
     number, there = _manifest(target)
     sizes = {path.name: path.stat().st_size for path in sorted(beside.iterdir())}
     facts = {"number": number + 1, "utc": utc(of.wall_time), "records": of.records}
@@ -75,7 +75,7 @@ def _put_in_place(beside: Path, target: Path, of: Still) -> list[Path]:
 
 
 def _manifest(target: Path) -> tuple[int, dict[str, int]]:
-    """Number and files of the snapshot that is there; what is no name of a file in its folder is none of them."""
+    """Number and files of the previous export; names that do not name a file in the folder are left out."""
     try:
         found = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
         files = {name: int(size) for name, size in found["files"].items() if _is_own(target, name)}
@@ -93,7 +93,7 @@ def _write_manifest(target: Path, manifest: dict[str, object]) -> None:
     write_whole(target / MANIFEST, lambda whole: whole.write(text.encode()))
 
 
-def _write(of: Still, target: Path, logs: str) -> None:
+def _write(of: FrozenCopy, target: Path, logs: str) -> None:
     for name, wall in of.walls.items():
         wall.save(target / f"{escaped(name)}.wall")
         if logs != "none" and len(wall) > wall.settings.sectors:
@@ -119,7 +119,7 @@ def _write(of: Still, target: Path, logs: str) -> None:
         _mesh(of.walls["main"], of, target)
 
 
-def _mesh(wall: StillWall, of: Still, target: Path) -> None:
+def _mesh(wall: FrozenWall, of: FrozenCopy, target: Path) -> None:
     if len(wall) <= wall.settings.sectors + 1:
         return
     top, bottom = sorted((wall.start_depth, wall.stop_depth))

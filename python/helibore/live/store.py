@@ -4,8 +4,8 @@
                               ^------------- every so many seconds, from the reader's last index on
 
 Certificates are always verified, against the system's authorities and those of ``ca``. No redirect is followed, no
-proxy or netrc asked, no compressed answer taken. What comes is in the journal before anything looks into it, also what
-is refused. Credentials are read from the environment and are in no text. An answer that fails ends the link with an
+proxy or netrc asked, no compressed answer taken. Every answer is in the journal before anything reads it, refused
+ones too. Credentials are read from the environment and appear in no text. An answer that fails ends the link with an
 OSError; when to try again is the server's business.
 """
 
@@ -176,7 +176,7 @@ class StoreLink:
 
     def _refusal(self, kind: str, body: bytes) -> bytes:
         """A refused answer as it is stored: without secrets, and empty where it is the one before."""
-        body = _blotted(body, self._secrets)
+        body = _redacted(body, self._secrets)
         checksum = hashlib.blake2b(body).digest()
         if self._refused.get(kind) == checksum:
             return b""
@@ -225,7 +225,7 @@ def _secrets(auth: tuple[str, str] | None) -> tuple[bytes, ...]:
     return tuple(sorted((form.encode() for form in forms - {""}), key=len, reverse=True))
 
 
-def _blotted(body: bytes, secrets: tuple[bytes, ...]) -> bytes:
+def _redacted(body: bytes, secrets: tuple[bytes, ...]) -> bytes:
     """Return ``body`` without secrets; its end, where it may have been cut, without the beginning of one."""
     for secret in secrets:
         body = body.replace(secret, b"*" * len(secret))

@@ -3,7 +3,7 @@
     journal bytes -> answers -> rows behind the last index -> cells by unit -> triples, image rows, rig, stations
 
 A row whose index is not behind the last one is a row that is there already: a store sends the row at ``startIndex``
-again. A curve whose unit is not sent, not known, of another quantity or not the image's is INVALID, and told.
+again. A curve is INVALID, with an event, if its unit is not sent, not known, of another quantity, or not the image's.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ class StoreReader(SourceReader):
         self._last_key = -np.inf
         self._nulls = source.nulls
         self._bad_units: set[tuple[str, str]] = set()
-        self._told_jump = -np.inf
+        self._reported_jump = -np.inf
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the answers that ``chunk`` completes."""
@@ -55,30 +55,30 @@ class StoreReader(SourceReader):
             answers, stray = self._frames.feed(payload)
             stamp = int(chunk.time[row]), int(chunk.order[row]) << 20, int(chunk.wall[row])
             if stray:
-                self._tell(stamp[2], "stray_text", f"{stray} bytes belong to no answer: they were not read")
+                self._report(stamp[2], "stray_text", f"{stray} bytes belong to no answer: they were not read")
             readings += [reading for answer in answers if (reading := self._take(*answer, stamp)) is not None]
         return readings
 
     def _take(self, kind: str, state: str, body: bytes, stamp: tuple[int, int, int]) -> Reading | None:
         """Columns of one answer; None where there is nothing to read in it."""
         if state == "cut":
-            self._tell(stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes: not read")
+            self._report(stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes: not read")
         if state == "refused":
             kept = f"{len(body)} bytes of it are kept" if body else "it was empty, or as the one before"
-            self._tell(stamp[2], "refused", f"an answer about the {kind} must not be read: {kept}")
+            self._report(stamp[2], "refused", f"an answer about the {kind} must not be read: {kept}")
         if state != "whole":
             return None
         self.counts["frames"] += 1
         try:
             answer = witsml.read_answer(body)
             if answer.result < 0:
-                self._tell(stamp[2], "store", f"{kind}: error {answer.result}: {answer.message}")
+                self._report(stamp[2], "store", f"{kind}: error {answer.result}: {answer.message}")
                 return None
             if kind == "log":
                 return self._log(witsml.read_log(answer.document), stamp)
             return self._trajectory(witsml.read_stations(answer.document), stamp)
         except ValueError as error:
-            self._tell(stamp[2], "witsml", f"{kind}: {error}: the answer was not read")
+            self._report(stamp[2], "witsml", f"{kind}: {error}: the answer was not read")
             return None
 
     def _log(self, log: witsml.LogRows, stamp: tuple[int, int, int]) -> Reading | None:
@@ -102,7 +102,7 @@ class StoreReader(SourceReader):
         self.counts["not_numbers"] += int(np.count_nonzero(states == INVALID))
         flags = np.zeros(len(numbers), np.int64)
         reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
-        self._events.tell_rows(self._wrong_numbers(values), lambda row: self._wrong_number(row, reading, values))
+        self._events.report_rows(self._wrong_numbers(values), lambda row: self._wrong_number(row, reading, values))
         reading.pass_number = self._pass_numbers(values, states, flags)
         self._triples(reading, values, states, flags)
         self._images(reading, values, states, flags)
@@ -126,24 +126,24 @@ class StoreReader(SourceReader):
         for place, (key, after) in enumerate(zip(keys, _following(keys), strict=True)):
             if key is None:
                 text = f"index {texts[place][:60]!r}: is not a {store.index}: the row was not read"
-                self._tell(wall, "index", text, place + 1)
+                self._report(wall, "index", text, place + 1)
             elif key > self._last_key:
                 if key - self._last_key > store.jump and not (after is not None and key < after <= key + store.jump):
-                    self._tell_jump(texts[place], key, store, wall, place + 1)
+                    self._report_jump(texts[place], key, store, wall, place + 1)
                     continue
                 self._last_key = key
                 self.last = texts[place], log.units[0] if store.index == "depth" else ""
                 new.append(place + 1)
         return new
 
-    def _tell_jump(self, text: str, key: float, store: Store, wall: int, line: int) -> None:
-        if key == self._told_jump:  # the store sends it again with every answer
+    def _report_jump(self, text: str, key: float, store: Store, wall: int, line: int) -> None:
+        if key == self._reported_jump:  # the store sends it again with every answer
             return
-        self._told_jump = key
+        self._reported_jump = key
         unit = "m" if store.index == "depth" else "s"
         far = f"{key - self._last_key:.6g} {unit} behind the last" if np.isfinite(self._last_key) else "the first"
         rule = f"no row goes on from it within {store.jump:g} {unit}: not read"
-        self._tell(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
+        self._report(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
 
     def _fill(
         self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
@@ -166,7 +166,7 @@ class StoreReader(SourceReader):
                 values[block, column], states[block, column] = self._cells(mnemonic, scale, cells, numbers[block], wall)
 
     def _scale(self, curve: Curve, unit: str, wall: int) -> float | None:
-        """What a curve's values are multiplied by; None, and told once, where its unit is not what it must be."""
+        """Return the scale of a curve; for a wrong unit None, and one event for each source."""
         try:
             if curve.unit and unit.strip() and unit.strip().casefold() != curve.unit.casefold():
                 raise ValueError(f"unit '{unit}': the configuration says '{curve.unit}'")
@@ -174,7 +174,7 @@ class StoreReader(SourceReader):
         except ValueError as error:
             if (curve.mnemonic, unit) not in self._bad_units and len(self._bad_units) < MOST_UNITS:
                 self._bad_units.add((curve.mnemonic, unit))
-                self._tell(wall, "unit", f"curve {curve.mnemonic}: {error}: not read")
+                self._report(wall, "unit", f"curve {curve.mnemonic}: {error}: not read")
             return None
 
     def _cells(
@@ -198,7 +198,7 @@ class StoreReader(SourceReader):
             text = f"curve {mnemonic} = {cells[row][:60]!r}: is not a number"
             return self._event(wall, "invalid", text, numbers[row])
 
-        self._events.tell_rows(bad, describe)
+        self._events.report_rows(bad, describe)
         return values, states
 
     def _unmeasured(self, states: npt.NDArray[np.uint8]) -> None:
@@ -217,7 +217,7 @@ class StoreReader(SourceReader):
                 rows.append([_quantity(*cell, kind) for cell, kind in zip(station, _STATION_KINDS, strict=True)])
                 numbers.append(number)
             except ValueError as error:
-                self._tell(stamp[2], "station", f"{error}: left out", number)
+                self._report(stamp[2], "station", f"{error}: left out", number)
         if not rows:
             return None
         time, order, wall = (np.full(len(rows), value, np.int64) for value in stamp)

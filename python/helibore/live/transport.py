@@ -36,7 +36,7 @@ class Link(Protocol):
         """Send a heartbeat or a poll."""
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close it."""
 
 
 class Opener(Protocol):
@@ -49,7 +49,7 @@ class Opener(Protocol):
         """Return a link, None when none came within ``seconds``; OSError when it cannot be."""
 
     def close(self) -> None:
-        """Let go of it."""
+        """Close it."""
 
 
 def _keep_alive(connection: socket.socket) -> None:
@@ -107,7 +107,7 @@ class TcpClient:
 
 
 class TcpListener:
-    """Waits for one sender at a time; who is not allowed, or comes while another sends, is turned away."""
+    """Waits for one sender at a time; a peer that is not allowed, or that comes while another sends, is refused."""
 
     ends = False
 
@@ -127,7 +127,7 @@ class TcpListener:
         self._refuse = refuse
         self._waiting: tuple[socket.socket, str] | None = None
         self._link: SocketLink | None = None
-        self._heard = 0.0
+        self._last_received = 0.0
 
     def open(self, seconds: float) -> Link | None:
         """Return the next allowed connection."""
@@ -139,13 +139,13 @@ class TcpListener:
         if self._waiting is None:
             return None
         (connection, peer), self._waiting = self._waiting, None
-        self._heard = time.monotonic()
-        link = _Heard(connection, peer, self._listening, self._another)
-        link.heard = self._hear
+        self._last_received = time.monotonic()
+        link = _NotingSocketLink(connection, peer, self._listening, self._another)
+        link.last_received = self._note_received
         return link
 
-    def _hear(self) -> None:
-        self._heard = time.monotonic()
+    def _note_received(self) -> None:
+        self._last_received = time.monotonic()
 
     def _accept(self) -> None:
         connection, address = self._listening.accept()
@@ -158,11 +158,11 @@ class TcpListener:
         self._refuse("refused", f"{mapped}: is not in allow")
 
     def _another(self) -> bool:
-        """Someone else knocks: True when they take the place of a silent sender."""
+        """A second sender connects: True if it replaces a silent one."""
         self._accept()
         if self._waiting is None:
             return False
-        if time.monotonic() - self._heard > REPLACE_AFTER:
+        if time.monotonic() - self._last_received > REPLACE_AFTER:
             return True
         (connection, peer), self._waiting = self._waiting, None
         connection.close()
@@ -174,15 +174,15 @@ class TcpListener:
         self._listening.close()
 
 
-class _Heard(SocketLink):
-    """Tells when bytes came."""
+class _NotingSocketLink(SocketLink):
+    """Notes when bytes came."""
 
-    heard: Callable[[], None] = staticmethod(lambda: None)
+    last_received: Callable[[], None] = staticmethod(lambda: None)
 
     def read(self, seconds: float) -> bytes | None:
         payload = super().read(seconds)
         if payload:
-            self.heard()
+            self.last_received()
         return payload
 
 
@@ -274,7 +274,7 @@ class FileLink:
 
 
 def opener(source: Source, refuse: Callable[[str, str], None], position: Position = lambda: None) -> Opener:
-    """Return what opens links to ``source``; ``refuse`` is told who was turned away, ``position`` where a log stands.
+    """Return what opens links to ``source``; ``refuse`` reports refused peers, ``position`` returns a log's last index.
 
     Raises
     ------

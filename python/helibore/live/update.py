@@ -1,9 +1,9 @@
-"""What a call changed, and how two such changes are joined: vertices, image rows, the path, events.
+"""What one call changed, and how two updates are joined: vertices, image rows, the path, events.
 
     first  [0, 40) [90, 120)     then  [30, 95)     both  [0, 120)
 
 Joined ranges cover every change, and there are never more than MOST_RANGES of them: beyond that the narrowest gaps
-between them are closed, so that a host that never polls holds little. Drawing is not here.
+between them are closed, so that a host that never polls keeps little in memory.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ class Update:
     path_from
         Depth below which the path moved, metres; None when it did not.
     events
-        What is worth telling; of one rule of one source eight at most, the last of which counts all that follow.
+        At most eight of one rule of one source; the last of them counts all that follow.
     """
 
     changes: dict[str, Change] = field(default_factory=dict)

@@ -115,7 +115,7 @@ def _short(text: str) -> str:
 def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path of local names, element) at every end tag.
 
-    An element is let go after that, unless it is in one named ``whole``: kept, a log takes 24 times its size.
+    An element is released after that, unless it is in one named ``whole``: a whole log would take 24 times its size.
     """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")

@@ -123,9 +123,9 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
         subprocess.Popen(wall, stdout=subprocess.PIPE, text=True) as running,
     ):
         assert running.stdout is not None
-        told = re.search(r"http://\S+", running.stdout.readline())
-        assert told
-        screen = Screen(browser, told[0])
+        reported = re.search(r"http://\S+", running.stdout.readline())
+        assert reported
+        screen = Screen(browser, reported[0])
         first = screen.stats()["size"]
         screen.until(f"window.__wall.stats.size > {first} + 200")
         screen.close()

@@ -271,13 +271,13 @@ def test_fuzzed_damage_gives_nothing_that_was_not_written_and_the_journal_goes_o
         patch.setattr(os, "fsync", lambda _: None)
         (Path(folder) / "000001.hbj").write_bytes(damaged(text, damage))
         with Journal(folder) as j:
-            told = j.recovery.notes + j.recovery.damage
+            reported = j.recovery.notes + j.recovery.damage
             j.append(5, 5, b"after")
         found = stored(Path(folder))
         rest = iter([*rows, (5, 5, b"after")])
         assert all(row in rest for row in found)  # in order, each at most once
         assert found[-1] == (5, 5, b"after")
-        assert told or len(found) == len(rows) + 1 or damaged(text, damage) == text[: len(damaged(text, damage))]
+        assert reported or len(found) == len(rows) + 1 or damaged(text, damage) == text[: len(damaged(text, damage))]
         sequence = np.concatenate([segment.records["sequence"] for segment in segments(folder)])
         assert (np.diff(sequence.astype(np.int64)) > 0).all()
 

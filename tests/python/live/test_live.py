@@ -1,4 +1,4 @@
-"""The live wall: the same bits as batch and as replay however the bytes came, and every change told."""
+"""The live wall: the same bits as batch and as replay however the bytes came, and every change reported."""
 
 from __future__ import annotations
 
@@ -107,10 +107,10 @@ def test_with_direct_the_end_shows_samples_flagged_and_has_the_bits_of_the_batch
     for frame in FRAMES:
         clock.step(0.2)
         came.append(clock.monotonic - Clock().monotonic)
-        told = live.receive("mwd", frame).changes["main"]
+        reported = live.receive("mwd", frame).changes["main"]
         plain.receive("mwd", frame)
         provisional = np.flatnonzero(live.wall.provisional)
-        assert (provisional >= told.settled).all(), "a settled vertex is never provisional"
+        assert (provisional >= reported.settled).all(), "a settled vertex is never provisional"
         shown += len(provisional)
     assert shown > 0
     toolface, depth, radius = sent_rows().T

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
 import pytest
+from locations import ROOT
 
-from helibore import live
 from helibore.live.address import Address
 from helibore.live.configuration import load, parse
 from helibore.live.layout import Layout
@@ -219,8 +218,8 @@ def test_a_file_is_named_in_its_errors(tmp_path):
     assert load(file).sources["rig"].mode == "listen"
 
 
-def test_every_setting_of_the_readme_is_read():
-    page = (Path(live.__file__).parent / "README.md").read_text()
+def test_every_setting_of_the_page_is_read():
+    page = (ROOT / "docs/live.md").read_text()
     text, store = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     polled = parse(WALL + store).sources["store"]
     assert (len(polled.caliper.radius), len(polled.images[0].sectors), polled.address.port) == (2, 4, 443)

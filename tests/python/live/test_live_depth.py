@@ -81,8 +81,8 @@ def test_passes_and_flags(bit, hole, rpm, activity, drawn, flags):
     rig(live, bit, hole, rpm, activity)
     sample(live)
     assert live.wall.sample_count == drawn
-    told = {name.removeprefix("flag ") for name, count in live.model.counts.items() if count and "flag" in name}
-    assert told == set(flags)
+    reported = {name.removeprefix("flag ") for name, count in live.model.counts.items() if count and "flag" in name}
+    assert reported == set(flags)
 
 
 def test_layers_keep_passes_apart():

@@ -1,4 +1,4 @@
-"""Every gap, bad value, late survey and clock set back is told, and costs no more than itself."""
+"""Every gap, bad value, late survey and clock set back is reported, and costs no more than itself."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def test_gaps_late_frames_repeats_and_duplicates():
 
 
 def test_a_counter_that_is_reset_or_wraps_loses_nothing():
-    for numbers, told in (
+    for numbers, reported in (
         ([7, 8, 0, 1, 2], ["repeated", "reset"]),
         ([2**31 - 1, 0, 1], []),
         ([5, 2**31 - 5], ["reset"]),
@@ -50,7 +50,7 @@ def test_a_counter_that_is_reset_or_wraps_loses_nothing():
         live = Live(parse(SENT))
         for place, number in enumerate(numbers):
             live.receive("mwd", FRAMES[place].replace(b"5004%d\r" % place, b"5004%d\r" % number))
-        assert rules(live) == told
+        assert rules(live) == reported
         assert live.wall.sample_count == 3 * len(numbers)
 
 
@@ -112,7 +112,7 @@ def test_image_rows_come_with_their_depth():
     image = live.image("GR")
     np.testing.assert_array_equal(image.values, values)
     assert (image.name, image.unit, image.toolface.tolist()) == ("GR", "gAPI", [75.0, 165.0, 255.0, 345.0])
-    with pytest.raises(ValueError, match="image 'RES': no source brings it"):
+    with pytest.raises(ValueError, match="image 'RES': no source sends it"):
         live.image("RES")
 
 
@@ -183,22 +183,22 @@ def test_events_of_one_rule_are_joined_and_a_replay_tells_the_same_whatever_the_
             clock.step(float(draw.choice([0.1, 0.5, 125.0], p=[0.5, 0.48, 0.02])))
             clock.wall += int(draw.choice([0, 0, 0, -3 * SECOND]))
             live.receive("mwd", piece)
-    told = {key(event): event for event in live.model.events.latest}
+    reported = {key(event): event for event in live.model.events.latest}
     assert {"stray_text", "stray_end", "invalid", "unclosed", "gap", "duplicate", "station", "silence", "clock",
-            "depth_gap"} <= {rule for _, rule in told}  # fmt: skip
-    for (source, rule), event in told.items():
+            "depth_gap"} <= {rule for _, rule in reported}  # fmt: skip
+    for (source, rule), event in reported.items():
         assert event.count == live.model.events.counts[source, rule]
         assert event.newest.count == 1
     for records, size in ((1, 1), (7, 1 << 20), (8192, 3000), (8192, 1 << 20)):
         monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
         monkeypatch.setattr(live_module, "WINDOW_BYTES", size)
-        assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == told
+        assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == reported
     lines = b"".join(stream).split(b"\n")
-    assert lines[told["mwd", "stray_text"].line - 1] == b"stray\r"
-    assert lines[told["mwd", "invalid"].line - 1] == b"5012x\r"
-    assert lines[told["mwd", "invalid"].newest.line - 1] == b"5012x\r"
+    assert lines[reported["mwd", "stray_text"].line - 1] == b"stray\r"
+    assert lines[reported["mwd", "invalid"].line - 1] == b"5012x\r"
+    assert lines[reported["mwd", "invalid"].newest.line - 1] == b"5012x\r"
     for rule in ("gap", "duplicate", "station", "depth_gap"):
-        assert lines[told["mwd", rule].line - 1] == b"&&\r"
+        assert lines[reported["mwd", rule].line - 1] == b"&&\r"
 
 
 def test_events_of_two_records_layers_and_pass_numbers_are_told_as_they_came(tmp_path, monkeypatch):
@@ -216,11 +216,11 @@ def test_events_of_two_records_layers_and_pass_numbers_are_told_as_they_came(tmp
             said, radius = draw.choice(["1", "2", "7", "9", "8", "1.5"]), draw.choice(["110", "x"], p=[0.8, 0.2])
             live.receive("mwd", wits.frame([(804, f"{one}"), (812, said), (5004, f"{other}"), (5010, "1"),
                                             (5011, f"{depth:.1f}"), (5012, radius)]))  # fmt: skip
-    told = {key(event): event for event in live.model.events.latest}
-    assert set(told) == {("mwd", rule) for rule in ("gap", "pass", "depth_gap", "invalid")}
+    reported = {key(event): event for event in live.model.events.latest}
+    assert set(reported) == {("mwd", rule) for rule in ("gap", "pass", "depth_gap", "invalid")}
     for records in (1, 7, 8192):
         monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
-        assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == told
+        assert {key(event): event for event in Live.replay(tmp_path).model.events.latest} == reported
 
 
 def test_a_frame_that_the_end_of_a_connection_completes_has_its_time_whatever_the_window(tmp_path, monkeypatch):
@@ -278,7 +278,7 @@ def test_a_flood_holds_no_more_than_a_trickle():
 def test_threads_that_tell_lose_no_count():
     book = EventBook()
     event = Event(0, "a", 1, 1, -1, "rule", "text")
-    threads = [threading.Thread(target=lambda: [book.tell(event) for _ in range(5000)]) for _ in range(4)]
+    threads = [threading.Thread(target=lambda: [book.report(event) for _ in range(5000)]) for _ in range(4)]
     for thread in threads:
         thread.start()
     for thread in threads:

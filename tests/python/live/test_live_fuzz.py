@@ -20,7 +20,7 @@ def test_fuzzed(tmp_path):
 
 
 def test_every_guarantee_names_a_test_that_exists():
-    page = (ROOT / "python/helibore/live/GUARANTEES.md").read_text()
+    page = (ROOT / "docs/guarantees.md").read_text()
     sentences = re.findall(r"^(\d+)\. (.*?)(?=^\d+\. |^$)", page, re.MULTILINE | re.DOTALL)
     assert [int(number) for number, _ in sentences] == list(range(1, 31))
     for number, text in sentences:

@@ -55,7 +55,7 @@ def test_a_poll_tells_what_no_record_caused_and_what_recovery_did(tmp_path):
     with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
         live.append_samples([101.0], [0.0], [0.11])
         live.poll()
-        live.tell("view", "port 8000 is taken")
+        live.report("view", "port 8000 is taken")
         assert [event.text for event in live.poll().events] == ["port 8000 is taken"]
         assert live.poll() == hb.live.model.Update()
     (segment,) = journals.paths(tmp_path)
@@ -84,7 +84,7 @@ LIES = {"origin": "edge", "reference": "high-side", "toolface_offset": 30.0}
 def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
     with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
         live.append_image("RES", [101.0], np.ones((1, 4)), "ohm.m")
-        with pytest.raises(ValueError, match=r"^image 'RES': no source brings it, and no origin came with its rows"):
+        with pytest.raises(ValueError, match=r"^image 'RES': no source sends it, and its rows came without an origin"):
             live.image("RES")
         live.append_image("RES", [102.0, 101.5], np.arange(8.0).reshape(2, 4), **LIES)
         live.append_image("RES", [103.0], np.zeros((1, 4)))
@@ -99,7 +99,7 @@ def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("given", "told"),
+    ("given", "reported"),
     [
         ({"origin": "edge"}, 'reference: must be set: "high-side" or "north": what toolface 0 is'),
         ({**LIES, "origin": "middle"}, "origin = 'middle': must be \"centre\" or \"edge\""),
@@ -107,22 +107,22 @@ def test_an_image_that_says_how_it_lies_is_laid_like_one_of_a_source(tmp_path):
          "an image is not turned on its way to the wall"),
         ({**LIES, "toolface_offset": np.inf}, "toolface_offset = inf: must be a finite number"),
         ({**LIES, "direction": "left"}, "direction = 'left': must be \"clockwise\" or \"counterclockwise\""),
-        ({**LIES, "toolface_offset": 31}, "image 'RES': lies otherwise: Layout(origin='edge', reference='high-side', "
-         "direction='clockwise', offset=30.0)"),
+        ({**LIES, "toolface_offset": 31}, "image 'RES': has another layout: Layout(origin='edge', "
+         "reference='high-side', direction='clockwise', offset=30.0)"),
         ({"unit": "gAPI"}, "unit = 'gAPI': image 'RES' has 'ohm.m'"),
     ],
 )  # fmt: skip
-def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, told):
+def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, reported):
     live = Live(parse(live_pushes.CONFIGURATION))
     live.append_image("RES", [101.0], np.ones((1, 4)), "ohm.m", **LIES)
     with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
         live.append_image("RES", [102.0], np.ones((1, 4)), **given)
-    assert str(raised.value) == told
+    assert str(raised.value) == reported
     assert len(live.images["RES"]) == 1
 
 
 @pytest.mark.parametrize(
-    ("name", "values", "told"),
+    ("name", "values", "reported"),
     [
         ("GR", np.ones((1, 1)), "values has shape (1, 1): must be (1, sectors), 2 sectors or more"),
         ("GR", np.ones((2, 4)), "values has shape (2, 4): must be (1, sectors), 2 sectors or more"),
@@ -135,11 +135,11 @@ def test_an_image_that_lies_otherwise_is_refused_and_not_stored(given, told):
          "after it"),
     ],
 )  # fmt: skip
-def test_what_is_no_image_is_refused_and_not_stored(name, values, told, tmp_path):
+def test_what_is_no_image_is_refused_and_not_stored(name, values, reported, tmp_path):
     with Live(parse(live_pushes.CONFIGURATION), tmp_path) as live:
         with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
             live.append_image(name, [101.0], values)
-        assert str(raised.value) == told
+        assert str(raised.value) == reported
         live.append_image("é" * 100, [101.0], np.ones((1, 4)))
         assert next(path.name for path in snapshot(live, tmp_path / "now")) == f"image-{'é' * 100}.csv"
     assert list(Live.replay(tmp_path).images) == ["é" * 100]
@@ -154,8 +154,8 @@ def test_the_rows_that_are_told_are_those_that_came_and_sorted_they_are_the_imag
         came += zip(depth.tolist(), values.tolist(), strict=True)
         if draw.random() < 0.4:
             start, stop = live.poll().images["GR"]
-            told = live.images["GR"].rows(start, stop)
-            assert (told[0].tolist(), told[1].tolist()) == tuple(map(list, zip(*came[start:stop], strict=True)))
+            reported = live.images["GR"].rows(start, stop)
+            assert (reported[0].tolist(), reported[1].tolist()) == tuple(map(list, zip(*came[start:stop], strict=True)))
     latest = dict(came)
     depth, values = live.images["GR"].arrays()
     assert depth.tolist() == sorted(latest)
@@ -205,8 +205,8 @@ def test_joined_ranges_cover_all_and_close_the_narrowest_gaps(found, most):
         patch.setattr(update_module, "MOST_RANGES", most)
         joint = update_module.joined_ranges(ranges).tolist()
     covered = {k for start, stop in ranges.tolist() for k in range(start, stop)}
-    told = {k for start, stop in joint for k in range(start, stop)}
-    assert covered <= told
+    reported = {k for start, stop in joint for k in range(start, stop)}
+    assert covered <= reported
     assert len(joint) <= most
     gaps = [b[0] - a[1] for a, b in itertools.pairwise(joint)]
     assert all(gap > 0 for gap in gaps)

@@ -1,4 +1,4 @@
-"""Pass numbers from the wire: they decide, what differs is told, and layers and runs follow them, at a replay too."""
+"""Pass numbers from the wire: they decide, differences are reported, layers and runs follow them, in a replay too."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def names(live):
     return [(run.source, run.name, run.number, run.samples) for run in live.passes]
 
 
-def told(live):
+def reported(live):
     return [event.text for event in live.poll().events if event.rule == "pass"]
 
 
@@ -44,7 +44,7 @@ def test_without_a_number_the_string_says_the_pass():
         rig(live, depth, 150, activity=activity)
         sample(live)
     assert names(live) == [("mwd", name, None, 1) for name in ("drill", "rescan", "ream", "trip", "drill")]
-    assert not told(live)
+    assert not reported(live)
 
 
 def test_the_number_of_the_wire_decides_until_the_next_one_and_what_differs_is_told():
@@ -62,7 +62,7 @@ def test_the_number_of_the_wire_decides_until_the_next_one_and_what_differs_is_t
         ("mwd", "drill", 0, 1),  # 0 is no pass
         ("mwd", "drill", 1, 1),
     ]
-    assert told(live) == ["pass number 2 means rescan, the string's motion drill: the number counts"] * 2
+    assert reported(live) == ["pass number 2 means rescan, the string's motion drill: the number counts"] * 2
     assert live.model.events.counts["mwd", "pass"] == 2
     assert live.model.counts["pass rescan"] == 2
     start = live.model.clock.began
@@ -78,7 +78,7 @@ def test_numbers_mean_what_the_configuration_says_and_others_are_unknown():
     assert [(name, number) for _, name, number, _ in names(live)] == [
         ("drill", 4), ("rescan", 5), ("rescan", 6), ("ream", 0), ("unknown", 1)
     ]  # fmt: skip
-    assert told(live)[-1] == "pass number 1: is not listed in pass_numbers: unknown"
+    assert reported(live)[-1] == "pass number 1: is not listed in pass_numbers: unknown"
 
 
 def test_a_number_that_is_none_is_told_and_says_nothing():
@@ -182,7 +182,7 @@ def test_a_journal_of_before_goes_on_when_no_number_is_mapped(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (("0812", "08x2"), "source.mwd.items.pass_number = '08x2': must be four digits RRII, 01 to 99 each"),
         (
@@ -202,9 +202,9 @@ def test_a_journal_of_before_goes_on_when_no_number_is_mapped(tmp_path):
         ),
     ],
 )
-def test_what_is_wrong_is_named(change, told):
+def test_what_is_wrong_is_named(change, reported):
     with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
         parse(LISTED.replace(*change))
-    assert str(raised.value) == told
+    assert str(raised.value) == reported
     with pytest.raises(ValueError, match=r"^layers\.a = 'pass 2': no source maps pass_number$"):
         parse(PLAIN + '[layers]\na = ["pass 2"]\n')

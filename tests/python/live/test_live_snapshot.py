@@ -16,9 +16,9 @@ import helibore as hb
 from helibore import Live
 from helibore.live import wits
 from helibore.live.configuration import parse
+from helibore.live.frozen_copy import FrozenWall, frozen_copy
 from helibore.live.layout import Layout
 from helibore.live.snapshot import snapshot
-from helibore.live.still import StillWall, still
 
 
 def both(number):
@@ -82,7 +82,7 @@ def test_what_is_still_reads_as_the_wall_did():
     live.append_stations([0.0, 130.0], [0.0, 9.0], [0.0, 40.0])
     for frame in FRAMES[:100]:
         live.receive("mwd", frame)
-    kept, surface, logs = still(live).walls["main"], live.wall.surface(live.path), live.wall.logs()
+    kept, surface, logs = frozen_copy(live).walls["main"], live.wall.surface(live.path), live.wall.logs()
     before = hb.reconstruct(live.wall.samples, bit_diameter=0.216, start_depth=100.0, sectors=16)
     for frame in FRAMES[100:]:
         live.receive("mwd", frame)
@@ -114,7 +114,7 @@ def test_what_cannot_be_written_leaves_the_snapshot_before(tmp_path, monkeypatch
 
     for name in ("save", "logs"):
         with monkeypatch.context() as patch:
-            patch.setattr(StillWall, name, refuse)
+            patch.setattr(FrozenWall, name, refuse)
             for frame in FRAMES[2:60]:
                 live.receive("mwd", frame)
             with pytest.raises(OSError, match="No space left"):
@@ -173,11 +173,11 @@ def test_a_bad_image_of_an_older_journal_is_left_out_told_and_stops_no_snapshot(
                 live.receive("mwd", both(number))
     with Live(parse(SENT), tmp_path / "j") as live:
         snapshot(live, tmp_path / "now")
-        told = [event.text for event in live.poll().events]
+        reported = [event.text for event in live.poll().events]
     names = {"main.wall", "main.las", "image-GR.csv", "image-ONE.csv", "image-INF.csv", "passes.csv", "snapshot.json"}
     assert names <= set(contents(tmp_path / "now"))
     assert list(hb.load(tmp_path / "now" / "main.wall").images) == ["GR"]
-    assert [text for text in told if "image" in text] == [
+    assert [text for text in reported if "image" in text] == [
         "image 'a\\x00b': its name must be printable and at most 200 bytes, for files are named after it: left out",
         "image 'ONE': values: must be of shape (2, sectors), one row a depth and 2 sectors or more: (2, 1): not laid "
         "on a wall",
@@ -199,7 +199,7 @@ def test_images_are_sorted_and_laid_when_the_wall_goes_on_already(monkeypatch):
         return real(*given)
 
     monkeypatch.setattr(Layout, "image", laid_slowly)
-    kept = still(live)
+    kept = frozen_copy(live)
     assert meanwhile == [False]
     assert len(kept.images["GR"][0]) == len(kept.walls["main"].images["GR"].depth) == 100
     assert len(live.images["GR"]) == live.wall.sample_count == len(kept.walls["main"].samples.depth) + 1 == 101

@@ -62,7 +62,7 @@ class Polled:
         self.live.close()
         assert self.server.failure is None
 
-    def told(self):
+    def reported(self):
         return [str(event) for event in self.live.model.events.latest]
 
 
@@ -127,7 +127,7 @@ def test_an_answer_that_says_nothing_new_costs_the_journal_a_line(store, tmp_pat
 
 
 @pytest.mark.parametrize(
-    ("trouble", "told"),
+    ("trouble", "reported"),
     [
         ("500", "localhost: answered 500"),
         ("redirect", "localhost: answered 302"),
@@ -140,11 +140,11 @@ def test_an_answer_that_says_nothing_new_costs_the_journal_a_line(store, tmp_pat
         ("inner entity", "<!DOCTYPE ...>: document types and entities are refused"),
     ],
 )
-def test_trouble_is_told_and_what_comes_after_it_is_read(store, tmp_path, trouble, told):
+def test_trouble_is_told_and_what_comes_after_it_is_read(store, tmp_path, trouble, reported):
     store.rows, store.trouble = grown(50), [trouble] * 2
     with Polled(store, tmp_path / "j", lambda text: text.replace("timeout = 2.0", "timeout = 0.5")) as polled:
         until(lambda: polled.live.wall.sample_count == 50)
-        assert any(told in line for line in polled.told()), polled.told()
+        assert any(reported in line for line in polled.reported()), polled.reported()
     assert np.array_equal(hb.Live.replay(tmp_path / "j").wall.radius, polled.live.wall.radius, equal_nan=True)
 
 
@@ -153,14 +153,14 @@ def test_who_the_store_does_not_take_is_told_without_the_password(store, tmp_pat
     monkeypatch.setenv("STORE_PASSWORD", "wrong-48")
     named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
     with Polled(store, tmp_path / "j", named) as polled:
-        until(lambda: any("answered 401" in line for line in polled.told()))
+        until(lambda: any("answered 401" in line for line in polled.reported()))
     monkeypatch.setenv("STORE_PASSWORD", "secret-47")
     with Polled(store, tmp_path / "j", named) as again:
         until(lambda: again.live.wall.sample_count == 5)
     stored = b"".join(path.read_bytes() for path in (tmp_path / "j").iterdir())
     for secret in ("wrong-48", "secret-47", "cmlnNzp", "d3Jvbmct"):
         assert secret.encode() not in stored
-        assert not any(secret in line for line in [*polled.told(), *again.told()])
+        assert not any(secret in line for line in [*polled.reported(), *again.reported()])
         assert secret not in repr(again.live.configuration)
 
 
@@ -174,7 +174,7 @@ def test_a_certificate_that_cannot_be_trusted_is_refused(tmp_path, what):
         if "name" in what:
             store.url = store.url.replace("localhost", "127.0.0.1")
         with Polled(store, tmp_path / "j") as polled:
-            until(lambda: any("CERTIFICATE_VERIFY_FAILED" in line for line in polled.told()))
+            until(lambda: any("CERTIFICATE_VERIFY_FAILED" in line for line in polled.reported()))
             assert polled.live.wall.sample_count == 0
         assert not store.questions, "nothing was sent, no password either"
 
@@ -191,7 +191,7 @@ def test_cells_and_units_that_are_wrong_cost_their_rows_and_are_told(store, tmp_
         until(lambda: polled.live.model.counts["drawn"] == 6)
         counts = polled.live.model.counts
         assert (counts["flag INVALID"], counts["flag NULL"], counts["received"]) == (1, 1, 8)
-        lines = "\n".join(polled.told())
+        lines = "\n".join(polled.reported())
     assert "curve TF = 'nan': is not a number" in lines
     assert "index '1e2_0': is not a depth: the row was not read" in lines
 
@@ -202,7 +202,7 @@ def test_a_curve_without_a_length_is_told_once_and_never_drawn(store, tmp_path):
         until(lambda: polled.live.model.counts["flag INVALID"] == 3)
         store.rows += grown(3, 3)
         until(lambda: polled.live.model.counts["flag INVALID"] == 6)
-        assert sum("curve RAD: unit 'furlong': not known" in line for line in polled.told()) == 1
+        assert sum("curve RAD: unit 'furlong': not known" in line for line in polled.reported()) == 1
         assert polled.live.model.counts["drawn"] == 0
 
 
@@ -254,7 +254,7 @@ def test_the_unit_of_an_image_is_the_one_of_the_configuration_or_it_is_not_read(
     store.rows, store.units = grown(20), "m,dega,mm,GAPI,ohm.m,m"
     with Polled(store, tmp_path / "j") as polled:
         until(lambda: len(polled.live.images["GR"]) == 20)
-        assert any("curve GR2: unit 'ohm.m': the configuration says 'gAPI': not read" in e for e in polled.told())
+        assert any("curve GR2: unit 'ohm.m': the configuration says 'gAPI': not read" in e for e in polled.reported())
     values = polled.live.images["GR"].arrays()[1]
     assert np.isnan(values[:, 1]).all()
     assert values[:, 0].tolist() == list(range(20))
@@ -266,7 +266,7 @@ def test_an_index_in_another_unit_is_the_same_depth_and_without_one_nothing_is_r
         until(lambda: polled.live.wall.sample_count == 20)
         store.units = store.units.replace("m,", "furlong,", 1)
         store.rows += grown(5, 20)
-        until(lambda: any("curve DEPT: unit 'furlong'" in line for line in polled.told()))
+        until(lambda: any("curve DEPT: unit 'furlong'" in line for line in polled.reported()))
         assert polled.live.wall.sample_count == 20
         store.behind = lambda _: store.rows
         store.rows = [f"{float(row.split(',')[0]) / 0.3048:.6f},{row.partition(',')[2]}" for row in grown(25)]
@@ -312,15 +312,15 @@ def test_a_password_is_blotted_out_as_it_may_be_written_and_where_it_is_cut(writ
     secrets = store_module._secrets(("rig7", "a'b\"<&c d"))
     page = f"<p>{written}</p>{written}".encode()
     stars = "*" * len(written)
-    assert store_module._blotted(page, secrets) == f"<p>{stars}</p>{stars}".encode()
+    assert store_module._redacted(page, secrets) == f"<p>{stars}</p>{stars}".encode()
     for cut in range(1, len(written)):
-        assert store_module._blotted(b"<p>" + written[:cut].encode(), secrets) == b"<p>" + b"*" * cut
+        assert store_module._redacted(b"<p>" + written[:cut].encode(), secrets) == b"<p>" + b"*" * cut
 
 
 def test_a_password_within_its_own_other_forms_leaves_none_of_them():
-    assert store_module._blotted(b"a&amp;b a&b.", store_module._secrets(("rig7", "a&b"))) == b"******* ***."
-    assert store_module._blotted(b"amp;amp;.", store_module._secrets(("rig7", "amp;"))) == b"********."
-    assert store_module._blotted(b"rig7", store_module._secrets(None)) == b"rig7"
+    assert store_module._redacted(b"a&amp;b a&b.", store_module._secrets(("rig7", "a&b"))) == b"******* ***."
+    assert store_module._redacted(b"amp;amp;.", store_module._secrets(("rig7", "amp;"))) == b"********."
+    assert store_module._redacted(b"rig7", store_module._secrets(None)) == b"rig7"
 
 
 def test_rows_that_jump_are_looked_at_once_however_many():
@@ -385,7 +385,7 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("change", "told"),
+    ("change", "reported"),
     [
         (("https://localhost:1/x", "HTTPS://"), "source.store.address = 'HTTPS://': must be "),
         (("https:", "http:"), "source.store.address = 'http://localhost:1/x': must be https: "),
@@ -402,11 +402,11 @@ def test_a_time_log_places_its_rows_by_their_own_bit_depth(store, tmp_path):
         ),
     ],
 )
-def test_a_wrong_configuration_never_starts(change, told):
+def test_a_wrong_configuration_never_starts(change, reported):
     text = CONFIGURATION.replace("URL", "https://localhost:1/x").replace(*change)
     with pytest.raises(ValueError) as error:  # noqa: PT011 (the text is compared below)
         parse(text)
-    assert told in str(error.value)
+    assert reported in str(error.value)
     assert "pw" not in str(error.value).replace("password", "")
 
 

@@ -47,7 +47,7 @@ def test_the_host_pushes_samples_stations_and_images(tmp_path):
             lambda live: live.append_samples([1.0, 2.0], [1.0], [0.1]),
             "toolface has 1 values, depth has 2: must be equal",
         ),
-        (lambda live: live.append_image("GR", [1.0], np.ones((1, 4))), "image 'GR': comes from a source already"),
+        (lambda live: live.append_image("GR", [1.0], np.ones((1, 4))), "image 'GR': a source sends it already"),
         (
             lambda live: live.append_image("X", [1.0], np.ones((2, 4))),
             "values has shape (2, 4): must be (1, sectors), 2 sectors or more",
@@ -114,9 +114,9 @@ def test_opening_a_journal_tells_each_damage_once(tmp_path):
     for torn in (1, 0):
         with Live(parse(SENT), tmp_path) as live:
             assert live.model.events.counts["", "journal"] == 2 + torn
-            told = [event.text for event in live.poll().events if event.rule == "journal"]
+            reported = [event.text for event in live.poll().events if event.rule == "journal"]
             assert live.journal is not None
-            assert sorted(told) == sorted([*live.journal.recovery.notes, *live.journal.recovery.damage])
+            assert sorted(reported) == sorted([*live.journal.recovery.notes, *live.journal.recovery.damage])
         assert Live.replay(tmp_path).model.events.counts["", "journal"] == 2
 
 

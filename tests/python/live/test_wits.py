@@ -200,11 +200,11 @@ def test_events_name_line_offset_and_rule():
     parser = wits.Parser()
     batch = parser.feed(stream)
     ended = parser.finish()
-    told = [
+    reported = [
         (wits.RULE_NAMES[e["rule"]], int(e["line"]), stream[e["offset"] : e["offset"] + e["length"]])
         for e in [*batch.events, *ended.events]
     ]
-    assert told == [
+    assert reported == [
         ("stray_text", 1, b"hello"),
         ("not_an_item", 5, b"JUNK"),
         ("not_an_item", 6, b"0000"),

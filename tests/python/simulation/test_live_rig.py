@@ -33,7 +33,7 @@ def free_port():
 
 
 def listened(rig, folder):
-    """A live wall that heard a whole rig over loopback."""
+    """A live wall that last_received a whole rig over loopback."""
     port = free_port()
     live = Live(parse(rig.configuration(f"listen://127.0.0.1:{port}")), folder)
     server = Server(live)
@@ -85,7 +85,7 @@ def test_the_telemetry_sets_rate_and_delay():
 
 def test_metrics_page_and_snapshot_tell_the_same(tmp_path):
     live, server = listened(Rig("memory", 2000.0, 2002.0, lift=0.5, rate=20.0), tmp_path / "j")
-    live.tell("test", 'quote " and \\ and\nline')
+    live.report("test", 'quote " and \\ and\nline')
     text = metrics(server)
     for line in text.splitlines():
         assert re.fullmatch(r'# (HELP|TYPE) \w+ .+|\w+(\{(\w+="([^"\\\n]|\\.)*",?)+\})? [-+0-9.e]+(inf)?', line), line
@@ -171,7 +171,7 @@ def test_the_tool_is_lifted_where_it_is_told_to_be():
 
 
 @pytest.mark.parametrize(
-    ("arguments", "told"),
+    ("arguments", "reported"),
     [
         (["hole"], "FOLDER: has no say with --wits"),
         (["--noise", "1mm"], "--noise: has no say with --wits"),
@@ -179,17 +179,17 @@ def test_the_tool_is_lifted_where_it_is_told_to_be():
         (["--wits", "127.0.0.1:9872"], "address '127.0.0.1:9872': must be tcp://HOST:PORT or listen://HOST:PORT"),
     ],
 )
-def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatch, arguments, told):
+def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatch, arguments, reported):
     monkeypatch.chdir(tmp_path)
     result = CliRunner().invoke(cli, ["simulate", "--wits", "tcp://127.0.0.1:1", *arguments])
     assert result.exit_code == 2
     assert result.stdout == ""
-    assert told in result.stderr
+    assert reported in result.stderr
     assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.parametrize(
-    ("text", "arguments", "told"),
+    ("text", "arguments", "reported"),
     [
         ("", ["--journal", "j"], "rig.toml: wall.bit_diameter: must be set: metres"),
         (None, ["--journal", "j"], "rig.toml: No such file or directory"),
@@ -197,13 +197,13 @@ def test_what_a_played_rig_does_not_heed_is_refused_at_once(tmp_path, monkeypatc
         (Rig("em", 2000.0, 2000.5, 0.0).configuration("host"), ["--check"], ""),
     ],
 )
-def test_a_wrong_start_is_one_line_and_exit_code_2(tmp_path, monkeypatch, text, arguments, told):
+def test_a_wrong_start_is_one_line_and_exit_code_2(tmp_path, monkeypatch, text, arguments, reported):
     monkeypatch.chdir(tmp_path)
     if text is not None:
         (tmp_path / "rig.toml").write_text(text)
     result = CliRunner().invoke(cli, ["live", "rig.toml", *arguments])
-    assert result.exit_code == (2 if told else 0), result.output
-    assert told in result.output
+    assert result.exit_code == (2 if reported else 0), result.output
+    assert reported in result.output
     assert not (tmp_path / "j").exists()
 
 

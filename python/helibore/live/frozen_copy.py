@@ -1,10 +1,8 @@
-"""A live wall as it was at one moment, for what takes longer to write than the next packet takes to come.
+"""A copy of a live wall at one moment, for exports that take longer than the next packet takes to arrive.
 
-    live   ... append  append | append ...          everything is copied between two appends, at the speed of memory,
-                              |
-    still                     walls, images, stations, passes, events          and then read at leisure
-
-What is sorted and laid is what was copied; nothing is written here (``snapshot.py``).
+live           ... append  append | append ...      everything is copied between two appends, at the speed of memory
+                                  |
+frozen copy                       walls, images, stations, passes, events       sorted, exported (``snapshot.py``)
 """
 
 from __future__ import annotations
@@ -27,11 +25,11 @@ from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
 Rows = tuple[tuple[Floats, Floats], str, Layout | None]
-"""Of an image: (depth, values) in order of arrival, unit, and how its sectors lie."""
+"""Of an image: (depth, values) in order of arrival, unit and layout."""
 
 
-class StillWall(Wall):
-    """A wall that keeps what another one was: it is saved, measured and meshed like that one, and takes no samples.
+class FrozenWall(Wall):
+    """A copy of a wall that takes no samples: it is saved, measured and meshed like the original.
 
     Parameters
     ----------
@@ -79,15 +77,15 @@ class StillWall(Wall):
 
 
 @dataclass(frozen=True)
-class Still:
-    """What a live wall was at one moment.
+class FrozenCopy:
+    """The state of a live wall at one moment.
 
     Attributes
     ----------
     wall_time
-        When the last record that is in it was received, ns since 1970 (UTC).
+        When its last record was received, ns since 1970 (UTC).
     records
-        The number of records of the journal that are in it.
+        How many records of the journal it contains.
     walls
         Of each layer that has vertices.
     images
@@ -97,12 +95,12 @@ class Still:
     passes, events
         As `Live.passes`, and one event for each rule of each source.
     left_out
-        What could not be taken along, and why.
+        What could not be copied, and why.
     """
 
     wall_time: int
     records: int
-    walls: dict[str, StillWall]
+    walls: dict[str, FrozenWall]
     images: dict[str, tuple[Floats, Floats]]
     stations: Floats
     path: Path | None
@@ -111,8 +109,8 @@ class Still:
     left_out: list[str]
 
 
-def still(live: Live) -> Still:
-    """Copy a live wall between two appends; images are sorted and laid when it goes on already."""
+def frozen_copy(live: Live) -> FrozenCopy:
+    """Copy a live wall between two appends; images are sorted and laid around the hole afterwards."""
     of, images = live.at_one_moment(lambda: _copied(live))
     for name, (rows, unit, layout) in images.items():
         if not can_be_file(name):
@@ -132,19 +130,19 @@ def still(live: Live) -> Still:
     return of
 
 
-def _copied(live: Live) -> tuple[Still, dict[str, Rows]]:
-    """What is copied at one moment, and of each image what it had then, for rows that are there never change."""
+def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
+    """The copy, and each image's rows of that moment: rows that arrived never change."""
     model = live.model
-    walls = {name: StillWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
+    walls = {name: FrozenWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
     images = {name: (image.so_far(), image.unit, model.layouts.get(name))
               for name, image in live.images.items() if len(image)}  # fmt: skip
-    of = Still(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,
+    of = FrozenCopy(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,
                model.events.latest, [])  # fmt: skip
     return of, images
 
 
 def _meets(image: SectorImage, wall: Wall) -> bool:
-    """Whether they share a turn or more: elsewhere an image has no quad of the wall to lie on, and says so."""
+    """Whether they share a turn or more; elsewhere no quad of the wall lies under the image."""
     pitch = wall.settings.pitch
     ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
     top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach

@@ -1,4 +1,4 @@
-"""What a journal says it was begun with: the configuration, and its meaning, in the OPENED record of each session."""
+"""Session headers of a journal: the OPENED record of each session holds the configuration and its meaning."""
 
 from __future__ import annotations
 
@@ -10,14 +10,13 @@ import numpy as np
 
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, parse
-from helibore.live.journal import Segment, segments
+from helibore.live.journal import segments
 
 
-def _openings(folder: FilePath) -> Iterator[dict[str, str]]:
+def _session_headers(folder: FilePath) -> Iterator[dict[str, str]]:
     for segment in segments(folder):
-        opened: Segment = segment
-        for row in np.flatnonzero(opened.records["kind"] == journals.OPENED).tolist():
-            yield json.loads(opened.payload(row))
+        for row in np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist():
+            yield json.loads(segment.payload(row))
 
 
 def recorded_configuration(folder: FilePath) -> Configuration:
@@ -28,9 +27,9 @@ def recorded_configuration(folder: FilePath) -> Configuration:
     ValueError
         If it holds none.
     """
-    for opening in _openings(folder):
-        if opening.get("configuration"):
-            return parse(opening["configuration"])
+    for header in _session_headers(folder):
+        if header.get("configuration"):
+            return parse(header["configuration"])
     raise ValueError(f"{folder}: holds no configuration; give one")
 
 
@@ -42,8 +41,8 @@ def check_meaning(folder: FilePath, configuration: Configuration) -> None:
     ValueError
         If it was.
     """
-    for opening in _openings(folder):
-        if opening.get("meaning") != configuration.meaning():
+    for header in _session_headers(folder):
+        if header.get("meaning") != configuration.meaning():
             raise ValueError(
                 f"{folder}: was begun with another configuration of walls, units or items: give the old one, or begin "
                 "another journal"
