@@ -19,8 +19,9 @@ from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, refuse_beside_s
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import written_lines
 from helibore.cli.wall_source import SETTINGS, Sourced, takes_a_wall, wall_from
-from helibore.mesh.surface import SURFACE_ENDINGS, Surface
-from helibore.mesh.volume import VOLUME_ENDINGS, Volume
+from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
+from helibore.mesh.surface import Surface
+from helibore.mesh.volume import Volume
 from helibore.runs.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Reference

@@ -29,7 +29,7 @@ from helibore.cli.reading import (
 from helibore.cli.sections import Sectioned
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_lines import wall_lines, written_lines
-from helibore.mesh.surface import SURFACE_ENDINGS
+from helibore.mesh.mesh_files import SURFACE_ENDINGS
 from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:

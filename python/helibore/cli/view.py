@@ -76,8 +76,7 @@ def view(context: click.Context, /, file: Path, quiet: bool, **options: Any) -> 
 
 
 def _mesh_endings() -> tuple[str, ...]:
-    from helibore.mesh.surface import SURFACE_ENDINGS
-    from helibore.mesh.volume import VOLUME_ENDINGS
+    from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 
     return (*SURFACE_ENDINGS, *VOLUME_ENDINGS)
 

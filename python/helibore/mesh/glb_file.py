@@ -4,10 +4,8 @@
     chunk     "JSON": the scene: one node, one mesh, where each array lies in the next chunk
     chunk     "BIN": positions (4 q, 3) float32 | colours (4 q, 4) uint8 | attributes | corners (6 q) uint32
 
-trimesh takes about three times as long for the same mesh on disk, eight times without the disk's share (it hashes each
-array and scans each for bounds), and longer to import than all of this to run; bench/speed/emission.py measures it.
-The tests read every file back with trimesh. Sections quoted are those of the glTF 2.0 specification. No textures or
-normals, no animation.
+Written by hand: trimesh takes three times as long for the same mesh, since it hashes each array (bench/emission.py).
+Sections quoted are those of the glTF 2.0 specification. No textures, normals or animation.
 """
 
 from __future__ import annotations
@@ -23,7 +21,8 @@ from typing import Any, BinaryIO
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Array, Bytes, Floats, Floats32, Integers
+from helibore.base.errors import InputError
 
 MISSING = -999.25  # the field's own absent value, exact in float32
 
@@ -38,17 +37,15 @@ def check_size(file: Path, quads: int, attributes: int) -> None:
     """Refuse what no GLB can hold: 4 corners a quad of position, colour and attributes, 6 indices, and some text."""
     size = quads * (4 * (12 + 4 + 4 * attributes) + 24) + (1 << 20)
     if size > LARGEST:
-        raise ValueError(
-            f"{file}: {quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}: "
-            "save .vtkhdf, or fewer sectors, a larger pitch, a shorter interval"
-        )
+        limit = f"{quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}"
+        raise InputError(str(file), f"{limit}: save .vtkhdf, or fewer sectors, a larger pitch, a shorter interval")
 
 
 def write_glb(
     file: BinaryIO,
     positions: Floats,
     quads: Integers,
-    colors: npt.NDArray[np.uint8],
+    colors: Bytes,
     attributes: Mapping[str, Floats],
     extras: Mapping[str, Any],
 ) -> None:
@@ -104,17 +101,17 @@ class _View:
     """An array of the file: an attribute of the vertices, or, without a name, the corners of the triangles."""
 
     name: str
-    array: npt.NDArray[Any]
+    array: Array
     shape: str
     number: int
     more: dict[str, Any]
 
 
-def _at_corners(values: npt.NDArray[Any]) -> npt.NDArray[Any]:
+def _at_corners(values: Array) -> Array:
     return np.repeat(values.reshape(-1), 4)
 
 
-def _without_nan(values: Floats) -> npt.NDArray[np.float32]:
+def _without_nan(values: Floats) -> Floats32:
     return np.where(np.abs(values) <= np.finfo(np.float32).max, values, MISSING).astype("<f4")
 
 
@@ -125,12 +122,12 @@ def _triangles(quads: int) -> npt.NDArray[np.uint32]:
     return corners.reshape(-1)
 
 
-def _linear(colors: npt.NDArray[np.uint8]) -> npt.NDArray[np.uint8]:
+def _linear(colors: Bytes) -> Bytes:
     """From sRGB to linear light, which vertex colours are in (3.7.2.1); alpha is linear as it is."""
     share = np.arange(256) / 255
     linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     table = np.rint(255 * linear).astype(np.uint8)
-    result: npt.NDArray[np.uint8] = table[colors]
+    result: Bytes = table[colors]
     result[:, 3] = colors[:, 3]
     return result
 

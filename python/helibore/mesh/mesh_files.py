@@ -1,5 +1,7 @@
-"""Surfaces and volumes as files: which ending means what. OBJ and STL go through trimesh, VTKHDF through h5py; GLB, PLY
-and VTK's XML are written here, for trimesh's GLB is slow and its PLY holds neither quads nor float64 (and vtk_xml.py).
+"""Surfaces and volumes as files: which ending means what. OBJ and STL go through trimesh, VTKHDF through h5py.
+
+GLB, PLY and VTK's XML are written by hand: trimesh takes three times as long for GLB, and its PLY holds neither quads
+nor float64 (``vtk_xml`` says why for VTK).
 
 Files have their own axes. From (north, east, down):
 
@@ -11,7 +13,6 @@ Both are rotations; swapping only the sign of down would mirror the hole. What a
 
 from __future__ import annotations
 
-import os
 import re
 from collections.abc import Callable
 from functools import partial
@@ -19,157 +20,142 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Rows
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import Colors, ColorScale, check_map, check_positive, colors_of
+from helibore.base.errors import InputError
 from helibore.mesh.glb_file import check_size, write_glb
-from helibore.mesh.metadata import with_units
-from helibore.mesh.surface import SURFACE_ENDINGS, Surface
-from helibore.mesh.volume import VOLUME_ENDINGS, Volume
-from helibore.mesh.vtk_mesh import AXES, VtkMesh, check_origin, vtk_mesh, z_up
+from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.vtk_mesh import AXES, check_origin, vtk_mesh, z_up
 from helibore.mesh.vtk_xml import write_vtp, write_vtu
 from helibore.mesh.vtkhdf import save_vtkhdf
 from helibore.samples.caliper import BASIS_TEXT
 
 Paint = Callable[[Floats], Colors]
+Writer = Callable[[BinaryIO], object]
 
+SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
+"""Of the files that `Surface.save` writes."""
+VOLUME_ENDINGS = (".vtu", ".vtkhdf")
+"""Of the files that `Volume.save` writes."""
 _PLY_CORNERS = ("corner_count", "vertex_indices")
 _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
 
 def save_surface(
-    surface: Surface,
-    filename: str | os.PathLike[str],
+    mesh: MeshArrays,
+    path: Path,
     color_by: str | None,
     limits: tuple[float, float] | None,
     origin: tuple[float, float, float],
     color_map: str,
     log: bool,
 ) -> None:
-    """Write ``surface`` to ``filename``: `Surface.save`."""
-    path = Path(filename)
-    painted: dict[str, Callable[[Surface, Floats, str | None, Paint], Callable[[BinaryIO], object]]] = {
-        ".glb": _glb,
-        ".ply": _ply,
-        ".obj": _obj,
-        ".stl": _stl,
-    }
-    ending = path.suffix.lower()
-    if ending not in SURFACE_ENDINGS:
-        raise ValueError(f"{path}: the ending must be one of {', '.join(SURFACE_ENDINGS)}")
-    if len(surface.quads) == 0:
-        raise ValueError(f"{path}: the surface has no quads to save")
+    """Write quads to ``path``: `Surface.save`."""
+    ending = _checked_ending(mesh, path, SURFACE_ENDINGS, "")
     if ending == ".glb":
-        check_size(path, len(surface.quads), len(surface.attributes))
+        check_size(path, len(mesh.cells), len(mesh.attributes))
     check_origin(origin)
     check_map(color_map)
     if limits is not None:
         if len(limits) != 2:
-            raise ValueError(f"limits = {limits}: must be two finite numbers, the first below the second")
+            raise InputError("limits", "must be two finite numbers, the first below the second", str(limits))
         ColorScale(*limits, color_map=color_map, log=log)
-    if ending not in painted:
-        _check_known(surface, color_by)
-        _write_vtk(path, vtk_mesh(surface, origin, color_by))
+    if color_by not in (None, "radius", *mesh.attributes):
+        raise InputError("color_by", f"must be one of {', '.join(['radius', *mesh.attributes])}", repr(color_by))
+    if ending not in _PAINTED:
+        _write_vtk(mesh, path, origin, color_by)
         return
     if log and ending in (".glb", ".ply"):  # of the quads, before vertices take means of them
-        name = color_by or "radius"
         try:
-            check_positive(_quad_values(surface, color_by))
-        except ValueError as error:
-            raise ValueError(f"attribute {name!r}: {error}") from error
+            check_positive(_quad_values(mesh, color_by))
+        except InputError as error:
+            raise error.within(f"attribute {color_by or 'radius'!r}") from error
     paint = partial(colors_of, limits=limits, color_map=color_map, log=log)
-    positions = surface.vertices - np.array(origin, dtype=np.float64)
-    write_whole(path, painted[ending](surface, positions, color_by, paint))
+    positions = mesh.vertices - np.array(origin, dtype=np.float64)
+    write_whole(path, _PAINTED[ending](mesh, positions, color_by, paint))
 
 
-def save_volume(volume: Volume, filename: str | os.PathLike[str], origin: tuple[float, float, float]) -> None:
-    """Write ``volume`` to ``filename``: `Volume.save`."""
-    path = Path(filename)
-    if path.suffix.lower() not in VOLUME_ENDINGS:
-        raise ValueError(f"{path}: the ending must be one of {', '.join(VOLUME_ENDINGS)}; the others hold no hexahedra")
-    if len(volume.hexes) == 0:
-        raise ValueError(f"{path}: the volume has no hexahedra to save")
+def save_volume(mesh: MeshArrays, path: Path, origin: tuple[float, float, float]) -> None:
+    """Write hexahedra to ``path``: `Volume.save`."""
+    _checked_ending(mesh, path, VOLUME_ENDINGS, "; the others hold no hexahedra")
     check_origin(origin)
-    _write_vtk(path, vtk_mesh(volume, origin))
+    _write_vtk(mesh, path, origin, None)
 
 
-def _write_vtk(path: Path, mesh: VtkMesh) -> None:
+def _checked_ending(mesh: MeshArrays, path: Path, known: tuple[str, ...], reason: str) -> str:
     ending = path.suffix.lower()
-    if ending == ".vtkhdf":
-        save_vtkhdf(path, mesh)
+    if ending not in known:
+        raise InputError(str(path), f"the ending must be one of {', '.join(known)}{reason}")
+    if not len(mesh.cells):
+        empty = "the surface has no quads to save" if mesh.layer is None else "the volume has no hexahedra to save"
+        raise InputError(str(path), empty)
+    return ending
+
+
+def _write_vtk(mesh: MeshArrays, path: Path, origin: tuple[float, float, float], active: str | None) -> None:
+    content = vtk_mesh(mesh, origin, active)
+    if path.suffix.lower() == ".vtkhdf":
+        save_vtkhdf(path, content)
     else:
-        write = write_vtu if ending == ".vtu" else write_vtp
-        write_whole(path, lambda file: write(file, mesh))
+        write = write_vtu if path.suffix.lower() == ".vtu" else write_vtp
+        write_whole(path, lambda file: write(file, content))
 
 
-def _check_known(surface: Surface, color_by: str | None) -> None:
-    if color_by not in (None, "radius", *surface.attributes):
-        known = ", ".join(["radius", *surface.attributes])
-        raise ValueError(f"color_by = {color_by!r}: must be one of {known}")
-
-
-def _quad_values(surface: Surface, color_by: str | None) -> Floats:
+def _quad_values(mesh: MeshArrays, color_by: str | None) -> Floats:
     """The values that colour the quads."""
-    _check_known(surface, color_by)
-    if color_by is None or (color_by == "radius" and "radius" not in surface.attributes):
-        return surface.quad_radius()
-    return surface.attributes[color_by]
+    if color_by is None or (color_by == "radius" and "radius" not in mesh.attributes):
+        return mesh.quad_radius()
+    return mesh.attributes[color_by]
 
 
-def _at_vertices(surface: Surface, values: Floats) -> Floats:
+def _at_vertices(mesh: MeshArrays, values: Floats) -> Floats:
     """The mean, at each vertex, of the values of the quads around it; NaN where none has one."""
     there = np.isfinite(values)
-    corners = surface.quads[there].reshape(-1)
-    total = np.bincount(corners, np.repeat(values[there], 4), len(surface.vertices))
-    count = np.bincount(corners, minlength=len(surface.vertices))
+    corners = mesh.cells[there].reshape(-1)
+    total = np.bincount(corners, np.repeat(values[there], 4), len(mesh.vertices))
+    count = np.bincount(corners, minlength=len(mesh.vertices))
     mean: Floats = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
     return mean
 
 
-def _glb(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
-    colors = paint(_quad_values(surface, color_by))
-    return lambda file: write_glb(file, positions, surface.quads, colors, surface.attributes, _extras(surface))
+def _glb(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
+    colors = paint(_quad_values(mesh, color_by))
+    extras = {"basis": mesh.basis, "units": mesh.units, "metadata": mesh.metadata}
+    return lambda file: write_glb(file, positions, mesh.cells, colors, mesh.attributes, extras)
 
 
-def _extras(surface: Surface) -> dict[str, Any]:
-    return {"basis": surface.basis, "units": surface.attributes.units, "notes": surface.notes}
+def _lines(mesh: MeshArrays) -> list[str]:
+    """The metadata in ASCII lines, as PLY and OBJ have comments."""
+    metadata = {"axes": f"{AXES}, metres", **mesh.described()}
+    return [f"helibore: {name}: {ascii(text)[1:-1]}" for name, text in metadata.items()]
 
 
-def _z_up(positions: Floats) -> Floats:
-    return z_up(positions, (0.0, 0.0, 0.0))
-
-
-def _lines(surface: Surface) -> list[str]:
-    """What the surface says of itself, in ASCII lines, as PLY and OBJ have comments."""
-    notes = {"axes": f"{AXES}, metres", **with_units(surface.notes, surface.attributes.units)}
-    return [f"helibore: {name}: {ascii(text)[1:-1]}" for name, text in notes.items()]
-
-
-def _ply(surface: Surface, positions: Floats, color_by: str | None, paint: Paint) -> Callable[[BinaryIO], object]:
+def _ply(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
     """A binary PLY: float64 vertices with colours, and faces of four corners with radius and attributes.
 
     Colours sit at vertices, the mean of the quads around: several readers know no others, and trimesh fails at faces of
     four corners that have colours of their own.
     """
-    values = {"radius": surface.quad_radius(), **surface.attributes}
+    values = {"radius": mesh.quad_radius(), **mesh.attributes}
     for name in values:
         if not re.fullmatch(r"[!-~]+", name) or name in _PLY_CORNERS:
             taken = ", ".join(_PLY_CORNERS)
-            raise ValueError(f"attributes[{name!r}]: must be ASCII without blanks in a PLY file, and none of {taken}")
-    colors = paint(_at_vertices(surface, _quad_values(surface, color_by)))
-    east_north_up = zip("xyz", _z_up(positions).T, strict=True)
+            rule = f"must be ASCII without blanks in a PLY file, and none of {taken}"
+            raise InputError(f"attributes[{name!r}]", rule)
+    colors = paint(_at_vertices(mesh, _quad_values(mesh, color_by)))
+    east_north_up = zip("xyz", z_up(positions).T, strict=True)
     red_green_blue = zip(("red", "green", "blue"), colors.T[:3], strict=True)
     vertices = _records(
         [*((axis, "<f8", of) for axis, of in east_north_up), *((c, "u1", of) for c, of in red_green_blue)]
     )
-    corners = [(_PLY_CORNERS[0], "u1", np.uint8(4)), (_PLY_CORNERS[1], "4<i4", surface.quads)]
+    corners = [(_PLY_CORNERS[0], "u1", np.uint8(4)), (_PLY_CORNERS[1], "4<i4", mesh.cells)]
     faces = _records([*corners, *((name, "<f8", of) for name, of in values.items())])
     header = [
         "ply",
         "format binary_little_endian 1.0",
-        *[f"comment {line}" for line in _lines(surface)],
+        *[f"comment {line}" for line in _lines(mesh)],
         f"element vertex {len(vertices)}",
         *[f"property double {axis}" for axis in "xyz"],
         *[f"property uchar {channel}" for channel in ("red", "green", "blue")],
@@ -187,33 +173,39 @@ def _ply(surface: Surface, positions: Floats, color_by: str | None, paint: Paint
     return write
 
 
-def _records(columns: list[tuple[str, str, Any]]) -> npt.NDArray[np.void]:
+def _records(columns: list[tuple[str, str, Any]]) -> Rows:
     """Columns (name, dtype, values) side by side, as PLY holds them."""
     length = max(len(values) for _, _, values in columns if np.ndim(values))
-    records: npt.NDArray[np.void] = np.empty(length, dtype=[(name, dtype) for name, dtype, _ in columns])
+    records: Rows = np.empty(length, dtype=[(name, dtype) for name, dtype, _ in columns])
     for name, _, values in columns:
         records[name] = values
     return records
 
 
-def _obj(surface: Surface, positions: Floats, _color_by: str | None, _paint: Paint) -> Callable[[BinaryIO], object]:
+def _obj(mesh: MeshArrays, positions: Floats, _color_by: str | None, _paint: Paint) -> Writer:
     import trimesh
 
-    mesh: Any = trimesh.Trimesh(_z_up(positions), surface.triangles(), process=False)
-    content = mesh.export(file_type="obj", include_normals=False, header="\n".join(_lines(surface)))
+    triangles: Any = trimesh.Trimesh(z_up(positions), mesh.triangles(), process=False)
+    content = triangles.export(file_type="obj", include_normals=False, header="\n".join(_lines(mesh)))
     return lambda file: file.write(content.encode("ascii"))
 
 
-def _stl(surface: Surface, positions: Floats, _color_by: str | None, _paint: Paint) -> Callable[[BinaryIO], object]:
+def _stl(mesh: MeshArrays, positions: Floats, _color_by: str | None, _paint: Paint) -> Writer:
     import trimesh
 
     moved = np.abs(positions.astype(np.float32) - positions).max()
     if moved > _STL_TOLERANCE:
-        raise ValueError(
-            f"STL holds float32, which would move vertices by up to {moved:.3g} m: save .glb or .ply, or give origin= "
-            "(north, east, down), a point near the wall to count from"
-        )
-    mesh: Any = trimesh.Trimesh(_z_up(positions), surface.triangles(), process=False)
-    content = mesh.export(file_type="stl")
-    header = f"helibore: {BASIS_TEXT[surface.basis]}".encode("ascii").ljust(80)
+        rule = "save .glb or .ply, or give origin=(north, east, down), a point near the wall to count from"
+        raise InputError(f"STL holds float32, which would move vertices by up to {moved:.3g} m", rule)
+    triangles: Any = trimesh.Trimesh(z_up(positions), mesh.triangles(), process=False)
+    content = triangles.export(file_type="stl")
+    header = f"helibore: {BASIS_TEXT[mesh.basis]}".encode("ascii").ljust(80)
     return lambda file: file.write(header + content[80:])
+
+
+_PAINTED: dict[str, Callable[[MeshArrays, Floats, str | None, Paint], Writer]] = {
+    ".glb": _glb,
+    ".ply": _ply,
+    ".obj": _obj,
+    ".stl": _stl,
+}

@@ -1,4 +1,4 @@
-"""What a mesh says of itself: texts by name, the same in every format that holds texts.
+"""What a mesh says about itself: texts by name, the same in every format that holds texts.
 
 {"made by": "helibore 0.1.0", "basis": "radius measured ...", "helix": "64 sectors, pitch 0.1 m, ...", ...}
 """
@@ -6,7 +6,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
 
 from helibore import _core
 from helibore.samples.caliper import BASIS_TEXT
@@ -16,32 +15,27 @@ from helibore.trajectory.survey import Path
 UNITS = "metres and degrees; depth along the hole, positive down; toolface clockwise looking downhole"
 
 
-def notes_of(wall: WallLike, path: Path | None) -> dict[str, str]:
+def metadata_of(wall: WallLike, path: Path | None) -> dict[str, str]:
     """Return what a wall is made from and how it is placed along ``path``."""
     helix = helix_of(wall)
-    notes = {
+    metadata = {
         "made by": f"helibore {_core.__version__}",
         "units": UNITS,
         "basis": BASIS_TEXT[basis_of(wall)],
         "helix": f"{helix.sectors} sectors, pitch {helix.pitch!r} m, from {helix.start_depth!r} m, "
         f"toolface {helix.start_toolface!r} deg",
         "toolface 0": "north" if path is None else path.reference,
-        "path": "straight down from (0, 0, 0)" if path is None else _described(path),
+        "path": "straight down from (0, 0, 0)" if path is None else _path_text(path),
     }
     bit_diameter = getattr(wall.settings, "bit_diameter", None)
     if bit_diameter is not None:
-        notes["bit_diameter"] = f"{bit_diameter!r} m"
+        metadata["bit_diameter"] = f"{bit_diameter!r} m"
     if made_from := getattr(wall, "made_from", None):
-        notes["made_from"] = json.dumps(made_from, ensure_ascii=False)
-    return notes
+        metadata["made_from"] = json.dumps(made_from, ensure_ascii=False)
+    return metadata
 
 
-def with_units(notes: Mapping[str, str], units: Mapping[str, str]) -> dict[str, str]:
-    """Return the notes and the units of attributes that have one."""
-    return {**notes, **{f"unit of {name}": unit for name, unit in units.items() if unit}}
-
-
-def _described(path: Path) -> str:
+def _path_text(path: Path) -> str:
     north, east, down = path.head
     return (
         f"{path.method} through {len(path.survey)} stations from {path.start_depth!r} to {path.survey_depth!r} m, "

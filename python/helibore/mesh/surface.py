@@ -1,4 +1,4 @@
-"""The wall in space: a surface of quads along the path, a snapshot with attributes.
+"""The wall in space: a surface of quads along the path, a frozen copy with attributes.
 
     surface = wall.surface(path)                   # the wall along a survey's path
     surface.attributes["GR"] = image.on(wall)      # one value a quad
@@ -12,6 +12,7 @@ from __future__ import annotations
 
 import os
 from functools import cached_property
+from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -20,7 +21,10 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.threads import thread_count
 from helibore.mesh.attributes import Attributes
-from helibore.mesh.metadata import notes_of
+from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh_files import save_surface
+from helibore.mesh.metadata import metadata_of
+from helibore.mesh.vtkhdf import append_mesh
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, spread, vertices_between
 from helibore.trajectory.survey import Path, core_path
@@ -29,12 +33,8 @@ if TYPE_CHECKING:
     import trimesh
 
 
-SURFACE_ENDINGS = (".glb", ".ply", ".obj", ".stl", ".vtu", ".vtp", ".vtkhdf")
-"""Of the files that `Surface.save` writes."""
-
-
 class Surface:
-    """Quads of the wall; made by `Wall.surface`. A snapshot: a wall that grows does not change it.
+    """Quads of the wall; made by `Wall.surface`. A frozen copy: a wall that grows does not change it.
 
     Attributes
     ----------
@@ -50,7 +50,7 @@ class Surface:
         What the wall is made from, as in `Caliper`; files say it.
     helix
         Where vertices lie along and around the hole.
-    notes
+    metadata
         Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
     """
 
@@ -65,7 +65,7 @@ class Surface:
         basis: Basis = "azimuthal",
     ) -> None:
         self.vertices, self.quads = vertices, quads
-        self.helix, self.basis, self.notes = helix, basis, dict[str, str]()
+        self.helix, self.basis, self.metadata = helix, basis, dict[str, str]()
         self._vertex_ranges, self._quad_ranges = vertex_ranges, quad_ranges
         self._wall_radius = wall_radius
         self.attributes = Attributes("quad", _spread_if_gapped(quad_ranges), helix.quads(wall_radius.size))
@@ -87,14 +87,13 @@ class Surface:
 
     def quad_radius(self) -> Floats:
         """The mean radius of the corners of each quad, metres, (q,) float64."""
-        corners = self.radius[self.quads]
-        return (corners[:, 0] + corners[:, 1] + corners[:, 2] + corners[:, 3]) / 4
+        return self._arrays().quad_radius()
 
     def triangles(self) -> Integers:
         """Two triangles a quad, (2 q, 3) int64, both cut from the quad's first corner to its third: quad i gives 2 i
         and 2 i + 1, facing outwards.
         """
-        return self.quads[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+        return self._arrays().triangles()
 
     def to_trimesh(self) -> trimesh.Trimesh:
         """Return a `trimesh.Trimesh` of the triangles in (north, east, down).
@@ -140,7 +139,7 @@ class Surface:
         .vtkhdf  as .vtu                       the same in HDF5; `append_to` adds parts. Needs the extra ``vtkhdf``
         =======  ===============  ===========  =========================================================================
 
-        Each says what the wall is made from and the units, where it holds texts: `notes` are in the mesh's extras
+        Each says what the wall is made from and the units, where it holds texts: `metadata` are in the mesh's extras
         (.glb), in comments (.ply, .obj) and in the field data (VTK); .stl has room for the basis alone.
 
         Parameters
@@ -159,16 +158,14 @@ class Surface:
 
         Raises
         ------
-        ValueError
+        InputError
             On an ending, attribute or map that is not known, a surface without quads, and for .stl as above.
         OSError
             If the file cannot be written; the old one is then as it was.
-        ImportError
+        MissingExtraError
             Naming the extra that .vtkhdf needs.
         """
-        from helibore.mesh.mesh_files import save_surface
-
-        save_surface(self, filename, color_by, limits, origin, color_map, log)
+        save_surface(self._arrays(), FilePath(filename), color_by, limits, origin, color_map, log)
 
     def append_to(
         self,
@@ -189,14 +186,17 @@ class Surface:
 
         Raises
         ------
-        ValueError
+        InputError
             On another ending or attributes than the parts before, and on files that are not VTKHDF.
-        OSError, ImportError
+        OSError, MissingExtraError
             As `save`.
         """
-        from helibore.mesh.vtkhdf import append_mesh
+        append_mesh(self._arrays(), FilePath(filename), origin)
 
-        append_mesh(self, filename, origin)
+    def _arrays(self) -> MeshArrays:
+        """The arrays that writers take."""
+        named = (self.attributes, self.attributes.units, self.basis, self.metadata)
+        return MeshArrays(self.vertices, self.quads, self.vertex_index, self.radius, self.helix, *named)
 
     def __repr__(self) -> str:
         return f"Surface({len(self.vertices)} vertices, {len(self.quads)} quads, {self.attributes!r})"
@@ -226,7 +226,7 @@ def surface_of(
 
     Raises
     ------
-    ValueError
+    InputError
         If the path does not reach a vertex, or its reference is undefined there (``vertex 7 at depth 12: ...``), or the
         wall has nothing between ``start`` and ``stop``.
     """
@@ -237,7 +237,7 @@ def surface_of(
         helix, first, stretch, core_path(path), thread_count(threads)
     )
     surface = Surface(vertices, quads, vertex_ranges, quad_ranges, radius, helix, basis_of(wall))
-    surface.notes = notes_of(wall, path)
+    surface.metadata = metadata_of(wall, path)
     return surface
 
 

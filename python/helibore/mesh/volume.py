@@ -1,4 +1,4 @@
-"""The hole thickened outwards: shells around the wall and the hexahedra between them, a snapshot with attributes.
+"""The hole thickened outwards: shells around the wall and the hexahedra between them, a frozen copy with attributes.
 
     volume = wall.volume(path, shells=[0.05, 0.20])           # two layers: 0 to 0.05 m and 0.05 to 0.20 m
     volume.hang("RT", [shallow.on(wall), deep.on(wall)], unit="ohm.m")
@@ -17,6 +17,7 @@ import math
 import os
 from collections.abc import Sequence
 from functools import cached_property
+from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
@@ -24,19 +25,20 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
+from helibore.base.errors import InputError
 from helibore.base.threads import thread_count
 from helibore.mesh.attributes import Attributes
-from helibore.mesh.metadata import notes_of
+from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh_files import save_volume
+from helibore.mesh.metadata import metadata_of
+from helibore.mesh.vtkhdf import append_mesh
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, numbered, spread, vertices_between
 from helibore.trajectory.survey import Path, core_path
 
-VOLUME_ENDINGS = (".vtu", ".vtkhdf")
-"""Of the files that `Volume.save` writes."""
-
 
 class Volume:
-    """Hexahedra around the wall; made by `Wall.volume`. A snapshot.
+    """Hexahedra around the wall; made by `Wall.volume`. A frozen copy.
 
     Attributes
     ----------
@@ -51,7 +53,7 @@ class Volume:
         Where vertices lie along and around the hole.
     basis
         What the wall is made from, as in `Caliper`.
-    notes
+    metadata
         Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
     """
 
@@ -66,7 +68,7 @@ class Volume:
         basis: Basis = "azimuthal",
     ) -> None:
         self.vertices, self.hexes = vertices, hexes
-        self.helix, self.basis, self.notes = helix, basis, dict[str, str]()
+        self.helix, self.basis, self.metadata = helix, basis, dict[str, str]()
         self._shells, self._shell_ranges, self._layer_ranges = shells, shell_ranges, layer_ranges
         self._whole = helix.quads(shells[0].size)
         index = np.concatenate([spread(ranges) + layer * self._whole for layer, ranges in enumerate(layer_ranges)])
@@ -116,11 +118,11 @@ class Volume:
 
         Raises
         ------
-        ValueError
+        InputError
             ``GR has values for 2 layers: must be 3``; if a layer's values are not that many.
         """
         if len(layers) != self.layers:
-            raise ValueError(f"{name} has values for {len(layers)} layers: must be {self.layers}")
+            raise InputError(f"{name} has values for {len(layers)} layers", f"must be {self.layers}")
         columns = []
         for number, values in enumerate(layers):
             if isinstance(values, (int, float)):
@@ -151,7 +153,7 @@ class Volume:
         =======  ========================================================================================
 
         Axes are (east, north, up). Vertices carry ``radius``, ``depth`` and ``toolface``; hexahedra the attributes and
-        ``layer``. Missing values are NaN. `notes` and units are in the field data.
+        ``layer``. Missing values are NaN. `metadata` and units are in the field data.
 
         Parameters
         ----------
@@ -162,14 +164,12 @@ class Volume:
 
         Raises
         ------
-        ValueError
+        InputError
             On another ending, a volume without hexahedra, an origin that is not finite.
         OSError
             If the file cannot be written; the old one is then as it was.
         """
-        from helibore.mesh.mesh_files import save_volume
-
-        save_volume(self, filename, origin)
+        save_volume(self._arrays(), FilePath(filename), origin)
 
     def append_to(
         self,
@@ -177,9 +177,12 @@ class Volume:
         origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
     ) -> None:
         """Add this volume as a further part to a .vtkhdf file, or begin one: `Surface.append_to`."""
-        from helibore.mesh.vtkhdf import append_mesh
+        append_mesh(self._arrays(), FilePath(filename), origin)
 
-        append_mesh(self, filename, origin)
+    def _arrays(self) -> MeshArrays:
+        """The arrays that writers take."""
+        named = (self.attributes, self.attributes.units, self.basis, self.metadata, self.hex_layer)
+        return MeshArrays(self.vertices, self.hexes, self.vertex_index, self.radius, self.helix, *named)
 
     def __repr__(self) -> str:
         return f"Volume({len(self.vertices)} vertices, {len(self.hexes)} hexes, {self.attributes!r})"
@@ -206,7 +209,7 @@ def volume_of(
 
     Raises
     ------
-    ValueError
+    InputError
         As `surface_of`; naming shell, vertex and depth where a shell does not lie beyond the one before, and where the
         path bends so sharply that a shell folds over itself; if a second wall has another helix.
     """
@@ -222,7 +225,7 @@ def volume_of(
         thread_count(threads),
     )
     volume = Volume(vertices, hexes, shell_ranges, layer_ranges, radii, helix, basis_of(wall))
-    volume.notes = notes_of(wall, path)
+    volume.metadata = metadata_of(wall, path)
     return volume
 
 
@@ -231,14 +234,14 @@ def _shell(number: int, shell: Any, helix: Helix, radius: Floats) -> Floats:
     name = f"shells[{number}]"
     if hasattr(shell, "settings"):
         if helix_of(shell) != helix:
-            raise ValueError(f"{name}: must be a wall on the same helix (start_depth, start_toolface, pitch, sectors)")
+            raise InputError(name, "must be a wall on the same helix (start_depth, start_toolface, pitch, sectors)")
         beyond, second = np.full(radius.size, np.nan), shell.radius
         common = min(radius.size, second.size)
         beyond[:common] = second[:common]
         return beyond
     if np.ndim(shell) == 0:
         if not math.isfinite(shell):
-            raise ValueError(f"{name} = {shell}: must be finite")
+            raise InputError(name, "must be finite", str(shell))
         thicker: Floats = radius + float(shell)
         return thicker
     return radius + column(name, shell, radius.size, "radius")

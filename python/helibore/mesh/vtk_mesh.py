@@ -1,4 +1,4 @@
-"""A surface or volume as VTK's formats hold it: points, cells of one kind, named values on both, texts.
+"""A mesh as VTK's formats hold it: points, cells of one kind, named values on both, texts.
 
     points   (east, north, up), float64            Z up, as maps are; both ways of turning are rotations
     cells    quads (type 9) or hexahedra (type 12), corners in helibore's own order, which is VTK's
@@ -11,17 +11,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
-from helibore.mesh.metadata import with_units
-
-if TYPE_CHECKING:
-    from helibore.mesh.surface import Surface
-    from helibore.mesh.volume import Volume
+from helibore.base.arrays import Array, Floats
+from helibore.base.errors import InputError
+from helibore.mesh.mesh_arrays import MeshArrays
 
 QUAD, HEXAHEDRON = 9, 12  # VTK File Formats, "Cell types"
 AXES = "x east, y north, z up"
@@ -30,24 +25,24 @@ _LARGEST_INT32 = 2**31 - 1
 
 @dataclass(frozen=True)
 class VtkMesh:
-    """What goes into a file."""
+    """What goes into a file; ``active`` names the cell values that programs show first."""
 
     points: Floats
-    corners: npt.NDArray[Any]
+    corners: Array
     cell_type: int
-    point_values: Mapping[str, npt.NDArray[Any]]
-    cell_values: Mapping[str, npt.NDArray[Any]]
-    active: str  # the cell values that programs show first
-    notes: Mapping[str, str]
+    point_values: Mapping[str, Array]
+    cell_values: Mapping[str, Array]
+    active: str
+    metadata: Mapping[str, str]
 
 
 def check_origin(origin: tuple[float, float, float]) -> None:
-    """Raise a ValueError unless the origin is three finite numbers."""
+    """Raise an InputError unless the origin is three finite numbers."""
     if len(origin) != 3 or not all(map(math.isfinite, origin)):
-        raise ValueError(f"origin = {origin}: must be three finite numbers (north, east, down)")
+        raise InputError("origin", "must be three finite numbers (north, east, down)", str(origin))
 
 
-def z_up(vertices: Floats, origin: tuple[float, float, float]) -> Floats:
+def z_up(vertices: Floats, origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> Floats:
     """Return (north, east, down) as (east, north, up) from an origin given as (north, east, down)."""
     north, east, down = origin
     points = np.empty_like(vertices)
@@ -57,28 +52,24 @@ def z_up(vertices: Floats, origin: tuple[float, float, float]) -> Floats:
     return points
 
 
-def vtk_mesh(mesh: Surface | Volume, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
+def vtk_mesh(mesh: MeshArrays, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
     """Return a mesh with all its attributes as VTK has it."""
-    from helibore.mesh.surface import Surface
-
-    k = mesh.vertex_index
-    if isinstance(mesh, Surface):
-        corners, cell_type = mesh.quads, QUAD
-        cell_values: dict[str, npt.NDArray[Any]] = {"radius": mesh.quad_radius()}
-    else:
-        corners, cell_type = mesh.hexes, HEXAHEDRON
-        cell_values = {"layer": mesh.hex_layer.astype(np.int32)}
-    units = {"radius": "m", "depth": "m", "toolface": "deg", **mesh.attributes.units}
-    notes = {**with_units(mesh.notes, units), "axes": AXES}
+    own: dict[str, Array] = (
+        {"radius": mesh.quad_radius()} if mesh.layer is None else {"layer": mesh.layer.astype(np.int32)}
+    )
+    metadata = {**mesh.described(), "axes": AXES}
+    for name, unit in (("radius", "m"), ("depth", "m"), ("toolface", "deg")):
+        metadata.setdefault(f"unit of {name}", unit)
     if any(origin):
-        notes["origin"] = "north {!r}, east {!r}, down {!r} m".format(*map(float, origin))
-    small = max(len(mesh.vertices), corners.size) <= _LARGEST_INT32
+        metadata["origin"] = "north {!r}, east {!r}, down {!r} m".format(*map(float, origin))
+    small = max(len(mesh.vertices), mesh.cells.size) <= _LARGEST_INT32
+    k = mesh.vertex_index
     return VtkMesh(
         points=z_up(mesh.vertices, origin),
-        corners=corners.astype("<i4" if small else "<i8", copy=False),
-        cell_type=cell_type,
+        corners=mesh.cells.astype("<i4" if small else "<i8", copy=False),
+        cell_type=QUAD if mesh.layer is None else HEXAHEDRON,
         point_values={"radius": mesh.radius, "depth": mesh.helix.depth(k), "toolface": mesh.helix.toolface(k)},
-        cell_values={**cell_values, **mesh.attributes},
-        active=active or next(iter(cell_values)),
-        notes=notes,
+        cell_values={**own, **mesh.attributes},
+        active=active or next(iter(own)),
+        metadata=metadata,
     )

@@ -6,31 +6,29 @@
       PointData/radius ...   CellData/GR ...   FieldData/basis ...
 
 Connectivity and Offsets count from 0 in each part. Surfaces of neighbouring intervals meet without overlap or gap, so a
-file that got each in turn holds the whole wall. HDF5 works in memory here, and what it made takes the file's place:
-readers meet the parts before or the parts after, and never a lock; and HDF5 never meets a full disk, for which it has
-been seen to end the program. Layout: "VTKHDF file format" (Kitware), 2.2.
+file that got each in turn holds the whole wall. HDF5 works in memory, and the result then takes the file's place:
+readers meet the parts before or the parts after, and HDF5, which has been seen to end the program on a full disk, never
+meets one. Layout: "VTKHDF file format" (Kitware), 2.2.
 """
 
 from __future__ import annotations
 
 import io
-import os
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
+from helibore.base.arrays import Array
 from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError, MissingExtraError
+from helibore.mesh.mesh_arrays import MeshArrays
 from helibore.mesh.vtk_mesh import VtkMesh, check_origin, vtk_mesh
 
 if TYPE_CHECKING:
     import h5py
-
-    from helibore.mesh.surface import Surface
-    from helibore.mesh.volume import Volume
 
 ENDING = ".vtkhdf"
 _CHUNK, _LARGE_CHUNK = 1 << 13, 1 << 16  # rows: a file of a few turns stays small, a large one has few pieces
@@ -42,22 +40,18 @@ def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
     """Write a file of one part."""
     content = io.BytesIO()
     with _h5py().File(content, "w", libver="v110") as file:
-        _begin(file.create_group("VTKHDF"), mesh)
-        _add(file["VTKHDF"], mesh)
+        _create(file.create_group("VTKHDF"), mesh)
     write_whole(path, lambda file: file.write(content.getbuffer()))
 
 
-def append_mesh(
-    mesh: Surface | Volume, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
-) -> None:
+def append_mesh(mesh: MeshArrays, path: Path, origin: tuple[float, float, float]) -> None:
     """Add a part to a file, or begin one: `Surface.append_to`."""
-    path = Path(filename)
     if path.suffix.lower() != ENDING:
-        raise ValueError(f"{path}: only {ENDING} files take further parts")
+        raise InputError(str(path), f"only {ENDING} files take further parts")
     check_origin(origin)
     part = vtk_mesh(mesh, origin)
     if len(part.corners) == 0:
-        raise ValueError(f"{path}: the mesh has no cells to save")
+        raise InputError(str(path), "the mesh has no cells to save")
     if not path.exists():
         save_vtkhdf(path, part)
         return
@@ -72,7 +66,7 @@ def _h5py() -> Any:
     try:
         import h5py
     except ImportError as error:
-        raise ImportError('needs h5py: pip install "helibore[vtkhdf]"') from error
+        raise MissingExtraError("h5py", "vtkhdf") from error
     return h5py
 
 
@@ -81,14 +75,14 @@ def _opened(path: Path, content: io.BytesIO) -> Iterator[h5py.Group]:
     try:
         opened = _h5py().File(content, "r+", libver="v110")
     except OSError as error:
-        raise ValueError(f"{path}: not an HDF5 file, or a damaged one") from error
+        raise InputError(str(path), "not an HDF5 file, or a damaged one") from error
     with opened as file:
         if "VTKHDF" not in file:
-            raise ValueError(f"{path}: an HDF5 file, but not VTKHDF")
+            raise InputError(str(path), "an HDF5 file, but not VTKHDF")
         yield file["VTKHDF"]
 
 
-def _columns(mesh: VtkMesh) -> dict[str, npt.NDArray[Any]]:
+def _columns(mesh: VtkMesh) -> dict[str, Array]:
     """The arrays that grow with every part."""
     count, corners = mesh.corners.shape
     return {
@@ -104,20 +98,19 @@ def _columns(mesh: VtkMesh) -> dict[str, npt.NDArray[Any]]:
     }
 
 
-def _begin(group: h5py.Group, mesh: VtkMesh) -> None:
-    """Everything but rows."""
-    for name in (*mesh.cell_values, *mesh.notes):
+def _create(group: h5py.Group, mesh: VtkMesh) -> None:
+    """Write the first part; every array has its size at once and may grow."""
+    for name in (*mesh.cell_values, *mesh.metadata):
         if "/" in name or name in ("", "."):
-            raise ValueError(f"attributes[{name!r}]: a name must not be empty, '.' or hold '/' in a VTKHDF file")
+            raise InputError(f"attributes[{name!r}]", "a name must not be empty, '.' or hold '/' in a VTKHDF file")
     group.attrs["Version"] = np.array([2, 2], dtype="i8")
     group.attrs["Type"] = np.bytes_("UnstructuredGrid")
     for name, of in _columns(mesh).items():
         kind = np.dtype("i8") if name in (*_COUNTS, "Connectivity", "Offsets") else of.dtype
         chunk = 64 if name in _COUNTS else _CHUNK if len(of) < _LARGE_CHUNK else _LARGE_CHUNK
-        group.create_dataset(
-            name, (0, *of.shape[1:]), kind, maxshape=(None, *of.shape[1:]), chunks=(chunk, *of.shape[1:])
-        )
-    for name, text in mesh.notes.items():
+        row = of.shape[1:]
+        group.create_dataset(name, of.shape, kind, data=of, maxshape=(None, *row), chunks=(chunk, *row))
+    for name, text in mesh.metadata.items():
         group.create_dataset(f"FieldData/{name}", data=[text.encode()])
 
 
@@ -134,13 +127,13 @@ def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:
     """Refuse a part that has other attributes or another kind of cells than those before."""
     kind = {int(each) for each in group["Types"][:1]}
     if kind - {part.cell_type}:
-        raise ValueError(f"{path}: holds cells of VTK type {kind.pop()}, the part has type {part.cell_type}")
+        raise InputError(str(path), f"holds cells of VTK type {kind.pop()}, the part has type {part.cell_type}")
     there = {f"{of}/{name}" for of in ("PointData", "CellData") for name in group[of]}
     own = {name for name in _columns(part) if "/" in name}
     if there != own:
         differ = ", ".join(sorted(name.partition("/")[2] for name in there ^ own))
-        raise ValueError(f"{path}: every part must have the same attributes; these are not in both: {differ}")
-    for name, text in part.notes.items():
+        raise InputError(str(path), f"every part must have the same attributes; these are not in both: {differ}")
+    for name, text in part.metadata.items():
         before = group["FieldData"].get(name)
         if before is not None and name in _FRAME and before[0].decode() != text:
-            raise ValueError(f"{path}: was written with {name} = {before[0].decode()}, the part has {text}")
+            raise InputError(str(path), f"was written with {name} = {before[0].decode()}, the part has {text}")

@@ -140,8 +140,8 @@ def test_trimesh_finds_colours_and_attributes_in_a_glb(tmp_path):
     assert (mesh.vertex_attributes["_GR"].reshape(-1, 4) == expected[:, None]).all()
     extras = read_glb(tmp_path / "well.glb")[0]["meshes"][0]["extras"]
     assert (extras["missing"], extras["basis"], extras["units"]) == (-999.25, "azimuthal", {"GR": "gAPI"})
-    assert extras["notes"] == well.notes
-    assert extras["notes"]["helix"] == "16 sectors, pitch 0.1 m, from 1000.0 m, toolface 0.0 deg"
+    assert extras["metadata"] == well.metadata
+    assert extras["metadata"]["helix"] == "16 sectors, pitch 0.1 m, from 1000.0 m, toolface 0.0 deg"
     colors = mesh.visual.vertex_colors.reshape(-1, 4, 4)
     assert (colors == colors[:, :1]).all()
     assert len(np.unique(colors[:, 0], axis=0)) > 100

@@ -139,7 +139,7 @@ def test_parts_that_do_not_belong_are_refused_and_the_file_kept(tmp_path: Path) 
     with pytest.raises(ValueError, match=r"a\.vtkhdf: only \.vtkhdf|only \.vtkhdf files take further parts"):
         first.append_to(tmp_path / "a.vtu")
     moved = surface(start=1001)
-    moved.notes["toolface 0"] = "north"
+    moved.metadata["toolface 0"] = "north"
     with pytest.raises(ValueError, match=r"was written with toolface 0 = high-side, the part has north$"):
         moved.append_to(path)
     assert path.read_bytes() == before
