@@ -3,7 +3,7 @@ from ._core import __version__ as __version__
 from .base.errors import InputError as InputError
 from .base.errors import MissingExtraError as MissingExtraError
 from .base.settings import Settings as Settings
-from .files import open as open
+from .channels.opening import open as open
 from .images.sector_image import SectorImage as SectorImage
 from .live.live import Live as Live
 from .mesh.surface import Surface as Surface

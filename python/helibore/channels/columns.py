@@ -12,10 +12,11 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
-from helibore.channels import plausibility as suspect
+from helibore.base.errors import InputError
+from helibore.channels import plausibility
 from helibore.channels.roles import ROLES, Role, RoleMap, guess
-from helibore.files.channel import NO_HEADER, LogSet
-from helibore.files.source import complaint
+from helibore.files.delimited import NO_HEADER
+from helibore.files.raw_set import RawSet
 from helibore.images.sector_image import Direction, Origin, Reference, SectorImage
 from helibore.trajectory.survey import Survey
 
@@ -23,7 +24,7 @@ Floats = npt.NDArray[np.float64]
 
 
 @dataclass(frozen=True)
-class SectorColumns:
+class RawSectorImage:
     """A sector image as it stands in the file; `sector_image` makes of it what walls carry.
 
     Attributes
@@ -55,7 +56,7 @@ class SectorColumns:
     def __repr__(self) -> str:
         rows, sectors = self.values.shape
         ends = f"{self.depth[0]:g} to {self.depth[-1]:g} m"
-        return f"SectorColumns({self.name!r}, {self.unit!r}, {rows} rows x {sectors} sectors, {ends})"
+        return f"RawSectorImage({self.name!r}, {self.unit!r}, {rows} rows x {sectors} sectors, {ends})"
 
     def sector_image(
         self,
@@ -87,7 +88,8 @@ class SectorColumns:
         even, step = 360.0 / self.values.shape[1], self.step
         if step is not None and not abs(abs(step) - even) <= 0.005 * even:  # NaN: not evenly spaced
             apart = f"{step:g} deg apart" if np.isfinite(step) else "unevenly spaced"
-            raise ValueError(f"{self.name}: {self.values.shape[1]} sectors, {apart}: must be {even:g} around the hole")
+            rule = f"{self.values.shape[1]} sectors, {apart}: must be {even:g} around the hole"
+            raise InputError(self.name, rule)
         if direction is None:
             direction = "counterclockwise" if step is not None and step < 0 else "clockwise"
         offset = (self.first or 0.0) if offset is None else offset
@@ -97,48 +99,48 @@ class SectorColumns:
                 origin=origin, reference=reference, direction=direction, offset=offset, reach=reach,
             )  # fmt: skip
         except ValueError as error:
-            raise ValueError(f"{self.name}: {error}") from error
+            raise InputError(self.name, str(error)) from error
 
 
-def column(one: LogSet, role: Role) -> Floats:
+def column(log_set: RawSet, role: Role) -> Floats:
     """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error."""
     kind = ROLES[role.role]
-    values = one.numbers(role.channel)
+    values = log_set.numbers(role.channel)
     if not kind:
         return values
     if not role.unit and role.role != "time":
-        inferred = suspect.unstated_angle(values) if kind == units.ANGLE else ""
+        inferred = plausibility.unstated_angle(values) if kind == units.ANGLE else ""
         if not inferred:
             stated = (
                 f'state it in a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in its option'
             )
             rule = f"unit missing: {stated}; {role.role} is {kind}"
-            raise complaint(one.path, rule, column=role.channel)
+            raise log_set.input_error(rule, column=role.channel)
         return values
     try:
         factor = units.factor(role.unit, kind) if role.unit else 1.0
         return values if factor == 1.0 else values * factor
     except ValueError as error:
-        raise complaint(one.path, str(error), column=role.channel) from error
+        raise log_set.input_error(str(error), column=role.channel) from error
 
 
-def needed(one: LogSet, roles: RoleMap, role: str) -> Role:
+def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
     """The channel that has a role, or an error that says how to name one."""
     found = roles.one(role)
     if found is None:
         near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]
         how = f'name one by an option or in a map ([channels."..."] role = "{role}")'
-        rule = f"no channel has the role {role}: {how}{''.join(near)}; the channels are {', '.join(one.names)}"
-        raise complaint(one.path, rule + about_names(one))
+        rule = f"no channel has the role {role}: {how}{''.join(near)}; the channels are {', '.join(log_set.names)}"
+        raise log_set.input_error(rule + about_names(log_set))
     return found
 
 
-def about_names(one: LogSet) -> str:
+def about_names(log_set: RawSet) -> str:
     """What explains that a channel is not told by its name: there is no header, or names repeat."""
-    return "".join(f"; {remark}" for remark in one.remarks if NO_HEADER in remark or "columns are named" in remark)
+    return "".join(f"; {remark}" for remark in log_set.remarks if NO_HEADER in remark or "columns are named" in remark)
 
 
-def survey(one: LogSet, roles: RoleMap | None = None) -> Survey:
+def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
     """Return the directional survey of a set.
 
     Stations without depth, inclination or azimuth are left out; the set's remarks say how many.
@@ -148,16 +150,18 @@ def survey(one: LogSet, roles: RoleMap | None = None) -> Survey:
     ValueError
         If a column is not there, its unit is missing or wrong, degrees look like radians, or depth does not grow.
     """
-    roles = roles or guess(one)
-    named = {role: needed(one, roles, role) for role in ("depth", "inclination", "azimuth")}
-    columns = {role: column(one, found) for role, found in named.items()}
-    suspect.depths(one, named["depth"], columns["depth"])
-    suspect.survey_angles(one, named["inclination"], named["azimuth"], columns["inclination"], columns["azimuth"])
+    roles = roles or guess(log_set)
+    named = {role: needed(log_set, roles, role) for role in ("depth", "inclination", "azimuth")}
+    columns = {role: column(log_set, found) for role, found in named.items()}
+    plausibility.depths(log_set, named["depth"], columns["depth"])
+    plausibility.survey_angles(
+        log_set, named["inclination"], named["azimuth"], columns["inclination"], columns["azimuth"]
+    )
     keep = np.isfinite(columns["depth"]) & np.isfinite(columns["inclination"]) & np.isfinite(columns["azimuth"])
     if not keep.all():
-        remark = f"survey: {int(np.count_nonzero(~keep))} of {one.rows} stations left out: a value is missing"
-        if remark not in one.remarks:
-            one.remarks.append(remark)
+        remark = f"survey: {int(np.count_nonzero(~keep))} of {log_set.rows} stations left out: a value is missing"
+        if remark not in log_set.remarks:
+            log_set.remarks.append(remark)
     rows = np.flatnonzero(keep)
     depth = columns["depth"][rows]
     falls = np.flatnonzero(np.diff(depth) <= 0)
@@ -165,14 +169,14 @@ def survey(one: LogSet, roles: RoleMap | None = None) -> Survey:
         first = int(falls[0])
         kind = "repeats" if depth[first] == depth[first + 1] else "falls from"
         rule = f"depth {depth[first + 1]:g} m {kind} {depth[first]:g} m: must grow"
-        raise complaint(one.path, rule, one.place(int(rows[first + 1])), named["depth"].channel)
+        raise log_set.input_error(rule, int(rows[first + 1]), named["depth"].channel)
     try:
         return Survey(depth, columns["inclination"][rows], columns["azimuth"][rows])
     except ValueError as error:
-        raise complaint(one.path, str(error)) from error
+        raise log_set.input_error(str(error)) from error
 
 
-def image(one: LogSet, name: str, roles: RoleMap | None = None) -> SectorColumns:
+def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSectorImage:
     """Return a sector image with its depth; rows without a depth are left out and counted.
 
     Raises
@@ -180,26 +184,25 @@ def image(one: LogSet, name: str, roles: RoleMap | None = None) -> SectorColumns
     ValueError
         If the channel has no sectors, or depth does not strictly grow or strictly fall.
     """
-    roles = roles or guess(one)
-    channel = one[name]
+    roles = roles or guess(log_set)
+    channel = log_set[name]
     if len(channel.shape) != 2:
         images = [each.channel for each in roles.all("image", "radius-image")]
-        raise complaint(one.path, f"has no sectors; the images are {', '.join(images) or 'none'}", column=name)
-    named = needed(one, roles, "depth")
-    depth = column(one, named)
+        raise log_set.input_error(f"has no sectors; the images are {', '.join(images) or 'none'}", column=name)
+    named = needed(log_set, roles, "depth")
+    depth = column(log_set, named)
     rows = np.flatnonzero(np.isfinite(depth))
     if not rows.size:
-        raise complaint(one.path, "has no value", column=named.channel)
+        raise log_set.input_error("has no value", column=named.channel)
     steps = np.diff(depth[rows])
     wrong = np.flatnonzero(steps <= 0 if steps.sum() >= 0 else steps >= 0)
     if wrong.size:
         at = int(wrong[0])
         before, after = depth[rows[at]], depth[rows[at + 1]]
-        place = one.place(int(rows[at + 1]))
         rule = f"depth {after:g} m after {before:g} m: an image's depth must strictly grow or strictly fall"
-        raise complaint(one.path, rule, place, named.channel)
+        raise log_set.input_error(rule, int(rows[at + 1]), named.channel)
     role = roles.roles.get(name) or Role(name, "image", "")
-    dropped = one.rows - rows.size
-    return SectorColumns(
+    dropped = log_set.rows - rows.size
+    return RawSectorImage(
         name, channel.unit, depth[rows], channel.values[rows], role.first, role.step, channel.members, dropped
     )

@@ -6,15 +6,15 @@ import numpy as np
 
 from helibore.base import units
 from helibore.channels.roles import RoleMap, measures
-from helibore.files.channel import LogSet
+from helibore.files.raw_set import RawSet
 
 
-def depth_remarks(one: LogSet, roles: RoleMap) -> list[str]:
+def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
     """Depths in metres where the file has other units, their direction, repeats and gaps (over three median steps)."""
     role = roles.one("depth")
-    if role is None or one[role.channel].is_text:
+    if role is None or log_set[role.channel].is_text:
         return []
-    depth = one.numbers(role.channel)
+    depth = log_set.numbers(role.channel)
     steps = np.diff(depth[np.isfinite(depth)])
     if not steps.size:
         return []

@@ -14,8 +14,7 @@ import numpy.typing as npt
 
 from helibore.base import units
 from helibore.channels.roles import Role
-from helibore.files.channel import LogSet
-from helibore.files.source import complaint
+from helibore.files.raw_set import RawSet
 
 Floats = npt.NDArray[np.float64]
 
@@ -41,18 +40,18 @@ def present(values: Floats) -> Floats:
     return flat[np.isfinite(flat)] if np.isnan(flat.min(initial=0.0)) else flat
 
 
-def lengths(one: LogSet, role: Role, values: Floats, bit_diameter: float | None) -> None:
+def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | None) -> None:
     """Check a radius or diameter, in metres, for the wrong unit and for a diameter in a radius's place."""
     found = present(values)
     if not found.size:
-        raise complaint(one.path, "every value is missing", column=role.channel)
+        raise log_set.input_error("every value is missing", column=role.channel)
     median = float(np.median(found if found.size <= MANY else found[:: found.size // MANY]))
     scale = 2.0 if role.role == "diameter" else 1.0
     low, high = (scale * bound for bound in RADIUS_RANGE)
     if not low <= median <= high:
         likely = _likely_unit(role.unit, median, low, high)
         rule = f"median {median:.3g} m after reading {role.unit}: no {role.role} of a borehole{likely}"
-        raise complaint(one.path, rule, column=role.channel)
+        raise log_set.input_error(rule, column=role.channel)
     if role.role == "diameter" or (bit_diameter is None and (role.confirmed or found.size < FEW)):
         return
     if _looks_like_diameter(median, bit_diameter):
@@ -63,7 +62,7 @@ def lengths(one: LogSet, role: Role, values: Floats, bit_diameter: float | None)
             rule += f', or give the bit diameter or confirm role = "{role.role}" there'
         else:
             rule += f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
-        raise complaint(one.path, rule, column=role.channel)
+        raise log_set.input_error(rule, column=role.channel)
 
 
 def _likely_unit(unit: str, median: float, low: float, high: float) -> str:
@@ -84,7 +83,7 @@ def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
     return near(inches, SMALL_BITS) and not near(2.0 * inches, LARGE_BITS)
 
 
-def depths(one: LogSet, role: Role, values: Floats) -> None:
+def depths(log_set: RawSet, role: Role, values: Floats) -> None:
     """Check measured depths, in metres: negative throughout, they make a mirror image of the hole."""
     found = present(values)
     if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
@@ -93,7 +92,7 @@ def depths(one: LogSet, role: Role, values: Floats) -> None:
         f"{found.min():g} to {found.max():g} m: negative throughout (elevations?), and depth counts positive down the "
         'hole; write it so, or confirm role = "depth" in a map'
     )
-    raise complaint(one.path, rule, column=role.channel)
+    raise log_set.input_error(rule, column=role.channel)
 
 
 def unstated_angle(values: Floats) -> str:
@@ -102,30 +101,30 @@ def unstated_angle(values: Floats) -> str:
     return "deg" if found.size and float(np.abs(found).max()) > 2.0 * np.pi + 1e-6 else ""
 
 
-def angles(one: LogSet, role: Role, values: Floats) -> None:
+def angles(log_set: RawSet, role: Role, values: Floats) -> None:
     """Check a toolface, in degrees: within two turns, and not radians read as degrees."""
     found = present(values)
     if not found.size:
-        raise complaint(one.path, "every value is missing", column=role.channel)
+        raise log_set.input_error("every value is missing", column=role.channel)
     low, high = float(found.min()), float(found.max())
     if low < -720.0 or high > 720.0:
         row = int(np.argmax(np.abs(values) > 720.0))
         rule = f"{values[row]:g} deg: an angle lies within -720 and 720"
-        raise complaint(one.path, rule, one.place(row), role.channel)
+        raise log_set.input_error(rule, row, role.channel)
     within = -np.pi - 1e-3 <= low and high <= 2.0 * np.pi + 1e-3 and high - low > 3.0
     if within and not role.confirmed and found.size >= 4 * FEW:
         rule = f"values between {low:.3g} and {high:.3g} {role.unit}: looks like radians; state the unit in a map"
-        raise complaint(one.path, f"{rule} or as {role.channel}:rad", column=role.channel)
+        raise log_set.input_error(f"{rule} or as {role.channel}:rad", column=role.channel)
 
 
-def survey_angles(one: LogSet, inclined: Role, turned: Role, inclination: Floats, azimuth: Floats) -> None:
+def survey_angles(log_set: RawSet, inclined: Role, turned: Role, inclination: Floats, azimuth: Floats) -> None:
     """Check inclination and azimuth, in degrees: their ranges, and radians read as degrees."""
     for role, values, low, high in ((inclined, inclination, 0.0, 180.0), (turned, azimuth, -360.0, 360.0)):
         wrong = np.flatnonzero(np.isfinite(values) & ((values < low - 1e-6) | (values > high + 1e-6)))
         if wrong.size:
             row = int(wrong[0])
             rule = f"{values[row]:g} deg: {role.role} lies within {low:g} and {high:g}"
-            raise complaint(one.path, rule, one.place(row), role.channel)
+            raise log_set.input_error(rule, row, role.channel)
     both = np.isfinite(inclination) & np.isfinite(azimuth)
     if (inclined.confirmed and turned.confirmed) or np.count_nonzero(both) < FEW:
         return
@@ -134,4 +133,4 @@ def survey_angles(one: LogSet, inclined: Role, turned: Role, inclination: Floats
     # A vertical hole has small inclinations, but its azimuths wander over the whole circle.
     if 0.0 < steepest <= np.pi and largest <= 2.0 * np.pi + 1e-3 and spread > 0.0:
         rule = f"no azimuth is beyond {largest:.3g} and no inclination beyond {steepest:.3g}: looks like radians"
-        raise complaint(one.path, rule + "; state the units in a map", column=turned.channel)
+        raise log_set.input_error(rule + "; state the units in a map", column=turned.channel)

@@ -17,11 +17,10 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
-from helibore.channels import plausibility as suspect
+from helibore.channels import plausibility
 from helibore.channels.columns import about_names, column, needed
 from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess
-from helibore.files.channel import LogSet
-from helibore.files.source import complaint
+from helibore.files.raw_set import RawSet
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Sensor
@@ -71,7 +70,7 @@ class WallSamples:
 
 
 def readings(
-    one: LogSet,
+    log_set: RawSet,
     roles: RoleMap | None = None,
     bit_diameter: float | None = None,
     echo: Echo | None = None,
@@ -81,7 +80,7 @@ def readings(
 
     Parameters
     ----------
-    one
+    log_set
         A set of an opened file.
     roles
         What each channel means; guessed where None.
@@ -98,63 +97,63 @@ def readings(
         If there is no depth or wall channel; a unit is missing, unknown or of the wrong kind; a depth is NaN or
         infinite; or values cannot be what their role says.
     """
-    roles = roles or guess(one)
+    roles = roles or guess(log_set)
     arms = roles.all(*WALL)
     if not arms:
-        raise complaint(one.path, _no_arms(one, roles))
-    depth = np.full(one.rows, np.nan)
+        raise log_set.input_error(_no_arms(log_set, roles))
+    depth = np.full(log_set.rows, np.nan)
     if not tracked or roles.one("depth"):
-        depth = _depth(one, needed(one, roles, "depth"))
+        depth = _depth(log_set, needed(log_set, roles, "depth"))
     turning = roles.one("toolface")
-    toolface = np.zeros(one.rows)
+    toolface = np.zeros(log_set.rows)
     if turning is not None:
-        toolface = column(one, turning)
-        suspect.angles(one, turning, toolface)
-    bit = bit_diameter if bit_diameter is not None else _bit(one, roles)
+        toolface = column(log_set, turning)
+        plausibility.angles(log_set, turning, toolface)
+    bit = bit_diameter if bit_diameter is not None else _bit(log_set, roles)
     sensors: list[Sensor] = []
     radii: list[Floats] = []
     arm: list[int] = []
     for number, role in enumerate(arms):
-        radius = _radius(one, role, bit, echo)
-        angles = _angles(one, role, radius.shape[1], turning is not None or tracked)
+        radius = _radius(log_set, role, bit, echo)
+        angles = _angles(log_set, role, radius.shape[1], turning is not None or tracked)
         values = list(radius.T) if len(angles) == radius.shape[1] else [0.5 * radius[:, 0]] * 2
         sensors += [Sensor(role.channel, role.offset, angle, role.latency) for angle in angles]
         radii += values
         arm += [number] * len(angles)
     across = tuple(arms[number].role == "diameter" for number in arm)
-    time = _time(one, roles)
+    time = _time(log_set, roles)
     if tracked and time is None:
-        needed(one, roles, "time")
+        needed(log_set, roles, "time")
     return Readings(
-        one.path.name, depth, toolface, tuple(sensors), tuple(radii), np.array(arm, dtype=np.int64),
-        tuple(role.channel for role in arms), across, time, _passes(one, roles),
-        turning.reference if turning else "", _high_side(one, roles), turning is not None,
-        _count_missing(one, roles, depth, toolface, time), _notes(roles, arms), one.place,
+        log_set.path.name, depth, toolface, tuple(sensors), tuple(radii), np.array(arm, dtype=np.int64),
+        tuple(role.channel for role in arms), across, time, _passes(log_set, roles),
+        turning.reference if turning else "", _high_side(log_set, roles), turning is not None,
+        _count_missing(log_set, roles, depth, toolface, time), _notes(roles, arms), log_set.place,
     )  # fmt: skip
 
 
-def samples(one: LogSet, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
+def samples(log_set: RawSet, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
     """Bring the readings of a set into one frame, in file order; nothing is judged. Errors as :func:`readings`."""
     from helibore.preparation.prepare import Preparation
     from helibore.preparation.sample_columns import Samples
 
-    found = readings(one, roles, bit_diameter)
+    found = readings(log_set, roles, bit_diameter)
     seen = Samples.observed([found], Preparation(), None, [], {})
     return WallSamples(
-        seen.depth, seen.toolface, seen.radius, seen.time, seen.row, one.rows, found.missing, found.notes
+        seen.depth, seen.toolface, seen.radius, seen.time, seen.row, log_set.rows, found.missing, found.notes
     )
 
 
-def _depth(one: LogSet, role: Role) -> Floats:
-    depth = column(one, role)
-    row = one[role.channel].odd_row
+def _depth(log_set: RawSet, role: Role) -> Floats:
+    depth = column(log_set, role)
+    row = log_set[role.channel].odd_row
     if row is not None:
-        raise complaint(one.path, "NaN or infinite: a depth must be finite, or empty", one.place(row), role.channel)
-    suspect.depths(one, role, depth)
+        raise log_set.input_error("NaN or infinite: a depth must be finite, or empty", row, role.channel)
+    plausibility.depths(log_set, role, depth)
     return depth
 
 
-def _no_arms(one: LogSet, roles: RoleMap) -> str:
+def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
     """What is missing, and what the set can be used for instead."""
     means = [each.channel for each in roles.all("mean-diameter")]
     if means:
@@ -168,90 +167,90 @@ def _no_arms(one: LogSet, roles: RoleMap) -> str:
         return f"{rule} (its images {', '.join(images)} lie on a gauge hole with --gauge --image of helibore plot)"
     if roles.one("inclination") is not None and roles.one("azimuth") is not None:
         return f"{rule} (it holds a survey, which --survey takes)"
-    return f"{rule}, such as --radius NAME:in; the channels are {', '.join(one.names)}{about_names(one)}"
+    return f"{rule}, such as --radius NAME:in; the channels are {', '.join(log_set.names)}{about_names(log_set)}"
 
 
-def _radius(one: LogSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
+def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
     """Readings of a wall channel as (n, p) radii or diameters, metres."""
-    values = column(one, arm).reshape(one.rows, -1)
+    values = column(log_set, arm).reshape(log_set.rows, -1)
     if arm.role == "travel-time":
         if echo is None:
             rule = "a travel time needs the velocity in the mud and the tool's radius"
-            raise complaint(one.path, rule, column=arm.channel)
+            raise log_set.input_error(rule, column=arm.channel)
         values = echo.radius(values)
-    suspect.lengths(one, arm, values, bit)
+    plausibility.lengths(log_set, arm, values, bit)
     if arm.role in ("radius", "diameter") and values.shape[1] != 1:
         rule = f"a {arm.role} has one value a row, this has {values.shape[1]}: its role is radius-image"
-        raise complaint(one.path, rule, column=arm.channel)
+        raise log_set.input_error(rule, column=arm.channel)
     return values
 
 
-def _angles(one: LogSet, arm: Role, width: int, turning: bool) -> list[float]:
+def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float]:
     """Where the sensors of one channel look, degrees from the toolface."""
     if width > 1 or arm.role == "radius-image":
         if arm.first is None or arm.step is None:
             rule = "the angles of its sectors are not stated: set first and step (degrees) in a map"
-            raise complaint(one.path, rule, column=arm.channel)
+            raise log_set.input_error(rule, column=arm.channel)
         return [arm.first + arm.step * sector for sector in range(width)]
     if arm.angle is None and not turning:
         rule = "no toolface: name the toolface channel, or the angle of this one, by an option or in a map"
-        raise complaint(one.path, rule, column=arm.channel)
+        raise log_set.input_error(rule, column=arm.channel)
     if arm.angle is not None and not turning and not arm.confirmed and arm.turns:
         rule = "an arm pair that turns with the tool needs a toolface: name the channel, or confirm the angle, in a map"
-        raise complaint(one.path, rule, column=arm.channel)
+        raise log_set.input_error(rule, column=arm.channel)
     angle = arm.angle or 0.0
     return [angle, angle + 180.0] if arm.role == "diameter" else [angle]
 
 
-def _bit(one: LogSet, roles: RoleMap) -> float | None:
+def _bit(log_set: RawSet, roles: RoleMap) -> float | None:
     """Median of the bit-diameter channel, metres."""
     role = roles.one("bit-diameter")
     if role is None or not role.unit:
         return None
-    values = column(one, role)
+    values = column(log_set, role)
     return float(np.median(values[np.isfinite(values)])) if np.isfinite(values).any() else None
 
 
-def _time(one: LogSet, roles: RoleMap) -> Floats | None:
+def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
     """Seconds: as stated, or since 1970 where the file holds dates."""
     role = roles.one("time")
     if role is None:
         return None
-    channel = one[role.channel]
+    channel = log_set[role.channel]
     if not channel.is_text:
-        return column(one, role)
-    seconds = np.full(one.rows, np.nan)
+        return column(log_set, role)
+    seconds = np.full(log_set.rows, np.nan)
     for row, cell in enumerate(channel.values):
         if cell:
             try:
                 seconds[row] = np.datetime64(cell.rstrip("Z"), "us").astype(np.int64) / 1e6
             except ValueError:
                 rule = f"{cell[:40]!r} is no ISO 8601 date and time"
-                raise complaint(one.path, rule, one.place(row), role.channel) from None
+                raise log_set.input_error(rule, row, role.channel) from None
     return seconds
 
 
-def _passes(one: LogSet, roles: RoleMap) -> Integers | None:
+def _passes(log_set: RawSet, roles: RoleMap) -> Integers | None:
     role = roles.one("pass")
     if role is None:
         return None
-    values = one.numbers(role.channel)
+    values = log_set.numbers(role.channel)
     known = np.isfinite(values)
     broken = np.flatnonzero(known & (np.floor(values) != values))
     if broken.size:
         row = int(broken[0])
-        raise complaint(one.path, f"{values[row]:g}: a pass is a whole number", one.place(row), role.channel)
+        raise log_set.input_error(f"{values[row]:g}: a pass is a whole number", row, role.channel)
     return np.where(known, values, -1.0).astype(np.int64)
 
 
-def _high_side(one: LogSet, roles: RoleMap) -> Mask | None:
+def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
     """Which rows count from the high side, by the words of the toolface-reference channel."""
     role = roles.one("toolface-reference")
     if role is None:
         return None
-    channel = one[role.channel]
+    channel = log_set[role.channel]
     words = channel.values if channel.is_text else [f"{value:g}" for value in channel.values]
-    tagged = np.zeros(one.rows, dtype=bool)
+    tagged = np.zeros(log_set.rows, dtype=bool)
     for row, word in enumerate(words):
         bare = str(word).strip().lower()
         tagged[row] = bare in HIGH_SIDE
@@ -259,22 +258,24 @@ def _high_side(one: LogSet, roles: RoleMap) -> Mask | None:
             rule = (
                 f"{str(word)[:40]!r}: must be one of {', '.join(NORTH)} (north) or {', '.join(HIGH_SIDE)} (high side)"
             )
-            raise complaint(one.path, rule, one.place(row), role.channel)
+            raise log_set.input_error(rule, row, role.channel)
     return tagged
 
 
-def _count_missing(one: LogSet, roles: RoleMap, depth: Floats, toolface: Floats, time: Floats | None) -> dict[str, int]:
+def _count_missing(
+    log_set: RawSet, roles: RoleMap, depth: Floats, toolface: Floats, time: Floats | None
+) -> dict[str, int]:
     """How many values of each channel used are missing, where any are."""
     named = {"depth": depth, "toolface": toolface, "time": time}
     counts = {}
     for role in roles.all("depth", "toolface", "time"):
         values = named[role.role]
-        if values is not None and (role.role != "time" or one[role.channel].is_text):
+        if values is not None and (role.role != "time" or log_set[role.channel].is_text):
             counts[role.channel] = int(np.count_nonzero(~np.isfinite(values)))
         elif values is not None:
-            counts[role.channel] = one[role.channel].missing
+            counts[role.channel] = log_set[role.channel].missing
     for role in roles.all(*WALL):
-        counts[role.channel] = one[role.channel].missing
+        counts[role.channel] = log_set[role.channel].missing
     return {name: count for name, count in counts.items() if count}
 
 

@@ -24,8 +24,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from helibore.base.errors import InputError
+from helibore.channels.log_set import LogFile
 from helibore.channels.roles import REFERENCES, ROLES, SINGLE, WALL, Role, RoleMap, guess, measures
-from helibore.files.channel import LogFile, LogSet
+from helibore.files.raw_set import RawSet
 
 KEYS = {
     "role": str, "unit": str, "angle": float, "first": float, "step": float, "offset": float, "latency": float,
@@ -96,28 +98,28 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
     try:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise ValueError(f"{path.name}: not TOML: {error}") from error
+        raise InputError(path.name, f"not TOML: {error}") from error
     unknown = set(tree) - {"set", "channels"}
     if unknown:
-        raise ValueError(f"{path.name}: {min(unknown)}: must be one of set, channels")
+        raise InputError(f"{path.name}: {min(unknown)}", "must be one of set, channels")
     entries = tree.get("channels", {})
     if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
-        raise ValueError(f"{path.name}: channels must be tables, set must be a name")
+        raise InputError(path.name, "channels must be tables, set must be a name")
     return overlay(guess(file.set(tree.get("set"))), file.set(tree.get("set")), entries, path.name)
 
 
-def overlay(roles: RoleMap, one: LogSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
+def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
     """Return the roles with entries laid over them; ``place`` names the map in errors, ``why`` in roles."""
     changed = dict(roles.roles)
     for name, entry in entries.items():
-        if name not in one:
-            raise ValueError(f"{place}: no channel {name!r}; the set holds {', '.join(one.names)}")
-        base = changed.get(name) or Role(name, "none", "", one[name].unit)
+        if name not in log_set:
+            raise InputError(place, f"no channel {name!r}; the set holds {', '.join(log_set.names)}")
+        base = changed.get(name) or Role(name, "none", "", log_set[name].unit)
         changed[name] = _entry(base, entry, f"{place}: {name}", why)
     for role in SINGLE:
         stated = [each for each in changed.values() if each.role == role and each.confirmed]
         if len(stated) > 1:
-            raise ValueError(f"{place}: {stated[1].channel}: {stated[0].channel} is the {role} already")
+            raise InputError(f"{place}: {stated[1].channel}", f"{stated[0].channel} is the {role} already")
         for each in list(changed.values()):
             if stated and each.role == role and not each.confirmed:
                 reason = f"{stated[0].channel} is mapped as the {role}"
@@ -127,42 +129,42 @@ def overlay(roles: RoleMap, one: LogSet, entries: dict[str, Any], place: str, wh
 
 def _entry(base: Role, entry: Any, place: str, why: str) -> Role:
     if not isinstance(entry, dict):
-        raise ValueError(f"{place}: must be a table")
+        raise InputError(place, "must be a table")
     for key, value in entry.items():
         if key not in KEYS:
-            raise ValueError(f"{place}: {key}: must be one of {', '.join(KEYS)}")
+            raise InputError(f"{place}: {key}", f"must be one of {', '.join(KEYS)}")
         number = isinstance(value, int | float) and not isinstance(value, bool)
         if not (number if KEYS[key] is float else isinstance(value, str)):
-            raise ValueError(f"{place}: {key} = {value!r}: must be {'a number' if KEYS[key] is float else 'text'}")
+            raise InputError(f"{place}: {key}", f"must be {'a number' if KEYS[key] is float else 'text'}", repr(value))
     role = entry.get("role", base.role)
     if role not in ROLES:
-        raise ValueError(f"{place}: role = {role!r}: must be one of {', '.join(ROLES)}")
+        raise InputError(f"{place}: role", f"must be one of {', '.join(ROLES)}", repr(role))
     unit = entry.get("unit", base.unit)
     if unit and ROLES[role] and measures(unit) != ROLES[role]:
-        raise ValueError(f"{place}: unit = {unit!r}: must be a unit of {ROLES[role]} for a {role}")
+        raise InputError(f"{place}: unit", f"must be a unit of {ROLES[role]} for a {role}", repr(unit))
     reference = entry.get("reference", base.reference)
     if "reference" in entry and (role != "toolface" or reference not in REFERENCES):
         rule = f"must be one of {', '.join(REFERENCES)}, of a toolface"
-        raise ValueError(f"{place}: reference = {reference!r}: {rule}")
+        raise InputError(f"{place}: reference", rule, repr(reference))
     angle, first, step = (
         float(entry[key]) if key in entry else getattr(base, key) if role == base.role else None for key in ANGLES
     )
     offset, latency = (float(entry.get(key, getattr(base, key))) for key in PLACE)
     if not (math.isfinite(offset) and math.isfinite(latency)):
-        raise ValueError(f"{place}: offset = {offset:g}, latency = {latency:g}: must be finite")
+        raise InputError(f"{place}: offset = {offset:g}, latency", "must be finite", f"{latency:g}")
     if (offset or latency) and role not in WALL:
-        raise ValueError(f"{place}: offset and latency belong to a sensor: a role of {', '.join(WALL)}")
+        raise InputError(place, f"offset and latency belong to a sensor: a role of {', '.join(WALL)}")
     return Role(base.channel, role, why, unit, angle, first, step, offset, latency, reference, confirmed=True)
 
 
-def spelled(
-    one: LogSet, roles: RoleMap, columns: Mapping[str, str | None], arms: Mapping[str, Sequence[str]]
+def parse_options(
+    log_set: RawSet, roles: RoleMap, columns: Mapping[str, str | None], arms: Mapping[str, Sequence[str]]
 ) -> RoleMap:
-    """Lay columns spelled ``NAME[@ANGLE][:UNIT]`` over roles, as options of the command line do.
+    """Lay columns written ``NAME[@ANGLE][:UNIT]`` over roles, as options of the command line do.
 
     Parameters
     ----------
-    one, roles
+    log_set, roles
         The set, and the roles so far.
     columns
         Role to column, for roles that one channel has; None leaves the role as it is.
@@ -178,15 +180,15 @@ def spelled(
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
     entries: dict[str, Any] = {}
     for role, spelling in wanted + wall:
-        name, angle, unit = _parted(one, spelling)
+        name, angle, unit = _split_option(log_set, spelling)
         entry: dict[str, Any] = {"role": role} | ({"unit": unit} if unit else {})
         if angle is not None and role not in WALL:
-            raise ValueError(f"{one.path.name}: {spelling}: an angle belongs to a {' or '.join(arms)}")
-        if role in WALL and len(one[name].shape) == 1:
+            raise InputError(f"{log_set.path.name}: {spelling}", f"an angle belongs to a {' or '.join(arms)}")
+        if role in WALL and len(log_set[name].shape) == 1:
             angle = _own_angle(roles, name, role, wanted_toolface(roles, columns)) if angle is None else angle
             entry |= {} if angle is None else {"angle": angle}
         if name in entries:
-            raise ValueError(f"{one.path.name}: column {name}: is given two roles, {entries[name]['role']} and {role}")
+            raise log_set.input_error(f"is given two roles, {entries[name]['role']} and {role}", column=name)
         entries[name] = entry
     if wall:
         kept = {
@@ -194,7 +196,7 @@ def spelled(
             for each in roles
         }
         roles = RoleMap(roles.set_name, kept)
-    laid = overlay(roles, one, entries, one.path.name, "named by an option")
+    laid = overlay(roles, log_set, entries, log_set.path.name, "named by an option")
     for name, entry in entries.items():
         if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians stay suspect
             laid.roles[name] = replace(laid.roles[name], confirmed=False)
@@ -214,12 +216,12 @@ def wanted_toolface(roles: RoleMap, columns: Mapping[str, str | None]) -> bool:
     return columns.get("toolface") is not None or roles.one("toolface") is not None
 
 
-def _parted(one: LogSet, spelling: str) -> tuple[str, float | None, str | None]:
-    """Name, angle and unit of ``NAME[@ANGLE][:UNIT]``; a name that stands in the file as it is spelled has neither."""
-    if spelling in one:
+def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, str | None]:
+    """Name, angle and unit of ``NAME[@ANGLE][:UNIT]``; a name that is in the file as it is written has neither."""
+    if spelling in log_set:
         return spelling, None, None
     match = SPELLING.fullmatch(spelling)
-    if match is None or match["name"] not in one:
+    if match is None or match["name"] not in log_set:
         wanted = match["name"] if match else spelling
-        raise ValueError(f"{one.path.name}: column {wanted!r}: not in the file, which has {', '.join(one.names)}")
+        raise log_set.input_error(f"not in the file, which has {', '.join(log_set.names)}", column=repr(wanted))
     return match["name"], float(match["angle"]) if match["angle"] else None, match["unit"]

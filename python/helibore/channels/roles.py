@@ -15,8 +15,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 
 from helibore.base import units
-from helibore.files.channel import Channel, LogSet
 from helibore.files.headings import describe
+from helibore.files.raw_set import Channel, RawSet
 
 ROLES: dict[str, str] = {
     "depth": units.LENGTH,
@@ -156,12 +156,12 @@ class RoleMap:
         return found[0] if found else None
 
 
-def guess(one: LogSet) -> RoleMap:
+def guess(log_set: RawSet) -> RoleMap:
     """Guess the role of every channel of a set.
 
     Parameters
     ----------
-    one
+    log_set
         A set of an opened file.
 
     Returns
@@ -169,27 +169,27 @@ def guess(one: LogSet) -> RoleMap:
     RoleMap
         One role a channel, each with its reason; ``none`` where nothing fits.
     """
-    roles = {channel.name: _none(channel, NO_RULE) for channel in one}
-    _single_roles(one, roles)
+    roles = {channel.name: _none(channel, NO_RULE) for channel in log_set}
+    _single_roles(log_set, roles)
     has_toolface = any(role.role == "toolface" for role in roles.values())
-    for channel in one:
+    for channel in log_set:
         if roles[channel.name].role != "none" or channel.is_text:
             continue
         if len(channel.shape) == 2:
             roles[channel.name] = _image_role(channel)
-        elif channel.shape[0] != one.rows:
-            roles[channel.name] = _none(channel, f"{channel.shape[0]} values beside {one.rows} rows: an axis")
+        elif channel.shape[0] != log_set.rows:
+            roles[channel.name] = _none(channel, f"{channel.shape[0]} values beside {log_set.rows} rows: an axis")
         else:
             roles[channel.name] = _wall_role(channel, has_toolface) or roles[channel.name]
-    _text_roles(one, roles, has_toolface)
+    _text_roles(log_set, roles, has_toolface)
     _pair_arms(roles)
-    return RoleMap(one.name, roles)
+    return RoleMap(log_set.name, roles)
 
 
-def _text_roles(one: LogSet, roles: dict[str, Role], has_toolface: bool) -> None:
+def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool) -> None:
     """A column of text named like one that is needed and missing: taken, so that reading it tells the bad cell."""
     taken = {each.role for each in roles.values()}
-    for channel in one:
+    for channel in log_set:
         if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
             continue
         for role, name, _ in PATTERNS:
@@ -233,14 +233,14 @@ def _fits(channel: Channel, kind: str) -> bool:
     return not kind or not channel.unit or measures(channel.unit) == kind
 
 
-def _single_roles(one: LogSet, roles: dict[str, Role]) -> None:
+def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
     """Give depth, time, toolface ... to the channel that fits best; tell the others who took it."""
     inclined = False
     for role, name, described in PATTERNS:
-        for channel in one:
+        for channel in log_set:
             if (
                 len(channel.shape) != 1
-                or channel.shape[0] != one.rows
+                or channel.shape[0] != log_set.rows
                 or (channel.is_text and role not in ("time", "toolface-reference"))
             ):
                 continue
@@ -258,10 +258,10 @@ def _single_roles(one: LogSet, roles: dict[str, Role]) -> None:
                 reason = f"{how}, but there is no inclination: no survey (an angle around the hole is a toolface)"
                 roles[channel.name] = _none(channel, reason)
             else:
-                index = " and it is the index" if channel.name == one.index else ""
+                index = " and it is the index" if channel.name == log_set.index else ""
                 roles[channel.name] = Role(channel.name, role, how + index, channel.unit)
                 inclined = inclined or role == "inclination"
-    first = one[one.index] if one.index else None
+    first = log_set[log_set.index] if log_set.index else None
     placed = any(each.role == "depth" for each in roles.values())
     if first is None or placed or first.is_text or roles[first.name].role != "none":
         return

@@ -18,9 +18,10 @@ from rich.table import Table
 
 import helibore
 from helibore.channels.depth_remarks import depth_remarks
+from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.role_map import read_map, write_map
 from helibore.channels.roles import NO_RULE, ROLES, Role, RoleMap, guess
-from helibore.files.channel import Channel, LogFile, LogSet
+from helibore.files.raw_set import Channel
 
 WIDE = 120
 """Columns a terminal needs for the reasons to stand in the table; else they follow it, one a line."""

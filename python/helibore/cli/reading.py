@@ -21,8 +21,8 @@ from helibore.cli.quantities import LENGTH
 
 if TYPE_CHECKING:
     from helibore.base.settings import Settings
+    from helibore.channels.log_set import LogFile
     from helibore.channels.roles import RoleMap
-    from helibore.files.channel import LogFile
     from helibore.runs.run import Opened
 
 Command = Callable[..., Any]
@@ -145,10 +145,10 @@ def _roles(
     log: LogFile, set_name: str | None, map_file: Path | None, columns: dict[str, Any], arms: dict[str, Any]
 ) -> RoleMap:
     """The set's roles: guessed, laid over by a map, laid over by options."""
-    from helibore.channels.role_map import read_map, spelled
+    from helibore.channels.role_map import parse_options, read_map
     from helibore.channels.roles import guess
 
     roles = read_map(map_file, log) if map_file is not None else guess(log.set(set_name))
     if set_name is not None and roles.set_name != set_name:
         raise ValueError(f"--set {set_name}: the map is for the set {roles.set_name}")
-    return spelled(log.set(roles.set_name), roles, columns, arms)
+    return parse_options(log.set(roles.set_name), roles, columns, arms)

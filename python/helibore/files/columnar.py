@@ -16,9 +16,10 @@ from typing import Any
 
 import numpy as np
 
-from helibore.files.channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
+from helibore.base.errors import MissingExtraError
 from helibore.files.headings import describe
-from helibore.files.source import GZIP_FREE, GZIP_RATIO, Source, complaint, missing_library
+from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
+from helibore.files.source import Source, file_error, refuse_zip_bomb
 
 OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",
@@ -27,21 +28,21 @@ OWN_UNITS = {
 """Units of columns that are named and stored as helibore's own arrays are (``np.savez(depth=caliper.depth, ...)``)."""
 
 
-def read_parquet(source: Source, nulls: tuple[float, ...]) -> LogFile:
+def read_parquet(source: Source, nulls: tuple[float, ...]) -> RawFile:
     """Open a Parquet file; columns are read when asked."""
     try:
         import pyarrow as pa
         from pyarrow import parquet
     except ImportError as error:
-        raise missing_library("pyarrow", "parquet") from error
+        raise MissingExtraError("pyarrow", "parquet") from error
     try:
         file = parquet.ParquetFile(source.path)
         schema, rows = file.schema_arrow, file.metadata.num_rows
         names = unique(list(schema.names))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        raise complaint(source.path, f"truncated or damaged Parquet ({str(error).splitlines()[0]})") from error
+        raise file_error(source.path, f"truncated or damaged Parquet ({str(error).splitlines()[0]})") from error
     if not rows or not names:
-        raise complaint(source.path, "Parquet without rows" if names else "Parquet without columns")
+        raise file_error(source.path, "Parquet without rows" if names else "Parquet without columns")
     channels = []
     remarks = []
     for position, name in enumerate(names):
@@ -56,10 +57,9 @@ def read_parquet(source: Source, nulls: tuple[float, ...]) -> LogFile:
             remarks.append(f"{name}: a {kind} is not read")
             continue
         unit = _field_unit(schema.field(position)) or describe(name) or own_unit(name, remarks)
-        text = not number and not pa.types.is_null(kind)
-        channels.append(Channel(name, unit, "", shape, load, nulls, None, text, nan_is_missing=False))
-    one = LogSet(source.path, "table", channels, rows, None, {}, remarks)
-    return LogFile(source.path, "parquet", [one], file.close)
+        is_text = not number and not pa.types.is_null(kind)
+        channels.append(Channel(name, unit, "", load, nulls, None, shape, is_text, nan_is_missing=False))
+    return RawFile("parquet", [RawSet(source.path, "table", channels, rows, None, {}, remarks)], file.close)
 
 
 def _field_unit(column: Any) -> str:
@@ -74,34 +74,30 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
         try:
             column = file.read([name]).column(0).combine_chunks()
         except (pa.ArrowException, OSError, ValueError) as error:
-            raise complaint(source.path, f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
+            raise file_error(source.path, f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
         if not pa.types.is_nested(column.type):
             values: Array = column.to_numpy(zero_copy_only=False)
             empty = bool(column.null_count) and values.dtype.kind == "f"
             return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
         if len(lengths) != 1 or column.null_count:
-            raise complaint(source.path, f"lists of {len(lengths)} different lengths: must be one", column=name)
+            raise file_error(source.path, f"lists of {len(lengths)} different lengths: must be one", column=name)
         return column.flatten().to_numpy(zero_copy_only=False).reshape(len(column), -1)  # type: ignore[no-any-return]
 
     return load
 
 
-def read_npz(source: Source, nulls: tuple[float, ...]) -> LogFile:
+def read_npz(source: Source, nulls: tuple[float, ...]) -> RawFile:
     """Open an NPZ archive; never unpickles."""
-    with zipfile.ZipFile(source.path) as archive:
-        unpacked = sum(entry.file_size for entry in archive.infolist())
-        packed = max(1, sum(entry.compress_size for entry in archive.infolist()))
-    if unpacked > GZIP_FREE and unpacked > GZIP_RATIO * packed:
-        raise complaint(source.path, f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
+    refuse_zip_bomb(source)
     try:
         archive = np.load(source.path, allow_pickle=False)
         arrays = {name: archive[name] for name in archive.files}
     except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
-        raise complaint(source.path, f"damaged archive of arrays ({error})") from error
+        raise file_error(source.path, f"damaged archive of arrays ({error})") from error
     shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]
     if not shapes:
-        raise complaint(source.path, "no array of one or two dimensions")
+        raise file_error(source.path, "no array of one or two dimensions")
     rows = _row_count(shapes)
     channels = []
     remarks = []
@@ -111,14 +107,13 @@ def read_npz(source: Source, nulls: tuple[float, ...]) -> LogFile:
         if array.ndim not in (1, 2) or array.dtype.kind not in "fiuUSb" or not (len(array) == rows or is_axis):
             remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
             continue
-        text = array.dtype.kind in "US"
         unit = describe(name) or own_unit(name, remarks)
-        channels.append(Channel(name, unit, "", array.shape, _keep(array), nulls, axis, text, nan_is_missing=False))
-    return LogFile(source.path, "npz", [LogSet(source.path, "arrays", channels, rows, None, {}, remarks)])
+        channels.append(Channel(name, unit, "", array, nulls, axis, nan_is_missing=False))
+    return RawFile("npz", [RawSet(source.path, "arrays", channels, rows, None, {}, remarks)])
 
 
 def own_unit(name: str, remarks: list[str]) -> str:
-    """The unit of a binary column that is named as helibore names its own, ``depth``, ``radius`` ...: with a remark."""
+    """Return the unit of a binary column with one of helibore's own names (``depth`` ...), and add a remark."""
     unit = OWN_UNITS.get(name, "")
     if unit:
         remarks.append(f"{name}: no unit stated; a binary column of this name is taken as {unit}")
@@ -141,7 +136,3 @@ def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxi
             even = np.allclose(steps, steps[0], rtol=1e-6, atol=1e-9)
             return SectorAxis(float(other[0]), float(steps[0]) if even else float("nan"), describe(name))
     return None
-
-
-def _keep(array: Array) -> Callable[[], Array]:
-    return lambda: array

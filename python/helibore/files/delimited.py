@@ -1,17 +1,17 @@
-"""CSV, TSV and semicolon tables, plain or gzipped, read with pyarrow where it pays (``cells`` reads the others).
+"""CSV, TSV and semicolon tables, plain or gzipped.
 
     # comment lines                      kept as remarks
     depth_m,toolface_deg,radius_mm       the header; a second line of units is taken as such
     1000.0,12.5,108.1
 
-A column is numbers when everything in its first 2 MiB is; a cell that is not a number after that is an error that names
-its line. An empty cell is missing; NaN and infinities are numbers that somebody computed. Decimal commas and
-blank-separated columns are refused, not guessed. Units come from the header (``helibore.files.headings``).
+``number_rows`` reads tables below 2 MiB. pyarrow, where it is installed, reads larger ones with all cores; a table
+that it refuses is read by ``number_rows``, which takes it or names the bad line. An empty cell is missing; NaN and
+infinities are computed numbers. Decimal commas and columns cut by blanks are refused. Units come from the header
+(``helibore.files.headings``).
 """
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
@@ -22,19 +22,23 @@ from typing import Any
 
 import numpy as np
 
-from helibore.files.cells import NULL_TEXTS, ragged, read_cells, text_lines
-from helibore.files.channel import EXACT, NO_HEADER, Array, Channel, LogFile, LogSet, unique
+from helibore.base.errors import InputError
 from helibore.files.headings import describe, is_number, is_units_row
-from helibore.files.sectors import FEWEST
-from helibore.files.source import LINE_LIMIT, Source, complaint, decode
+from helibore.files.number_rows import NULL_TEXTS, read_rows, split_cells
+from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
+from helibore.files.source import LINE_LIMIT, Source, decode, file_error
 
 DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))
-# What pyarrow says of a cell that does not fit its column.
-NOT_A_NUMBER = re.compile(r"In CSV column #(?P<column>\d+): .*invalid value '(?P<cell>.*)'", re.DOTALL)
 
 HEADING_LINES = 500
 """The header must stand within this many lines."""
+
+NO_HEADER = "numbers, so there is no header"
+"""In the remarks of a table without one."""
+
+FEWEST_SECTORS = 4
+"""So many columns of one name are taken for an image."""
 
 
 @dataclass
@@ -48,32 +52,28 @@ class Layout:
     remarks: list[str] = field(default_factory=list)
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
-    """Open a delimited table."""
+def read(source: Source, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
+    """Open a delimited table; ``header_line`` is the line of its column names, counted from 1."""
     head, remark, whole = _head_text(source)
-    layout = find_layout(source, head)
+    layout = find_layout(source, head, header_line)
     if remark:
         layout.remarks.append(remark)
-    encoding = "utf8" if not remark else "cp1252"
     names = unique(layout.names)
     for name, count in Counter(layout.names).items():
-        if 1 < count < FEWEST:  # as many are an image
+        if 1 < count < FEWEST_SECTORS:
             layout.remarks.append(f"{count} columns are named {name}: they are told apart as {name}:1, {name}:2 ...")
-    arrow = None if whole else _arrow()
-    if arrow is None:
-        lines = head.split("\n") if whole else text_lines(source, encoding)
-        arrays = read_cells(source.path, lines, layout.skip, layout.delimiter, names)
-        columns = [(_keep(values), values.size, values.dtype.kind == "U") for values in arrays]
-    else:
-        table = _table(*arrow, source, layout, head, encoding)
-        columns = [(_loader(column), len(column), str(column.type) == "string") for column in table.columns]
-    channels = []
-    for position, (name, (load, rows, text)) in enumerate(zip(names, columns, strict=True)):
-        unit = layout.units[position] if layout.units else describe(layout.names[position])
-        channels.append(Channel(name, unit, "", (rows,), load, nulls, None, text, nan_is_missing=False))
+    columns = None if whole else _by_pyarrow(source, layout, head, "cp1252" if remark else "utf8")
     line_of = _line_finder(source, layout)
-    one = LogSet(source.path, "table", channels, columns[0][1], None, {}, layout.remarks, line_of)
-    return LogFile(source.path, "csv", [one])
+    if columns is None:
+        lines = (head if whole else source.text()[0]).split("\n")[layout.skip :]
+        rows = read_rows(source.path, lines, layout.skip + 1, names, layout.delimiter)
+        columns, line_of = rows.columns, rows.line_of
+    channels = []
+    for position, (name, values) in enumerate(zip(names, columns, strict=True)):
+        unit = layout.units[position] if layout.units else describe(layout.names[position])
+        channels.append(Channel(name, unit, "", values, nulls, nan_is_missing=False))
+    one = RawSet(source.path, "table", channels, len(columns[0]), None, {}, layout.remarks, line_of)
+    return RawFile("csv", [one])
 
 
 def _head_text(source: Source) -> tuple[str, str, bool]:
@@ -91,26 +91,31 @@ def _head_text(source: Source) -> tuple[str, str, bool]:
     return *decode(source.path, head), not more
 
 
-def find_layout(source: Source, head: str) -> Layout:
+def find_layout(source: Source, head: str, header_line: int | None = None) -> Layout:
     """Find delimiter, header and units row in the first lines of a table, or say which rule they break."""
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
     start = 0
-    while start < len(lines) and (not lines[start].strip() or lines[start].lstrip().startswith("#")):
+    if header_line is not None:
+        start = header_line - 1
+        if not 0 <= start < len(lines) or not lines[start].strip():
+            rule = f"must be the line of the column names, within the first {HEADING_LINES}"
+            raise InputError(f"{source.path.name}: header_line", rule, str(header_line))
+    while header_line is None and start < len(lines) and lines[start].lstrip()[:1] in ("", "#"):
         if comment := lines[start].strip(" #\t"):
             remarks.append(f"comment: {comment}")
         start += 1
     rows = [line for line in lines[start:] if line.strip()]
     if not rows:
-        raise complaint(source.path, f"no header and no rows within {HEADING_LINES} lines", start)
+        raise file_error(source.path, f"no header and no rows within {HEADING_LINES} lines", start)
     delimiter = _delimiter(source, rows, start + 1)
-    first = split(rows[0], delimiter)
-    if all(is_number(cell) for cell in first):
+    first = [cell.strip() for cell in split_cells(rows[0].lstrip("#"), delimiter)]
+    second = [cell.strip() for cell in split_cells(rows[1], delimiter)] if len(rows) > 1 else []
+    if header_line is None and all(is_number(cell) for cell in first):
         return _without_header(lines, start, delimiter, len(first), remarks)
-    if any(not cell for cell in first) and not first[-1] and len(rows) > 1 and not split(rows[1], delimiter)[-1]:
+    if any(not cell for cell in first) and not first[-1] and second and not second[-1]:
         remarks.append("the header and the rows end in a delimiter: the last column has no name")
     names = [cell or f"column {number}" for number, cell in enumerate(first, 1)]
-    second = split(rows[1], delimiter) if len(rows) > 1 else []
     units = None
     skip = lines.index(rows[0], start) + 1
     if len(second) == len(names) and is_units_row(second):
@@ -122,7 +127,7 @@ def find_layout(source: Source, head: str) -> Layout:
 def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> Layout:
     """Names for a table that starts with numbers: the last comment line if it fits (numpy.savetxt), else numbered."""
     for line in reversed(lines[:start]):
-        names = split(line.strip().lstrip("#"), delimiter)
+        names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
         if len(names) == width and width > 1 and all(names):
             remarks = [remark for remark in remarks if remark != f"comment: {line.strip(' #')}"]
             return Layout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
@@ -130,26 +135,10 @@ def _without_header(lines: list[str], start: int, delimiter: str, width: int, re
     return Layout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
 
 
-def split(line: str, delimiter: str) -> list[str]:
-    """Split one line into cells, quotes honoured, blanks trimmed."""
-    if '"' not in line:
-        return [cell.strip() for cell in line.split(delimiter)]
-    cells, cell, quoted = [], "", False
-    for piece in line:
-        if piece == '"':
-            quoted = not quoted
-        elif piece == delimiter and not quoted:
-            cells.append(cell.strip())
-            cell = ""
-        else:
-            cell += piece
-    return [*cells, cell.strip()]
-
-
 def _delimiter(source: Source, rows: list[str], line: int) -> str:
     """The delimiter that cuts the first rows into the same number (above one) of cells."""
     sample = rows[:20]
-    widths = {mark: [len(split(row, mark)) for row in sample] for mark in DELIMITERS}
+    widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
     even = [mark for mark in DELIMITERS if widths[mark][0] > 1 and len(set(widths[mark])) == 1]
     if len(even) > 1:  # "1,5;2,5" cuts evenly at both: a header without commas means decimal commas
         even = [mark for mark in even if not (mark == "," and ";" in even)]
@@ -158,45 +147,40 @@ def _delimiter(source: Source, rows: list[str], line: int) -> str:
         return even[0]
     likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
     if widths[likely][0] > 1:
-        return likely  # ragged: pyarrow names the row
+        return likely  # ragged: the careful reader names the row
     if len(sample) > 1 and len(rows[0].split()) > 1:
         rule = "columns are separated by blanks: read are comma, tab, semicolon and |"
-        raise complaint(source.path, rule, line)
+        raise file_error(source.path, rule, line)
     if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
         rule = "the header has one column, the rows have more: another delimiter?"
-        raise complaint(source.path, rule, line)
+        raise file_error(source.path, rule, line)
     if len(sample) > 1 and all(is_number(row) for row in sample[1:]):
         return ","  # one column of numbers under a name
-    raise complaint(source.path, "not a table: no comma, tab, semicolon or | separates columns", line)
+    raise file_error(source.path, "not a table: no comma, tab, semicolon or | separates columns", line)
 
 
-def _arrow() -> tuple[ModuleType, Any] | None:
+def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> list[Array] | None:
+    """The columns as pyarrow reads them; None where it is not installed, or refuses the table.
+
+    The first 2 MiB decide the types of the columns, so that they do not depend on how pyarrow cuts the table.
+    """
     try:
         import pyarrow as pa
         from pyarrow import csv
     except ImportError:
         return None
-    return pa, csv
-
-
-def _table(pa: ModuleType, csv: Any, source: Source, layout: Layout, head: str, encoding: str) -> Any:
-    """The whole table: column types settled on the first 2 MiB, so that they do not depend on how blocks fall."""
     try:
         sample = _rows(csv, _copied(pa, head.encode()), layout, layout.skip)
-        if not sample.num_rows:
-            raise complaint(source.path, "a header and no rows", layout.skip)
         types = {name: _column_type(pa, sample.column(name)) for name in sample.column_names}
         if encoding == "utf8" and not source.compressed:
             table = _rows(csv, str(source.path), layout, layout.skip, types)
         else:
             table = _unpacked(pa, csv, source, layout, encoding, types)
-    except pa.ArrowInvalid as error:
-        raise _explain(source, layout, error) from error
-    except UnicodeDecodeError as error:
-        raise complaint(source.path, f"encodings are mixed: {error.reason} past the first 2 MiB") from error
+    except (pa.ArrowInvalid, UnicodeDecodeError):
+        return None
     if any(kind == pa.string() and _spans_lines(table.column(name)) for name, kind in types.items()):
-        raise _explain(source, layout, ValueError("a cell holds a line break"))
-    return table
+        return None
+    return [_values(column) for column in table.columns]
 
 
 def _rows(csv: Any, content: Any, layout: Layout, skip: int, types: dict[str, Any] | None = None) -> Any:
@@ -238,7 +222,10 @@ def _unpacked(pa: ModuleType, csv: Any, source: Source, layout: Layout, encoding
 def _column_type(pa: ModuleType, column: Any) -> Any:
     kind = column.type
     if pa.types.is_integer(kind):
-        low, high = min_max(column)
+        import pyarrow.compute as pc
+
+        both = pc.min_max(column).as_py()
+        low, high = both["min"] or 0, both["max"] or 0
         return pa.int64() if max(abs(low), abs(high)) > EXACT else pa.float64()
     if pa.types.is_floating(kind) or pa.types.is_null(kind):
         return pa.float64()
@@ -252,61 +239,16 @@ def _spans_lines(column: Any) -> bool:
     return bool(pc.any(pc.match_substring(column, "\n")).as_py())
 
 
-def min_max(column: Any) -> tuple[int, int]:
-    """Smallest and largest of an integer column, (0, 0) when it is empty."""
-    import pyarrow.compute as pc
-
-    both = pc.min_max(column).as_py()
-    return both["min"] or 0, both["max"] or 0
-
-
-def _loader(column: Any) -> Callable[[], Array]:
+def _values(column: Any) -> Array:
     """The values of a column, masked where cells are empty."""
-    if not column.null_count or str(column.type) == "string":
-        return lambda: column.to_numpy()
-    return lambda: np.ma.MaskedArray(column.to_numpy(), column.is_null().to_numpy())
-
-
-def _keep(values: Array) -> Callable[[], Array]:
-    return lambda: values
-
-
-def _explain(source: Source, layout: Layout, error: Exception) -> ValueError:
-    """Find the line that pyarrow stumbled over: it names none when it reads in threads."""
-    told = NOT_A_NUMBER.search(str(error))
-    if told and (found := _not_a_number(source, layout, int(told["column"]), told["cell"])):
-        return found
-    width = len(layout.names)
-    for line, raw in enumerate(islice(source.lines(), layout.skip, None), layout.skip + 1):
-        if b'"' not in raw and raw.count(layout.delimiter.encode()) == width - 1:
-            continue
-        text = raw.decode("utf-8", "replace").rstrip("\r\n")
-        if not text.strip():
-            continue
-        cells = split(text, layout.delimiter)
-        if len(cells) != width:
-            return ragged(source.path, text, line, len(cells), width, layout.delimiter)
-        if text.count('"') % 2:
-            return complaint(source.path, "a quote is opened and not closed", line)
-    return complaint(source.path, str(error).splitlines()[0])
-
-
-def _not_a_number(source: Source, layout: Layout, position: int, cell: str) -> ValueError | None:
-    """The first line that has this cell in this column, None when an open quote hides it."""
-    if "\n" in cell:
-        return None
-    wanted = cell.strip()
-    for line, raw in enumerate(islice(source.lines(), layout.skip, None), layout.skip + 1):
-        if wanted.encode() not in raw:
-            continue
-        cells = split(raw.decode("utf-8", "replace"), layout.delimiter)
-        if len(cells) > position and cells[position] == wanted:
-            return complaint(source.path, f"{wanted[:40]!r} is not a number", line, layout.names[position])
-    return None
+    values: Array = column.to_numpy()
+    if not column.null_count or values.dtype.kind == "O":
+        return values
+    return np.ma.MaskedArray(values, column.is_null().to_numpy())
 
 
 def _line_finder(source: Source, layout: Layout) -> Callable[[int], int]:
-    """A function from row to line: blank lines are not rows, so it counts, and only when an error is to be told."""
+    """A function from row to line: blank lines are no rows, so it counts, and only when an error needs it."""
 
     def line_of(row: int) -> int:
         line = layout.skip

@@ -1,4 +1,4 @@
-"""DLIS (RP66 V1) through dlisio: one LogSet for each frame of each logical file.
+"""DLIS (RP66 V1) through dlisio: one RawSet for each frame of each logical file.
 
     frame row = [FRAMENO, index, channel (scalar), channel (K sectors), ...]      DIMENSION, AXIS, UNITS per channel
 
@@ -10,52 +10,60 @@ Channels of more than one axis become (n, all elements), remarked on.
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from helibore.files.channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
-from helibore.files.source import Source, complaint, missing_library
+from helibore.base.errors import InputError, MissingExtraError
+from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
+from helibore.files.source import Source, file_error
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
-    """Open a DLIS file; the rows of a frame are read when first asked."""
+def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
+    """Open a DLIS file; the rows of a frame are read when they are first used."""
     try:
         from dlisio import dlis
     except ImportError as error:
-        raise missing_library("dlisio", "dlis") from error
+        raise MissingExtraError("dlisio", "dlis") from error
+    with damage_named(source), dlisio_warnings() as warned:
+        logical_files = dlis.load(str(source.path))
+    readers = []
     try:
-        with _decoding():
-            logical_files = dlis.load(str(source.path))
-    except Exception as error:  # the C++ core throws RuntimeError, ValueError, OSError, EOFError alike
-        raise complaint(source.path, f"truncated or damaged DLIS ({_first_line(error)})") from error
-    try:
-        sets = []
-        with _decoding() as undecoded:
+        with damage_named(source), dlisio_warnings() as warned:
             for number, logical in enumerate(logical_files):
                 label = f"{number}/" if len(logical_files) > 1 else ""
                 frames = list(logical.frames)
-                names = unique([_text(frame.name) for frame in frames])
-                found = [_frame(source, label + name, frame, nulls) for name, frame in zip(names, frames, strict=True)]
-                sets += [one for one in found if one.rows]
-        for one in sets:
-            one.remarks.extend(sorted(undecoded))
-    except Exception as error:
+                for name, frame in zip(unique([text_of(frame.name) for frame in frames]), frames, strict=True):
+                    readers.append(partial(_frame, source, label + name, frame, nulls))
+            sets = [one for one in readable_sets(readers) if one.rows]
+        if not sets:
+            raise file_error(source.path, "DLIS without a frame that has rows")
+    except InputError:
         logical_files.close()
-        if isinstance(error, ValueError) and str(error).startswith(source.path.name):
-            raise
-        raise complaint(source.path, f"truncated or damaged DLIS ({_first_line(error)})") from error
-    if not sets:
-        logical_files.close()
-        raise complaint(source.path, "DLIS without a frame that has rows")
-    return LogFile(source.path, "DLIS", sets, logical_files.close)
+        raise
+    for one in sets:
+        one.remarks.extend(sorted(warned))
+    return RawFile("DLIS", sets, logical_files.close)
 
 
 @contextmanager
-def _decoding() -> Iterator[set[str]]:
-    """Collect what dlisio warns of (text that is not UTF-8 comes back as bytes) as remarks."""
+def damage_named(source: Source, what: str = "") -> Iterator[None]:
+    """Turn what dlisio throws into one error: its C++ core throws RuntimeError, ValueError, OSError, EOFError alike."""
+    try:
+        yield
+    except InputError:
+        raise
+    except Exception as error:
+        reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
+        raise file_error(source.path, f"{what or 'DLIS'}: truncated or damaged ({reason})") from error
+
+
+@contextmanager
+def dlisio_warnings() -> Iterator[set[str]]:
+    """Collect dlisio's warnings, such as text that is not UTF-8, which it returns as bytes."""
     remarks: set[str] = set()
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
@@ -63,43 +71,37 @@ def _decoding() -> Iterator[set[str]]:
     remarks.update(str(warning.message) for warning in caught)
 
 
-def _text(value: Any) -> str:
+def text_of(value: Any) -> str:
     """A text attribute; what dlisio could not decode is read as Windows-1252."""
     if isinstance(value, bytes):
         return value.decode("cp1252", "replace")
     return "" if value is None else str(value)
 
 
-def _first_line(error: Exception) -> str:
-    return (str(error).strip().splitlines() or [type(error).__name__])[0]
-
-
-def _frame(source: Source, name: str, frame: Any, nulls: tuple[float, ...]) -> LogSet:
+def _frame(source: Source, name: str, frame: Any, nulls: tuple[float, ...]) -> RawSet:
     """One frame: its channels now, its rows when first asked."""
     rows = _Rows(source, name, frame)
-    dtype = frame.dtype()
-    labels = [label for label in dtype.names if label != "FRAMENO"]
+    with damage_named(source, f"frame {name}"):
+        dtype = frame.dtype()
+        labels = [label for label in dtype.names if label != "FRAMENO"]
+        count = rows.count()
+        header = {key: text_of(value) for key, value in _header(frame).items() if value not in (None, "")}
     if len(labels) != len(frame.channels):
-        rule = f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels"
-        raise complaint(source.path, rule)
+        raise file_error(source.path, f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels")
     channels = []
-    remarks = []
-    count = rows.count()
+    remarks = [] if frame.index_type else ["the frame states no index type: rows are only numbered"]
     for label, channel in zip(labels, frame.channels, strict=True):
         dimension = tuple(int(size) for size in channel.dimension or [1])
         if len(dimension) > 1:
             remarks.append(f"{label}: {' x '.join(map(str, dimension))} elements a row, laid out as one axis")
         size = int(np.prod(dimension))
         shape = (count,) if size == 1 else (count, size)
-        text = dtype.fields[label][0].base.kind in "OSU"
-        load = _loader(rows, label, shape)
-        described = _text(channel.long_name)
-        channels.append(Channel(label, _text(channel.units), described, shape, load, nulls, _axis(channel), text))
-    index = labels[0] if frame.index_type else None
-    header = {key: _text(value) for key, value in _header(frame).items() if value not in (None, "")}
-    if frame.index_type is None:
-        remarks.append("the frame states no index type: rows are only numbered")
-    return LogSet(source.path, name, channels, count, index, header, remarks)
+        is_text = dtype.fields[label][0].base.kind in "OSU"
+        channels.append(Channel(
+            label, text_of(channel.units), text_of(channel.long_name), partial(rows.column, label, shape), nulls,
+            _axis(channel), shape, is_text,
+        ))  # fmt: skip
+    return RawSet(source.path, name, channels, count, labels[0] if frame.index_type else None, header, remarks)
 
 
 class _Rows:
@@ -111,27 +113,19 @@ class _Rows:
         self._frame = frame
         self._table: Array | None = None
 
-    def table(self) -> Array:
+    def column(self, label: str, shape: tuple[int, ...]) -> Array:
         if self._table is None:
-            try:
-                with _decoding():
-                    self._table = self._frame.curves()
-            except Exception as error:
-                rule = f"frame {self._name}: truncated or damaged rows ({_first_line(error)})"
-                raise complaint(self._source.path, rule) from error
+            with damage_named(self._source, f"frame {self._name}"), dlisio_warnings():
+                self._table = self._frame.curves()
             if len(self._table) != self.count():
                 rule = f"frame {self._name}: {len(self._table)} of {self.count()} rows are there: truncated or damaged"
-                raise complaint(self._source.path, rule)
-        return self._table
+                raise file_error(self._source.path, rule)
+        return self._table[label].reshape(shape)
 
     def count(self) -> int:
-        """How many rows, counted in the file's index: no value is read."""
+        """The number of rows, counted in the file's index: no value is read."""
         indices = self._frame.logicalfile.fdata_index.get(self._frame.fingerprint, [])
         return len(indices)
-
-
-def _loader(rows: _Rows, label: str, shape: tuple[int, ...]) -> Callable[[], Array]:
-    return lambda: rows.table()[label].reshape(shape)
 
 
 def _header(frame: Any) -> dict[str, Any]:
@@ -148,7 +142,7 @@ def _axis(channel: Any) -> SectorAxis | None:
     if len(axes) != 1:
         return None
     coordinates, spacing = axes[0].coordinates, axes[0].spacing
-    unit = _text(axes[0].attic["COORDINATES"].units) if coordinates else ""
+    unit = text_of(axes[0].attic["COORDINATES"].units) if coordinates else ""
     try:
         first = float(coordinates[0]) if coordinates else float("nan")
         step = float(spacing) if spacing is not None else float("nan")

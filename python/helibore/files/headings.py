@@ -42,12 +42,6 @@ def is_number(cell: str) -> bool:
     return NUMBER.fullmatch(cell.strip()) is not None
 
 
-def not_a_number(cell: str) -> str:
-    """Return the rule that a cell breaks; decimal commas are the usual reason, and never guessed at."""
-    comma = ": a decimal comma? Decimals must have a point" if re.fullmatch(r"-?\d+,\d+", cell) else ""
-    return f"{cell[:40]!r} is not a number{comma}"
-
-
 def to_float(cell: str) -> float:
     """Return a cell as a number. Unlike ``float`` it takes neither ``1_000`` nor digits of other scripts."""
     if "_" in cell or not cell.isascii():

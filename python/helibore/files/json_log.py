@@ -1,6 +1,6 @@
 """JSON Well Log Format: [{header, curves: [{name, unit, valueType, dimensions}], data: [[...], ...]}, ...].
 
-One LogSet for each log. A curve with ``dimensions`` K > 1 holds arrays of K values and becomes an (n, K) channel.
+One RawSet for each log. A curve with ``dimensions`` K > 1 holds arrays of K values and becomes an (n, K) channel.
 
 Also read, because the ISCWSA standard wells travel in it: {"wells": {name: {"MD": [...], "IncDeg": [...], "header":
 {"depth_unit": ...}}}}, columns by name, one set for each well. JSON is read whole, so its size is bounded.
@@ -9,15 +9,16 @@ Also read, because the ISCWSA standard wells travel in it: {"wells": {name: {"MD
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Sequence
+from functools import partial
 from itertools import chain
 from typing import Any
 
 import numpy as np
 
-from helibore.files.channel import Array, Channel, LogFile, LogSet, unique
 from helibore.files.headings import describe
-from helibore.files.source import Source, complaint, decode, read_exactly
+from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
+from helibore.files.source import Source, decode, file_error, read_exactly
 
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""
@@ -30,18 +31,18 @@ SURVEY_LENGTHS = frozenset({"MD", "TVD"})
 SURFACE_LENGTHS = frozenset({"N", "E"})
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
+def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
     """Open a JSON well log or a file of standard wells."""
     tree = _parse(source)
     if isinstance(tree, dict) and isinstance(tree.get("wells"), dict):
-        sets = [_well(source, str(name), well, nulls) for name, well in tree["wells"].items()]
-        return LogFile(source.path, "JSON wells", sets)
+        wells = tree["wells"].items()
+        return RawFile("JSON wells", readable_sets(partial(_well, source, str(n), well, nulls) for n, well in wells))
     logs = tree if isinstance(tree, list) else [tree]
     if not logs or not all(isinstance(log, dict) and "curves" in log and "data" in log for log in logs):
-        raise complaint(source.path, 'not JSON Well Log Format: each log must hold "header", "curves" and "data"')
+        raise file_error(source.path, 'not JSON Well Log Format: each log must hold "header", "curves" and "data"')
     names = unique([str((log.get("header") or {}).get("name") or "log") for log in logs])
-    sets = [_log(source, name, log, nulls) for name, log in zip(names, logs, strict=True)]
-    return LogFile(source.path, "JSON Well Log Format", sets)
+    readers = [partial(_log, source, name, log, nulls) for name, log in zip(names, logs, strict=True)]
+    return RawFile("JSON Well Log Format", readable_sets(readers))
 
 
 def _parse(source: Source) -> Any:
@@ -50,98 +51,99 @@ def _parse(source: Source) -> Any:
         with source.stream() as stream:
             content = read_exactly(stream, SIZE_LIMIT + 1)
     if len(content) > SIZE_LIMIT or not content:
-        raise complaint(source.path, f"JSON of more than {SIZE_LIMIT >> 20} MiB: it is read whole; split it")
+        raise file_error(source.path, f"JSON of more than {SIZE_LIMIT >> 20} MiB: it is read whole; split it")
     text, _ = decode(source.path, content)
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
         ended = not text[error.pos :].strip()
         cut = "truncated: " if ended else ""
-        raise complaint(source.path, f"{cut}{error.msg} (character {error.colno})", error.lineno) from error
+        raise file_error(source.path, f"{cut}{error.msg} (character {error.colno})", error.lineno) from error
     except (RecursionError, ValueError) as error:  # nested too deep, or an integer of thousands of digits
-        raise complaint(source.path, f"not sensible JSON ({type(error).__name__})") from error
+        raise file_error(source.path, f"not sensible JSON ({type(error).__name__})") from error
 
 
-def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...]) -> LogSet:
+def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...]) -> RawSet:
     """One log: rows of cells turned into columns."""
     curves, rows = log["curves"], log["data"]
     if not isinstance(curves, list) or not curves or not all(isinstance(c, dict) and c.get("name") for c in curves):
-        raise complaint(source.path, f'{name}: "curves" must be a list of objects with a name')
+        raise file_error(source.path, f'{name}: "curves" must be a list of objects with a name')
     if not isinstance(rows, list) or not rows:
-        raise complaint(source.path, f'{name}: "data" has no rows')
-    for number, row in enumerate(rows):
-        if not isinstance(row, list) or len(row) != len(curves):
-            width = len(row) if isinstance(row, list) else "no list of"
-            raise complaint(source.path, f"{name}, row {number}: {width} values where {len(curves)} curves are defined")
-    names = unique([str(curve["name"]) for curve in curves])
-    channels = []
-    for curve, label, cells in zip(curves, names, zip(*rows, strict=True), strict=True):
-        values = _column(source, label, curve, list(cells))
-        text = values.dtype.kind in "OU"
-        described = str(curve.get("description") or "")
-        channel = Channel(
-            label, str(curve.get("unit") or ""), described, values.shape, _keep(values), nulls, None, text
+        raise file_error(source.path, f'{name}: "data" has no rows')
+    width = len(curves)
+    if set(map(type, rows)) != {list} or set(map(len, rows)) != {width}:
+        number, row = next((n, row) for n, row in enumerate(rows) if not isinstance(row, list) or len(row) != width)
+        size = len(row) if isinstance(row, list) else "no list of"
+        raise file_error(source.path, f"{name}, row {number}: {size} values where {width} curves are defined")
+    labels = unique([str(curve["name"]) for curve in curves])
+    channels = [
+        Channel(
+            label, str(curve.get("unit") or ""), str(curve.get("description") or ""),
+            _column(source, label, curve, cells), nulls,
         )
-        channels.append(channel)
+        for curve, label, cells in zip(curves, labels, zip(*rows, strict=True), strict=True)
+    ]  # fmt: skip
     header = log.get("header")
     header = {str(key): str(value) for key, value in header.items()} if isinstance(header, dict) else {}
-    return LogSet(source.path, name, channels, len(rows), names[0], header)
+    return RawSet(source.path, name, channels, len(rows), labels[0], header)
 
 
-def _column(source: Source, name: str, curve: dict[str, Any], cells: list[Any]) -> Array:
+NUMBERS = {int, float, type(None)}
+
+
+def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[Any]) -> Array:
     """One curve as an array; null is NaN. A cell that does not fit its curve is an error with its row."""
     size = curve.get("dimensions") or 1
     if not isinstance(size, int) or size < 1:
-        raise complaint(source.path, f"dimensions = {size!r}: must be a whole number of at least 1", column=name)
+        raise file_error(
+            source.path, "must be a whole number of at least 1", column=f"{name}: dimensions", value=repr(size)
+        )
     if size > 1:
         return _array_column(source, name, size, cells)
-    if all(type(cell) in (int, float, type(None)) for cell in cells):
+    types = set(map(type, cells))
+    if types <= NUMBERS:
         return _floats(source, name, cells)
-    if any(isinstance(cell, list | dict) for cell in cells):
+    if types & {list, dict}:
         row = next(row for row, cell in enumerate(cells) if isinstance(cell, list | dict))
-        raise complaint(source.path, f"row {row}: a list in a curve of one dimension", column=name)
+        raise file_error(source.path, "a list in a curve of one dimension", f"row {row}", name)
     if str(curve.get("valueType")).lower() in ("float", "integer"):
-        row = next(row for row, cell in enumerate(cells) if type(cell) not in (int, float, type(None)))
-        raise complaint(source.path, f"row {row}: {str(cells[row])[:40]!r} is not a number", column=name)
+        row = next(row for row, cell in enumerate(cells) if type(cell) not in NUMBERS)
+        raise file_error(source.path, "is not a number", f"row {row}", name, repr(str(cells[row])[:40]))
     return np.array(["" if cell is None else str(cell) for cell in cells], dtype=np.str_)
 
 
-def _array_column(source: Source, name: str, size: int, cells: list[Any]) -> Array:
+def _array_column(source: Source, name: str, size: int, cells: Sequence[Any]) -> Array:
     stated = sum(len(cell) for cell in cells if isinstance(cell, list))
     if size * len(cells) > EMPTY_FREE + EMPTY_RATIO * stated:
-        rule = (
-            f"dimensions = {size}: {len(cells)} rows hold {stated} values: more than {EMPTY_RATIO} empty ones to each"
-        )
-        raise complaint(source.path, rule, column=name)
+        rule = f"{len(cells)} rows hold {stated} values: more than {EMPTY_RATIO} empty ones to each"
+        raise file_error(source.path, rule, column=f"{name}: dimensions", value=str(size))
     empty = [None] * size
-    for row, cell in enumerate(cells):
-        if cell is not None and (not isinstance(cell, list) or len(cell) != size):
-            raise complaint(source.path, f"row {row}: must hold {size} values", column=name)
-        if cell is not None and not all(type(one) in (int, float, type(None)) for one in cell):
-            raise complaint(source.path, f"row {row}: holds something that is not a number", column=name)
-    flat = list(chain.from_iterable(empty if cell is None else cell for cell in cells))
+    rows = [empty if cell is None else cell for cell in cells]
+    for row, cell in enumerate(rows):
+        if not isinstance(cell, list) or len(cell) != size:
+            raise file_error(source.path, f"must hold {size} values", f"row {row}", name)
+    flat = list(chain.from_iterable(rows))
+    if not set(map(type, flat)) <= NUMBERS:
+        row = next(at for at, each in enumerate(flat) if type(each) not in NUMBERS) // size
+        raise file_error(source.path, "holds something that is not a number", f"row {row}", name)
     return _floats(source, name, flat).reshape(len(cells), size)
 
 
-def _floats(source: Source, name: str, cells: list[Any]) -> Array:
+def _floats(source: Source, name: str, cells: Sequence[Any]) -> Array:
     try:
         return np.array(cells, dtype=np.float64)
     except OverflowError as error:
-        raise complaint(source.path, "holds a whole number too large for a float", column=name) from error
+        raise file_error(source.path, "holds a whole number too large for a float", column=name) from error
 
 
-def _keep(values: Array) -> Callable[[], Array]:
-    return lambda: values
-
-
-def _well(source: Source, name: str, well: Any, nulls: tuple[float, ...]) -> LogSet:
+def _well(source: Source, name: str, well: Any, nulls: tuple[float, ...]) -> RawSet:
     """One standard well: equally long lists of numbers by name, and a header with the units."""
     if not isinstance(well, dict) or not isinstance(well.get("header", {}), dict):
-        raise complaint(source.path, f"well {name!r}: must be an object of columns")
+        raise file_error(source.path, f"well {name!r}: must be an object of columns")
     header = {str(key): str(value) for key, value in well.get("header", {}).items()}
     lists = {str(key): value for key, value in well.items() if isinstance(value, list)}
     if not lists:
-        raise complaint(source.path, f"well {name!r}: holds no columns")
+        raise file_error(source.path, f"well {name!r}: holds no columns")
     rows = len(next(iter(lists.values())))
     channels = []
     remarks = []
@@ -150,11 +152,8 @@ def _well(source: Source, name: str, well: Any, nulls: tuple[float, ...]) -> Log
             first = next(iter(lists))
             remarks.append(f"{label}: {len(cells)} values where {first} has {rows}; the channel is left out")
             continue
-        values = _column(source, label, {}, cells)
-        text = values.dtype.kind == "U"
-        channels.append(Channel(label, _well_unit(label, header), "", values.shape, _keep(values), nulls, None, text))
-    index = next(iter(lists))
-    return LogSet(source.path, name, channels, rows, index, header, remarks)
+        channels.append(Channel(label, _well_unit(label, header), "", _column(source, label, {}, cells), nulls))
+    return RawSet(source.path, name, channels, rows, next(iter(lists)), header, remarks)
 
 
 def _well_unit(name: str, header: dict[str, str]) -> str:

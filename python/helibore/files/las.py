@@ -1,26 +1,28 @@
 """LAS 2.0 and LAS 3.0 files.
 
-    ~Version  VERS, WRAP, DLM                   one LogSet for each data section:
+    ~Version  VERS, WRAP, DLM                   one RawSet for each data section:
     ~Well     STRT, STOP, STEP, NULL, WELL ...    ~A (LAS 2),  ~Log_Data[1] | Log_Definition[1] (LAS 3)
     ~Curve    NAME.UNIT  value : description {AF8.3;10deg}
 
-The header of LAS 2 is read by lasio, which knows its many dialects. LAS 3 is read here: lasio 0.32 makes no arrays, no
-sets, and takes comma-delimited rows for one column without a word. The rows of both are read by ``las_rows``.
+lasio reads the header of LAS 2, because it knows many dialects. LAS 3 is read here: lasio 0.32 has neither arrays nor
+sets, and takes comma-delimited rows for one column. ``number_rows`` reads the rows of both.
 """
 
 from __future__ import annotations
 
 import io
 import re
-from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import partial
 from typing import Any
 
 import numpy as np
 
-from helibore.files.channel import Array, Channel, LogFile, LogSet, SectorAxis, unique
-from helibore.files.las_rows import Rows, read_rows
-from helibore.files.source import Source, complaint, missing_library
+from helibore.base import units
+from helibore.base.errors import MissingExtraError
+from helibore.files.number_rows import Rows, read_rows
+from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
+from helibore.files.source import Source, file_error
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
@@ -53,18 +55,18 @@ class Curve:
     axis: SectorAxis | None = None
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
+def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
     """Open a LAS file of version 2 or 3."""
     text, remark = source.text()
     sections = find_sections(source, text)
     version = _items(_section(source, sections, "V"))
-    number = version.get("VERS", "").strip()
+    number, place = version.get("VERS", "").strip(), f"line {sections[0].line}: VERS"
     try:
         major = int(float(number))
     except (ValueError, OverflowError):
-        raise complaint(source.path, f"VERS = {number!r}: must be 2.0 or 3.0", sections[0].line) from None
+        raise file_error(source.path, "must be 2.0 or 3.0", place, value=repr(number)) from None
     if major not in (1, 2, 3):
-        raise complaint(source.path, f"VERS = {number}: LAS 2.0 and 3.0 are read", sections[0].line)
+        raise file_error(source.path, "must be 2.0 or 3.0", place, value=repr(number))
     well = _items(_section(source, sections, "W")) if major == 3 else {}
     remarks = [remark] if remark else []
     if major == 3:
@@ -73,7 +75,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
         if major == 1:
             remarks.append("LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section")
         sets = [_las2(source, sections, version, nulls, remarks)]
-    return LogFile(source.path, f"LAS {number}", sets)
+    return RawFile(f"LAS {number}", sets)
 
 
 def find_sections(source: Source, text: str) -> list[Section]:
@@ -85,7 +87,7 @@ def find_sections(source: Source, text: str) -> list[Section]:
         elif sections:
             sections[-1].lines.append(line)
     if len(sections) < 2:
-        raise complaint(source.path, "truncated: no section after ~Version", sections[0].line if sections else 1)
+        raise file_error(source.path, "truncated: no section after ~Version", sections[0].line if sections else 1)
     return sections
 
 
@@ -94,7 +96,7 @@ def _section(source: Source, sections: list[Section], letter: str) -> Section:
         if section.kind.startswith(letter):
             return section
     name = {"V": "Version", "W": "Well", "C": "Curve", "A": "A(scii)"}[letter]
-    raise complaint(source.path, f"truncated or damaged: no ~{name} section")
+    raise file_error(source.path, f"truncated or damaged: no ~{name} section")
 
 
 def _items(section: Section) -> dict[str, str]:
@@ -109,7 +111,7 @@ def _items(section: Section) -> dict[str, str]:
 
 def _las2(
     source: Source, sections: list[Section], version: dict[str, str], nulls: tuple[float, ...], remarks: list[str]
-) -> LogSet:
+) -> RawSet:
     """The one set of a LAS 2 file: header by lasio, rows by ours."""
     data = _section(source, sections, "A")
     if data is not sections[-1]:
@@ -119,14 +121,15 @@ def _las2(
     names = unique([item.original_mnemonic.strip() or "UNKNOWN" for item in header.curves])
     curves = [Curve(name, item.unit or "", item.descr or "") for name, item in zip(names, header.curves, strict=True)]
     if not curves:
-        raise complaint(source.path, "the ~Curve section defines no curve", _section(source, sections, "C").line)
+        raise file_error(source.path, "the ~Curve section defines no curve", _section(source, sections, "C").line)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
-    rows = read_rows(source.path, data.lines, data.line + 1, [curve.name for curve in curves], None, wrapped)
+    labels = [curve.name for curve in curves]
+    rows = read_rows(source.path, data.lines, data.line + 1, labels, None, comments=True, wrapped=wrapped)
     well = {item.mnemonic: str(item.value) for item in header.well}
-    units = {item.mnemonic: item.unit for item in header.well}
+    units_of = {item.mnemonic: item.unit for item in header.well}
     declared = _null(well.get("NULL"))
     one = _set(source, "log", curves, rows, nulls + declared, well, remarks)
-    _check_range(one, well, units)
+    _check_range(one, well, units_of)
     return one
 
 
@@ -134,7 +137,7 @@ def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any
     try:
         import lasio
     except ImportError as error:
-        raise missing_library("lasio", "las") from error
+        raise MissingExtraError("lasio", "las") from error
     lines = []
     for section in sections:
         if section is not data:
@@ -142,7 +145,7 @@ def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any
     try:
         return lasio.read(io.StringIO("\n".join([*lines, "~ASCII", ""])), ignore_data=True)
     except Exception as error:  # lasio has no error class of its own: KeyError, LASHeaderError, IndexError ...
-        raise complaint(source.path, f"the header is damaged ({type(error).__name__}: {error})") from error
+        raise file_error(source.path, f"the header is damaged ({type(error).__name__}: {error})") from error
 
 
 def _null(text: str | None) -> tuple[float, ...]:
@@ -159,23 +162,28 @@ def _las3(
     well: dict[str, str],
     nulls: tuple[float, ...],
     remarks: list[str],
-) -> list[LogSet]:
+) -> list[RawSet]:
     """One set for each data section of a LAS 3 file that holds rows."""
     delimiter = {"": None, "SPACE": None, "COMMA": ",", "TAB": "\t"}.get(version.get("DLM", "").upper(), "?")
     if delimiter == "?":
-        raise complaint(source.path, f"DLM = {version['DLM']}: must be SPACE, COMMA or TAB", sections[0].line)
-    sets = []
-    for section in sections:
-        if not (section.kind.startswith(("A", "LOG_DATA")) or re.search(r"_DATA(\[\d+\])?$", section.kind)):
-            continue
-        definition = _definition(source, sections, section)
-        curves = _curves(source, definition)
-        rows = read_rows(source.path, section.lines, section.line + 1, [c.name for c in curves], delimiter, False)
-        declared = _null(well.get("NULL"))
-        sets.append(_set(source, section.kind.title(), curves, rows, nulls + declared, dict(well), list(remarks)))
-    if not sets:
-        raise complaint(source.path, "truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
-    return sets
+        place = f"line {sections[0].line}: DLM"
+        raise file_error(source.path, "must be SPACE, COMMA or TAB", place, value=repr(version["DLM"]))
+    tables = [
+        section
+        for section in sections
+        if section.kind.startswith(("A", "LOG_DATA")) or re.search(r"_DATA(\[\d+\])?$", section.kind)
+    ]
+    if not tables:
+        raise file_error(source.path, "truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
+
+    def read_table(section: Section) -> RawSet:
+        notes = list(remarks)
+        curves = _curves(source, _definition(source, sections, section), notes)
+        names = [curve.name for curve in curves]
+        rows = read_rows(source.path, section.lines, section.line + 1, names, delimiter, comments=True)
+        return _set(source, section.kind.title(), curves, rows, nulls + _null(well.get("NULL")), dict(well), notes)
+
+    return readable_sets(partial(read_table, section) for section in tables)
 
 
 def _definition(source: Source, sections: list[Section], data: Section) -> Section:
@@ -187,25 +195,28 @@ def _definition(source: Source, sections: list[Section], data: Section) -> Secti
         for section in sections:
             if section.kind == title or (title == "CURVE" and section.kind.startswith("C") and "_" not in section.kind):
                 return section
-    raise complaint(source.path, f"~{data.kind}: no section ~{wanted[0].title()} defines its columns", data.line)
+    raise file_error(source.path, f"~{data.kind}: no section ~{wanted[0].title()} defines its columns", data.line)
 
 
-def _curves(source: Source, section: Section) -> list[Curve]:
+def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]:
     """The columns a definition section defines, array members named ``NAME[1]`` with their angle."""
-    curves = []
+    curves: list[Curve] = []
     for number, line in enumerate(section.lines, section.line + 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
         match = ITEM.match(line)
-        if not match or not match["name"]:
-            raise complaint(source.path, f"{line.strip()[:40]!r}: must read NAME.UNIT : DESCRIPTION", number)
+        if not match:
+            raise file_error(source.path, f"{line.strip()[:40]!r}: must read NAME.UNIT : DESCRIPTION", number)
         rest = match["rest"]
         form = FORMAT.search(rest)
         axis = _axis(form["format"]) if form else None
-        described = FORMAT.sub("", rest).partition("|")[0]
-        curves.append(Curve(match["name"], match["unit"], described.partition(":")[2], axis))
+        described = FORMAT.sub("", rest).partition("|")[0].partition(":")[2]
+        name = match["name"] or f"column {len(curves) + 1}"
+        if not match["name"]:
+            remarks.append(f"line {number}: the column has no name: it is called {name}")
+        curves.append(Curve(name, match["unit"], described, axis))
     if not curves:
-        raise complaint(source.path, f"~{section.kind} defines no column", section.line)
+        raise file_error(source.path, f"~{section.kind} defines no column", section.line)
     for curve, name in zip(curves, unique([curve.name for curve in curves]), strict=True):
         curve.name = name
     return curves
@@ -228,30 +239,28 @@ def _set(
     nulls: tuple[float, ...],
     header: dict[str, str],
     remarks: list[str],
-) -> LogSet:
-    channels = []
-    for curve, column in zip(curves, rows.columns, strict=True):
-        text = column.dtype.kind == "U"
-        channels.append(
-            Channel(curve.name, curve.unit, curve.description, column.shape, _keep(column), nulls, curve.axis, text)
-        )
-    return LogSet(source.path, name, channels, rows.count, curves[0].name, header, remarks + rows.remarks, rows.line_of)
+) -> RawSet:
+    channels = [
+        Channel(curve.name, curve.unit, curve.description, column, nulls, curve.axis)
+        for curve, column in zip(curves, rows.columns, strict=True)
+    ]
+    return RawSet(source.path, name, channels, rows.count, curves[0].name, header, remarks + rows.remarks, rows.line_of)
 
 
-def _keep(column: Array) -> Callable[[], Array]:
-    return lambda: column
-
-
-def _check_range(one: LogSet, well: dict[str, str], units: dict[str, str]) -> None:
+def _check_range(one: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
     """Compare STRT, STOP and the index unit of the header with the rows; differences become remarks."""
     index = one[str(one.index)]
-    if index.is_text or not one.rows:
+    if index.is_text:
         return
+    unit = units_of.get("STRT") or ""
+    try:  # 10237.2 in 0.1 in is 85.31 ft
+        scale = units.factor(unit, units.LENGTH) / units.factor(index.unit, units.LENGTH)
+    except ValueError:
+        scale = 1.0
     for name, row in (("STRT", 0), ("STOP", -1)):
         declared = _null(well.get(name))
         found = float(index.values[row])
-        if declared and not np.isclose(declared[0], found, rtol=0, atol=1e-3 * max(1.0, abs(found) * 1e-3)):
+        if declared and not np.isclose(scale * declared[0], found, rtol=0, atol=1e-3 * max(1.0, abs(found) * 1e-3)):
             one.remarks.append(f"{name} = {declared[0]:g} in the header, {found:g} in the rows: truncated or edited?")
-    unit = units.get("STRT") or ""
-    if unit and index.unit and unit.lower() != index.unit.lower():
+    if unit and index.unit and unit.lower() != index.unit.lower() and scale == 1.0:
         one.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")

@@ -17,6 +17,8 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
+from helibore.base.errors import InputError
+
 LINE_LIMIT = 1 << 20
 """Longest line (bytes) any text format may have; also the step in which text is read."""
 
@@ -47,24 +49,21 @@ FOREIGN = {
     b"\x28\xb5\x2f\xfd": "zstandard: unpack it first",
     b"7z\xbc\xaf": "a 7-zip archive: unpack it first",
     b"\x89HDF": "HDF5: not one of the formats read",
-    b"\xd0\xcf\x11\xe0": "an Excel or Word file: export the sheet as CSV",
+    b"\xd0\xcf\x11\xe0": "an old Excel or a Word file: save the sheet as XLSX or CSV",
     b"%PDF": "a PDF: not one of the formats read",
 }
 
 
-def complaint(path: Path, rule: str, line: int | str | None = None, column: str | None = None) -> ValueError:
-    """The one shape of every reader's error: file, then line (or "row 7") and column where known, then the rule."""
+def file_error(
+    path: Path, rule: str, line: int | str | None = None, column: str | None = None, value: str | None = None
+) -> InputError:
+    """Return the error of a file: its name, then the line (or "row 7") and the column where known."""
     place = path.name
     if line is not None:
         place += f", line {line}" if isinstance(line, int) else f", {line}"
     if column is not None:
         place += f", column {column}"
-    return ValueError(f"{place}: {rule}")
-
-
-def missing_library(library: str, extra: str) -> ImportError:
-    """Return the error that names the extra which brings ``library``."""
-    return ImportError(f'needs {library}: pip install "helibore[{extra}]"')
+    return InputError(place, rule, value)
 
 
 class Gunzip(io.RawIOBase):
@@ -83,13 +82,13 @@ class Gunzip(io.RawIOBase):
         try:
             piece = self._plain.read(len(buffer))
         except EOFError as error:
-            raise complaint(self._path, "truncated: the gzip stream ends early") from error
+            raise file_error(self._path, "truncated: the gzip stream ends early") from error
         except (OSError, zlib.error) as error:
-            raise complaint(self._path, f"damaged gzip stream ({error})") from error
+            raise file_error(self._path, f"damaged gzip stream ({error})") from error
         self._unpacked += len(piece)
         if self._unpacked > GZIP_FREE and self._unpacked > GZIP_RATIO * self._packed.tell():
             rule = f"unpacks to more than {GZIP_RATIO} times its size: refused as a gzip bomb"
-            raise complaint(self._path, rule)
+            raise file_error(self._path, rule)
         buffer[: len(piece)] = piece
         return len(piece)
 
@@ -142,8 +141,8 @@ class Source:
             if rest:
                 yield rest
 
-    def line_too_long(self, line: int | None) -> ValueError:
-        return complaint(self.path, f"a line is longer than {LINE_LIMIT:,} bytes", line)
+    def line_too_long(self, line: int | None) -> InputError:
+        return file_error(self.path, f"a line is longer than {LINE_LIMIT:,} bytes", line)
 
     def text(self) -> tuple[str, str]:
         """Return the whole text and a remark on its encoding ('' for UTF-8); bounded only in its lines.
@@ -158,7 +157,7 @@ class Source:
                     raise self.line_too_long(sum(earlier.count(b"\n") for earlier in pieces) + 1)
                 pieces.append(piece)
                 if len(pieces) * LINE_LIMIT > TEXT_LIMIT:
-                    raise complaint(self.path, f"more than {TEXT_LIMIT >> 20} MiB of text: it is read whole; split it")
+                    raise file_error(self.path, f"more than {TEXT_LIMIT >> 20} MiB of text: it is read whole; split it")
         return decode(self.path, b"".join(pieces))
 
 
@@ -167,7 +166,7 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
     content = content.removeprefix(UTF8_BOM)
     at = content.find(b"\0")
     if at >= 0:
-        raise complaint(path, "a zero byte: not text, or damaged", content.count(b"\n", 0, at) + 1)
+        raise file_error(path, "a zero byte: not text, or damaged", content.count(b"\n", 0, at) + 1)
     try:
         text, remark = content.decode("utf-8"), ""
     except UnicodeDecodeError as error:
@@ -175,12 +174,12 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
         odd = _utf8_line(content)
         if odd is not None:
             rule = f"encodings are mixed: line {odd} is UTF-8, byte 0x{content[error.start]:02x} here is not"
-            raise complaint(path, rule, line) from error
+            raise file_error(path, rule, line) from error
         try:
             text = content.decode("cp1252")
         except UnicodeDecodeError as other:
             rule = f"byte 0x{content[other.start]:02x} is neither UTF-8 nor Windows-1252"
-            raise complaint(path, rule, content.count(b"\n", 0, other.start) + 1) from error
+            raise file_error(path, rule, content.count(b"\n", 0, other.start) + 1) from error
         remark = f"not UTF-8 (line {line}): read as Windows-1252"
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
@@ -209,24 +208,33 @@ def read_exactly(stream: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def tell_format(source: Source) -> str:
-    """Return the name of the format: csv, parquet, las, dlis, json, witsml or npz, told by content alone."""
+def refuse_zip_bomb(source: Source) -> None:
+    """Refuse a zip archive that unpacks to far more than its size."""
+    with zipfile.ZipFile(source.path) as archive:
+        unpacked = sum(entry.file_size for entry in archive.infolist())
+        packed = max(1, sum(entry.compress_size for entry in archive.infolist()))
+    if unpacked > GZIP_FREE and unpacked > GZIP_RATIO * packed:
+        raise file_error(source.path, f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
+
+
+def find_format(source: Source) -> str:
+    """Return the format of a file by its content: csv, xlsx, parquet, las, dlis, lis, json, witsml or npz."""
     head, path = source.head, source.path
     if not head:
-        raise complaint(path, "empty: 0 bytes")
+        raise file_error(path, "empty: 0 bytes")
     for magic, advice in FOREIGN.items():
         if head.startswith(magic):
-            raise complaint(path, advice)
-    binary = _tell_binary(source)
+            raise file_error(path, advice)
+    binary = _binary_format(source)
     if binary:
         if source.compressed:
-            raise complaint(path, f"a gzipped {binary} file: unpack it first")
+            raise file_error(path, f"a gzipped {binary} file: unpack it first")
         return binary
     if b"\0" in head:
-        raise complaint(path, "binary, and none of the formats read (DLIS, Parquet, NPZ)")
+        raise file_error(path, "binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)")
     text = head.removeprefix(UTF8_BOM).lstrip()
     if not text:
-        raise complaint(path, "empty: nothing but blanks")
+        raise file_error(path, "empty: nothing but blanks")
     if text.startswith(b"<"):
         return "witsml"
     if text.startswith((b"{", b"[")):
@@ -237,32 +245,35 @@ def tell_format(source: Source) -> str:
     return "csv"
 
 
-def _tell_binary(source: Source) -> str:
+def _binary_format(source: Source) -> str:
     head = source.head
     if head.startswith(b"PAR1"):
         return "parquet"
     # The storage unit label of RP66 V1 (80 bytes): sequence number, "V1.00", "RECORD"; tape marks may precede it.
     if b"V1.00RECORD" in head[:200]:
         return "dlis"
-    if head.startswith(b"PK\x03\x04"):
-        if not source.compressed and _holds_arrays(source.path):
-            return "npz"
-        if not source.compressed and _is_wall(source.path):
-            rule = "a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load"
-            raise complaint(source.path, rule)
-        raise complaint(source.path, "a zip archive (or Excel sheet): unpack it, or export the sheet as CSV")
-    return ""
-
-
-def _is_wall(path: Path) -> bool:
-    with zipfile.ZipFile(path) as archive:
-        return "helibore.json" in archive.namelist()
-
-
-def _holds_arrays(path: Path) -> bool:
+    if _is_lis(head) or (head.startswith(bytes(4)) and _is_lis(head[12:])):  # 12 bytes: a tape mark
+        return "lis"
+    if not head.startswith(b"PK\x03\x04"):
+        return ""
     try:
-        with zipfile.ZipFile(path) as archive:
+        with zipfile.ZipFile(source.path) as archive:
             names = archive.namelist()
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
-        raise complaint(path, f"truncated or damaged zip archive ({error})") from error
-    return bool(names) and all(name.endswith(".npy") for name in names)
+        if source.compressed:
+            return "zip"
+        raise file_error(source.path, f"truncated or damaged zip archive ({error})") from error
+    if names and all(name.endswith(".npy") for name in names):
+        return "npz"
+    if "xl/workbook.xml" in names:
+        return "xlsx"
+    if "helibore.json" in names:
+        rule = "a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load"
+        raise file_error(source.path, rule)
+    raise file_error(source.path, "a zip archive: unpack it first")
+
+
+def _is_lis(head: bytes) -> bool:
+    """Whether bytes start with a length and the header of a LIS reel (type 132), tape (130) or file (128)."""
+    size, kind = int.from_bytes(head[:2], "big"), head[4:6]
+    return 62 <= size <= 200 and kind in (b"\x84\0", b"\x82\0", b"\x80\0")

@@ -1,8 +1,8 @@
 """WITSML 1.4.1.1 (and 1.3.1.1) logs and trajectories, streamed.
 
-    <logs><log>  <logCurveInfo><mnemonic/><unit/></logCurveInfo> ...     one LogSet a log
+    <logs><log>  <logCurveInfo><mnemonic/><unit/></logCurveInfo> ...     one RawSet a log
                  <logData><mnemonicList/><unitList/><data>1,2,3</data> ...
-    <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one LogSet a trajectory
+    <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one RawSet a trajectory
 
 Units are read from ``uom`` and kept as written (radians stay radians). Any document type or entity declaration is
 refused before the parser sees it; text runs, nesting and element count per station are bounded.
@@ -13,16 +13,14 @@ from __future__ import annotations
 import io
 import re
 import xml.etree.ElementTree as ET
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import dataclass, field
+from functools import partial
 from typing import BinaryIO
 
-import numpy as np
-
-from helibore.files.channel import Array, Channel, LogFile, LogSet, unique
-from helibore.files.headings import to_float
-from helibore.files.las_rows import NULL_WORDS
-from helibore.files.source import LINE_LIMIT, Source, complaint
+from helibore.files.number_rows import column_of
+from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
+from helibore.files.source import LINE_LIMIT, Source, file_error
 
 NESTING = 32
 """Deepest element that is read; WITSML reaches 6."""
@@ -51,7 +49,7 @@ class Checked(io.RawIOBase):
         self._since_tag = 0
         encoding = ENCODING.match(source.head.removeprefix(b"\xef\xbb\xbf"))
         if encoding and encoding[1].lower() not in ENCODINGS:
-            raise complaint(source.path, f"encoding {encoding[1].decode()}: must be UTF-8 or ISO-8859-1", 1)
+            raise file_error(source.path, f"encoding {encoding[1].decode()}: must be UTF-8 or ISO-8859-1", 1)
 
     def readable(self) -> bool:
         return True
@@ -61,12 +59,12 @@ class Checked(io.RawIOBase):
         window = self._tail + piece
         if match := FORBIDDEN.search(window):
             what = match[1].decode().upper()
-            raise complaint(self._source.path, f"<!{what} ...>: document types and entities are refused")
+            raise file_error(self._source.path, f"<!{what} ...>: document types and entities are refused")
         self._tail = window[-64:]
         last = piece.rfind(b"<")
         self._since_tag = self._since_tag + len(piece) if last < 0 else len(piece) - last
         if self._since_tag > LINE_LIMIT:
-            raise complaint(self._source.path, f"more than {LINE_LIMIT:,} bytes without a tag")
+            raise file_error(self._source.path, f"more than {LINE_LIMIT:,} bytes without a tag")
         return piece
 
 
@@ -93,7 +91,7 @@ class Trajectory:
     header: dict[str, str] = field(default_factory=dict)
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
+def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
     """Open a WITSML document of logs or trajectories."""
     found: list[Log | Trajectory] = []
     with source.stream() as stream:
@@ -103,18 +101,19 @@ def read(source: Source, nulls: tuple[float, ...]) -> LogFile:
         except ET.ParseError as error:
             line, character = error.position
             cut = "truncated: " if "no element" in str(error) or "unclosed" in str(error) else ""
-            raise complaint(source.path, f"{cut}{error.msg.split(':')[0]} (character {character})", line) from error
+            raise file_error(source.path, f"{cut}{error.msg.split(':')[0]} (character {character})", line) from error
         except (LookupError, UnicodeError) as error:
-            raise complaint(source.path, f"not in the encoding it declares ({error})") from error
+            raise file_error(source.path, f"not in the encoding it declares ({error})") from error
     names = unique([one.name or type(one).__name__.lower() for one in found])
-    sets = [
-        _log_set(source, name, one, nulls) if isinstance(one, Log) else _trajectory_set(source, name, one, nulls)
+    if not found:
+        raise file_error(source.path, "WITSML without a log or trajectory")
+    sets = readable_sets(
+        partial(_log_set, source, name, one, nulls) if isinstance(one, Log)
+        else partial(_trajectory_set, source, name, one, nulls)
         for name, one in zip(names, found, strict=True)
-    ]
-    if not sets:
-        raise complaint(source.path, "WITSML without a log or trajectory")
+    )  # fmt: skip
     kinds = sorted({type(one).__name__.lower() for one in found})
-    return LogFile(source.path, f"WITSML {' and '.join(kinds)}", sets)
+    return RawFile(f"WITSML {' and '.join(kinds)}", sets)
 
 
 def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
@@ -129,12 +128,12 @@ def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.
             parents.append(element)
             inside = inside + 1 if any(kept in path for kept in KEPT) else 0
             if inside > CHILDREN:
-                raise complaint(source.path, f"more than {CHILDREN:,} elements in one {path[2]}")
+                raise file_error(source.path, f"more than {CHILDREN:,} elements in one {path[2]}")
             if len(path) == 1 and name not in ("logs", "trajectorys", "log", "trajectory"):
                 rule = f"<{name}> is no WITSML 1.x document of logs or trajectories (<logs> or <trajectorys>)"
-                raise complaint(source.path, rule)
+                raise file_error(source.path, rule)
             if len(path) > NESTING:
-                raise complaint(source.path, f"elements nested deeper than {NESTING}")
+                raise file_error(source.path, f"elements nested deeper than {NESTING}")
             if name in ("log", "trajectory"):
                 yield [*path, "start"], element
         else:
@@ -191,9 +190,9 @@ def _station(element: ET.Element) -> dict[str, tuple[str, str]]:
     return row
 
 
-def _trajectory_set(source: Source, name: str, one: Trajectory, nulls: tuple[float, ...]) -> LogSet:
+def _trajectory_set(source: Source, name: str, one: Trajectory, nulls: tuple[float, ...]) -> RawSet:
     if not one.stations:
-        raise complaint(source.path, f"trajectory {name!r}: no stations")
+        raise file_error(source.path, f"trajectory {name!r}: no stations")
     channels = []
     for label in ("dTimStn", "typeTrajStation", *STATION):
         cells = [station.get(label, ("", "")) for station in one.stations]
@@ -202,66 +201,33 @@ def _trajectory_set(source: Source, name: str, one: Trajectory, nulls: tuple[flo
         units = {unit for text, unit in cells if text}
         if len(units) > 1:
             rule = f"units change between stations ({', '.join(sorted(map(repr, units)))})"
-            raise complaint(source.path, rule, column=label)
-        text = label not in STATION
-        values = _text(cells) if text else _numbers(source, name, label, [value for value, _ in cells])
-        channels.append(Channel(label, units.pop(), "", values.shape, _keep(values), nulls, None, text))
-    return LogSet(source.path, name, channels, len(one.stations), "md", one.header)
+            raise file_error(source.path, rule, column=label)
+        channels.append(Channel(label, units.pop(), "", column_of([text for text, _ in cells]), nulls))
+    return RawSet(source.path, name, channels, len(one.stations), "md", one.header)
 
 
-def _text(cells: list[tuple[str, str]]) -> Array:
-    return np.array([value for value, _ in cells], dtype=np.str_)
-
-
-def _numbers(source: Source, name: str, label: str, cells: list[str]) -> Array:
-    """Cells as float64, null words as NaN; a cell that is no number is an error with its row."""
-    numbers = np.full(len(cells), np.nan)
-    for row, cell in enumerate(cells):
-        if cell.lower() in NULL_WORDS:
-            continue
-        try:
-            numbers[row] = to_float(cell)
-        except ValueError:
-            rule = f"{name}, row {row}: {cell[:40]!r} is not a number"
-            raise complaint(source.path, rule, column=label) from None
-    return numbers
-
-
-def _log_set(source: Source, name: str, one: Log, nulls: tuple[float, ...]) -> LogSet:
+def _log_set(source: Source, name: str, one: Log, nulls: tuple[float, ...]) -> RawSet:
     mnemonics = one.mnemonics or list(one.curves)
     if not mnemonics or not one.rows:
-        raise complaint(source.path, f"log {name!r}: no {'rows' if mnemonics else 'curves'}")
+        raise file_error(source.path, f"log {name!r}: no {'rows' if mnemonics else 'curves'}")
     if one.units and len(one.units) != len(mnemonics):
-        raise complaint(source.path, f"log {name!r}: {len(one.units)} units for {len(mnemonics)} mnemonics")
+        raise file_error(source.path, f"log {name!r}: {len(one.units)} units for {len(mnemonics)} mnemonics")
     for number, row in enumerate(one.rows):
         if len(row) != len(mnemonics):
             rule = f"log {name!r}, row {number}: {len(row)} values where {len(mnemonics)} curves are listed"
-            raise complaint(source.path, rule)
+            raise file_error(source.path, rule)
     labels = unique(mnemonics)
-    declared = nulls
     if one.null:
-        declared = (*nulls, float(_numbers(source, name, "nullValue", [one.null])[0]))
+        try:
+            nulls = (*nulls, float(one.null))
+        except ValueError:
+            rule, place = "is not a number", f"log {name!r}: nullValue"
+            raise file_error(source.path, rule, place, value=repr(one.null[:40])) from None
     channels = []
     for position, label in enumerate(labels):
         unit, described = one.curves.get(mnemonics[position], ("", ""))
         unit = one.units[position] if one.units else unit
-        cells = [row[position].strip() for row in one.rows]
-        values = _log_column(source, name, label, cells)
-        text = values.dtype.kind == "U"
-        channels.append(Channel(label, unit, described, values.shape, _keep(values), declared, None, text))
+        column = column_of([row[position].strip() for row in one.rows])
+        channels.append(Channel(label, unit, described, column, nulls))
     index = one.index if one.index in labels else labels[0]
-    return LogSet(source.path, name, channels, len(one.rows), index, one.header)
-
-
-def _log_column(source: Source, name: str, label: str, cells: list[str]) -> Array:
-    """Numbers where the first cell that is not null is one, else text (times, comments)."""
-    first = next((cell for cell in cells if cell.lower() not in NULL_WORDS), "0")
-    try:
-        float(first)
-    except ValueError:
-        return np.array(cells, dtype=np.str_)
-    return _numbers(source, name, label, cells)
-
-
-def _keep(values: Array) -> Callable[[], Array]:
-    return lambda: values
+    return RawSet(source.path, name, channels, len(one.rows), index, one.header)

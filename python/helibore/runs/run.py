@@ -23,10 +23,10 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.settings import Settings
 from helibore.channels.depth_remarks import depth_remarks
+from helibore.channels.log_set import LogFile, LogSet
+from helibore.channels.opening import open as open_file
 from helibore.channels.readings import note, readings
 from helibore.channels.roles import RoleMap
-from helibore.files import open as open_file
-from helibore.files.channel import LogFile, LogSet
 from helibore.mesh.surface import Surface
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings

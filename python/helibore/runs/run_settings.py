@@ -32,7 +32,7 @@ from helibore.preparation.prepare import Preparation
 __all__ = ["Input", "PathSettings", "RunSettings", "checksum", "read_settings", "settings_file", "write_settings"]
 
 NULLS = (-999.25, -9999.0, -9999.25)
-"""Numbers that mean no value, unless a run says otherwise: ``helibore.files.CUSTOMARY_NULLS``."""
+"""Numbers that mean no value, unless a run says otherwise: ``helibore.base.nulls.NULLS``."""
 
 KEYS = ("helibore", "nulls", "color_by", "output", "caliper", "survey", "track", "echo", "preparation", "path", "wall")
 

@@ -10,16 +10,17 @@ import pytest
 
 import helibore as hb
 from helibore.channels.depth_remarks import depth_remarks
+from helibore.channels.log_set import LogSet
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import ROLES, guess
-from helibore.files.channel import Channel, LogSet, SectorAxis
+from helibore.files.raw_set import Channel, SectorAxis
 
 
 def channel(
     name: str, unit: str = "", values: object = (1.0, 2.0, 3.0), described: str = "", **more: object
 ) -> Channel:
     array = np.array(values)
-    return Channel(name, unit, described, array.shape, lambda: array, is_text=array.dtype.kind == "U", **more)  # type: ignore[arg-type]
+    return Channel(name, unit, described, array, **more)  # type: ignore[arg-type]
 
 
 def log_set(*channels: Channel, index: str | None = None) -> LogSet:

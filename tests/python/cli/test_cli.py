@@ -167,7 +167,7 @@ def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
          '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
         ("md_m,rb_deg,r\n1,2,0.1\n", ["--radius", "r:parsec"],
          "c.csv: r: unit = 'parsec': must be a unit of length for a radius"),
-        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv, line 3, column r: 'big' is not a number"),
+        ("md_m,rb_deg,r\n1,2,0.1\n1,2,big\n", ["--radius", "r:m"], "c.csv, line 3, column r = 'big': is not a number"),
         ("md_m,rb_deg,r\n1,2,0.1\nnan,2,1\n", ["--radius", "r:m"],
          "c.csv, line 3, column md_m: NaN or infinite: a depth must be finite, or empty"),
         ("md_m,rb_deg,r\n1,2,0.1\ninf,2,1\n", ["--radius", "r:m"],

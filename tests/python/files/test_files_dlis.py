@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
+from helibore.files.raw_set import SectorAxis
 
 pytest.importorskip("dlisio")
 dliswriter = pytest.importorskip("dliswriter")
@@ -53,7 +54,7 @@ def test_images_come_back_identical(tmp_path: Path, sectors: int) -> None:
         expected[5, 3] = np.nan
         np.testing.assert_array_equal(one["RADI"].values, expected)
         np.testing.assert_array_equal(one["GR"].values, np.arange(60))
-        assert one["RADI"].axis == hb.files.SectorAxis(0.0, 360.0 / sectors, "deg")
+        assert one["RADI"].axis == SectorAxis(0.0, 360.0 / sectors, "deg")
         found = file.samples()
         assert found.radius.size == 60 * sectors - 1
         assert found.dropped == {"RADI": 1}

@@ -18,7 +18,7 @@ import pytest
 
 import helibore as hb
 from helibore import plot
-from helibore.channels.columns import SectorColumns
+from helibore.channels.columns import RawSectorImage
 from helibore.plot.report import report
 
 BIT = 0.216
@@ -60,11 +60,11 @@ def test_an_image_outside_the_wall() -> None:
 
 
 def test_the_wrong_number_of_sectors() -> None:
-    columns = SectorColumns("GRAS", "API", DEPTH, layered(), 0.0, 22.5, (), 0)
+    columns = RawSectorImage("GRAS", "API", DEPTH, layered(), 0.0, 22.5, (), 0)
     assert refused(lambda: columns.sector_image(origin="edge", reference="north")) == (
         "GRAS: 8 sectors, 22.5 deg apart: must be 45 around the hole"
     )
-    uneven = SectorColumns("GRAS", "API", DEPTH, layered(), 0.0, float("nan"), (), 0)
+    uneven = RawSectorImage("GRAS", "API", DEPTH, layered(), 0.0, float("nan"), (), 0)
     assert refused(lambda: uneven.sector_image(origin="edge", reference="north")) == (
         "GRAS: 8 sectors, unevenly spaced: must be 45 around the hole"
     )

@@ -327,7 +327,7 @@ SPOILED = {
     "everywhere": (lambda text: re.sub(r"(?m)^\d+\.\d+", "1000.0", text),
                    "no quads: no two turns of the wall lie side by side between 1000 and 1000 m, at 0.1 m a turn"),
     "furlong": (lambda text: text.replace("md_m", "md [furlong]"), "'furlong' is no known unit of length"),
-    "cut": (lambda text: text[:-12], "line 201: 2 cells where the header has 3"),
+    "cut": (lambda text: text[:-12], "line 201: truncated: 2 values where 3 columns are defined"),
 }  # fmt: skip
 
 

@@ -9,14 +9,12 @@ A series with a gap is left as columns and remarked on. Whether an image is what
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Sequence
 
 import numpy as np
 
-from helibore.files.channel import Array, Channel, SectorAxis
-
-FEWEST = 4
-"""Fewer columns than this are not taken for an image: pairs and triples of sensors are common."""
+from helibore.files.delimited import FEWEST_SECTORS
+from helibore.files.raw_set import Array, Channel, SectorAxis
 
 NAMELESS = "column"
 """Columns without a name are called ``column 1``, ``column 2`` ...: that they are numbered says nothing of them."""
@@ -25,7 +23,7 @@ NAMELESS = "column"
 NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<suffix>\D{0,8})$")
 
 
-def join_sectors(channels: list[Channel], index: str | None) -> tuple[list[Channel], list[str]]:
+def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[Channel], list[str]]:
     """Return the channels with every series of sector columns joined, and remarks on series that have gaps."""
     series: dict[tuple[str, str, str], list[tuple[int, Channel]]] = {}
     for channel in channels:
@@ -39,7 +37,7 @@ def join_sectors(channels: list[Channel], index: str | None) -> tuple[list[Chann
     taken = {channel.name for channel in channels}
     for (stem, suffix, _), found in series.items():
         numbers = [number for number, _ in found]
-        if len(found) < FEWEST or numbers[0] not in (0, 1) or stem == NAMELESS:
+        if len(found) < FEWEST_SECTORS or numbers[0] not in (0, 1) or stem == NAMELESS:
             continue
         if numbers != list(range(numbers[0], numbers[0] + len(numbers))):
             remarks.append(f"{stem}{numbers[0]}{suffix} ...: {_gap(numbers)}; left as single columns")
@@ -67,7 +65,11 @@ def _gap(numbers: list[int]) -> str:
 def _image(name: str, members: list[Channel]) -> Channel:
     first = members[0]
     described = next((member.description for member in members if member.description), "")
-    image = Channel(name, first.unit, described, (first.shape[0], len(members)), _stack(members), axis=_axis(members))
+
+    def stack() -> Array:
+        return np.stack([member.values for member in members], axis=1)
+
+    image = Channel(name, first.unit, described, stack, axis=_axis(members), shape=(first.shape[0], len(members)))
     image.members = tuple(member.name for member in members)
     return image
 
@@ -82,7 +84,3 @@ def _axis(members: list[Channel]) -> SectorAxis | None:
     # Files round their angles (2.8125 deg is written 2.81): half a percent of a sector is still even.
     even = all(abs(angle - angles[0] - sector * step) <= 0.005 * abs(step) for sector, angle in enumerate(angles))
     return SectorAxis(angles[0], step if even else np.nan, units.pop())
-
-
-def _stack(members: list[Channel]) -> Callable[[], Array]:
-    return lambda: np.stack([member.values for member in members], axis=1)

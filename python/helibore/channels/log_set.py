@@ -1,0 +1,158 @@
+"""What ``hb.open`` returns: a LogFile of LogSets, whose channels become readings, a survey or sector images.
+
+LogFile  --set-->  LogSet  --roles-->  Readings, Caliper, Survey, RawSectorImage
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import suppress
+from pathlib import Path
+from types import TracebackType
+
+from helibore.base.errors import InputError
+from helibore.channels import columns
+from helibore.channels.columns import RawSectorImage
+from helibore.channels.readings import WallSamples, readings, samples
+from helibore.channels.roles import RoleMap
+from helibore.channels.sectors import join_sectors
+from helibore.files.raw_set import Channel, RawSet
+from helibore.preparation.conditioning import Echo
+from helibore.preparation.prepare import prepare
+from helibore.preparation.readings import Readings
+from helibore.samples.caliper import Caliper
+from helibore.trajectory.survey import Survey
+
+
+class LogSet(RawSet):
+    """Channels with one index, sector columns joined into images: a LAS data section, a DLIS frame, a table.
+
+    Attributes as those of a `RawSet`; an image stands in the place of its first column.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        name: str,
+        channels: Iterable[Channel],
+        rows: int,
+        index: str | None = None,
+        header: dict[str, str] | None = None,
+        remarks: list[str] | None = None,
+        line_of: Callable[[int], int] | None = None,
+    ) -> None:
+        super().__init__(path, name, channels, rows, index, header, remarks, line_of)
+        joined, gaps = join_sectors(self.channels, index)
+        self.remarks.extend(gaps)
+        self.channels = tuple(joined)
+        self._columns.update({channel.name: channel for channel in joined})
+
+    def readings(
+        self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
+    ) -> Readings:
+        """Return what each sensor measured in each row, for `helibore.prepare`. See `readings.readings`."""
+        return readings(self, roles, bit_diameter, echo)
+
+    def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
+        """Return the wall samples as they stand in the file. See `readings.samples`."""
+        return samples(self, roles, bit_diameter)
+
+    def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
+        """Return the wall samples as a `helibore.Caliper`; a radius that no hole has is an error with its line.
+
+        ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges them first.
+        """
+        return prepare(self.readings(roles, bit_diameter)).caliper
+
+    def survey(self, roles: RoleMap | None = None) -> Survey:
+        """Return the directional survey of the set as a `helibore.Survey`. See `columns.survey`."""
+        return columns.survey(self, roles)
+
+    def image(self, name: str, roles: RoleMap | None = None) -> RawSectorImage:
+        """Return a sector image and its depth. See `columns.image`."""
+        return columns.image(self, name, roles)
+
+
+class LogFile:
+    """An opened file: its format and the sets it holds.
+
+    A file with one set can be used as that set (``file["GR"]``, ``file.caliper()``). With several, choose:
+    ``file.set("name").survey()``; a role map may name the set, too.
+    """
+
+    def __init__(
+        self, path: Path, format_name: str, sets: Sequence[LogSet], close: Callable[[], object] | None = None
+    ) -> None:
+        self.path = path
+        self.format = format_name
+        self.sets = tuple(sets)
+        self._close = close
+
+    def set(self, name: str | None = None) -> LogSet:
+        """Return the set of that name; without a name the only one, or an InputError that lists them."""
+        names = ", ".join(repr(each.name) for each in self.sets)
+        if name is None:
+            if len(self.sets) == 1:
+                return self.sets[0]
+            raise InputError(self.path.name, f"holds {len(self.sets)} sets: name one of {names}")
+        for each in self.sets:
+            if each.name == name:
+                return each
+        raise InputError(self.path.name, f"no set {name!r}; it holds {names}")
+
+    def _set_of(self, roles: RoleMap | None) -> LogSet:
+        return self.set(roles.set_name if roles else None)
+
+    def __getitem__(self, name: str) -> Channel:
+        return self.set()[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.set()
+
+    def __iter__(self) -> Iterator[Channel]:
+        return iter(self.set())
+
+    @property
+    def channels(self) -> tuple[Channel, ...]:
+        """Channels of the only set."""
+        return self.set().channels
+
+    def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
+        """Return `LogSet.caliper` of the only set, or of the one that the map names."""
+        return self._set_of(roles).caliper(roles, bit_diameter)
+
+    def readings(
+        self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
+    ) -> Readings:
+        """Return `LogSet.readings` of the only set, or of the one that the map names."""
+        return self._set_of(roles).readings(roles, bit_diameter, echo)
+
+    def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
+        """Return `LogSet.samples` of the only set, or of the one that the map names."""
+        return self._set_of(roles).samples(roles, bit_diameter)
+
+    def survey(self, roles: RoleMap | None = None) -> Survey:
+        """Return `LogSet.survey` of the only set, or of the one that the map names."""
+        return self._set_of(roles).survey(roles)
+
+    def image(self, name: str, roles: RoleMap | None = None) -> RawSectorImage:
+        """Return `LogSet.image` of the only set, or of the one that the map names."""
+        return self._set_of(roles).image(name, roles)
+
+    def close(self) -> None:
+        """Close the file. Values already loaded stay."""
+        if self._close is not None:
+            with suppress(OSError):
+                self._close()
+            self._close = None
+
+    def __enter__(self) -> LogFile:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def __repr__(self) -> str:
+        return f"<LogFile {self.path.name}: {self.format}, {len(self.sets)} set(s)>"

@@ -1,0 +1,56 @@
+"""``hb.open``: a log file of any format as channels by name."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from os import PathLike
+from pathlib import Path
+
+from helibore.base.nulls import NULLS
+from helibore.channels.log_set import LogFile, LogSet
+from helibore.files.reading import read_file
+
+
+def open(  # noqa: A001
+    path: str | PathLike[str], nulls: Iterable[float] = NULLS, header_line: int | None = None
+) -> LogFile:
+    """Open a log file of any format; its content tells the format, not its name.
+
+    Parameters
+    ----------
+    path
+        CSV, TSV, XLSX, Parquet, LAS 2.0 or 3.0, DLIS, LIS, JSON Well Log Format, WITSML 1.4.1.1 log or trajectory, or
+        NPZ. The text formats may be gzipped.
+    nulls
+        Numbers that mean "no measurement", beside the one the file declares.
+    header_line
+        For CSV, TSV and XLSX: the line of the column names, counted from 1. None: it is found.
+
+    Returns
+    -------
+    LogFile
+        Channels by name, in one or more sets. A text format is read at once, other formats load a channel when it is
+        first used. A damaged or empty set is left out, and the other sets have a remark about it.
+
+    Raises
+    ------
+    InputError
+        If the content is none of the formats, or breaks its rules; names file, line or column, and rule.
+    MissingExtraError
+        If the format needs a library that is not installed; names the extra that brings it.
+    OSError
+        If the file cannot be read.
+
+    Examples
+    --------
+    >>> file = hb.open("well.las")                      # doctest: +SKIP
+    >>> file["GR"].values, file["GR"].unit              # doctest: +SKIP
+    >>> file.image("ABDC").values.shape                 # doctest: +SKIP
+    """
+    path = Path(path)
+    raw = read_file(path, tuple(float(null) for null in nulls), header_line)
+    sets = [
+        LogSet(path, one.name, one.channels, one.rows, one.index, one.header, one.remarks, one.line_of)
+        for one in raw.sets
+    ]
+    return LogFile(path, raw.format, sets, raw.close)

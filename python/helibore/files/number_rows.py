@@ -1,0 +1,213 @@
+"""Rows of delimited text: cut by blanks, commas or another character, one row a line or wrapped over several lines.
+
+    fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
+    careful   everything else                                          cell by cell; an error names its line and column
+
+The careful reader runs only where the fast one fails. Both give the same bits.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections.abc import Callable
+from contextlib import suppress
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from helibore.files.headings import to_float
+from helibore.files.raw_set import EXACT, Array
+from helibore.files.source import file_error
+
+NULL_TEXTS = (
+    "", "-", "--", "null", "NULL", "Null", "(null)", "(NULL)", "n/a", "N/A", "#N/A", "na", "NA", "None", "none",
+)  # fmt: skip
+"""What people write into an empty cell."""
+_NULLS = frozenset(NULL_TEXTS)
+
+WINDOWS_NAN = re.compile(r"-?1\.#\w+")
+"""Not-a-number and infinity as old programs on Windows wrote them: 1.#QNAN, -1.#IND, 1.#INF."""
+
+RUN_TOGETHER = re.compile(r"(?<=\d)-(?=\d)")
+"""Writers of fixed columns leave no blank before a wide negative number: 12.3400-999.2500."""
+
+WHOLE = re.compile(r"-?[0-9]{1,19}")
+
+
+@dataclass
+class Rows:
+    """The columns of a table, the number of its rows, and the line of each row."""
+
+    columns: list[Array]
+    count: int
+    line_of: Callable[[int], int]
+    remarks: list[str] = field(default_factory=list)
+
+
+def read_rows(
+    path: Path,
+    lines: list[str],
+    first_line: int,
+    names: list[str],
+    delimiter: str | None,
+    comments: bool = False,
+    wrapped: bool = False,
+) -> Rows:
+    """Read the rows of a table.
+
+    Parameters
+    ----------
+    path
+        For errors.
+    lines, first_line
+        The lines below the header, and the number of the first of them. Blank lines are no rows.
+    names
+        Names of the columns.
+    delimiter
+        The character between cells; None for any number of blanks.
+    comments
+        Whether lines that start with # are no rows.
+    wrapped
+        Whether a row may run over several lines (LAS 2 with WRAP YES).
+
+    Returns
+    -------
+    Rows
+        Each column is float64, masked where cells are empty; or int64 where whole numbers are too large for float64; or
+        text, where a cell is no number.
+
+    Raises
+    ------
+    InputError
+        With file and line: no rows, or a row of another width.
+    """
+
+    def is_row(line: str) -> bool:
+        bare = line.lstrip()
+        return bool(bare) and not (comments and bare[0] == "#")
+
+    kept = list(filter(is_row, lines))
+    if not kept:
+        raise file_error(path, "truncated: no rows", max(1, first_line - 1))
+
+    def line_of(row: int) -> int:
+        for number, line in enumerate(lines, first_line):
+            if is_row(line):
+                row -= 1
+                if row < 0:
+                    return number
+        return first_line + len(lines)
+
+    remarks: list[str] = []
+    if wrapped:
+        return _wrapped(path, kept, line_of, names)
+    if delimiter is None and all("," in line for line in kept[:3]) and len(kept[0].split()) < len(names):
+        delimiter = ","
+        remarks.append("the rows are cut by commas, not by blanks as the header says")
+    columns = _fast(kept, delimiter, len(names))
+    if columns is None:
+        rows = _cells(path, kept, line_of, len(names), delimiter, remarks)
+        columns = [column_of(list(cells)) for cells in zip(*rows, strict=True)]
+    return Rows(columns, len(kept), line_of, remarks)
+
+
+def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
+    """All columns by one call; None where the rows are not that plain."""
+    text, filled = "\n".join(kept), False
+    if delimiter is not None:
+        ends = (delimiter * 2, "\n" + delimiter, delimiter + "\n")
+        if any(end in text for end in ends) or text.startswith(delimiter) or text.endswith(delimiter):
+            if "nan" in text.lower():  # computed, and not an empty cell
+                return None
+            text = f"\n{text}\n".replace("\n" + delimiter, "\nnan" + delimiter)
+            text = text.replace(delimiter + "\n", delimiter + "nan\n")
+            for _ in range(2):
+                text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
+            kept, filled = text[1:-1].split("\n"), True
+    try:
+        block = np.loadtxt(kept, dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
+    except ValueError:
+        return None
+    if block.shape[1] != width or (np.abs(block) > EXACT).any():
+        return None
+    empty = np.isnan(block) if filled else np.zeros(width, dtype=bool)
+    columns = np.ascontiguousarray(block.T)
+    return [
+        np.ma.MaskedArray(column, gone) if filled and gone.any() else column
+        for column, gone in zip(columns, empty.T, strict=True)
+    ]
+
+
+def _cells(
+    path: Path, kept: list[str], line_of: Callable[[int], int], width: int, delimiter: str | None, remarks: list[str]
+) -> list[list[str]]:
+    """Every row cut into cells, as many as there are columns."""
+    rows: list[list[str]] = []
+    parted = 0
+    for line in kept:
+        if '"' in line and line.count('"') % 2:
+            raise file_error(path, "a quote is opened and not closed", line_of(len(rows)))
+        row = split_cells(line, delimiter)
+        if len(row) != width and delimiter is None:
+            mended = RUN_TOGETHER.sub(" -", line).split()
+            if len(mended) == width:
+                row, parted = mended, parted + 1
+        if len(row) != width:
+            cut = "truncated: " if len(rows) == len(kept) - 1 and len(row) < width else ""
+            others = [mark for mark in (",", "\t", ";", "|") if mark != delimiter and line.count(mark) == width - 1]
+            hint = f" (it has {width} when cut at {others[0]!r}: another delimiter?)" if others and delimiter else ""
+            rule = f"{cut}{len(row)} values where {width} columns are defined{hint}"
+            raise file_error(path, rule, line_of(len(rows)))
+        rows.append(row)
+    if parted:
+        remarks.append(f"{parted} rows held numbers run together (12.5-999.25): cut before the minus sign")
+    return rows
+
+
+def split_cells(line: str, delimiter: str | None) -> list[str]:
+    """Cut one line into cells; a delimiter between quotes cuts nothing."""
+    if '"' in line:
+        text = line.strip() if delimiter is None else line
+        with suppress(csv.Error):  # a cell of more than 128 KiB
+            cells = next(csv.reader([text], delimiter=delimiter or " ", skipinitialspace=True))
+            return [cell for cell in cells if cell or delimiter]
+    return line.split(delimiter)
+
+
+def _wrapped(path: Path, kept: list[str], line_of: Callable[[int], int], names: list[str]) -> Rows:
+    cells = [cell for line in kept for cell in line.split()]
+    width = len(names)
+    count, odd = divmod(len(cells), width)
+    if odd:
+        rule = f"truncated: {len(cells)} wrapped values are not a multiple of {width} columns"
+        raise file_error(path, rule, line_of(len(kept) - 1))
+    starts = [number for number, line in enumerate(kept) for _ in line.split()][::width]
+    columns = [column_of(cells[position::width]) for position in range(width)]
+    return Rows(columns, count, lambda row: line_of(starts[row]), ["wrapped rows"])
+
+
+def column_of(cells: list[str]) -> Array:
+    """Return cells as a column: numbers, masked where empty, if every cell is a number or empty; else text."""
+    every = "".join(cells)
+    try:
+        if not every.isascii() or "_" in every:
+            raise ValueError
+        numbers, empty = np.array(cells, dtype=np.float64), np.zeros(len(cells), dtype=bool)
+    except ValueError:
+        bare = [cell.strip() for cell in cells]
+        empty = np.array([cell in _NULLS for cell in bare])
+        try:
+            numbers = np.array(
+                [0.0 if gone else np.nan if WINDOWS_NAN.fullmatch(cell) else to_float(cell)
+                 for cell, gone in zip(bare, empty, strict=True)], dtype=np.float64,
+            )  # fmt: skip
+        except ValueError:
+            return np.array(["" if gone else cell for cell, gone in zip(cells, empty, strict=True)], dtype=np.str_)
+    if (np.abs(numbers) > EXACT).any():
+        bare = ["0" if gone else cell.strip() for cell, gone in zip(cells, empty, strict=True)]
+        fits = all(WHOLE.fullmatch(cell) for cell in bare) and all(-(2**63) <= int(cell) < 2**63 for cell in bare)
+        if fits and not empty.any():
+            return np.array([int(cell) for cell in bare], dtype=np.int64)
+    return np.ma.MaskedArray(numbers, empty) if empty.any() else numbers

@@ -1,0 +1,302 @@
+"""What the readers of files return: channels with one index (a RawSet), and the sets of one file (a RawFile).
+
+    RawFile  --sets-->  RawSet  --channels-->  Channel: name, unit as written, shape (n,) or (n, K), values
+
+A channel loads its values when they are first used. Declared and customary nulls, empty cells and infinities become NaN
+and are counted. What a channel means is not decided here: see ``helibore.channels``.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
+from helibore.base.nulls import NULLS
+from helibore.files.headings import to_float
+from helibore.files.source import file_error
+
+Array = npt.NDArray[Any]
+
+EXACT = 2**53
+"""Integers beyond this are not exact in float64 (time in nanoseconds) and stay integers."""
+
+
+@dataclass(frozen=True)
+class SectorAxis:
+    """The angles of an image's sectors as the file states them: sector i is at ``first + i * step``.
+
+    Attributes
+    ----------
+    first, step
+        Angle of the first sector and from one to the next, in ``unit``. ``step`` is NaN where the file states no
+        even step.
+    unit
+        As written in the file.
+    """
+
+    first: float
+    step: float
+    unit: str
+
+
+class Channel:
+    """One column of a file, or one image of K sectors.
+
+    Attributes
+    ----------
+    name
+        As in the file; a repeated name carries ``:1``, ``:2`` ...
+    unit
+        As written, ``""`` where the file states none.
+    description
+        As written.
+    shape
+        (n,) or (n, K).
+    members
+        Names of the K columns an image was joined from, ``()`` for a channel that is stored as one.
+    axis
+        The sector angles where the file states them, else None.
+    is_text
+        Whether the values are text.
+
+    Notes
+    -----
+    ``values`` is the array as stored, or a function that loads it; a masked array says which cells are empty. In a
+    format that has its own way to leave a cell empty, ``nan_is_missing`` is False: a NaN is then a computed value (see
+    ``odd_row``).
+    """
+
+    def __init__(
+        self,
+        name: str,
+        unit: str,
+        description: str,
+        values: Array | Callable[[], Array],
+        nulls: Iterable[float] = NULLS,
+        axis: SectorAxis | None = None,
+        shape: tuple[int, ...] | None = None,
+        is_text: bool | None = None,
+        nan_is_missing: bool = True,
+    ) -> None:
+        self.name = name
+        self.unit = unit.strip()
+        self.description = description.strip()
+        self.shape = values.shape if isinstance(values, np.ndarray) else shape or ()
+        self.is_text = values.dtype.kind in "OSU" if isinstance(values, np.ndarray) else bool(is_text)
+        self.axis = axis
+        self.members: tuple[str, ...] = ()
+        self._stored = values
+        self._nulls = tuple(nulls)
+        self._nan_is_missing = nan_is_missing
+        self._values: Array | None = None
+        self._missing = 0
+        self._odd: int | None = None
+
+    @property
+    def values(self) -> Array:
+        """The values, loaded at the first call and kept (read-only): float64, float32 as stored, or text.
+
+        Whole numbers become float64 unless one is too large to be exact. Nulls are NaN in numbers, "" in text.
+        """
+        if self._values is None:
+            stored = self._stored if isinstance(self._stored, np.ndarray) else self._stored()
+            self._values, self._missing, self._odd = clean(stored, self._nulls, self._nan_is_missing)
+            self._values.flags.writeable = False
+        return self._values
+
+    @property
+    def missing(self) -> int:
+        """The number of missing values (NaN, or empty text)."""
+        _ = self.values
+        return self._missing
+
+    @property
+    def odd_row(self) -> int | None:
+        """The first row in which the file holds an infinity, or a NaN where an empty cell is not written as NaN."""
+        _ = self.values
+        return self._odd
+
+    def __repr__(self) -> str:
+        return f"<Channel {self.name} [{self.unit or 'no unit'}] {'x'.join(map(str, self.shape))}>"
+
+
+def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) -> tuple[Array, int, int | None]:
+    """Return numbers with nulls and infinities as NaN, how many cells are missing, and the first odd row (see Channel).
+
+    A copy is made only where something is replaced or converted.
+    """
+    kind = values.dtype.kind
+    if kind in "OSUMm":
+        text = np.array(["" if cell is None else str(cell) for cell in values.ravel()], dtype=np.str_)
+        return text.reshape(values.shape), int(np.count_nonzero(text == "")), None
+    if kind in "iu" and values.size and max(abs(int(values.max())), abs(int(values.min()))) > EXACT:
+        return np.array(values), 0, None
+    width = np.float32 if values.dtype == np.float32 else np.float64
+    empty = np.ma.getmaskarray(values) if isinstance(values, np.ma.MaskedArray) else None
+    numbers = np.ma.getdata(values).astype(width, order="C", copy=False)
+    if empty is None and numbers.size and numbers.min() > max(nulls, default=-np.inf) and numbers.max() < np.inf:
+        return numbers.view(), 0, None
+    infinite = ~np.isfinite(numbers)
+    odd = infinite if empty is None else infinite & ~empty
+    if nan_is_missing:
+        odd = odd & ~np.isnan(numbers)
+    gone = infinite.copy() if empty is None else infinite | empty
+    for null in nulls:
+        gone |= numbers == width(null)
+    missing = int(np.count_nonzero(gone))
+    if missing:
+        numbers = np.where(gone, width(np.nan), numbers)
+    first = int(np.argmax(odd)) // max(1, numbers[:1].size) if odd.any() else None
+    return numbers.view(), missing, first
+
+
+def unique(names: list[str]) -> list[str]:
+    """Return ``names`` with every repeated one numbered ``NAME:1``, ``NAME:2`` ... in file order."""
+    repeated = {name for name, count in Counter(names).items() if count > 1}
+    taken = set(names) - repeated
+    seen = dict.fromkeys(repeated, 0)
+    result = []
+    for name in names:
+        new = name
+        while name in repeated and (new == name or new in taken):
+            seen[name] += 1
+            new = f"{name}:{seen[name]}"
+        taken.add(new)
+        result.append(new)
+    return result
+
+
+class RawSet:
+    """Channels with one index: a LAS data section, a DLIS frame, a WITSML log or trajectory, a table.
+
+    Attributes
+    ----------
+    path
+        The file.
+    name
+        The set's name in the file.
+    channels
+        In file order.
+    index
+        Name of the index channel, None where the format states none.
+    rows
+        The number of rows.
+    header
+        What the file says beside the channels (well name, null value, azimuth reference ...), as text.
+    remarks
+        Every assumption made and every flaw met while reading, as sentences.
+    line_of
+        Returns the line of a row in a text file, counted from 1; else None.
+    """
+
+    def __init__(
+        self,
+        path: Path,
+        name: str,
+        channels: Iterable[Channel],
+        rows: int,
+        index: str | None = None,
+        header: dict[str, str] | None = None,
+        remarks: list[str] | None = None,
+        line_of: Callable[[int], int] | None = None,
+    ) -> None:
+        self.path, self.name, self.rows, self.index, self.line_of = path, name, rows, index, line_of
+        self.header = header or {}
+        self.remarks = remarks if remarks is not None else []
+        self.channels: tuple[Channel, ...] = tuple(channels)
+        self._columns = {channel.name: channel for channel in self.channels}
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the channels, in file order."""
+        return tuple(channel.name for channel in self.channels)
+
+    def __getitem__(self, name: str) -> Channel:
+        """Return a channel, or a member column of an image, by its name."""
+        try:
+            return self._columns[name]
+        except KeyError:
+            raise KeyError(f"{self.path.name}: no channel {name!r}; it holds {', '.join(self.names)}") from None
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._columns
+
+    def __iter__(self) -> Iterator[Channel]:
+        return iter(self.channels)
+
+    def __len__(self) -> int:
+        return len(self.channels)
+
+    def place(self, row: int) -> str:
+        """Return where a row stands in the file: its line in a text file, else its row counted from 0."""
+        return f"line {self.line_of(row)}" if self.line_of else f"row {row}"
+
+    def input_error(
+        self, rule: str, row: int | None = None, column: str | None = None, value: str | None = None
+    ) -> InputError:
+        """Return the error of a set: the file, then the row and the column where known, the value and the rule."""
+        return file_error(self.path, rule, None if row is None else self.place(row), column, value)
+
+    def numbers(self, name: str) -> Floats:
+        """Return a channel as float64 (read-only).
+
+        Raises
+        ------
+        InputError
+            ``w.csv, line 3, column GR = 'x': is not a number``: the first cell of a text column that is no number.
+        """
+        channel = self[name]
+        if channel.is_text:
+            for row, cell in enumerate(channel.values.ravel()):
+                try:
+                    to_float(cell or "nan")
+                except ValueError:
+                    text, rule = cell.strip(), "is not a number"
+                    if text.replace(",", "").lstrip("-").isdigit():
+                        rule += ": a decimal comma? Decimals must have a point"
+                    raise self.input_error(
+                        rule, row // max(1, channel.values[:1].size), name, repr(text[:40])
+                    ) from None
+        return channel.values.astype(np.float64, copy=False)
+
+    def __repr__(self) -> str:
+        return f"<{type(self).__name__} {self.name!r}: {len(self.channels)} channels x {self.rows} rows>"
+
+
+@dataclass
+class RawFile:
+    """An opened file: the name of its format, its sets, and what closes it."""
+
+    format: str
+    sets: list[RawSet]
+    close: Callable[[], object] = lambda: None
+
+
+def readable_sets(readers: Iterable[Callable[[], RawSet]]) -> list[RawSet]:
+    """Read the sets of a file; a damaged or empty set is left out, and the other sets have a remark about it.
+
+    Raises
+    ------
+    InputError
+        That of the first set, where none can be read.
+    """
+    sets: list[RawSet] = []
+    errors: list[InputError] = []
+    for read in readers:
+        try:
+            sets.append(read())
+        except InputError as error:
+            errors.append(error)
+    if errors and not sets:
+        raise errors[0]
+    for each in sets:
+        each.remarks.extend(f"another set is left out: {error}" for error in errors)
+    return sets

@@ -1,0 +1,87 @@
+"""XLSX workbooks through python-calamine: one set a sheet, mostly surveys.
+
+Well 15/9-F-12                          lines above the header are left out
+MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names or more with numbers below it
+100.0          0.50        31.20        rows, to the first row without a cell
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+from helibore.base.errors import InputError, MissingExtraError
+from helibore.files.headings import describe, is_number, is_units_row
+from helibore.files.number_rows import column_of
+from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
+from helibore.files.source import Source, file_error, refuse_zip_bomb
+
+HEADING_ROWS = 500
+"""The header must stand within this many rows."""
+
+
+def read(source: Source, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
+    """Open a workbook; ``header_line`` is the row of the column names, counted from 1."""
+    try:
+        import python_calamine
+    except ImportError as error:
+        raise MissingExtraError("python-calamine", "xlsx") from error
+    refuse_zip_bomb(source)
+    try:
+        book = python_calamine.CalamineWorkbook.from_path(source.path)
+        sheets = {name: book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names}
+    except Exception as error:  # calamine has an error class for each part of a workbook, and panics
+        raise file_error(source.path, f"truncated or damaged workbook ({str(error).splitlines()[0]})") from error
+    readers = [partial(_sheet, source, name, rows, nulls, header_line) for name, rows in sheets.items()]
+    return RawFile("xlsx", readable_sets(readers))
+
+
+def _sheet(source: Source, name: str, sheet: list[list[Any]], nulls: tuple[float, ...], header: int | None) -> RawSet:
+    rows = [[_text(cell) for cell in row] for row in sheet]
+    start = _find_header(rows) if header is None else header - 1
+    if start is None or not 0 <= start < len(rows) or not any(rows[start]):
+        rule = f"no row of column names with numbers below it within {HEADING_ROWS} rows"
+        if header is not None:
+            raise InputError(f"{source.path.name}: sheet {name}: header_line", "the row holds no names", str(header))
+        raise file_error(source.path, rule, f"sheet {name}")
+    width = max(position for position, cell in enumerate(rows[start], 1) if cell)
+    titles = [cell or f"column {position}" for position, cell in enumerate(rows[start][:width], 1)]
+    units = None
+    start += 1
+    if start < len(rows) and is_units_row(rows[start][:width]):
+        units = [cell.strip("()[] ") for cell in rows[start][:width]]
+        start += 1
+    stop = next((at for at in range(start, len(rows)) if not any(rows[at][:width])), len(rows))
+    if stop == start:
+        raise file_error(source.path, "a header and no rows", f"sheet {name}, line {start}")
+    remarks = []
+    if any(any(row[:width]) for row in rows[stop:]):
+        remarks.append(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out")
+    channels = [
+        Channel(
+            label, units[at] if units else describe(titles[at]), "", column_of([row[at] for row in rows[start:stop]]),
+            nulls, nan_is_missing=False,
+        )
+        for at, label in enumerate(unique(titles))
+    ]  # fmt: skip
+    first = start + 1
+    return RawSet(source.path, name, channels, stop - start, None, {}, remarks, lambda row: row + first)
+
+
+def _find_header(rows: list[list[str]]) -> int | None:
+    """The first row of two names or more with numbers in one of the two rows below it, where units may stand."""
+    for at, row in enumerate(rows[:HEADING_ROWS]):
+        names = [position for position, cell in enumerate(row) if cell and not is_number(cell)]
+        below = rows[at + 1 : at + 3]
+        if len(names) > 1 and below and is_units_row(below[0]):
+            below = below[1:]
+        if len(names) > 1 and below and sum(is_number(below[0][position]) for position in names) > 1:
+            return at
+    return None
+
+
+def _text(cell: Any) -> str:
+    """A cell as text: numbers with all digits, dates as ISO 8601."""
+    if isinstance(cell, float | int) and not isinstance(cell, bool):
+        return repr(int(cell)) if cell == int(cell) else repr(cell)
+    return cell.isoformat() if hasattr(cell, "isoformat") else str(cell).strip()
