@@ -90,7 +90,7 @@ def read_rows(
 
     kept = list(filter(is_row, lines))
     if not kept:
-        raise file_error(path, "truncated: no rows", max(1, first_line - 1))
+        raise file_error(path, "no rows below the header", max(1, first_line - 1))
 
     def line_of(row: int) -> int:
         for number, line in enumerate(lines, first_line):
@@ -133,7 +133,7 @@ def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | N
     if block.shape[1] != width or (np.abs(block) > EXACT).any():
         return None
     empty = np.isnan(block) if filled else np.zeros(width, dtype=bool)
-    columns = np.ascontiguousarray(block.T)
+    columns = block.T.copy()
     return [
         np.ma.MaskedArray(column, gone) if filled and gone.any() else column
         for column, gone in zip(columns, empty.T, strict=True)

@@ -267,7 +267,7 @@ HEADER = "md_m,tf_deg,radius_m\n"
     [
         ("", {}, "c.csv: empty: 0 bytes"),
         ("# only\n\n", {}, "c.csv, line 3: no header and no rows within 500 lines"),
-        (HEADER, {}, "c.csv, line 1: truncated: no rows"),
+        (HEADER, {}, "c.csv, line 1: no rows below the header"),
         ("md_m,radius_m\n1,0.1\n", {}, "c.csv, column radius_m: no toolface: name the toolface channel, or the angle "
          "of this one, by an option or in a map"),
         (HEADER + "1,2,3\n", {"radius": ["cal:in"]},

@@ -162,7 +162,7 @@ def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
 @pytest.mark.parametrize(
     ("text", "options", "message"),
     [
-        ("md_m,rb_deg\n1,2\n", [], "c.csv: column 'r': not in the file, which has md_m, rb_deg"),
+        ("md_m,rb_deg\n1,2\n", [], "c.csv, column 'r': not in the file, which has md_m, rb_deg"),
         ("md_m,rb_deg,r\n1,2,0.1\n", [], 'c.csv, column r: unit missing: state it in a map '
          '([channels."r"] unit = ...), or as r:UNIT in its option; radius is length'),
         ("md_m,rb_deg,r\n1,2,0.1\n", ["--radius", "r:parsec"],
@@ -176,7 +176,7 @@ def test_diameters_of_a_round_hole_off_centre(sectors: int) -> None:
          "c.csv, line 3, column r: radius 0 m: must be larger than 0 and at most 2 m; a radius range drops such"),
         ("md_m,rb_deg,r\n1,2,8.5\n", ["--radius", "r:m"],
          "c.csv, column r: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
-        ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: a header and no rows"),
+        ("md_m,rb_deg,r\n", ["--radius", "r:m"], "c.csv, line 1: no rows below the header"),
         ("md_m,rb_deg,r\n1,2,-9999\n", ["--radius", "r:m"], "c.csv, column r: every value is missing"),
         ("", [], "c.csv: empty: 0 bytes"),
         ("md_m,rb_deg,r\n1,2,0.1\n2,2,0.1\n", ["--radius", "r:m", "--from", "5"],

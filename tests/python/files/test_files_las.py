@@ -98,7 +98,7 @@ def test_las2_sector_columns(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("rows", "rule"),
     [
-        ("", "line 14: truncated: no rows"),
+        ("", "line 14: no rows below the header"),
         ("1 2 3\n4 5\n", "line 16: truncated: 2 values where 3 columns are defined"),
         ("1 2 3\n4 5\n6 7 8\n", "line 16: 2 values where 3 columns are defined"),
         ("1 2 3 4\n", "line 15: 4 values where 3 columns are defined"),

@@ -143,7 +143,7 @@ def test_a_word_far_down_is_named_with_its_line(tmp_path: Path) -> None:
     [
         ("", "empty: 0 bytes"),
         (" \n\n", "empty: nothing but blanks"),
-        ("md,r\n", "line 1: truncated: no rows"),
+        ("md,r\n", "line 1: no rows below the header"),
         ("md,r\n1,2\n3\n", "line 3: truncated: 1 values where 2 columns are defined"),
         (
             "md,r\n1,2\n3;4\n",
