@@ -243,18 +243,10 @@ def led_by_coverage() -> None:
     import atheris
 
     for name in (
-        "source",
-        "channel",
-        "sectors",
-        "delimited",
-        "columnar",
-        "las",
-        "las_rows",
-        "json_log",
-        "witsml",
-        "columns",
-    ):
-        module = importlib.import_module(f"helibore.files.{name}")
+        "files.source", "files.raw_set", "files.delimited", "files.number_rows", "files.columnar", "files.las",
+        "files.json_log", "files.witsml", "channels.sectors", "channels.columns",
+    ):  # fmt: skip
+        module = importlib.import_module(f"helibore.{name}")
         for owner in (module, *(each for each in vars(module).values() if inspect.isclass(each))):
             for function in vars(owner).values():
                 if inspect.isfunction(function) and function.__module__ == module.__name__:
