@@ -57,8 +57,9 @@ SURVEY_FILE: tuple[Callable[[Command], Command], ...] = (
 SURVEY: tuple[Callable[[Command], Command], ...] = (
     *SURVEY_FILE[:-2],
     click.option(
-        "--reference", type=click.Choice(["high-side", "north", "carried"]), default="high-side", show_default=True,
-        help="What toolface 0 of the wall is; carried: north at the top, then without twist.",
+        "--reference", type=click.Choice(["high-side", "north", "parallel-transport"]), default="high-side",
+        show_default=True,
+        help="What toolface 0 of the wall is; parallel-transport: north at the top, then without twist.",
     ),
     *SURVEY_FILE[-2:],
 )  # fmt: skip

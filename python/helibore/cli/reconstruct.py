@@ -203,8 +203,8 @@ def _read(caliper: tuple[Path, ...], options: dict[str, Any], terminal: Terminal
     start, stop = options["start_depth"], options["stop_depth"]
     if start is not None and stop is not None and not start < stop:
         raise ValueError(f"--to {stop:g} m: must be deeper than --from {start:g} m")
-    if options["reference"] == "carried" and options["survey"] is None:
-        raise click.UsageError("--reference carried: needs --survey")
+    if options["reference"] == "parallel-transport" and options["survey"] is None:
+        raise click.UsageError("--reference parallel-transport: needs --survey")
     with terminal.stage("import", "Loading helibore"):
         from helibore.runs.run import read
     with terminal.stage("read", f"Reading {', '.join(file.name for file in caliper)}"):

@@ -242,7 +242,7 @@ def _image(spelling: str, options: dict[str, Any], path: WellPath | None = None)
             f"--image {spelling}: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge, or that and :REFERENCE, north or "
             "high-side"
         )
-    if reference == "carried":
+    if reference == "parallel-transport":
         raise click.UsageError(
             f"--image {spelling}: the wall's toolfaces are carried down its path, no image's are: end it with "
             ":north or :high-side"

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]
-Reference = Literal["high-side", "north", "carried"]
+Reference = Literal["high-side", "north", "parallel-transport"]
 Method = Literal["cell", "linear"]
 
 FINE = 360
@@ -56,9 +56,9 @@ class SectorImage:
         What of sector 1 lies at ``offset``: its ``"centre"``, or the ``"edge"`` where it starts. Tools differ, and a
         wrong choice turns the image by half a sector, so there is no default.
     reference
-        What toolface 0 is: ``"high-side"``, ``"north"``, or ``"carried"`` as by a path of that reference. On a wall
-        with a path of another reference the image is turned (`onto`); a wall without a path does not know, so there it
-        must be what the wall's toolfaces count from.
+        What toolface 0 is: ``"high-side"``, ``"north"``, or ``"parallel-transport"`` as by a path of that reference. On
+        a wall with a path of another reference the image is turned (`onto`); a wall without a path does not know, so
+        there it must be what the wall's toolfaces count from.
     direction
         The way sectors count, looking downhole.
     offset
@@ -163,7 +163,7 @@ class SectorImage:
         from helibore.trajectory.references import defined, onto_path
 
         _one_of("method", method, get_args(Method))
-        if self.reference == "carried":
+        if self.reference == "parallel-transport":
             raise ValueError(f"image {self.name!r}: carried by a path of its own, it cannot be turned onto another")
         high_side = self.reference == "high-side"
         there = np.flatnonzero((self.depth >= path.start_depth) & (self.depth <= path.stop_depth))

@@ -91,7 +91,8 @@ class Logs:
     basis
         What the wall is made from, as in `Caliper`.
     reference
-        What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"carried"``; "": it has none.
+        What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"parallel-transport"``; "": the
+        wall has no path.
     """
 
     depth: Floats
@@ -208,7 +209,7 @@ class Logs:
 TOOLFACE_0 = {
     "high-side": "high side of the hole",
     "north": "north",
-    "carried": "north at the top of the path, carried down it without twist",
+    "parallel-transport": "north at the top of the path, carried down it without twist",
     "": "that of the samples; the wall has no path that says what it is",
 }
 """What toolfaces count from, for files."""

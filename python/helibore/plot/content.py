@@ -84,8 +84,8 @@ class Drawing:
     looks
         `Look` by name of an image; ``"Radius"`` is that of the radius.
     reference
-        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"carried"``. None: what the wall's path says, else its
-        images; where neither is there, the picture says that it is not known.
+        What toolface 0 is: ``"high-side"``, ``"north"`` or ``"parallel-transport"``. None: what the wall's path says,
+        else its images; where neither is there, the picture says that it is not known.
     left
         Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts up in the middle.
     unit

@@ -37,7 +37,7 @@ HEAD = 24.0
 SIDES = {
     "high-side": ("U", "R", "D", "L"),
     "north": ("N", "E", "S", "W"),
-    "carried": ("0°", "90°", "180°", "270°"),
+    "parallel-transport": ("0°", "90°", "180°", "270°"),
     "": ("0°", "90°", "180°", "270°"),
 }
 """Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""

@@ -214,7 +214,7 @@ class Samples:
         wanted = [settings.toolface_from or one.reference for one in self.readings]
         tagged = [settings.toolface_from is None and one.high_side is not None for one in self.readings]
         target = path.reference if path is not None else ""
-        if target == "carried" and not all(tags or name for tags, name in zip(tagged, wanted, strict=True)):
+        if target == "parallel-transport" and not all(tags or name for tags, name in zip(tagged, wanted, strict=True)):
             raise ValueError(
                 f"{self.readings[0].name}: the wall's toolface is carried down the path, no tool's is: say whether "
                 "the samples count from north, the high side or automatically"

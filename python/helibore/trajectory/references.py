@@ -9,12 +9,12 @@ clockwise. From one reference to another, at one depth, is therefore one angle::
 
 A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical and swings about
 close to it; north has none where the hole runs level north or south. So a well from vertical to horizontal wants the
-**carried** reference (``survey.path(reference="carried")``): it starts as north, and goes down the hole turning with
-the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975) 246). A straight line
-drawn along the wall keeps its angle, whatever the tool called it, and in a well that builds at one azimuth A the high
-side lies at carried toolface A all the way down.
+**parallel-transport** reference (``survey.path(reference="parallel-transport")``): it starts as north, and goes down
+the hole turning with the tangent but never about it (the rotation-minimising frame; Bishop, Am. Math. Monthly 82 (1975)
+246). A straight line drawn along the wall keeps its angle, whatever the tool called it, and in a well that builds at
+one azimuth A the high side lies at toolface A of this reference all the way down.
 
-The carried angle depends on the path above it and on nothing below. Not here: magnetic declination and grid convergence
+This angle depends on the path above it and on nothing below. Not here: magnetic declination and grid convergence
 (north is the north of the survey), and toolfaces measured against the dipping magnetic field itself.
 """
 
@@ -112,7 +112,11 @@ def defined(path: Path, depth: npt.ArrayLike, high_side: bool) -> npt.NDArray[np
         (n,) bool, new.
     """
     north, east, down = path.tangent(_finite("depth", column("depth", depth))).T
-    level = {"high-side": np.hypot(north, east), "north": np.hypot(east, down), "carried": np.ones(north.size)}
+    level = {
+        "high-side": np.hypot(north, east),
+        "north": np.hypot(east, down),
+        "parallel-transport": np.ones(north.size),
+    }
     own = level["high-side" if high_side else "north"]
     sure: npt.NDArray[np.bool_] = np.minimum(own, level[path.reference]) > 2.0 * _LEAST_ANGLE
     return sure

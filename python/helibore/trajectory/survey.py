@@ -19,7 +19,7 @@ from helibore import _core
 from helibore.base.arrays import Floats, column
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
-Reference = Literal["high-side", "north", "carried"]
+Reference = Literal["high-side", "north", "parallel-transport"]
 
 
 class Survey:
@@ -90,9 +90,9 @@ class Survey:
             cylinders, inclination linear in depth and azimuth linear in the horizontal distance covered.
         reference
             What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical), ``"north"`` (undefined
-            where it runs level north or south) or ``"carried"``: north at the first station (its high side, where that
-            lies within 45 degrees of level north or south), carried down the hole without twisting about it. It is
-            defined everywhere; `helibore.trajectory.references` turns samples into it.
+            where it runs level north or south) or ``"parallel-transport"``: north at the first station (its high side,
+            where that lies within 45 degrees of level north or south), moved down the hole without twisting about it.
+            It is defined everywhere; `helibore.trajectory.references` turns samples into it.
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend

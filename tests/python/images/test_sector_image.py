@@ -179,7 +179,7 @@ def seen_from(path: hb.Path, depth: float, toolface: float, pole: tuple[float, f
 
 
 @pytest.mark.parametrize("reference", ["high-side", "north"])
-@pytest.mark.parametrize("wanted", ["high-side", "north", "carried"])
+@pytest.mark.parametrize("wanted", ["high-side", "north", "parallel-transport"])
 @pytest.mark.parametrize("layout", [("edge", "clockwise"), ("centre", "counterclockwise")])
 def test_an_image_is_turned_into_the_reference_of_the_path(
     reference: Any, wanted: Any, layout: tuple[Any, Any]
@@ -227,9 +227,11 @@ def test_a_turned_image_is_linear_between_the_centres_of_its_own_cells() -> None
 
 def test_an_image_that_cannot_be_turned_says_so() -> None:
     image = SectorImage([1, 2], [[1, 2], [3, 4]], "GR", origin="edge", reference="north")
-    with pytest.raises(ValueError, match=r"^image 'GR': from north to carried: no row lies where the path has both$"):
-        image.onto(BUILD.path(reference="carried"))
-    carried = SectorImage([1000, 1001], [[1, 2], [3, 4]], "GR", origin="edge", reference="carried")
+    with pytest.raises(
+        ValueError, match=r"^image 'GR': from north to parallel-transport: no row lies where the path has both$"
+    ):
+        image.onto(BUILD.path(reference="parallel-transport"))
+    carried = SectorImage([1000, 1001], [[1, 2], [3, 4]], "GR", origin="edge", reference="parallel-transport")
     with pytest.raises(
         ValueError, match=r"^image 'GR': carried by a path of its own, it cannot be turned onto another$"
     ):
@@ -245,7 +247,7 @@ def test_a_wall_without_quads_takes_no_values() -> None:
     ("changed", "text"),
     [
         ({"origin": "center"}, "origin = 'center': must be 'centre' or 'edge'"),
-        ({"reference": "top"}, "reference = 'top': must be 'high-side', 'north' or 'carried'"),
+        ({"reference": "top"}, "reference = 'top': must be 'high-side', 'north' or 'parallel-transport'"),
         ({"direction": "left"}, "direction = 'left': must be 'clockwise' or 'counterclockwise'"),
         ({"offset": math.nan}, "offset = nan: must be finite"),
         ({"depth": [1, math.nan]}, "depth[1] = nan: must be finite"),

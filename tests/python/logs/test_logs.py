@@ -310,10 +310,12 @@ def test_every_column_has_a_name_in_files() -> None:
     assert isinstance(turn_logs(helix(np.full(24, 0.1), 12), 0.2), Logs)
 
 
-@pytest.mark.parametrize("reference", ["high-side", "north", "carried"])
+@pytest.mark.parametrize("reference", ["high-side", "north", "parallel-transport"])
 def test_logs_say_what_toolface_0_is(reference: Any) -> None:
     wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, 0.2), bit_diameter=0.2, sectors=8)
     assert wall.logs().facts()["toolface 0"].endswith("the wall has no path that says what it is")
     wall.path = hb.Survey([1000.0, 1005.0], [48.0, 48.0], [248.0, 248.0]).path(reference=reference)
     said = wall.logs().by_step(1.0).table().facts["toolface 0"]
-    assert said.startswith({"high-side": "high side", "north": "north", "carried": "north at the top"}[reference])
+    assert said.startswith(
+        {"high-side": "high side", "north": "north", "parallel-transport": "north at the top"}[reference]
+    )

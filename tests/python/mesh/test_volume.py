@@ -84,7 +84,7 @@ def test_volume_of_a_bent_hole_is_that_of_the_straight_one() -> None:
     """Pappus: a section whose centroid runs on the path sweeps area times length, bend or not."""
     count = 720 * 21 + 1
     straight = volume_of(wall_of(np.full(count, 0.108), 720)).hex_volume().sum()
-    path = hb.Survey([990, 1020], [0, 60], [40, 40]).path(reference="carried")
+    path = hb.Survey([990, 1020], [0, 60], [40, 40]).path(reference="parallel-transport")
     assert volume_of(wall_of(np.full(count, 0.108), 720), path).hex_volume().sum() == pytest.approx(straight, rel=1e-5)
 
 

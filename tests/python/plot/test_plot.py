@@ -107,7 +107,7 @@ def test_a_picture_claims_no_reference_that_nothing_states() -> None:
     assert {"N", "E", "S", "W"} <= set(named)
     wall.images["GR"] = image_of(np.arange(1000.0, 1010.0, 0.5), np.arange(160.0).reshape(20, 8))
     assert {"U", "R", "D", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60))}
-    with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, carried"):
+    with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, parallel-transport"):
         plot.log(wall, reference="")  # type: ignore[arg-type]
 
 
@@ -304,7 +304,7 @@ def hb_washout(start: float, stop: float) -> Any:
     ("options", "message"),
     [
         ({"scale": 0}, "scale = 0: must be a whole number, 200 for 1:200"),
-        ({"reference": "up"}, "reference = 'up': must be one of high-side, north, carried"),
+        ({"reference": "up"}, "reference = 'up': must be one of high-side, north, parallel-transport"),
         ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
         ({"curves": ("C3",)}, "curve 'C3': must be one of C1, C2, D0, D90"),
         ({"unit": "m"}, "unit = 'm': must be one of in, mm"),
@@ -346,7 +346,7 @@ def test_images_that_cannot_be_shown() -> None:
     assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
 
 
-@pytest.mark.parametrize("own", ["high-side", "north", "carried"])
+@pytest.mark.parametrize("own", ["high-side", "north", "parallel-transport"])
 def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
     wall = hb.reconstruct(hb.Caliper.gauge(1000.0, 1005.0, BIT), bit_diameter=BIT, sectors=8)
     wall.path = hb.Survey([1000.0, 1005.0], [48.0, 48.0], [248.0, 248.0]).path(reference=own)
@@ -361,7 +361,7 @@ def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
     cells = np.floor(((drawn.toolface - high) % 360) / 22.5)
     assert (np.isclose(drawn.values[20], cells)).mean() > 0.99
     words = [text.get_text() for text in texts(plot.log(wall, dpi=40, body=()))]
-    assert {"high-side": "U", "north": "E", "carried": "90°"}[own] in words
+    assert {"high-side": "U", "north": "E", "parallel-transport": "90°"}[own] in words
     assert "16 sectors, static" in words
     with pytest.raises(
         ValueError, match=f"^reference = '{'north' if own != 'north' else 'high-side'}': the wall's path"

@@ -234,7 +234,7 @@ def test_toolface_references() -> None:
     depth = np.linspace(5.0, 195.0, N)
     turn = np.arange(N) * 33.0 % 360
     columns = {"md__m": depth, "tf__deg": turn, "radius__m": np.full(N, 0.1)}
-    carried = survey.path(reference="carried")
+    carried = survey.path(reference="parallel-transport")
     steep = np.degrees(np.arccos(np.clip(carried.tangent(depth)[:, 2], -1, 1)))
     automatic = prepare(log(**columns).readings(), Preparation(toolface_from="automatic"), carried)
     expected = onto_path(turn, depth, carried, from_high_side(steep))
@@ -250,7 +250,7 @@ def test_toolface_references() -> None:
     same = prepare(one.readings(mapped), None, survey.path(reference="north"))
     np.testing.assert_array_equal(same.caliper.toolface, turn)
     beyond = prepare(
-        one.readings(mapped), None, hb.Survey([0, 100.0], [0.0, 9.0], [0.0, 0.0]).path(reference="carried")
+        one.readings(mapped), None, hb.Survey([0, 100.0], [0.0, 9.0], [0.0, 0.0]).path(reference="parallel-transport")
     )
     assert beyond.told[0] == ("dropped", "200 samples beyond the survey: their toolface has no reference there")
     with pytest.raises(ValueError, match="toolfaces that count from north need a survey"):

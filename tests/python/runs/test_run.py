@@ -42,7 +42,8 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
     first = run(
         "reconstruct", folder / "c.csv", "--survey", folder / "s.csv", "-o", mesh, "--bit-diameter", "216mm",
         "--sectors", 32, "--drop-spikes", 6, "--radius-range", "50mm", "300mm", "--recentre", "--split-passes", "0.5m",
-        "--find-shifts", "--bias", "arm", "--compare-with", 1, "--color-by", "difference", "--reference", "carried",
+        "--find-shifts", "--bias", "arm", "--compare-with", 1, "--color-by", "difference",
+        "--reference", "parallel-transport",
         "--toolface-from", "automatic", "--max-distance", "none", "--centres", tmp_path / "centres.csv",
     )  # fmt: skip
     assert first.exit_code == 0, first.output
@@ -356,9 +357,16 @@ def test_depths_that_fall_or_repeat_are_told(tmp_path: Path) -> None:
     assert "md_m: falls: logged upwards" in result.output
     assert "md_m: 2 rows repeat the depth before" in result.output
     lacking = run(
-        "reconstruct", tmp_path / "c.csv", "-o", tmp_path / "x.glb", "--bit-diameter", "1m", "--reference", "carried"
+        "reconstruct",
+        tmp_path / "c.csv",
+        "-o",
+        tmp_path / "x.glb",
+        "--bit-diameter",
+        "1m",
+        "--reference",
+        "parallel-transport",
     )
-    assert "--reference carried: needs --survey" in lacking.stderr
+    assert "--reference parallel-transport: needs --survey" in lacking.stderr
 
 
 @pytest.mark.parametrize(

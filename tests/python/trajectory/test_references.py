@@ -48,7 +48,7 @@ def test_carried_frame_against_double_reflection(method, tolerance):
     """
     depths = [0, 200, 500, 800, 1100, 1400, 1700]
     survey = hb.Survey(depths, [0, 3, 40, 92, 88, 130, 60], [0, 200, 250, 310, 20, 40, 300])
-    path = survey.path(method, reference="carried", extend=50)
+    path = survey.path(method, reference="parallel-transport", extend=50)
     depth = np.arange(0.0, 1750.5, 0.5)
     position, tangent, frame = path.position(depth), path.tangent(depth), path.frame(depth)
     zero = np.array([1.0, 0.0, 0.0])
@@ -64,25 +64,25 @@ def test_carried_frame_against_double_reflection(method, tolerance):
 
 def test_carried_is_exact_where_it_is_known():
     """A build at one azimuth: the high side lies at carried toolface = azimuth; a turn in the horizontal keeps up."""
-    build = hb.Survey([0, 100, 600], [0, 0, 90], [0, 0, 70]).path(reference="carried")
+    build = hb.Survey([0, 100, 600], [0, 0, 90], [0, 0, 70]).path(reference="parallel-transport")
     depth = np.linspace(101, 600, 50)
     np.testing.assert_allclose(apart(onto_path(np.zeros(50), depth, build, True), 70), 0, atol=1e-9)
-    level = hb.Survey([0, 400], [90, 90], [10, 100]).path(reference="carried")
+    level = hb.Survey([0, 400], [90, 90], [10, 100]).path(reference="parallel-transport")
     np.testing.assert_allclose(level.frame([0, 123, 400])[:, 0], [[0, 0, -1]] * 3, atol=1e-12)
-    down = hb.Survey([0, 400], [0, 0], [0, 0]).path(reference="carried")
+    down = hb.Survey([0, 400], [0, 0], [0, 0]).path(reference="parallel-transport")
     np.testing.assert_allclose(down.frame([0, 300])[:, 0], [[1, 0, 0]] * 2, atol=1e-15)
 
 
 def test_carried_has_the_same_bits_when_the_survey_grows():
     depth, inclination, azimuth = [0, 100, 200, 300, 400], [0, 10, 30, 60, 89], [0, 20, 50, 40, 90]
-    short = hb.Survey(depth[:4], inclination[:4], azimuth[:4]).path(reference="carried")
-    grown = hb.Survey(depth, inclination, azimuth).path(reference="carried")
+    short = hb.Survey(depth[:4], inclination[:4], azimuth[:4]).path(reference="parallel-transport")
+    grown = hb.Survey(depth, inclination, azimuth).path(reference="parallel-transport")
     where = np.linspace(0, 300, 1001)
     np.testing.assert_array_equal(short.frame(where), grown.frame(where))
 
 
 @settings(deadline=None, max_examples=30)
-@given(st.integers(0, 10_000), st.sampled_from(["high-side", "north", "carried"]))
+@given(st.integers(0, 10_000), st.sampled_from(["high-side", "north", "parallel-transport"]))
 def test_onto_path_keeps_the_point_in_space(seed, reference):
     rng = np.random.default_rng(seed)
     survey = hb.Survey([0, 100, 250, 400], rng.uniform(10, 80, 4), rng.uniform(0, 360, 4))
@@ -98,7 +98,7 @@ def test_onto_path_keeps_the_point_in_space(seed, reference):
 
     np.testing.assert_allclose(direction(turned, path.frame(depth)), direction(toolface, source), atol=1e-9)
     assert np.all((turned >= 0) & (turned < 360))
-    if reference != "carried":
+    if reference != "parallel-transport":
         own = onto_path(toolface, depth, path, reference == "high-side")
         np.testing.assert_allclose(apart(own, toolface), 0, atol=1e-9)  # from itself to itself
 
@@ -120,7 +120,7 @@ def test_hysteresis_against_loop(inclination):
 def test_no_seam_in_a_well_from_vertical_to_horizontal():
     """The tool counts from north, then from the high side. The truth is a groove that runs down the wall untwisted."""
     survey = hb.Survey([0, 20, 35, 50, 100, 200], [0, 0, 3, 9, 40, 90], [0, 0, 215, 225, 230, 231])
-    path = survey.path(reference="carried")
+    path = survey.path(reference="parallel-transport")
     depth = np.linspace(0, 200, 120_000)
     carried = 360 * (np.arange(depth.size) * 0.6180339887498949 % 1)  # golden section: even cover
 
@@ -157,7 +157,7 @@ def test_no_seam_in_a_well_from_vertical_to_horizontal():
 
 @pytest.mark.parametrize("method", ["minimum-curvature", "radius-of-curvature"])
 def test_surface_places_a_carried_wall_as_the_frames_say(method):
-    path = hb.Survey([0, 60, 120], [0, 50, 90], [30, 80, 60]).path(method, reference="carried")
+    path = hb.Survey([0, 60, 120], [0, 50, 90], [30, 80, 60]).path(method, reference="parallel-transport")
     rng = np.random.default_rng(6)
     wall = hb.reconstruct(
         hb.Caliper(rng.uniform(0, 120, 9000), rng.uniform(0, 360, 9000), rng.uniform(0.1, 0.12, 9000)),
@@ -186,7 +186,7 @@ def test_surface_places_a_carried_wall_as_the_frames_say(method):
     ],
 )  # fmt: skip
 def test_errors(call, text):
-    path = hb.Survey([0, 100, 300], [0, 0, 90], [0, 0, 0]).path(reference="carried")
+    path = hb.Survey([0, 100, 300], [0, 0, 90], [0, 0, 0]).path(reference="parallel-transport")
     with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
         call(path)
     assert str(caught.value) == text

@@ -198,7 +198,7 @@ def test_azimuth_has_no_say_where_the_hole_is_vertical():
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("reference", ["high-side", "north", "carried"])
+@pytest.mark.parametrize("reference", ["high-side", "north", "parallel-transport"])
 def test_frames_are_orthonormal_right_handed_and_continuous(method, reference):
     random = np.random.default_rng(2)
     depth = np.cumsum(random.uniform(20, 40, 30))
@@ -284,7 +284,7 @@ def test_references_are_refused_where_they_are_undefined_and_only_there():
 
 
 @pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("reference", ["high-side", "north", "carried"])
+@pytest.mark.parametrize("reference", ["high-side", "north", "parallel-transport"])
 def test_a_new_station_moves_only_what_lies_below_the_previous_last_one(method, reference):
     random = np.random.default_rng(3)
     depth = np.cumsum(random.uniform(10, 30, 50))
@@ -370,7 +370,7 @@ def test_bad_stations(stations, text):
     ("settings", "text"),
     [
         ({"method": "tangential"}, 'method = "tangential": must be "minimum-curvature" or "radius-of-curvature"'),
-        ({"reference": "up"}, 'reference = "up": must be "high-side", "north" or "carried"'),
+        ({"reference": "up"}, 'reference = "up": must be "high-side", "north" or "parallel-transport"'),
         ({"extend": -1}, "extend = -1: must be finite and not negative"),
         ({"extend": math.nan}, "extend = nan: must be finite and not negative"),
         ({"head": (0, math.inf, 0)}, "head[1] = inf: must be finite"),

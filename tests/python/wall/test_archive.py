@@ -36,7 +36,7 @@ def dressed(wall: hb.Wall) -> hb.Wall:
     """A wall with all that a wall can have."""
     top = wall.start_depth
     wall.path = hb.Survey([0, top, 2 * top], [1, 30.1, 44.7], [350, 10, 33.3]).path(
-        method="radius-of-curvature", reference="carried", head=(6.5e6, 0.1, -31.7), extend=0.3
+        method="radius-of-curvature", reference="parallel-transport", head=(6.5e6, 0.1, -31.7), extend=0.3
     )
     rng = np.random.default_rng(5)
     values = rng.normal(70, 20, (30, 8))
