@@ -57,7 +57,7 @@ class Configuration:
         """Return, as JSON, what decides the wall: two configurations that differ only in transport mean the same."""
         sources = {name: asdict(source) for name, source in self.sources.items()}
         for name, source in sources.items():
-            for transport in ("address", "allow", "mode", "every", "silence", "store"):
+            for transport in ("address", "allow", "mode", "every", "silence", "replace_after", "store"):
                 del source[transport]
             if source["pass_number"] is None:  # as it was before there were any
                 del source["pass_number"], source["pass_numbers"]

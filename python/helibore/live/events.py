@@ -125,6 +125,7 @@ class EventBook:
 
     def __init__(self) -> None:
         self.counts: Counter[tuple[str, str]] = Counter()
+        self.log: Callable[[Event], None] | None = None
         self._joined: dict[tuple[str, str], Event] = {}
         self._new: list[Event] = []
         self._places: dict[tuple[str, str], list[int]] = {}
@@ -139,6 +140,8 @@ class EventBook:
     def report(self, event: Event) -> None:
         """Count ``event`` and join it to those before it."""
         key = event.source, event.rule
+        if self.log is not None:
+            self.log(event)
         with self._lock:
             self.counts[key] += event.count
             before = self._joined.pop(key, None)

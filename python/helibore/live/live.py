@@ -113,6 +113,7 @@ class Live:
         opening = json.dumps(session).encode()
         if journal is None:
             self._store(0, 0, opening, journals.OPENED)
+            self.model.events.log = self._log
             return
         if journals.paths(FilePath(journal)):
             check_meaning(FilePath(journal), self.configuration)
@@ -127,6 +128,7 @@ class Live:
             self.report("journal", note)
         for update in read_into(self.model, FilePath(journal)):  # the others were reported in their own session
             gather(self._pending_update.events, (event for event in update.events if event.rule == "journal"))
+        self.model.events.log = self._log
 
     @classmethod
     def replay(cls, folder: str | os.PathLike[str], configuration: Configuration | None = None) -> Live:
@@ -315,8 +317,6 @@ class Live:
 
     def _add_to_pending(self, update: Update) -> Update:
         merge(self._pending_update, update)
-        for event in update.events:
-            self._log(event)
         return update
 
     def _log(self, event: Event) -> None:
@@ -343,7 +343,7 @@ class Live:
 
     def report(self, rule: str, text: str, source: str = "") -> None:
         """Report an event that no record caused, of the host or of a source's link; it is not in the journal."""
-        self._log(self.model.report(self._clock()[0], rule, text, source))
+        self.model.report(self._clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
         """Journal only; the caller passes the results to :meth:`draw` in the order of the calls.

@@ -110,11 +110,9 @@ class Model:
         update.events = self.events.take()
         return update
 
-    def report(self, wall: int, rule: str, text: str, source: str = "") -> Event:
+    def report(self, wall: int, rule: str, text: str, source: str = "") -> None:
         """Report an event that belongs to no record, at ``wall``, ns since 1970."""
-        event = Event(wall, source, 0, 0, -1, rule, text)
-        self.events.report(event)
-        return event
+        self.events.report(Event(wall, source, 0, 0, -1, rule, text))
 
     def _open(self, record: np.void, payload: bytes) -> None:
         session = json.loads(payload or b"{}").get("session", "")

@@ -129,6 +129,7 @@ class Source:
     nulls: tuple[float, ...]
     limits: tuple[int, int, int]
     silence: float
+    replace_after: float
     items: dict[str, Item]
     caliper: CaliperItems | None
     images: tuple[ImageItems, ...]
@@ -311,6 +312,7 @@ class WitsTable(SourceTable):
     units: Literal["metric", "fps"] = Field(description='"metric" or "fps" (nothing on the wire says which)')
     allow: list[str] | None = None
     mode: Literal["listen", "heartbeat", "poll"] = "listen"
+    replace_after: Annotated[float, within(0, 86_400)] = 60.0
     line_limit: Annotated[int, within(16, 1 << 24)] = 1024
     frame_limit: Annotated[int, within(16, 1 << 26)] = 65536
     item_limit: Annotated[int, within(1, 1 << 20)] = 512
@@ -333,7 +335,8 @@ def read_wits(name: str, entries: Any, bit_diameter: float, reference: str) -> S
         name=name, address=table.address, allow=_allowed(place, table), mode=table.mode,
         every=table.every or (20.0 if table.mode == "heartbeat" else 1.0), units=table.units,
         nulls=tuple(wits.NULLS if table.nulls is None else table.nulls),
-        limits=(table.line_limit, table.frame_limit, table.item_limit), silence=table.silence, items=rig,
+        limits=(table.line_limit, table.frame_limit, table.item_limit), silence=table.silence,
+        replace_after=table.replace_after, items=rig,
         caliper=table.caliper.read(f"{place}.caliper", table.units, bit_diameter) if table.caliper else None,
         images=tuple(image.read(key, f"{place}.image.{key}", table.units, reference)
                      for key, image in table.image.items()),
@@ -489,6 +492,7 @@ def read_store(name: str, entries: Any, bit_diameter: float, reference: str) -> 
     return Source(
         name=name, address=table.address, allow=(), mode="listen", every=table.every or 10.0, units="sent",
         nulls=tuple(STORE_NULLS if table.nulls is None else table.nulls), limits=(1024, 65536, 512),
-        silence=table.silence, items=rig, caliper=caliper, images=tuple(images), survey=None, pass_number=pass_number,
+        silence=table.silence, replace_after=0.0, items=rig, caliper=caliper, images=tuple(images), survey=None,
+        pass_number=pass_number,
         pass_numbers=table.pass_numbers.read(f"{place}.pass_numbers"), store=store,
     )  # fmt: skip

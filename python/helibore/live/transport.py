@@ -2,26 +2,31 @@
 
     open() -> Link      Link.read(seconds) -> bytes, b"" when nothing came, None when the link ended
 
-Nothing is ever written unless the source's mode says so. Not here: what the bytes mean, when to try again.
+Nothing is ever written unless the source's mode says so. ``server.py`` decides when to try again.
 """
 
 from __future__ import annotations
 
 import contextlib
 import ipaddress
-import select
+import selectors
 import socket
 import time
 from collections.abc import Callable
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Protocol
 
+from helibore.base.errors import MissingExtraError
+from helibore.live import wits
 from helibore.live.sources import Source
 from helibore.live.store import Position, StoreClient
 
 CHUNK = 65536
-REPLACE_AFTER = 10.0
-"""Seconds of silence after which a listener lets a new connection take the place of the one it has."""
+PATIENCE = 3
+"""A newcomer replaces no sender that was silent for less than so many of its own longest intervals."""
+ACCEPT_AGAIN = 1.0
+"""Seconds until the next try after a connection could not be accepted (no descriptors left)."""
 
 
 class Link(Protocol):
@@ -52,6 +57,29 @@ class Opener(Protocol):
         """Close it."""
 
 
+@dataclass
+class SimpleOpener:
+    """Opens a link by calling ``connect`` with the seconds it may take; holds nothing."""
+
+    connect: Callable[[float], Link]
+    ends: bool = False
+
+    def open(self, seconds: float) -> Link | None:
+        """Connect."""
+        return self.connect(seconds)
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+
+def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
+    """Return the sockets that have something; no descriptor is too large for poll, and none is needed."""
+    with selectors.PollSelector() as selector:
+        for one in sockets:
+            selector.register(one, selectors.EVENT_READ)
+        return [key.fileobj for key, _ in selector.select(seconds)]
+
+
 def _keep_alive(connection: socket.socket) -> None:
     """Notice within half a minute that the other side is gone, with a cable pulled too."""
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
@@ -61,24 +89,29 @@ def _keep_alive(connection: socket.socket) -> None:
 
 
 class SocketLink:
-    """A TCP connection; ``watch`` is called when ``beside`` (the listener) has something."""
+    """A TCP connection; ``listener`` is asked whether a newcomer takes its place."""
 
     def __init__(
-        self, connection: socket.socket, peer: str, beside: socket.socket | None = None,
-        watch: Callable[[], bool] = lambda: False,
-    ) -> None:  # fmt: skip
-        self.peer = peer
-        self._connection, self._beside, self._watch = connection, beside, watch
+        self, connection: socket.socket, peer: str, listener: TcpListener | None = None, first: bytes = b""
+    ) -> None:
+        self.peer, self.last_received, self.longest = peer, time.monotonic(), 0.0
+        self._connection, self._listener, self._first = connection, listener, first
         _keep_alive(connection)
         connection.settimeout(5.0)
 
     def read(self, seconds: float) -> bytes | None:
         """Return what came."""
-        sockets = [self._connection, *([self._beside] if self._beside else [])]
-        ready, _, _ = select.select(sockets, [], [], seconds)
+        if self._first:
+            first, self._first = self._first, b""
+            return first
+        beside = self._listener.watched() if self._listener else []
+        ready = _readable([self._connection, *beside], seconds)
         if self._connection in ready:  # first: a sender that left and came back has left
-            return self._connection.recv(CHUNK) or None
-        return None if self._beside in ready and self._watch() else b""
+            payload = self._connection.recv(CHUNK)
+            now = time.monotonic()
+            self.longest, self.last_received = max(self.longest, now - self.last_received), now
+            return payload or None
+        return None if self._listener and ready and self._listener.replaces(self, ready) else b""
 
     def write(self, payload: bytes) -> None:
         """Send ``payload``."""
@@ -89,122 +122,124 @@ class SocketLink:
         self._connection.close()
 
 
-class TcpClient:
-    """Connects to a server."""
+@dataclass
+class Newcomer:
+    """A connection that came while another sender was connected, and what it sent so far."""
 
-    ends = False
-
-    def __init__(self, source: Source) -> None:
-        self._target = (source.address.host, source.address.port)
-
-    def open(self, seconds: float) -> Link | None:
-        """Connect, within ``seconds``."""
-        connection = socket.create_connection(self._target, timeout=max(seconds, 5.0))
-        return SocketLink(connection, f"{self._target[0]}:{self._target[1]}")
-
-    def close(self) -> None:
-        """Nothing is held."""
+    connection: socket.socket
+    peer: str
+    parser: wits.Parser
+    since: float = field(default_factory=time.monotonic)
+    sent: bytes = b""
 
 
 class TcpListener:
-    """Waits for one sender at a time; a peer that is not allowed, or that comes while another sends, is refused."""
+    """Waits for one sender at a time; a peer that is not allowed is refused.
+
+    A newcomer replaces a sender only if that one has been silent for ``replace_after`` seconds and for `PATIENCE` times
+    its own longest interval, and only with a whole frame that has an item.
+    """
 
     ends = False
 
     def __init__(self, source: Source, refuse: Callable[[str, str], None]) -> None:
         host, port = source.address.host, source.address.port
-        family = socket.AF_INET6 if ":" in host else socket.AF_INET
-        self._listening = socket.socket(family, socket.SOCK_STREAM)
-        self._listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        try:
-            self._listening.bind((host, port))
-        except OSError:
-            self._listening.close()
-            raise
-        self._listening.listen(64)
+        self._listening = socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET,
+                                               backlog=64)  # fmt: skip
+        self._listening.settimeout(0.0)
         self.port = int(self._listening.getsockname()[1])
+        self._source, self._refuse = source, refuse
         self._allow = [ipaddress.ip_network(network) for network in source.allow]
-        self._refuse = refuse
-        self._waiting: tuple[socket.socket, str] | None = None
-        self._link: SocketLink | None = None
-        self._last_received = 0.0
+        self._newcomer: Newcomer | None = None
+        self._accept_from = 0.0
 
     def open(self, seconds: float) -> Link | None:
         """Return the next allowed connection."""
-        self._link = None
-        if self._waiting is None:
-            ready, _, _ = select.select([self._listening], [], [], seconds)
-            if ready:
-                self._accept()
-        if self._waiting is None:
+        if self._newcomer is None and _readable([self._listening], seconds):
+            self._accept()
+        if (one := self._newcomer) is None:
             return None
-        (connection, peer), self._waiting = self._waiting, None
-        self._last_received = time.monotonic()
-        link = _NotingSocketLink(connection, peer, self._listening, self._another)
-        link.last_received = self._note_received
-        return link
+        self._newcomer = None
+        return SocketLink(one.connection, one.peer, self, one.sent)
 
-    def _note_received(self) -> None:
-        self._last_received = time.monotonic()
+    def watched(self) -> list[socket.socket]:
+        """Return the sockets to look at beside the sender's."""
+        listening = [self._listening] if time.monotonic() >= self._accept_from else []
+        return listening + ([self._newcomer.connection] if self._newcomer else [])
 
     def _accept(self) -> None:
-        connection, address = self._listening.accept()
+        """Accept a newcomer; several may not wait at a time."""
+        try:
+            connection, address = self._listening.accept()
+        except BlockingIOError:
+            return  # it left again
+        except OSError as error:
+            self._accept_from = time.monotonic() + ACCEPT_AGAIN
+            self._refuse("link", f"a connection could not be accepted: {error}")
+            return
         peer = ipaddress.ip_address(str(address[0]).partition("%")[0])
         mapped = getattr(peer, "ipv4_mapped", None) or peer
-        if any(mapped in network for network in self._allow if network.version == mapped.version):
-            self._waiting = connection, f"{address[0]}:{address[1]}"
-            return
-        connection.close()
-        self._refuse("refused", f"{mapped}: is not in allow")
+        if not any(mapped in network for network in self._allow if network.version == mapped.version):
+            connection.close()
+            self._refuse("refused", f"{mapped}: is not in allow")
+        elif self._newcomer is not None:
+            connection.close()
+            self._refuse("refused", f"{mapped}: another newcomer is being checked")
+        else:
+            parser = wits.Parser(self._source.nulls, *self._source.limits)
+            self._newcomer = Newcomer(connection, f"{address[0]}:{address[1]}", parser)
 
-    def _another(self) -> bool:
-        """A second sender connects: True if it replaces a silent one."""
-        self._accept()
-        if self._waiting is None:
+    def replaces(self, sender: SocketLink, ready: list[Any]) -> bool:
+        """Accept or hear a newcomer; whether it takes the place of ``sender``."""
+        if self._listening in ready:
+            self._accept()
+        one = self._newcomer
+        if one is None:
             return False
-        if time.monotonic() - self._last_received > REPLACE_AFTER:
-            return True
-        (connection, peer), self._waiting = self._waiting, None
-        connection.close()
-        self._refuse("refused", f"{peer}: another sender is connected")
+        silent = time.monotonic() - sender.last_received
+        if silent < max(self._source.replace_after, PATIENCE * sender.longest):
+            return self._drop("another sender is connected")
+        if one.connection not in ready:
+            return False
+        try:
+            piece = one.connection.recv(CHUNK)
+        except OSError:
+            piece = b""
+        one.sent += piece
+        if not piece or len(one.sent) > CHUNK:
+            return self._drop("another sender is connected, and no whole frame came")
+        return bool(len(one.parser.feed(piece).items))
+
+    def _drop(self, why: str) -> bool:
+        assert self._newcomer is not None
+        self._refuse("refused", f"{self._newcomer.peer}: {why}")
+        self._newcomer.connection.close()
+        self._newcomer = None
         return False
 
     def close(self) -> None:
         """Stop listening."""
         self._listening.close()
+        if self._newcomer:
+            self._newcomer.connection.close()
 
 
-class _NotingSocketLink(SocketLink):
-    """Notes when bytes came."""
+def _connect(source: Source) -> Callable[[float], Link]:
+    host, port = source.address.host, source.address.port
 
-    last_received: Callable[[], None] = staticmethod(lambda: None)
+    def connect(seconds: float) -> Link:
+        return SocketLink(socket.create_connection((host, port), timeout=max(seconds, 5.0)), f"{host}:{port}")
 
-    def read(self, seconds: float) -> bytes | None:
-        payload = super().read(seconds)
-        if payload:
-            self.last_received()
-        return payload
+    return connect
 
 
-class SerialPort:
-    """A serial line, 8N1."""
-
-    ends = False
-
-    def __init__(self, source: Source) -> None:
-        try:
-            import serial
-        except ImportError as error:
-            raise ImportError('serial sources need pyserial: pip install "helibore[serial]"') from error
-        self._serial: Any = serial
-        self._file, self._baud = source.address.file, source.address.baud
-
-    def open(self, seconds: float) -> Link | None:
-        """Open the port."""
-        return SerialLink(self._serial.Serial(self._file, self._baud, timeout=seconds, write_timeout=5), self._file)
-
-    def close(self) -> None:
-        """Nothing is held."""
+def _serial(source: Source) -> Callable[[float], Link]:
+    try:
+        import serial
+    except ImportError:
+        raise MissingExtraError("pyserial", "serial") from None
+    file, baud = source.address.file, source.address.baud
+    return lambda seconds: SerialLink(serial.Serial(file, baud, timeout=seconds, write_timeout=5), file)
 
 
 class SerialLink:
@@ -226,22 +261,6 @@ class SerialLink:
     def close(self) -> None:
         """Close the port."""
         self._port.close()
-
-
-class FileReplay:
-    """A recorded stream, at ``speed`` bytes a second (0: as fast as it is taken)."""
-
-    ends = True
-
-    def __init__(self, source: Source) -> None:
-        self._file, self._speed = Path(source.address.file), source.address.speed
-
-    def open(self, seconds: float) -> Link | None:  # noqa: ARG002 (a file is there or it is not)
-        """Open the file."""
-        return FileLink(self._file, self._speed)
-
-    def close(self) -> None:
-        """Nothing is held."""
 
 
 class FileLink:
@@ -280,17 +299,20 @@ def opener(source: Source, refuse: Callable[[str, str], None], position: Positio
     ------
     OSError
         If a listener cannot have its address.
-    ImportError
+    MissingExtraError
         If a serial source lacks pyserial, or a store httpx2.
-    ValueError
+    InputError
         If a store's password or certificates are missing.
     """
-    if source.address.kind == "https":
+    kind = source.address.kind
+    if kind == "https":
         return StoreClient(source, position)
-    if source.address.kind == "listen":
+    if kind == "listen":
         return TcpListener(source, refuse)
-    kinds: dict[str, Callable[[Source], Opener]] = {"tcp": TcpClient, "serial": SerialPort, "file": FileReplay}
-    return kinds[source.address.kind](source)
+    if kind == "file":
+        file, speed = Path(source.address.file), source.address.speed
+        return SimpleOpener(lambda _: FileLink(file, speed), ends=True)
+    return SimpleOpener(_serial(source) if kind == "serial" else _connect(source))
 
 
 def close_quietly(link: Link) -> None:

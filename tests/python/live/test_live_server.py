@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import pty
+import resource
 import socket
 import threading
 import time
@@ -153,6 +154,51 @@ def test_a_second_sender_is_turned_away_while_the_first_sends(tmp_path):
             assert two.recv(1) == b""
         one.sendall(frames(1, 1)[0])
         until(lambda: running.live.wall.sample_count == 2)
+
+
+def test_a_slow_sender_is_not_replaced_by_a_newcomer_and_a_silent_one_only_by_a_whole_frame(tmp_path):
+    port = free_port()
+    with (
+        Running(tmp_path, f"listen://127.0.0.1:{port}", "replace_after = 0.2\n") as running,
+        socket.create_connection(("127.0.0.1", port)) as one,
+    ):
+        for frame in frames(3):  # its own interval is longer than replace_after
+            time.sleep(0.4)
+            one.sendall(frame)
+        until(lambda: running.live.wall.sample_count == 3)
+        time.sleep(0.4)
+        with socket.create_connection(("127.0.0.1", port)) as two:
+            two.sendall(frames(1, 50)[0])
+            assert two.recv(1) == b""
+        one.sendall(frames(1, 3)[0])
+        until(lambda: running.live.wall.sample_count == 4)
+        time.sleep(2.5)  # silent for longer than three of its intervals
+        for noise in (b"GET / HTTP/1.1\r\n\r\n", b"&&\r\n!!\r\n", b""):
+            with socket.create_connection(("127.0.0.1", port)) as scanner:
+                scanner.sendall(noise)
+            time.sleep(0.1)
+        with socket.create_connection(("127.0.0.1", port)) as three:
+            three.sendall(frames(1, 4)[0])
+            until(lambda: running.live.wall.sample_count == 5)
+            assert one.recv(1) == b""
+            three.sendall(frames(1, 5)[0])
+            until(lambda: running.live.wall.sample_count == 6)
+
+
+def test_a_descriptor_beyond_1024_is_read(tmp_path):
+    resource.setrlimit(resource.RLIMIT_NOFILE, (2048, resource.getrlimit(resource.RLIMIT_NOFILE)[1]))
+    held = [os.open(os.devnull, os.O_RDONLY) for _ in range(1100)]
+    try:
+        port = free_port()
+        with (
+            Running(tmp_path, f"listen://127.0.0.1:{port}") as running,
+            socket.create_connection(("127.0.0.1", port)) as sender,
+        ):
+            sender.sendall(frames(1)[0])
+            until(lambda: running.live.wall.sample_count == 1)
+    finally:
+        for file in held:
+            os.close(file)
 
 
 def test_a_listener_off_loopback_must_say_who_may_connect():
