@@ -1,4 +1,5 @@
-// Where NumPy arrays become spans and vectors become owned NumPy arrays; nothing else in the bindings touches buffers.
+// Turns NumPy arrays into spans, and vectors into NumPy arrays that own them; no other file of the bindings uses
+// buffers.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -15,8 +16,8 @@ namespace helibore::bindings {
 
 namespace py = pybind11;
 
-// An array as the core reads it where it lies: exactly numpy.ndarray, C-contiguous, aligned and native float64. The
-// Python layer (arrays.py) makes others so. pybind11's array_t would do, but takes 200 ns more, thrice an append.
+// An array that the core reads in place: exactly numpy.ndarray, C-contiguous, aligned and native float64. The Python
+// layer (base/arrays.py) converts others. pybind11's array_t takes 200 ns more, three times in an append.
 struct Column {
     py::object array;
     std::span<const double> values;

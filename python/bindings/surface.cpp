@@ -1,4 +1,4 @@
-// Surfaces and volumes for Python: counted with the layout, then filled straight into NumPy's own memory.
+// Surfaces and volumes for Python: counted by the layout, then written into the memory of NumPy arrays.
 #include "helibore/surface.hpp"
 
 #include "arrays.hpp"
@@ -9,7 +9,7 @@ namespace helibore::bindings {
 
 namespace {
 
-// An array of n rows not yet written. NumPy's allocator asks for huge pages, which makes the first touch cheap.
+// An array of n rows, not yet written. NumPy's allocator uses huge pages, so the first write is cheap.
 template <class Row, class Number>
 std::span<Row> rows_in(py::array_t<Number>& array) {
     return {reinterpret_cast<Row*>(array.mutable_data()), static_cast<std::size_t>(array.shape(0))};

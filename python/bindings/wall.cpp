@@ -1,5 +1,4 @@
-// helibore._core.Wall. Arrays come and go through arrays.hpp; the GIL is released before the wall's lock is
-// taken.
+// helibore._core.Wall. arrays.hpp converts arrays; the GIL is released before the wall's lock is taken.
 #include "helibore/wall.hpp"
 
 #include <pybind11/stl.h>
@@ -20,7 +19,7 @@ InstructionSet instruction_set_named(const std::string& name) {
     throw py::value_error("instruction_set = '" + name + "': must be automatic, plain, avx2 or avx512");
 }
 
-// By the names that both languages have; None stands for no value, and for no limit.
+// Settings have the same names in both languages; None means no value, or no limit.
 Settings settings_of(const py::dict& given, int threads, const std::string& instruction_set) {
     Settings s;
     const auto take = [&](const char* name, auto& member) {
@@ -54,7 +53,7 @@ SampleColumns columns_of(const Column& depth, const Column& toolface, const Colu
     return columns;
 }
 
-// Can samples be taken as they are? `column` of arrays.py, for all of them at once.
+// Can the core read all of these arrays in place?
 bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::handle time) {
     const auto is_one = [](py::handle values) {
         return is_column(values) && py::reinterpret_borrow<py::array>(values).ndim() == 1;
@@ -62,7 +61,7 @@ bool are_columns(py::handle depth, py::handle toolface, py::handle radius, py::h
     return is_one(depth) && is_one(toolface) && is_one(radius) && (time.is_none() || is_one(time));
 }
 
-// Waits for an append, if need be, while other Python threads go on.
+// Waits for an append, if there is one, while other Python threads continue.
 template <class T>
 T read_of(const Wall& wall, T (Wall::*read)() const) {
     const py::gil_scoped_release released;
@@ -74,7 +73,7 @@ auto number(T (Wall::*read)() const) {
     return [read](const Wall& wall) { return read_of(wall, read); };
 }
 
-// Unless the wall has grown meanwhile, read into the array by all of its threads.
+// Reads into the array on all threads of the wall, unless the wall has grown in the meantime.
 py::array_t<double> radius_of(const Wall& wall) {
     py::array_t<double> radius(read_of(wall, &Wall::size));
     const std::span<double> into(radius.mutable_data(), static_cast<std::size_t>(radius.size()));

@@ -1,11 +1,11 @@
-// A host that owns its transport: what stands on its input is pushed as it comes, and what changed is told.
+// A host with its own transport: it pushes what it reads from its input, and prints what changed.
 //
-//     samples 2                       depth toolface radius time, a row each
+//     samples 2                       depth toolface radius time, one row each
 //     stations 1                      depth inclination azimuth
 //     image GR gAPI 8 3               three rows of depth and eight values
 //
-// After each push: the changed vertices, image rows and the depth from where the path moved; at the end every vertex,
-// the image GR and the path, all numbers with every digit.
+// After each push it prints the changed vertices, image rows and the depth below which the path moved; at the end every
+// vertex, the image GR and the path, all numbers with all digits.
 #include <helibore/error.hpp>
 #include <helibore/live.hpp>
 #include <iostream>
@@ -44,7 +44,7 @@ void push(helibore::Live& live, const std::string& kind) {
         live.append_stations(c[0], c[1], c[2]);
 }
 
-void tell(const helibore::Update& update) {
+void show(const helibore::Update& update) {
     std::cout << "changed";
     if (update.change)
         for (const helibore::Range range : update.change->ranges) std::cout << " " << range.start << " " << range.stop;
@@ -58,7 +58,7 @@ void tell(const helibore::Update& update) {
     std::cout << "\n";
 }
 
-void tell(const char* name, const std::vector<double>& values) {
+void show(const char* name, const std::vector<double>& values) {
     std::cout << name;
     for (const double value : values) std::cout << " " << value;
     std::cout << "\n";
@@ -71,14 +71,14 @@ int main() {
     helibore::Live live({.wall = {.bit_diameter = 0.216, .sectors = 16, .start_depth = 100.0, .direct = true}});
     for (std::string kind; std::cin >> kind;) {
         push(live, kind);
-        tell(live.poll());
+        show(live.poll());
     }
     const helibore::VertexColumns vertices = live.wall().vertices();
-    tell("depth", vertices.depth);
-    tell("radius", vertices.radius);
-    tell("nearest", vertices.nearest);
-    tell("image_depth", live.image("GR").depth);
-    tell("image_values", live.image("GR").values);
+    show("depth", vertices.depth);
+    show("radius", vertices.radius);
+    show("nearest", vertices.nearest);
+    show("image_depth", live.image("GR").depth);
+    show("image_values", live.image("GR").values);
     for (const helibore::Vector3& place : live.path()->position(vertices.depth))
-        tell("position", {place.begin(), place.end()});
+        show("position", {place.begin(), place.end()});
 }

@@ -1,4 +1,4 @@
-// Two checks and a count of what failed: all a test program needs.
+// Two checks, and a count of failures.
 //
 //     CHECK(wall.size() == 9);
 //     CHECK_THROWS(InputError, "pitch = 0: must be finite and not 0", Wall({.bit_diameter = 1, .pitch = 0}));

@@ -1,4 +1,4 @@
-// Sends every allocation of a test program through one function of its own. Include it in one file.
+// Replaces the allocator of a test program by a function of its own. Include it in one file.
 //
 //     void* allocate(std::size_t bytes, std::size_t alignment) { ... }    // memory of std::aligned_alloc, or throws
 #pragma once

@@ -1,5 +1,5 @@
-// Fuzzes what reads bytes from outside: the WITS parser (any chunking gives the same frames, bounded memory) and the
-// journal scan (what it returns is intact and in order).
+// Fuzzes the readers of bytes from outside: the WITS parser (any chunking gives the same frames, bounded memory) and
+// the journal scan (the records it returns are intact and in order).
 //
 //   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -Icpp/include tests/cpp/fuzz_live.cpp
 //           cpp/src/acquire/wits.cpp cpp/src/acquire/journal.cpp -o fuzz_live && ./fuzz_live -max_total_time=600

@@ -1,5 +1,5 @@
-// A host's floating-point state changes no bit and stays as the host set it: rounding upwards, flushing subnormals to
-// zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would end them).
+// The host's floating-point state changes no result and stays as the host set it: rounding upwards, flushing subnormals
+// to zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would end them).
 #include <cfenv>
 
 #include "check.hpp"

@@ -1,4 +1,4 @@
-// The host API: pushed in parts and by two threads it gives the bits of the batch, and a poll tells all that changed.
+// The host API: pushes in parts and from two threads give the bits of the batch, and a poll reports all that changed.
 #include <algorithm>
 #include <cstring>
 #include <limits>
@@ -25,7 +25,7 @@ bool within(const std::vector<Range>& ranges, Index k) {
     return std::any_of(ranges.begin(), ranges.end(), [k](Range r) { return r.start <= k && k < r.stop; });
 }
 
-// One thread pushes, another polls and keeps a copy of the radii by what the polls tell: in the end it is the wall.
+// One thread pushes, another polls and updates a copy of the radii from the polls: in the end it equals the wall.
 void parts_threads_and_polls() {
     const Hole hole = oval_hole(4000, 1000.0, 12.0);
     Live live(settings);

@@ -1,5 +1,5 @@
-// However samples come, a wall keeps no more memory than 48 bytes a sample and 24 a vertex, by the account of the
-// allocator (glibc; elsewhere there is none to ask).
+// However samples arrive, a wall uses at most 48 bytes for each sample and 24 for each vertex, as glibc's allocator
+// counts them (others do not count).
 #include <algorithm>
 #include <cstdlib>
 #include <string>

@@ -1,5 +1,5 @@
-// Everything that starts threads or may be shared by them, on enough work to be shared out: the bits are those of one
-// thread. ThreadSanitizer has most to look at here:
+// Everything that starts threads, or that several threads may use, with enough work for several: the same bits as on
+// one thread. This is the test for ThreadSanitizer:
 //
 //   cmake -S . -B build/tsan -DHELIBORE_TESTS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=thread
 //   cmake --build build/tsan && ctest --test-dir build/tsan

@@ -1,5 +1,5 @@
-// What memory held before a wall got it shows nowhere: fresh memory of zeros and memory full of other programs' numbers
-// give the same bits, on every instruction set of this processor.
+// The earlier contents of memory do not change results: memory of zeros and memory full of other numbers give the same
+// bits, on every instruction set of this processor.
 #include <cstdlib>
 #include <cstring>
 #include <limits>

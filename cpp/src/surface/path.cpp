@@ -253,7 +253,8 @@ Reference reference_of(std::string_view name) {
     if (name == "high-side") return Reference::high_side;
     if (name == "north") return Reference::north;
     if (name == "parallel-transport") return Reference::parallel_transport;
-    throw InputError("reference = \"" + std::string(name) + "\": must be \"high-side\", \"north\" or \"parallel-transport\"");
+    throw InputError("reference = \"" + std::string(name) +
+                     "\": must be \"high-side\", \"north\" or \"parallel-transport\"");
 }
 
 void Segments::require_reach(double depth, const std::string& where) const {
