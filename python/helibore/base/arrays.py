@@ -64,6 +64,27 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
     return array
 
 
+def finite_column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
+    """Return a column as `column` does, and refuse NaN and infinite values: ``toolface[17] = nan: must be finite``."""
+    array = column(name, values, length, like)
+    require(name, array, np.isfinite(array), "must be finite")
+    return array
+
+
+def whole_column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Integers:
+    """Return a column of whole numbers as (n,) int64."""
+    array = finite_column(name, values, length, like)
+    require(name, array, np.floor(array) == array, "must be a whole number")
+    return array.astype(np.int64)
+
+
+def require(name: str, values: Floats | Integers, valid: Mask, rule: str) -> None:
+    """Raise an InputError that names the first value that is not ``valid``."""
+    if not valid.all():
+        at = int(np.argmin(valid))
+        raise InputError(f"{name}[{at}]", rule, f"{values[at]:g}")
+
+
 def sample_columns(
     depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None
 ) -> tuple[Floats, Floats, Floats, Floats | None]:

@@ -17,7 +17,8 @@ from helibore.channels import plausibility
 from helibore.channels.roles import ROLES, Role, RoleMap, guess
 from helibore.files.delimited import NO_HEADER
 from helibore.files.raw_set import RawSet
-from helibore.images.sector_image import Direction, Origin, Reference, SectorImage
+from helibore.images.sector_image import Direction, Origin, SectorImage
+from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Survey
 
 Floats = npt.NDArray[np.float64]

@@ -134,11 +134,10 @@ def readings(
 
 def samples(log_set: RawSet, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
     """Bring the readings of a set into one frame, in file order; nothing is judged. Errors as :func:`readings`."""
-    from helibore.preparation.prepare import Preparation
-    from helibore.preparation.sample_columns import Samples
+    from helibore.preparation.observe import observe
 
     found = readings(log_set, roles, bit_diameter)
-    seen = Samples.observed([found], Preparation(), None, [], {})
+    seen = observe([found])
     return WallSamples(
         seen.depth, seen.toolface, seen.radius, seen.time, seen.row, log_set.rows, found.missing, found.notes
     )

@@ -23,8 +23,8 @@ from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.mesh.surface import Surface
 from helibore.mesh.volume import Volume
 from helibore.runs.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
+from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path as WellPath
-from helibore.trajectory.survey import Reference
 from helibore.wall.archive import ENDING as ARCHIVE
 from helibore.wall.wall import Wall
 

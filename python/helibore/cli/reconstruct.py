@@ -311,9 +311,9 @@ def _lines(run: Run) -> Iterator[tuple[str, str]]:
         return
     yield from told(run)
     inside = _inside(run)
-    if not run.prepared.told and not any(found.missing for found in run.readings):
+    if not run.prepared.report and not any(found.missing for found in run.readings):
         yield "dropped", "nothing"
-    yield from run.prepared.told
+    yield from run.prepared.report
     yield "samples", f"{len(run.prepared.caliper):,}, {inside.size:,} of them in the interval"
     yield from wall_lines(run.wall, len(run.surface.quads), 2.0 * float(inside.mean()))
     if run.earlier is not None:

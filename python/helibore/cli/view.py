@@ -108,7 +108,7 @@ def _repeated(terminal: Terminal, file: Path, options: dict[str, Any]) -> Viewer
         run = repeat(file)
     if run.wall is None or run.prepared is None:
         raise RuntimeError("a run without a wall; this is a bug in helibore")
-    terminal.summary([*told(run), *run.prepared.told])
+    terminal.summary([*told(run), *run.prepared.report])
     return _shown(terminal, run.wall, options["well"] or file.name.split(".")[0], options)
 
 

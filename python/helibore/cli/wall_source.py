@@ -150,7 +150,7 @@ def _sourced(run: Run, name: str) -> Sourced:
 
     if run.wall is None or run.prepared is None:
         raise RuntimeError("a run without a wall; this is a bug in helibore")
-    return Sourced(run.wall, name, [*told(run), *run.prepared.told])
+    return Sourced(run.wall, name, [*told(run), *run.prepared.report])
 
 
 def _round(options: dict[str, Any], terminal: Terminal) -> Sourced:
@@ -244,8 +244,8 @@ def _image(spelling: str, options: dict[str, Any], path: WellPath | None = None)
         )
     if reference == "parallel-transport":
         raise click.UsageError(
-            f"--image {spelling}: the wall's toolfaces are carried down its path, no image's are: end it with "
-            ":north or :high-side"
+            f"--image {spelling}: the wall's toolfaces count from a parallel-transport reference, no image's do: "
+            "end it with :north or :high-side"
         )
     file, name, origin = parts
     with helibore.open(file, nulls(options)) as opened, _named():

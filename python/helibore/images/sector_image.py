@@ -24,6 +24,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.threads import thread_count
 from helibore.samples.helix import WallLike
+from helibore.trajectory.references import REFERENCES, Reference
 
 if TYPE_CHECKING:
     from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria
@@ -31,7 +32,6 @@ if TYPE_CHECKING:
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]
-Reference = Literal["high-side", "north", "parallel-transport"]
 Method = Literal["cell", "linear"]
 
 FINE = 360
@@ -94,7 +94,7 @@ class SectorImage:
         reach: float | None = None,
     ) -> None:
         _one_of("origin", origin, get_args(Origin))
-        _one_of("reference", reference, get_args(Reference))
+        _one_of("reference", reference, REFERENCES)
         _one_of("direction", direction, get_args(Direction))
         if not math.isfinite(offset):
             raise ValueError(f"offset = {offset}: must be finite")

@@ -15,11 +15,12 @@ import numpy.typing as npt
 from pydantic import Field
 
 from helibore.base.errors import InputError
-from helibore.images.sector_image import Direction, Origin, Reference, SectorImage
+from helibore.images.sector_image import Direction, Origin, SectorImage
 from helibore.live.checks import Table, check, joined_place, within, without_none
+from helibore.trajectory.references import Reference
 
 PathReference = Literal["high-side", "north"]
-"""What toolface 0 is, on a path that grows with its survey; a carried reference would depend on the first station."""
+"""What toolface 0 is, on a path that grows with its survey; parallel transport would depend on the first station."""
 
 
 @dataclass(frozen=True)

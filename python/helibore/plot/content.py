@@ -31,7 +31,8 @@ from helibore.samples.helix import helix_of
 
 if TYPE_CHECKING:
     from helibore.plot.calipers import Diameters
-    from helibore.trajectory.survey import Path, Reference
+    from helibore.trajectory.references import Reference
+    from helibore.trajectory.survey import Path
     from helibore.wall.wall import Wall
 
 RADIUS = "Radius"

@@ -14,7 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, column
+from helibore.base.arrays import Floats, Integers, finite_column, require, whole_column
+from helibore.base.errors import InputError
 
 __all__ = ["Bias", "arm_sides", "find_bias"]
 
@@ -45,9 +46,9 @@ class Bias:
     noise: float
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
-        """Bias of each sample, (n,) m, new: subtract it from the radius. ValueError at an unknown pass or arm."""
-        number = whole_numbers("pass_number", pass_number)
-        arms = np.zeros(number.size, dtype=np.int64) if arm is None else whole_numbers("arm", arm)
+        """Bias of each sample, (n,) m, new: subtract it from the radius. InputError at an unknown pass or arm."""
+        number = whole_column("pass_number", pass_number)
+        arms = np.zeros(number.size, dtype=np.int64) if arm is None else whole_column("arm", arm)
         pass_row = rows_of("pass_number", number, self.passes)
         return self.by_pass[pass_row] + self.by_arm[rows_of("arm", arms, self.arms)]
 
@@ -86,12 +87,14 @@ def find_bias(
     -----
     Huber, Ann. Math. Statist. 35 (1964) 73.
     """
-    where, distance, number = samples_of(depth, radius, pass_number)
-    angle = finite("toolface", column("toolface", toolface, where.size, "depth"))
-    arms = np.zeros(where.size, dtype=np.int64) if arm is None else whole_numbers("arm", arm, where.size)
+    where = finite_column("depth", depth)
+    distance = finite_column("radius", radius, where.size, "depth")
+    number = whole_column("pass_number", pass_number, where.size, "depth")
+    angle = finite_column("toolface", toolface, where.size, "depth")
+    arms = np.zeros(where.size, dtype=np.int64) if arm is None else whole_column("arm", arm, where.size, "depth")
     if not (cell > 0 and sectors >= 1 and floor > 0 and expected > 0):
-        raise ValueError(f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}: "
-                         "all must be larger than 0")  # fmt: skip
+        place = f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}"
+        raise InputError(place, "all must be larger than 0")
     passes, arm_numbers = np.unique(number), np.unique(arms)
     group = np.searchsorted(passes, number) * arm_numbers.size + np.searchsorted(arm_numbers, arms)
     groups = passes.size * arm_numbers.size
@@ -125,7 +128,7 @@ def find_bias(
     return Bias(passes, arm_numbers, by_pass, by_arm, table, deviation)
 
 
-def arm_sides(arm: npt.ArrayLike, bearing: npt.ArrayLike, sides: int = 8) -> Integers:
+def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> Integers:
     """Classes of arms by the side of the hole they lie on, for arms that sag in an inclined hole.
 
     The weight of the tool bends and closes its arms, each by its direction: the two ends of a diameter read differently
@@ -135,8 +138,8 @@ def arm_sides(arm: npt.ArrayLike, bearing: npt.ArrayLike, sides: int = 8) -> Int
     ----------
     arm
         Whole numbers, not negative, (n,).
-    bearing
-        Toolface of the tool's reference, degrees from the high side, (n,), finite.
+    toolface
+        Of the tool's reference, degrees from the high side, (n,), finite.
     sides
         Classes of each arm; the first is centred on 0.
 
@@ -146,9 +149,9 @@ def arm_sides(arm: npt.ArrayLike, bearing: npt.ArrayLike, sides: int = 8) -> Int
         arm * sides + side, (n,) int64, for :func:`find_bias`.
     """
     if sides < 1:
-        raise ValueError(f"sides = {sides}: must be at least 1")
-    looking = finite("bearing", column("bearing", bearing))
-    number = whole_numbers("arm", arm, looking.size, "bearing")
+        raise InputError("sides", "must be at least 1", str(sides))
+    looking = finite_column("toolface", toolface)
+    number = whole_column("arm", arm, looking.size, "toolface")
     return number * sides + np.floor((looking / 360.0 * sides + 0.5) % sides).astype(np.int64) % sides
 
 
@@ -198,41 +201,12 @@ class _Walls:
         return matrix, side
 
 
-def samples_of(
-    depth: npt.ArrayLike, radius: npt.ArrayLike, pass_number: npt.ArrayLike
-) -> tuple[Floats, Floats, Integers]:
-    """Columns of one length, finite, with whole pass numbers."""
-    where = finite("depth", column("depth", depth))
-    distance = finite("radius", column("radius", radius, where.size, "depth"))
-    return where, distance, whole_numbers("pass_number", pass_number, where.size)
-
-
-def whole_numbers(name: str, values: npt.ArrayLike, size: int | None = None, like: str = "depth") -> Integers:
-    """Pass or arm numbers, as (n,) int64."""
-    number = finite(name, column(name, values, size, like))
-    broken = np.floor(number) != number
-    if broken.any():
-        at = int(np.argmax(broken))
-        raise ValueError(f"{name}[{at}] = {number[at]:g}: must be a whole number")
-    return number.astype(np.int64)
-
-
 def rows_of(name: str, numbers: Integers, known: Integers) -> Integers:
     """Row of each number among the known ones, which are sorted."""
     row = np.minimum(np.searchsorted(known, numbers), max(known.size - 1, 0))
-    strange = known[row] != numbers if known.size else np.ones(numbers.size, dtype=bool)
-    if strange.any():
-        at = int(np.argmax(strange))
-        raise ValueError(f"{name}[{at}] = {numbers[at]}: is not among {known.tolist()}")
+    there = known[row] == numbers if known.size else np.zeros(numbers.size, dtype=bool)
+    require(name, numbers, there, f"is not among {known.tolist()}")
     return row
-
-
-def finite(name: str, values: Floats) -> Floats:
-    bad = ~np.isfinite(values)
-    if bad.any():
-        at = int(np.argmax(bad))
-        raise ValueError(f"{name}[{at}] = {values[at]:g}: must be finite")
-    return values
 
 
 def _centred(bias: Floats, shared: Integers) -> Floats:

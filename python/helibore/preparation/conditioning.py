@@ -1,7 +1,7 @@
-"""What to leave out, and why: each step looks at the samples, changes nothing, and answers with a :class:`Step`.
+"""What to leave out, and why: each step looks at the samples, changes nothing, and returns a :class:`Step`.
 
-    steps = [in_range(radius, 0.05, 0.5), spikes(toolface, radius, turn)]
-    kept, counts = combine(steps)          # counts: {"range: below": 3, ..., "kept": 9881}; they add up to the samples
+    step = spikes(toolface, radius, turn)
+    radius[step.kept], step.counts         # counts: {"spike": 3}
 
 A step is a name, its settings, a mask of what it drops and a count for each reason. Steps do not see each other: apply
 one, select, apply the next where order matters. Also here: travel time to radius. Not here: any repair of a value.
@@ -15,11 +15,11 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column
+from helibore.base.arrays import Floats, Integers, Mask, column, whole_column
+from helibore.base.errors import InputError
 
-__all__ = ["Echo", "Step", "closed", "combine", "in_range", "radius_of_travel_time", "repeated_rows", "spikes", "stuck"]
+__all__ = ["Echo", "Step", "closed", "in_range", "repeated_rows", "spikes", "stuck"]
 
-Mask = npt.NDArray[np.bool_]
 _SAMPLES_AT_ONCE = 1 << 17
 
 
@@ -53,39 +53,6 @@ class Step:
         return ~self.dropped
 
 
-def combine(steps: Sequence[Step]) -> tuple[Mask, dict[str, int]]:
-    """Samples that no step drops, and a count for each step; a sample dropped by several counts for the first.
-
-    Parameters
-    ----------
-    steps
-        One or more, of one shape.
-
-    Returns
-    -------
-    kept
-        Mask of that shape, new.
-    counts
-        Step name to samples, and ``"kept"``; they add up to the number of samples. Steps of one name add up.
-
-    Raises
-    ------
-    ValueError
-        If there is no step, or the shapes differ.
-    """
-    if not steps:
-        raise ValueError("steps: must have at least one")
-    kept = np.ones(steps[0].dropped.shape, dtype=bool)
-    counts: dict[str, int] = {}
-    for step in steps:
-        if step.dropped.shape != kept.shape:
-            raise ValueError(f"step {step.name} has shape {step.dropped.shape}, {steps[0].name} has {kept.shape}")
-        counts[step.name] = counts.get(step.name, 0) + int(np.count_nonzero(kept & step.dropped))
-        kept &= ~step.dropped
-    counts["kept"] = int(np.count_nonzero(kept))
-    return kept, counts
-
-
 def in_range(values: npt.ArrayLike, low: float, high: float) -> Step:
     """Drop what is missing (NaN), below ``low`` or above ``high`` (both inclusive limits), each counted.
 
@@ -98,12 +65,12 @@ def in_range(values: npt.ArrayLike, low: float, high: float) -> Step:
 
     Raises
     ------
-    ValueError
+    InputError
         If low > high or either is NaN.
     """
     array = column("values", values)
     if not low <= high:
-        raise ValueError(f"low = {low:g}, high = {high:g}: low must not be larger than high")
+        raise InputError(f"low = {low:g}, high = {high:g}", "low must not be larger than high")
     missing, below, above = np.isnan(array), array < low, array > high
     counts = {name: int(np.count_nonzero(m)) for name, m in (("missing", missing), ("below", below), ("above", above))}
     return Step("range", {"low": low, "high": high}, missing | below | above, counts)
@@ -113,56 +80,154 @@ def spikes(
     toolface: npt.ArrayLike,
     radius: npt.ArrayLike,
     turn: npt.ArrayLike,
+    depth: npt.ArrayLike | None = None,
     *,
-    neighbors: int = 4,
     threshold: float = 6.0,
     floor: float = 0.0005,
 ) -> Step:
-    """Drop samples that stand out from those around them in their own turn (Hampel's identifier).
+    """Drop samples that the neighbouring turns at the same toolface contradict, in time and in depth.
 
-    In each turn the samples stand in a ring, by toolface. A sample is compared with the median of the 2 * neighbors + 1
-    around it, itself among them, and dropped when it is farther off than ``threshold`` deviations, deviation = 1.4826
-    times the median distance from that median. The edge of a breakout, seen by half of the ring's window or more,
-    stays; a feature narrower than half the window does not.
+    A breakout, a key seat or a ledge goes on from turn to turn or around the hole; a spike does not. Of the samples of
+    the three turns before and the three after that lie next to the toolface on either side, the eight nearest in
+    toolface are compared with the sample. It is a spike where all of these hold::
+
+        1  it lies beyond the second largest or smallest of them by the tolerance and a quarter of their spread
+        2  none of the two next to it in its own turn, or next to its toolface in the turn before and after, is within
+           the tolerance of it
+        3  of the samples of other times that lie next to it in depth, not half are within the tolerance of it
+
+    The tolerance is ``threshold`` times a deviation: 1.4826 times the median distance of the samples of a turn from the
+    medians of their neighbours, in the median of a hundred turns.
 
     Parameters
     ----------
     toolface, radius, turn
-        Degrees, metres (NaN: left alone, not counted), whole numbers; (n,).
-    neighbors
-        To each side, at least 1. Turns with fewer than 2 * neighbors + 1 radii are not judged.
+        Degrees, metres (NaN: left alone, not counted), whole numbers in order of time; (n,).
+    depth
+        Metres, (n,), for the third rule; None: every turn has a depth of its own.
     threshold
         In deviations.
     floor
         Least deviation, m: what noise alone may do. Quantised radii need about one step, for their median distance is
         often 0.
 
+    Returns
+    -------
+    Step
+        ``unjudged`` counts samples with fewer than four neighbours in other turns.
+
     Notes
     -----
-    Hampel, J. Am. Stat. Assoc. 69 (1974) 383; 1.4826 = 1 / 0.6745, the quartile of the normal distribution.
+    1.4826 = 1 / 0.6745, the quartile of the normal distribution.
     """
     angle = column("toolface", toolface)
     distance = column("radius", radius, angle.size, "toolface")
-    number = column("turn", turn, angle.size, "toolface")
-    if neighbors < 1:
-        raise ValueError(f"neighbors = {neighbors}: must be at least 1")
+    number = whole_column("turn", turn, angle.size, "toolface")
+    where = np.zeros(angle.size) if depth is None else column("depth", depth, angle.size, "toolface")
     if not (threshold > 0 and floor > 0):
-        raise ValueError(f"threshold = {threshold:g}, floor = {floor:g}: must be larger than 0")
+        raise InputError(f"threshold = {threshold:g}, floor = {floor:g}", "must be larger than 0")
     present = np.flatnonzero(np.isfinite(distance))
     order = present[np.lexsort((angle[present] % 360.0, number[present]))]
-    _, first, count = np.unique(number[order], return_index=True, return_counts=True)
-    first, count = np.repeat(first, count), np.repeat(count, count)
-    judged = np.flatnonzero(count >= 2 * neighbors + 1)
-    ring, offsets = distance[order], np.arange(-neighbors, neighbors + 1)
+    rings = _Rings(angle[order] % 360.0, distance[order], number[order])
+    middle, low, high, judged = np.empty((4, order.size))
+    alone = np.empty(order.size, dtype=bool)
+    for start in range(0, order.size, _SAMPLES_AT_ONCE):
+        at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
+        judged[at], middle[at], low[at], high[at] = rings.neighbours(at)
+    tolerance = threshold * np.maximum(rings.deviation(middle), floor)
+    slack = tolerance + 0.25 * (high - low)
+    for start in range(0, order.size, _SAMPLES_AT_ONCE):
+        at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
+        alone[at] = ~rings.supported(at, tolerance[at])
+    beyond = (rings.radius > high + slack) | (rings.radius < low - slack)
+    found = np.flatnonzero((judged >= 4) & beyond & alone)
+    if depth is not None and found.size:
+        found = found[~rings.repeated(found, where[order], tolerance)]
     dropped = np.zeros(angle.size, dtype=bool)
-    for start in range(0, judged.size, _SAMPLES_AT_ONCE):
-        at = judged[start : start + _SAMPLES_AT_ONCE]
-        around = ring[first[at, None] + ((at - first[at])[:, None] + offsets) % count[at, None]]
-        middle = np.median(around, axis=1)
-        deviation = 1.4826 * np.median(np.abs(around - middle[:, None]), axis=1)
-        dropped[order[at]] = np.abs(ring[at] - middle) > threshold * np.maximum(deviation, floor)
-    settings = {"neighbors": neighbors, "threshold": threshold, "floor": floor}
-    return Step("spikes", settings, dropped, {"spike": int(np.count_nonzero(dropped))}, order.size - judged.size)
+    dropped[order[found]] = True
+    unjudged = int(np.count_nonzero(judged < 4))
+    return Step("spikes", {"threshold": threshold, "floor": floor}, dropped, {"spike": found.size}, unjudged)
+
+
+class _Rings:
+    """Samples sorted by turn and toolface: the samples of a turn stand in a ring."""
+
+    reach, used = 3, 8  # turns to either side, and neighbours compared of those next to the toolface in them
+
+    def __init__(self, angle: Floats, radius: Floats, turn: Integers) -> None:
+        self.angle, self.radius = angle, radius
+        self.turns, first, count, ring = _runs_of(turn)
+        self.first, self.count, self.ring = first, count, ring
+        self.key = ring * 360.0 + angle
+
+    def _next_to(self, at: Integers, step: int) -> tuple[Integers, Mask]:
+        """The two samples next to the toolface in the turn ``step`` away, (n, 2), and whether there is such a turn."""
+        ring = np.searchsorted(self.turns, self.turns[self.ring[at]] + step)
+        ring = np.minimum(ring, self.turns.size - 1)
+        there = self.turns[ring] == self.turns[self.ring[at]] + step
+        after = np.searchsorted(self.key, ring * 360.0 + self.angle[at]) - self.first[ring]
+        pair = np.stack([after - 1, after], axis=1) % self.count[ring, None]
+        return self.first[ring, None] + pair, there
+
+    def neighbours(self, at: Integers) -> tuple[Floats, Floats, Floats, Floats]:
+        """Number of neighbours in other turns, their median, second smallest and second largest radius."""
+        pairs = [self._next_to(at, step) for step in range(-self.reach, self.reach + 1) if step]
+        candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
+        gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
+        far = gap > 0.75 * 360.0 / self.count[self.ring[at], None]  # another arm of a tool of few arms
+        gap[far | ~np.repeat(np.stack([there for _, there in pairs], axis=1), 2, axis=1)] = np.inf
+        nearest = np.argsort(gap, axis=1, kind="stable")[:, : self.used]
+        absent = np.isinf(np.take_along_axis(gap, nearest, axis=1))
+        values = self.radius[np.take_along_axis(candidates, nearest, axis=1)]
+        values = np.sort(np.where(absent, np.nan, values), axis=1)  # NaN last
+        number = self.used - absent.sum(axis=1)
+        row, last = np.arange(at.size), np.maximum(number - 1, 0)
+        middle = 0.5 * (values[row, last // 2] + values[row, (last + 1) // 2])
+        return number.astype(np.float64), middle, values[row, np.minimum(1, last)], values[row, np.maximum(last - 1, 0)]
+
+    def deviation(self, middle: Floats) -> Floats:
+        """Robust deviation from the medians of the neighbours: the median turn of each hundred speaks for all of them.
+
+        A turn through a breakout has a larger median distance of its own, which is shape and not noise.
+        """
+        off = np.nan_to_num(np.abs(self.radius - middle), nan=np.inf)
+        off = off[np.lexsort((off, self.ring))][self.first + (self.count - 1) // 2]
+        block = np.arange(off.size) // 100
+        _, first, count, _ = _runs_of(block)
+        median = 1.4826 * off[np.lexsort((off, block))][first + (count - 1) // 2]
+        return np.where(np.isfinite(median), median, 0.0)[block[self.ring]]
+
+    def supported(self, at: Integers, tolerance: Floats) -> Mask:
+        """Whether one next to each in its own turn, or next to its toolface in the next turns, agrees with it."""
+        first, count = self.first[self.ring[at]], self.count[self.ring[at]]
+        agrees = np.zeros(at.size, dtype=bool)
+        for step in (-1, 1):
+            beside = first + (at - first + step) % count
+            agrees |= (beside != at) & (np.abs(self.radius[beside] - self.radius[at]) <= tolerance)
+            pair, there = self._next_to(at, step)
+            near = np.abs(self.radius[pair] - self.radius[at, None]) <= tolerance[:, None]
+            agrees |= near.any(axis=1) & there
+        return agrees
+
+    def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
+        """Whether half of the samples of other times next to each in depth, in its 10 degrees, agree with it."""
+        cell = np.floor(self.angle / 10.0)
+        order = np.lexsort((depth, cell))
+        place = np.empty(order.size, dtype=np.int64)
+        place[order] = np.arange(order.size)
+        beside = place[at, None] + np.array([-4, -3, -2, -1, 1, 2, 3, 4])
+        other = order[np.clip(beside, 0, order.size - 1)]
+        near = (cell[other] == cell[at, None]) & (np.abs(depth[other] - depth[at, None]) <= 0.05)
+        apart = near & (np.abs(self.turns[self.ring[other]] - self.turns[self.ring[at]][:, None]) > self.reach)
+        agree = apart & (np.abs(self.radius[other] - self.radius[at, None]) <= tolerance[at, None])
+        half: Mask = (2 * agree.sum(axis=1) >= apart.sum(axis=1)) & apart.any(axis=1)
+        return half
+
+
+def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:
+    """The different values of a sorted column, where each begins, how many there are, and which one each row is."""
+    different, first, count = np.unique(values, return_index=True, return_counts=True)
+    return different, first, count, np.repeat(np.arange(different.size), count)
 
 
 def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5) -> Step:
@@ -184,9 +249,9 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
         ``dropped`` is (arms, n). Reasons ``stuck`` (one value) and ``dead`` (missing throughout).
     """
     if len(arms) < 2:
-        raise ValueError(f"arms has {len(arms)} columns: must have at least 2, to compare")
+        raise InputError(f"arms has {len(arms)} columns", "must have at least 2, to compare")
     if rows < 2 or not 0 < moving <= 1:
-        raise ValueError(f"rows = {rows}, moving = {moving:g}: rows must be at least 2, moving in (0, 1]")
+        raise InputError(f"rows = {rows}, moving = {moving:g}", "rows must be at least 2, moving in (0, 1]")
     values = _table("arms", arms)
     count = values.shape[1]
     changed = np.ones(values.shape, dtype=bool)
@@ -219,7 +284,7 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
         One or more, (n,). Leave out what may differ between copies, such as a time of arrival.
     """
     if not columns:
-        raise ValueError("columns: must have at least one")
+        raise InputError("columns", "must have at least one")
     values = _table("columns", columns)
     order = np.lexsort(values)  # stable: among equals the earliest comes first
     ahead, behind = values[:, order[1:]], values[:, order[:-1]]
@@ -250,12 +315,10 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
         ``dropped`` is (n,), of rows. Reasons ``closed`` and ``margin``.
     """
     if not radius > 0 or not tolerance >= 0 or margin < 0:
-        raise ValueError(
-            f"radius = {radius:g}, tolerance = {tolerance:g}, margin = {margin}: radius must be larger than 0, "
-            "the others not negative"
-        )
+        place = f"radius = {radius:g}, tolerance = {tolerance:g}, margin = {margin}"
+        raise InputError(place, "radius must be larger than 0, the others not negative")
     if not len(arms):
-        raise ValueError("arms: must have at least one column")
+        raise InputError("arms", "must have at least one column")
     values = _table("arms", arms)
     silent = np.all(np.isnan(values), axis=0)
     shut = ~np.any(values > radius + tolerance, axis=0) & ~silent
@@ -268,59 +331,18 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
     return Step("closed", settings, near, counts, int(np.count_nonzero(silent)))
 
 
-def radius_of_travel_time(
-    travel_time: npt.ArrayLike, tool_radius: float, velocity: float, window: float = 0.0
-) -> Floats:
-    """Radius from an echo: tool_radius + velocity * (travel_time - window) / 2, there and back through the mud.
-
-    Parameters
-    ----------
-    travel_time
-        Two-way time, seconds, (n,); NaN stays NaN.
-    tool_radius
-        From the tool's axis to the face of its transducer, m.
-    velocity
-        Of sound in the mud, m/s; about 1500 in water.
-    window
-        What the echo spends inside the tool, behind the window of the transducer, there and back, seconds.
-
-    Returns
-    -------
-    ndarray
-        Metres from the tool's axis, (n,) float64, new.
-
-    Raises
-    ------
-    ValueError
-        If tool_radius < 0, velocity <= 0 or window < 0, or a time is infinite or shorter than the window.
-    """
-    if not (tool_radius >= 0 and velocity > 0 and window >= 0 and np.isfinite(tool_radius + velocity + window)):
-        raise ValueError(
-            f"tool_radius = {tool_radius:g}, velocity = {velocity:g}, window = {window:g}: "
-            "velocity must be larger than 0, the others not negative, all finite"
-        )
-    time = column("travel_time", travel_time)
-    bad = np.isinf(time) | (time < window)
-    if bad.any():
-        at = int(np.argmax(bad))
-        raise ValueError(
-            f"travel_time[{at}] = {time[at]:g}: must be finite and not shorter than the window, {window:g}"
-        )
-    return tool_radius + 0.5 * velocity * (time - window)
-
-
 @dataclass(frozen=True)
 class Echo:
-    """How a travel time becomes a radius; see :func:`radius_of_travel_time`.
+    """How a travel time becomes a radius: tool_radius + velocity * (travel_time - window) / 2.
 
     Attributes
     ----------
     velocity
-        Of sound in the mud, m/s.
+        Of sound in the mud, m/s; about 1500 in water.
     tool_radius
         From the tool's axis to the face of its transducer, m.
     window
-        What the echo spends inside the tool, seconds.
+        What the echo spends inside the tool, behind the window of the transducer, there and back, seconds.
     """
 
     velocity: float
@@ -328,13 +350,15 @@ class Echo:
     window: float = 0.0
 
     def __post_init__(self) -> None:
-        radius_of_travel_time([], self.tool_radius, self.velocity, self.window)
+        finite = all(np.isfinite(value) for value in vars(self).values())
+        if not (finite and self.velocity > 0 and self.tool_radius >= 0 and self.window >= 0):
+            place = f"tool_radius = {self.tool_radius:g}, velocity = {self.velocity:g}, window = {self.window:g}"
+            raise InputError(place, "velocity must be larger than 0, the others not negative, all finite")
 
     def radius(self, travel_time: Floats) -> Floats:
         """Radii of travel times of any shape, m; a time shorter than the window is no echo: NaN."""
         late = np.where(travel_time >= self.window, travel_time, np.nan)
-        flat = radius_of_travel_time(late.ravel(), self.tool_radius, self.velocity, self.window)
-        return flat.reshape(travel_time.shape)
+        return self.tool_radius + 0.5 * self.velocity * (late - self.window)
 
 
 def _table(name: str, columns: Sequence[npt.ArrayLike]) -> Floats:

@@ -28,7 +28,7 @@ less of the offset is corrected (``Centres.one_sided``, ``Centres.share``).
 
 Where the wall steps out and back, harmonics do not follow: 32 samples a turn in lobes with upright edges leave 0.6 mm.
 So a rough turn is fitted twice more, as an oval with two opposite lobes and with one, their edges found by trying all,
-and the models are mixed by their evidence (``turn_models``).
+and the models are mixed by their evidence (``turn_fits``).
 
 What no model can tell: a smooth washout on one side, 120 to 150 deg wide, has hardly a third harmonic; its first and
 second are those of a tool off centre in an oval hole. The axis found is then that of the washed-out wall.
@@ -44,9 +44,9 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Floats, Integers, column
-from helibore.preparation.turn_fits import Shape, TurnFits
-from helibore.preparation.turn_models import Estimate, estimate
+from helibore.base.arrays import Floats, Integers, column, finite_column, require, whole_column
+from helibore.base.errors import InputError
+from helibore.preparation.turn_fits import Shape, TurnFits, estimate
 
 __all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_numbers"]
 
@@ -55,7 +55,7 @@ _SAMPLES_AT_ONCE = 1 << 16
 
 @dataclass(frozen=True)
 class Centres:
-    """The tool's centre in each turn. One entry a turn, sorted by ``turn``; NaN where a turn has no radius at all.
+    """The tool's centre in each turn. One entry a turn, sorted by ``turn``; NaN where a turn has no radius.
 
     Attributes
     ----------
@@ -153,11 +153,8 @@ def turn_numbers(toolface: npt.ArrayLike) -> Integers:
     ndarray
         (n,) int64, new; 0 for the first sample.
     """
-    angle = _finite("toolface", toolface)
-    if angle.size == 0:
-        return np.empty(0, dtype=np.int64)
-    unwrapped = np.unwrap(angle % 360.0, period=360.0)
-    return np.floor(unwrapped / 360.0).astype(np.int64)
+    angle = finite_column("toolface", toolface)
+    return np.floor(np.unwrap(angle % 360.0, period=360.0) / 360.0).astype(np.int64)
 
 
 def find_centres(
@@ -181,7 +178,7 @@ def find_centres(
 
     Raises
     ------
-    ValueError
+    InputError
         If lengths differ, a toolface or turn is not finite, a turn is not whole, or a radius is infinite or not
         positive.
     """
@@ -203,17 +200,12 @@ def find_centres(
         begin = ends[first] - count[filled[first]]
         last = max(first + 1, int(np.searchsorted(ends, begin + _SAMPLES_AT_ONCE, side="right")))
         rows = filled[first:last]
-        fits = TurnFits(reach[begin : ends[last - 1]], count[rows], shape)
-        fits.solve()
-        _write(estimate(fits), result, rows)
+        found = estimate(TurnFits(reach[begin : ends[last - 1]], count[rows], shape))
+        x[rows], y[rows] = found.centre.real, found.centre.imag
+        for name in ("covariance", "within", "one_sided", "mean_radius", "noise", "inliers"):
+            getattr(result, name)[rows] = getattr(found, name)
         first = last
     return result
-
-
-def _write(found: Estimate, result: Centres, rows: Integers) -> None:
-    result.x[rows], result.y[rows] = found.centre.real, found.centre.imag
-    for name in ("covariance", "within", "one_sided", "mean_radius", "noise", "inliers"):
-        getattr(result, name)[rows] = getattr(found, name)
 
 
 def recentre(
@@ -238,14 +230,14 @@ def recentre(
 
     Raises
     ------
-    ValueError
+    InputError
         As :func:`find_centres`, and if ``centres`` does not hold a turn.
     """
     angle, distance, number = _samples(toolface, radius, turn)
     row = np.minimum(np.searchsorted(centres.turn, number), max(centres.turn.size - 1, 0))
     if number.size and (centres.turn.size == 0 or np.any(centres.turn[row] != number)):
         missing = int(np.argmax(centres.turn[row] != number)) if centres.turn.size else 0
-        raise ValueError(f"turn[{missing}] = {number[missing]}: not among the turns of centres")
+        raise InputError(f"turn[{missing}]", "not among the turns of centres", str(number[missing]))
     share = centres.share(significance)
     offset = np.where(share > 0, share, 0.0) * (np.nan_to_num(centres.x) + 1j * np.nan_to_num(centres.y))
     seen = np.radians(angle)
@@ -256,26 +248,8 @@ def recentre(
 
 
 def _samples(toolface: npt.ArrayLike, radius: npt.ArrayLike, turn: npt.ArrayLike) -> tuple[Floats, Floats, Integers]:
-    angle = _finite("toolface", toolface)
+    angle = finite_column("toolface", toolface)
     distance = column("radius", radius, angle.size, "toolface")
-    bad = np.isinf(distance) | (distance <= 0)
-    if bad.any():
-        at = int(np.argmax(bad))
-        raise ValueError(f"radius[{at}] = {distance[at]:g}: must be finite and larger than 0, or NaN where missing")
-    number = _finite("turn", turn)
-    if number.size != angle.size:
-        raise ValueError(f"turn has {number.size} values, toolface has {angle.size}: must be equal")
-    whole = np.floor(number)
-    if np.any(whole != number):
-        at = int(np.argmax(whole != number))
-        raise ValueError(f"turn[{at}] = {number[at]:g}: must be a whole number")
-    return angle, distance, number.astype(np.int64)
-
-
-def _finite(name: str, values: npt.ArrayLike) -> Floats:
-    array = column(name, values)
-    bad = ~np.isfinite(array)
-    if bad.any():
-        at = int(np.argmax(bad))
-        raise ValueError(f"{name}[{at}] = {array[at]:g}: must be finite")
-    return array
+    valid = np.isnan(distance) | ((distance > 0) & (distance < np.inf))
+    require("radius", distance, valid, "must be finite and larger than 0, or NaN where missing")
+    return angle, distance, whole_column("turn", turn, angle.size, "toolface")

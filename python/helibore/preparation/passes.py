@@ -4,8 +4,7 @@ A tool that goes over a stretch more than once sees one wall, through three erro
 
     radius = wall(depth + shift[pass], toolface) + by_pass[pass] + by_arm[arm] + noise
 
-``find_shifts`` (shifts.py) and ``find_bias`` (biases.py) find the first two; both are part of this module's names.
-Not here: stretching of depths within a pass.
+``shifts`` finds the first, ``biases`` the other two. Not here: stretching of depths within a pass.
 """
 
 from __future__ import annotations
@@ -16,25 +15,14 @@ from typing import TYPE_CHECKING
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, column
-from helibore.preparation.biases import Bias, arm_sides, find_bias, finite, whole_numbers
+from helibore.base.arrays import Floats, Integers, finite_column, whole_column
+from helibore.base.errors import InputError
 from helibore.preparation.conditioning import Step
-from helibore.preparation.depth_shifts import Shifts, find_shifts
 
 if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
-__all__ = [
-    "Bias",
-    "Shifts",
-    "arm_sides",
-    "choose",
-    "difference",
-    "evaluate",
-    "find_bias",
-    "find_shifts",
-    "number_passes",
-]
+__all__ = ["choose", "difference", "evaluate", "number_passes"]
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
@@ -52,9 +40,9 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     ndarray
         (n,) int64 from 0; the sample at a turning point, the last of equals, ends its pass.
     """
-    track = finite("depth", column("depth", depth))
+    track = finite_column("depth", depth)
     if not reversal > 0:
-        raise ValueError(f"reversal = {reversal:g}: must be larger than 0")
+        raise InputError("reversal", "must be larger than 0", f"{reversal:g}")
     ends = []
     sign = 1.0 if _goes_down(track, reversal) else -1.0
     turn = _turning_point(track, sign, 0, reversal)
@@ -122,20 +110,20 @@ def choose(
 
     Raises
     ------
-    ValueError
+    InputError
         If a pass is not among ``pass_number`` or given twice.
     """
-    number = whole_numbers("pass_number", pass_number)
-    where = finite("depth", column("depth", depth, number.size, "pass_number"))
+    number = whole_column("pass_number", pass_number)
+    where = finite_column("depth", depth, number.size, "pass_number")
     if not cell > 0:
-        raise ValueError(f"cell = {cell:g}: must be larger than 0")
+        raise InputError("cell", "must be larger than 0", f"{cell:g}")
     known, group = np.unique(number, return_inverse=True)
     order = known if passes is None else np.array(passes, dtype=np.int64)
     strange = np.setdiff1d(order, known)
     if strange.size:
-        raise ValueError(f"passes: {strange[0]} is not among the passes of the samples")
+        raise InputError("passes", f"{strange[0]} is not among the passes of the samples")
     if np.unique(order).size != order.size:
-        raise ValueError("passes: must not hold one pass twice")
+        raise InputError("passes", "must not hold one pass twice")
     rank_of = np.full(known.size, -1, dtype=np.int64)
     rank_of[np.searchsorted(known, order)] = np.arange(order.size)
     rank = rank_of[group]
@@ -170,8 +158,8 @@ def evaluate(wall: Wall, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Float
     ndarray
         (n,) m, new; NaN where no vertex of the cell has a radius.
     """
-    where = finite("depth", column("depth", depth))
-    angle = finite("toolface", column("toolface", toolface, where.size, "depth"))
+    where = finite_column("depth", depth)
+    angle = finite_column("toolface", toolface, where.size, "depth")
     setting, radius = wall.settings, wall.radius
     if radius.size == 0:
         return np.full(where.size, np.nan)

@@ -1,33 +1,44 @@
-"""From readings to samples a wall can trust: every step optional, in one order, each counted and told.
+"""From readings to samples a wall can trust: every step optional, in one order, each counted and reported.
 
     readings --closed, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest--> Caliper
 
-``Preparation()`` does nothing but bring the sensors into one frame. The steps themselves are in ``conditioning``,
-``sensors``, ``passes``, ``references`` and ``eccentering``; here is their order, and what each needs from the others.
+``Preparation()`` only brings the sensors into one frame. The steps themselves are in ``conditioning``, ``observe``,
+``passes``, ``references`` and ``eccentering``; here is their order, and what each needs from the others.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
+import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
 from helibore.preparation import conditioning
-from helibore.preparation.sample_columns import LARGEST_RADIUS, Samples, Track, place_of
-from helibore.samples.caliper import Caliper
+from helibore.preparation.biases import Bias, arm_sides, find_bias
+from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_numbers
+from helibore.preparation.observe import REASONS, Track, observe, placed
+from helibore.preparation.passes import choose, number_passes
+from helibore.preparation.readings import Readings
+from helibore.preparation.shifts import Shifts, find_shifts
+from helibore.samples.caliper import LARGEST_RADIUS, Caliper
+from helibore.trajectory.references import from_high_side, onto_path
 
 if TYPE_CHECKING:
     from helibore.preparation.conditioning import Step
-    from helibore.preparation.eccentering import Centres
-    from helibore.preparation.passes import Bias, Shifts
-    from helibore.preparation.readings import Readings
+    from helibore.preparation.sensors import Samples
     from helibore.trajectory.survey import Path
 
 __all__ = ["Preparation", "Prepared", "Track", "prepare"]
+
+Number = TypeVar("Number", bound=np.generic)
+
+IMAGE_ROW = 8
+"""From so many sensors on, one row of readings goes all around the hole: it is a turn."""
 
 REFERENCES = ("north", "high-side", "automatic")
 BIASES = ("none", "arm", "side")
@@ -35,7 +46,7 @@ BIASES = ("none", "arm", "side")
 
 @dataclass(frozen=True, kw_only=True)
 class Preparation:
-    """What is done to readings on their way to samples. Metres, degrees, seconds.
+    """Which steps turn readings into samples. Metres, degrees, seconds.
 
     Attributes
     ----------
@@ -44,36 +55,36 @@ class Preparation:
     closed
         Radius that the arms read when the caliper is closed; rows where no arm reads 2 mm more are dropped.
     stuck
-        Rows over which an arm must stand still, while others move, to be dropped.
+        Readings of an arm that stays at one value over so many rows, while others move, are dropped.
     least_radius, greatest_radius
-        Radii beyond them are dropped. Without them a radius that no hole has is an error.
+        Radii beyond them are dropped. Without these limits a radius that no hole has is an error.
     repeated
         Drop samples equal to an earlier one in depth, toolface, radius and time.
     spikes
         Drop samples that lie so many robust deviations off their neighbours in their turn; 6 is usual.
     turn_height
-        A turn is so much of the hole: for tools that do not rotate. None: a rotation, or a row of 8 sensors or more.
+        Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of 8 sensors or more.
     sensor_offset, latency
         Added to those of every sensor.
     toolface_from
-        What toolfaces count from: "north", "high-side" or "automatic"; None: what the file's map says.
+        What toolfaces count from: "north", "high-side" or "automatic"; None: what the file's map states.
     steep, level
         Automatic: north until the inclination reaches ``level``, the high side until it is down to ``steep``.
     recentre
-        Take the tool's offset out of each turn.
+        Correct each turn for the tool's offset from the hole's axis.
     reversal
         Number the passes anew: one begins where the tool went back by more than this. None: as the file numbers them.
     passes
         Which to use; None: all.
     latest
-        In each 0.5 m keep only the last of them that was there.
+        In each 0.5 m keep only the samples of the last pass that measured there.
     shifts
         (pass, metres) to be added to its depths.
     find_shifts
         Find the shift of every pass from the overlap, after those given.
     bias
-        What reads too much, found from the overlap and taken off: "none", each pass and "arm", or each pass and arm by
-        the "side" it lies on.
+        Find from the overlap what reads too much, and subtract it: "none", each pass and "arm", or each pass and arm by
+        the "side" of the hole it is on.
     earlier
         Passes that make the wall to compare with.
     """
@@ -103,26 +114,32 @@ class Preparation:
 
     def __post_init__(self) -> None:
         if self.toolface_from not in (None, *REFERENCES):
-            raise ValueError(f"toolface_from = {self.toolface_from!r}: must be one of {', '.join(REFERENCES)}")
+            raise InputError("toolface_from", f"must be one of {', '.join(REFERENCES)}", repr(self.toolface_from))
         if self.bias not in BIASES:
-            raise ValueError(f"bias = {self.bias!r}: must be one of {', '.join(BIASES)}")
-        if self.turn_height is not None and not 0 < self.turn_height < np.inf:
-            raise ValueError(f"turn_height = {self.turn_height:g}: must be finite and larger than 0")
-        for least, most in (("least_radius", "greatest_radius"), ("shallowest", "deepest")):
+            raise InputError("bias", f"must be one of {', '.join(BIASES)}", repr(self.bias))
+        for name in ("turn_height", "closed", "spikes", "reversal"):
+            value = getattr(self, name)
+            if value is not None and not 0 < value < np.inf:
+                raise InputError(name, "must be finite and larger than 0", f"{value:g}")
+        if self.stuck is not None and self.stuck < 2:
+            raise InputError("stuck", "must be at least 2 rows", str(self.stuck))
+        for least, most in (("least_radius", "greatest_radius"), ("shallowest", "deepest"), ("steep", "level")):
             low, high = getattr(self, least), getattr(self, most)
             if low is not None and high is not None and not low <= high:
-                raise ValueError(f"{least} = {low:g}: must not be larger than {most} = {high:g}")
-        twice = [number for number, _ in self.shifts if [one for one, _ in self.shifts].count(number) > 1]
-        if twice:
-            raise ValueError(f"shifts: pass {twice[0]} is given twice")
+                raise InputError(least, f"must not be larger than {most} = {high:g}", f"{low:g}")
+        shifted = [number for number, _ in self.shifts]
+        for name, numbers in (("shifts", shifted), ("passes", self.passes or ()), ("earlier", self.earlier)):
+            twice = [number for number in numbers if list(numbers).count(number) > 1]
+            if twice:
+                raise InputError(name, f"pass {twice[0]} is given twice")
 
     def changed(self) -> dict[str, object]:
-        """The settings that are not their defaults, by name."""
+        """Return the settings that are not their defaults, by name."""
         return {one.name: getattr(self, one.name) for one in fields(self) if getattr(self, one.name) != one.default}
 
     @property
     def by_pass(self) -> bool:
-        """Whether a step needs to know the passes apart."""
+        """Whether a step needs pass numbers."""
         return bool(
             self.passes or self.latest or self.shifts or self.find_shifts or self.bias != "none" or self.earlier
         )
@@ -136,12 +153,12 @@ class Prepared:
     ----------
     caliper
         The samples.
-    told
+    report
         (step, sentence) for everything that was dropped, corrected or assumed, in order.
     counts
-        Step to samples dropped by it, and "kept".
+        Name of a step to the samples it dropped, and "kept".
     pass_number
-        Of each sample of ``caliper``, (n,) int64; None where no step asked for passes.
+        Of each sample of ``caliper``, (n,) int64; None where no step needs passes.
     centres, centre_depth
         The tool's centre in each turn, its covariance, inliers ..., and the mean depth of the turn, (t,) m; None
         without ``recentre``.
@@ -152,7 +169,7 @@ class Prepared:
     """
 
     caliper: Caliper
-    told: tuple[tuple[str, str], ...]
+    report: tuple[tuple[str, str], ...]
     counts: dict[str, int]
     pass_number: Integers | None = None
     centres: Centres | None = None
@@ -175,9 +192,9 @@ def prepare(
     readings
         Of one file or of several over one hole, earliest first; each file is a pass of its own unless it numbers them.
     settings
-        What to do; nothing but the frame where None.
+        Which steps to take; None: ``Preparation()``.
     path
-        The wall's path: needed where toolfaces count from something else than the wall's.
+        The wall's path: needed where toolfaces count from another reference than the wall's.
     track
         Depth and toolface by time, for readings that have only a time.
 
@@ -187,26 +204,22 @@ def prepare(
 
     Raises
     ------
-    ValueError
-        Naming file, line and rule: nothing left, an impossible radius, a step that lacks what it needs.
+    InputError
+        Naming file, line and rule: no sample is left, an impossible radius, a step that lacks its input.
     """
-    every = [readings] if not isinstance(readings, Sequence) else list(readings)
+    every = list(readings) if isinstance(readings, Sequence) else [readings]
     if not every:
-        raise ValueError("readings: must have at least one")
-    try:
-        return _Line(every, settings or Preparation(), path, track).run()
-    except ValueError as error:
-        if str(error).startswith(tuple(one.name for one in every)):
-            raise
-        raise ValueError(f"{', '.join(one.name for one in every)}: {error}") from error
+        raise InputError("readings", "must have at least one")
+    return _Pipeline(every, settings or Preparation(), path).run(track)
 
 
-class _Line:
-    """The samples on their way through the steps."""
+class _Pipeline:
+    """The samples between the steps, and what was done to them so far."""
 
-    def __init__(self, readings: list[Readings], settings: Preparation, path: Path | None, track: Track | None) -> None:
-        self.readings, self.settings, self.path, self.track = readings, settings, path, track
-        self.told: list[tuple[str, str]] = []
+    def __init__(self, readings: list[Readings], settings: Preparation, path: Path | None) -> None:
+        self.readings, self.settings, self.path = readings, settings, path
+        self.names = ", ".join(one.name for one in readings)
+        self.report: list[tuple[str, str]] = []
         self.counts: dict[str, int] = {}
         self.centres: Centres | None = None
         self.centre_depth: Floats | None = None
@@ -214,189 +227,300 @@ class _Line:
         self.bias: Bias | None = None
         self.samples: Samples
 
-    def run(self) -> Prepared:
-        """All steps in their order."""
-        if self.settings.closed is not None or self.settings.stuck is not None:
+    def run(self, track: Track | None) -> Prepared:
+        """Take all steps in their order."""
+        settings = self.settings
+        if settings.closed is not None or settings.stuck is not None:
             self.readings = [self._conditioned(one) for one in self.readings]
-        self.samples = Samples.observed(self.readings, self.settings, self.track, self.told, self.counts)
+        self._observe(track)
         self._drop_single_samples()
-        if self.settings.by_pass or self.settings.reversal is not None:
+        if settings.by_pass or settings.reversal is not None:
             self._number_passes()
+            self._choose_passes()
             self._shift()
-        self._refer()
-        if self.settings.recentre:
+        self._refer_to_path()
+        if settings.recentre:
             self._recentre()
-        if self.settings.bias != "none":
-            self._take_off_bias()
+        if settings.bias != "none":
+            self._subtract_bias()
         return self._finished()
 
     def _drop(self, step: Step, what: str = "samples") -> None:
-        """Leave out what a step dropped, and tell."""
-        self._tell(step, what)
+        """Leave out what a step dropped, and report it."""
+        self._report_step(step, what)
         if step.dropped.any():
             self.samples = self.samples.select(step.kept)
         if not self.samples.depth.size:
-            raise ValueError(f"{self.readings[0].name}: no samples are left after the step {step.name}")
+            raise InputError(self.readings[0].name, f"no samples are left after the step {step.name}")
 
-    def _tell(self, step: Step, what: str) -> None:
+    def _report_step(self, step: Step, what: str) -> None:
         count = int(np.count_nonzero(step.dropped))
         self.counts[step.name] = self.counts.get(step.name, 0) + count
         reasons = ", ".join(f"{number:,} {reason}" for reason, number in step.counts.items() if number)
         unjudged = f"; {step.unjudged:,} could not be judged" if step.unjudged else ""
         share = f"{count:,} of {step.dropped.size:,} {what}"
-        self.told.append((step.name, f"dropped {share}{f' ({reasons})' if reasons else ''}{unjudged}"))
+        self.report.append((step.name, f"dropped {share}{f' ({reasons})' if reasons else ''}{unjudged}"))
 
     def _conditioned(self, one: Readings) -> Readings:
         """The readings without closed and stuck stretches."""
         radii = np.stack(one.radii)
         if self.settings.closed is not None:
             step = conditioning.closed(list(radii), self.settings.closed)
-            self._tell(step, "rows")
+            self._report_step(step, "rows")
             radii = np.where(step.dropped, np.nan, radii)
         if self.settings.stuck is not None:
             # The two ends of a diameter are one reading; the sectors of an image are one each.
             again = [at > 0 and one.across[at] and one.arm[at] == one.arm[at - 1] for at in range(len(radii))]
             reading = np.cumsum(~np.array(again)) - 1
             if reading[-1] == 0:
-                raise ValueError(f"{one.name}: one arm alone cannot be told to be stuck: no other moves beside it")
+                raise InputError(one.name, "a stuck arm cannot be recognised where no other arm moves beside it")
             step = conditioning.stuck(list(radii[~np.array(again)]), rows=self.settings.stuck)
-            self._tell(step, "readings")
+            self._report_step(step, "readings")
             radii = np.where(step.dropped[reading], np.nan, radii)
         return replace(one, radii=tuple(radii))
 
+    def _observe(self, track: Track | None) -> None:
+        """Bring the sensors into one frame; a file of which nothing is left is an error."""
+        settings = self.settings
+        self.samples = observe(
+            self.readings, track, self.report, offset=settings.sensor_offset, latency=settings.latency
+        )
+        for number, one in enumerate(self.readings):
+            if not (self.samples.file == number).any():
+                lacking = [f"{count} values missing in {name}" for name, count in one.missing.items()]
+                lacking += [f"{count} dropped as {step}" for step, count in self.counts.items()]
+                reason = ", ".join(lacking) or "no values"
+                raise InputError(one.name, f"no row has depth, toolface and a radius ({reason})")
+        self.counts |= {reason: count for reason, count in self.samples.counts.items() if reason in REASONS}
+
     def _drop_single_samples(self) -> None:
         """Interval, range, repeated and spikes."""
-        settings, samples = self.settings, self.samples
+        settings = self.settings
         if settings.shallowest is not None or settings.deepest is not None:
             low = -np.inf if settings.shallowest is None else settings.shallowest
             high = np.inf if settings.deepest is None else settings.deepest
-            self._drop(replace(conditioning.in_range(samples.depth, low, high), name="interval"))
-            samples = self.samples
+            self._drop(replace(conditioning.in_range(self.samples.depth, low, high), name="interval"))
         if settings.least_radius is not None or settings.greatest_radius is not None:
             low = -np.inf if settings.least_radius is None else settings.least_radius
             high = np.inf if settings.greatest_radius is None else settings.greatest_radius
-            self._drop(conditioning.in_range(samples.radius, low, high))
+            self._drop(conditioning.in_range(self.samples.radius, low, high))
+        samples = self.samples
         if settings.repeated:
-            samples = self.samples
             times = [] if samples.time is None else [samples.time]
             self._drop(conditioning.repeated_rows(samples.depth, samples.toolface, samples.radius, *times))
+        samples = self.samples
         if settings.spikes is not None:
-            samples = self.samples
-            turn = samples.turns(settings.turn_height, self.told)
+            turn = self._turns()
             self._drop(conditioning.spikes(samples.toolface, samples.radius, turn, threshold=settings.spikes))
 
-    def _number_passes(self) -> None:
-        from helibore.preparation.passes import choose
+    def _turns(self) -> Integers:
+        """Number the turns: samples of one number were taken around the hole from one place."""
+        turn = np.empty(self.samples.depth.size, dtype=np.int64)
+        first, kinds = 0, set()
+        for number, one in enumerate(self.readings):
+            mine = np.flatnonzero(self.samples.file == number)
+            turn[mine], kind = self._turns_of(one, mine)
+            if mine.size:
+                turn[mine] += first - turn[mine].min()
+                first = int(turn[mine].max()) + 1
+            kinds.add(kind)
+        count = np.unique(turn, return_counts=True)[1]
+        line = ("turns", f"{count.size:,}, by {' and '.join(sorted(kinds))}; samples in one: {np.median(count):g}")
+        if line not in self.report:
+            self.report.append(line)
+        return turn
 
-        settings = self.settings
-        self.samples.number_passes(settings.reversal, self.told)
-        number = self.samples.pass_number
-        if settings.passes is not None or settings.earlier:
-            wanted = None if settings.passes is None else sorted({*settings.passes, *settings.earlier})
-            strange = sorted({*(settings.passes or ()), *settings.earlier} - set(number.tolist()))
-            if strange:
-                there = ", ".join(map(str, np.unique(number)))
-                raise ValueError(f"pass {strange[0]}: is not among the passes of the samples: {there}")
-            if wanted is not None:
-                self._drop(choose(number, self.samples.depth, wanted))
+    def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers, str]:
+        """Turns of the samples of one file, and what makes a turn."""
+        samples, height = self.samples, self.settings.turn_height
+        if height is not None:
+            depth = samples.depth[mine]
+            passes = samples.pass_number[mine] if samples.pass_number.size else number_passes(depth)
+            cells = np.floor((depth - depth.min(initial=0.0)) / height).astype(np.int64)
+            return cells + passes * (int(cells.max(initial=0)) + 1), f"depth, {height:g} m each"
+        if len(one.sensors) >= IMAGE_ROW:
+            return samples.row[mine], "rows of an image"
+        if not one.turning and samples.toolface.size:
+            raise InputError(one.name, "no toolface shows the turns of the tool: give the height of a turn")
+        rows = np.unique(samples.row[mine])
+        turned = np.zeros(one.rows, dtype=np.int64)
+        turned[rows] = turn_numbers(one.toolface[rows])
+        return turned[samples.row[mine]], "rotation"
+
+    def _of_row(self, columns: Sequence[npt.NDArray[Number]]) -> npt.NDArray[Number]:
+        """A column of each file, at every sample's row."""
+        starts = np.cumsum([0, *(column.size for column in columns[:-1])])
+        return np.concatenate(columns)[starts[self.samples.file] + self.samples.row]
+
+    def _arm(self) -> Integers:
+        """Which wall channel each sample is read from: one number for channels of one name in all files."""
+        names = sorted({name for one in self.readings for name in one.channels})
+        columns = [np.array([names.index(name) for name in one.channels])[one.arm] for one in self.readings]
+        starts = np.cumsum([0, *(column.size for column in columns[:-1])])
+        return np.concatenate(columns)[starts[self.samples.file] + self.samples.sensor].astype(np.int64)
+
+    def _number_passes(self) -> None:
+        """Number the passes: as the files do, else one a file, or anew where the tool went back by ``reversal``."""
+        columns, first, reversal = [], 0, self.settings.reversal
+        for one in self.readings:
+            if reversal is not None:
+                found = np.full(one.rows, -1, dtype=np.int64)
+                known = np.flatnonzero(np.isfinite(one.depth))
+                found[known] = number_passes(one.depth[known], reversal) + 1 + first
+                first = int(found.max(initial=first))
+            elif one.pass_number is not None:
+                found = one.pass_number
+                first = max(first, int(found.max(initial=0)))
+            else:
+                first += 1
+                found = np.full(one.rows, first, dtype=np.int64)
+            columns.append(found)
+        named = [set(np.unique(column).tolist()) - {-1} for column in columns]
+        if sum(map(len, named)) > len(set().union(*named)):
+            rule = "numbers a pass as another file does: number the passes anew"
+            raise InputError(self.readings[-1].name, rule)
+        number = self._of_row(columns)
+        self.samples = replace(self.samples, pass_number=number)
+        counted = ", ".join(f"{n} ({count:,})" for n, count in zip(*np.unique(number, return_counts=True), strict=True))
+        how = f"split where the tool went back by {reversal:g} m" if reversal else "as the files number them"
+        self.report.append(("passes", f"{how}; samples of each: {counted}"))
+
+    def _choose_passes(self) -> None:
+        settings, number = self.settings, self.samples.pass_number
+        strange = sorted({*(settings.passes or ()), *settings.earlier} - set(number.tolist()))
+        if strange:
+            there = ", ".join(map(str, np.unique(number)))
+            raise InputError(f"{self.names}: pass {strange[0]}", f"is not among the passes of the samples: {there}")
+        if settings.passes is not None:
+            self._drop(choose(number, self.samples.depth, sorted({*settings.passes, *settings.earlier})))
 
     def _shift(self) -> None:
-        settings, samples = self.settings, self.samples
-        for number, shift in settings.shifts:
-            mine = samples.pass_number == number
-            if not mine.any():
-                raise ValueError(f"shift {number}={shift:g} m: is not among the passes of the samples")
-            samples.depth = np.where(mine, samples.depth + shift, samples.depth)
-            self.told.append(("shift", f"pass {number}: {shift:+.3f} m, as given"))
-        if not settings.find_shifts:
-            return
-        from helibore.preparation.passes import find_shifts
+        depth, number = self.samples.depth, self.samples.pass_number
+        for one, shift in self.settings.shifts:
+            if not (number == one).any():
+                rule = "is not among the passes of the samples"
+                raise InputError(f"{self.names}: shift {one}={shift:g} m", rule)
+            depth = np.where(number == one, depth + shift, depth)
+            self.report.append(("shift", f"pass {one}: {shift:+.3f} m, as given"))
+        if self.settings.find_shifts:
+            found = self.shifts = find_shifts(depth, self.samples.radius, number)
+            depth = depth + found.at(number)
+            self.report += [("shift", line) for line in found.lines()]
+        self.samples = replace(self.samples, depth=depth)
 
-        found = self.shifts = find_shifts(samples.depth, samples.radius, samples.pass_number)
-        samples.depth = samples.depth + found.at(samples.pass_number)
-        for number, shift, correlation, before, good in zip(
-            found.passes, found.shift, found.correlation, found.before, found.found, strict=True
-        ):
-            text = f"{shift:+.3f} m found, correlation {before:.2f} before, {correlation:.2f} after"
-            self.told.append(("shift", f"pass {number}: {text if good else 'left where it is: no clear match'}"))
-
-    def _refer(self) -> None:
+    def _refer_to_path(self) -> None:
         """Turn toolfaces into the reference of the path."""
-        self.samples = self.samples.referred(self.path, self.settings, self.told, self.counts)
+        path, settings = self.path, self.settings
+        stated = [settings.toolface_from or one.reference for one in self.readings]
+        tagged = [settings.toolface_from is None and one.high_side is not None for one in self.readings]
+        target = path.reference if path is not None else ""
+        if target == "parallel-transport" and not all(t or s for t, s in zip(tagged, stated, strict=True)):
+            rule = (
+                "the wall's toolfaces count from a parallel-transport reference, a tool's never do: say whether the "
+                "samples count from north, the high side or automatically"
+            )
+            raise InputError(self.readings[0].name, rule)
+        if not any(t or s not in ("", target) for t, s in zip(tagged, stated, strict=True)):
+            return
+        if path is None:
+            source = stated[0] or "north and the high side"
+            rule = f"toolfaces that count from {source} need a survey to be turned into the wall's"
+            raise InputError(self.readings[0].name, rule)
+        depth = self.samples.depth
+        inside = (depth >= path.start_depth) & (depth <= path.stop_depth)
+        if not inside.any():
+            raise InputError(self.readings[0].name, "every sample lies beyond the survey")
+        if not inside.all():
+            beyond = self.counts["beyond the survey"] = int(np.count_nonzero(~inside))
+            text = f"{beyond:,} samples beyond the survey: their toolface has no reference there"
+            self.report.append(("dropped", text))
+            self.samples = self.samples.select(inside)
+        samples = self.samples
+        high, keep = np.zeros((2, samples.depth.size), dtype=bool)
+        for number, one in enumerate(self.readings):
+            mine, source = np.flatnonzero(samples.file == number), stated[number]
+            if tagged[number] and one.high_side is not None:
+                high[mine], source = one.high_side[samples.row[mine]], "the file's tags"
+            elif source == "automatic":
+                down = np.clip(path.tangent(samples.depth[mine])[:, 2], -1.0, 1.0)
+                high[mine] = from_high_side(np.degrees(np.arccos(down)), settings.steep, settings.level)
+            elif source in ("", target):
+                keep[mine] = True
+            else:
+                high[mine] = source == "high-side"
+            share = f"{np.count_nonzero(high[mine]):,} of {mine.size:,} samples from the high side"
+            self.report.append(("toolface", f"{one.name}: by {source or 'the wall'}, {share}"))
+        if not keep.all():
+            with placed(self.names):
+                turned = onto_path(samples.toolface, samples.depth, path, high)
+            self.samples = replace(samples, toolface=np.where(keep, samples.toolface, turned))
 
     def _recentre(self) -> None:
-        from helibore.preparation.eccentering import find_centres, recentre
-
         samples = self.samples
-        if samples.across.any():
-            name = self.readings[0].channels[0]
-            raise ValueError(
-                f"{self.readings[0].name}: recentring needs radii: half a diameter ({name}) holds no offset of the tool"
-            )
-        turn = samples.turns(self.settings.turn_height, self.told)
+        for one in self.readings:
+            if any(one.across):
+                name = one.channels[int(one.arm[one.across.index(True)])]
+                rule = f"recentring needs radii: half a diameter ({name}) does not show the tool's offset"
+                raise InputError(one.name, rule)
+        turn = self._turns()
         found = self.centres = find_centres(samples.toolface, samples.radius, turn)
         row = np.searchsorted(found.turn, turn)
         self.centre_depth = np.bincount(row, samples.depth) / np.bincount(row)
-        moved = found.share() > 0
-        samples.toolface, samples.radius = recentre(samples.toolface, samples.radius, turn, found)
+        toolface, radius = recentre(samples.toolface, samples.radius, turn, found)
+        self.samples = replace(samples, toolface=toolface, radius=radius)
         far = found.eccentering[np.isfinite(found.eccentering)]
         sigma = np.hypot(found.sigma_x, found.sigma_y)
-        self.told.append((
-            "recentre", f"{np.count_nonzero(moved):,} of {found.turn.size:,} turns corrected; tool off by "
+        self.report.append((
+            "recentre", f"{np.count_nonzero(found.share() > 0):,} of {found.turn.size:,} turns corrected; tool off by "
             f"{1e3 * np.median(far):.1f} mm in half of them, {1e3 * far.max():.1f} mm at most; "
             f"deviation of a centre {1e3 * np.nanmedian(sigma):.2f} mm in half of them"
         ))  # fmt: skip
 
-    def _take_off_bias(self) -> None:
-        from helibore.preparation.passes import arm_sides, find_bias
-
-        samples = self.samples
-        arms = samples.arm if self.settings.bias == "arm" else arm_sides(samples.arm, samples.bearing)
-        found = find_bias(samples.depth, samples.toolface, samples.radius, samples.pass_number, arms)
-        self.bias = found
-        samples.radius = samples.radius - found.at(samples.pass_number, arms)
+    def _subtract_bias(self) -> None:
+        samples, arms = self.samples, self._arm()
+        kind = "arms"
+        if self.settings.bias == "side":
+            kind = "arms by side"
+            arms = arm_sides(arms, self._of_row([one.toolface for one in self.readings]))
+        found = self.bias = find_bias(samples.depth, samples.toolface, samples.radius, samples.pass_number, arms)
+        self.samples = replace(samples, radius=samples.radius - found.at(samples.pass_number, arms))
         passes = ", ".join(f"{n}: {1e3 * b:+.2f}" for n, b in zip(found.passes, found.by_pass, strict=True))
-        self.told.append(("bias", f"of passes, mm: {passes}; noise after it {1e3 * found.noise:.2f} mm"))
+        self.report.append(("bias", f"of passes, mm: {passes}; noise after it {1e3 * found.noise:.2f} mm"))
         spread = 1e3 * found.by_arm
-        kind = "arms" if self.settings.bias == "arm" else "arms by side"
-        self.told.append(("bias", f"of {spread.size} {kind}: {spread.min():+.2f} to {spread.max():+.2f} mm"))
+        self.report.append(("bias", f"of {spread.size} {kind}: {spread.min():+.2f} to {spread.max():+.2f} mm"))
 
     def _finished(self) -> Prepared:
         settings, earlier = self.settings, None
         if settings.earlier:
-            from helibore.preparation.passes import choose
-
             everything = self.samples
-            self.samples = everything.select(choose(everything.pass_number, everything.depth, settings.earlier).kept)
+            self.samples = self._of_passes(everything, settings.earlier)
             earlier = self._caliper()
             chosen = settings.passes or sorted(set(everything.pass_number.tolist()) - set(settings.earlier))
             if not chosen:
-                raise ValueError("earlier: no pass is left to compare with them")
-            self.samples = everything.select(choose(everything.pass_number, everything.depth, chosen).kept)
+                raise InputError(f"{self.names}: earlier", "no pass is left to compare with them")
+            self.samples = self._of_passes(everything, chosen)
         if settings.latest:
-            from helibore.preparation.passes import choose
-
-            order = settings.passes or None
-            self._drop(choose(self.samples.pass_number, self.samples.depth, order, latest=True))
+            number, depth = self.samples.pass_number, self.samples.depth
+            self._drop(choose(number, depth, settings.passes or None, latest=True))
         caliper = self._caliper()
         self.counts["kept"] = len(caliper)
-        number = self.samples.pass_number if self.settings.by_pass else None
         return Prepared(
-            caliper,
-            tuple(self.told),
-            self.counts,
-            number,
-            self.centres,
-            self.centre_depth,
-            self.shifts,
-            self.bias,
-            earlier,
-        )
+            caliper, tuple(self.report), self.counts, self.samples.pass_number if settings.by_pass else None,
+            self.centres, self.centre_depth, self.shifts, self.bias, earlier,
+        )  # fmt: skip
+
+    @staticmethod
+    def _of_passes(samples: Samples, passes: Sequence[int]) -> Samples:
+        return samples.select(choose(samples.pass_number, samples.depth, passes).kept)
 
     def _caliper(self) -> Caliper:
         samples = self.samples
-        if not (samples.radius.min() > 0.0 and samples.radius.max() <= LARGEST_RADIUS):
-            at = int(np.argmax(~((samples.radius > 0.0) & (samples.radius <= LARGEST_RADIUS))))
-            rule = f"radius {samples.radius[at]:g} m: must be larger than 0 and at most {LARGEST_RADIUS:g} m"
-            raise ValueError(f"{place_of(samples, self.readings, at)}: {rule}; a radius range drops such")
+        valid = (samples.radius > 0.0) & (samples.radius <= LARGEST_RADIUS)
+        if not valid.all():
+            at = int(np.argmin(valid))
+            one = self.readings[int(samples.file[at])]
+            channel = one.channels[int(one.arm[int(samples.sensor[at])])]
+            place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
+            rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
+            raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time)

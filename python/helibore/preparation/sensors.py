@@ -1,12 +1,12 @@
-"""From what each sensor reads to samples in one frame: where on the string it sits, which way it looks, how late it is.
+"""From what each sensor reads to samples in one frame: where on the string it sits, which way it looks, its latency.
 
        bit depth at t - latency                 depth    = bit depth(t - latency) - offset
     ===[tool]======o=======>  bit               toolface = tool's toolface(t - latency) + mounting
                    |<-offset->                  radius   = the reading
 
-A reading stamped t was taken at t - latency. Bit depth and toolface are time series of their own and are taken at that
-moment: linear between their readings, the toolface along the short way round. Sensors that fire at one instant thus
-look at different depths and toolfaces, and their samples end up in one list, in order of time.
+A reading stamped t was taken at t - latency. Bit depth and toolface are time series of their own and are interpolated
+at that moment: linearly between their readings, the toolface along the short way round. So sensors that fire at one
+instant look at different depths and toolfaces, and their samples end up in one list, in order of time.
 
 Depth-indexed files need no clock: :func:`observe_by_depth`. Not here: eccentering, the path, units, file formats.
 """
@@ -14,15 +14,16 @@ Depth-indexed files need no clock: :func:`observe_by_depth`. Not here: eccenteri
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Floats, Integers, column
+from helibore.base.arrays import Floats, Integers, Mask, column, finite_column, require
+from helibore.base.errors import InputError
 
-__all__ = ["Observed", "Sensor", "TimeSeries", "observe_by_depth", "observe_by_time"]
+__all__ = ["Samples", "Sensor", "TimeSeries", "observe_by_depth", "observe_by_time"]
 
 
 @dataclass(frozen=True)
@@ -51,11 +52,11 @@ class Sensor:
         for name in ("offset", "mounting", "latency"):
             value = getattr(self, name)
             if not np.isfinite(value):
-                raise ValueError(f"sensor {self.name}: {name} = {value:g}: must be finite")
+                raise InputError(f"sensor {self.name}: {name}", "must be finite", f"{value:g}")
 
 
 class TimeSeries:
-    """Readings over time, read off between them: bit depth, or the toolface of the tool. Frozen: a copy is kept.
+    """A quantity over time, interpolated between its readings: bit depth, or the tool's toolface. It keeps a copy.
 
     Parameters
     ----------
@@ -73,7 +74,7 @@ class TimeSeries:
 
     Raises
     ------
-    ValueError
+    InputError
         If the lengths differ, a time is not finite or falls, a value is infinite, gap <= 0 or beyond < 0.
     """
 
@@ -87,10 +88,15 @@ class TimeSeries:
         beyond: float = 0.0,
     ) -> None:
         if not gap > 0 or not beyond >= 0:
-            raise ValueError(f"gap = {gap:g}, beyond = {beyond:g}: gap must be larger than 0, beyond not negative")
-        stamps = column("time", time)
+            raise InputError(f"gap = {gap:g}, beyond = {beyond:g}", "gap must be larger than 0, beyond not negative")
+        stamps = finite_column("time", time)
         readings = column("values", values, stamps.size, "time")
-        _check(stamps, readings)
+        require("values", readings, ~np.isinf(readings), "must be finite")
+        falling = np.flatnonzero(np.diff(stamps) < 0)
+        if falling.size:
+            at = int(falling[0]) + 1
+            rule = f"must not be less than time[{at - 1}] = {stamps[at - 1]:g}"
+            raise InputError(f"time[{at}]", rule, f"{stamps[at]:g}")
         known = ~np.isnan(readings)
         stamps, readings = stamps[known], readings[known]
         latest = np.append(stamps[1:] != stamps[:-1], True)[: stamps.size]
@@ -128,7 +134,7 @@ class TimeSeries:
 
 
 @dataclass(frozen=True)
-class Observed:
+class Samples:
     """Samples of several sensors in one frame, in order of time (of row, where there is no time), then of sensor.
 
     Attributes
@@ -139,6 +145,10 @@ class Observed:
         When they were measured, seconds, (n,) float64; None for depth-indexed readings.
     sensor, row
         Which sensor and which of its readings each sample is, (n,) int64.
+    file
+        Index of the readings that each sample comes from, (n,) int64; empty until several are joined.
+    pass_number
+        (n,) int64; empty until the passes are numbered.
     counts
         Readings taken, and those dropped for each reason: they add up to all readings given.
     """
@@ -149,7 +159,19 @@ class Observed:
     time: Floats | None
     sensor: Integers
     row: Integers
-    counts: dict[str, int]
+    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
+    counts: dict[str, int] = field(default_factory=dict)
+
+    def select(self, kept: Mask | Integers) -> Samples:
+        """Return the samples where ``kept`` is True, or those of these indices, in their order."""
+        columns = {name: getattr(self, name) for name in _COLUMNS}
+        return replace(self, **{
+            name: values[kept] if values is not None and values.size else values for name, values in columns.items()
+        })  # fmt: skip
+
+
+_COLUMNS = ("depth", "toolface", "radius", "time", "sensor", "row", "file", "pass_number")
 
 
 def observe_by_time(
@@ -158,7 +180,7 @@ def observe_by_time(
     radii: Sequence[npt.ArrayLike],
     bit_depth: TimeSeries,
     toolface: TimeSeries,
-) -> Observed:
+) -> Samples:
     """Bring time-indexed readings of one or more sensors into one frame.
 
     Parameters
@@ -170,129 +192,84 @@ def observe_by_time(
         Depth of the bit in m, and toolface of the tool's reference in degrees (``angle=True``). Readings at times they
         do not answer are dropped and counted as ``no depth`` and ``no toolface``.
 
-    Returns
-    -------
-    Observed
-
     Raises
     ------
-    ValueError
+    InputError
         If the sequences differ in length, or a time or radius is infinite.
     """
     _check_counts(sensors, times=times, radii=radii)
-    parts = []
+    parts: list[tuple[Floats, ...]] = []
     for index, sensor in enumerate(sensors):
-        stamps = column(f"times[{index}]", times[index])
-        when = stamps - sensor.latency
-        depth = bit_depth.at(when) - sensor.offset
+        when = column(f"times[{index}]", times[index]) - sensor.latency
+        radius = column(f"radii[{index}]", radii[index], when.size, f"times[{index}]")
+        require(f"radii[{index}]", radius, ~np.isinf(radius), "must be finite, or NaN where missing")
         looking = wrapped(toolface.at(when) + sensor.mounting)
-        parts.append((when, depth, looking, _radii(index, radii[index], stamps.size, f"times[{index}]")))
-    return _gather(parts)
+        parts.append((when, bit_depth.at(when) - sensor.offset, looking, radius))
+    sizes = [part[0].size for part in parts]
+    time, depth, angle, distance = (np.concatenate([part[i] for part in parts]) for i in range(4))
+    sensor_index = np.repeat(np.arange(len(parts)), sizes)
+    row = np.concatenate([np.arange(size) for size in sizes])
+    order = np.lexsort((sensor_index, time))
+    return _present(Samples(depth, angle, distance, time, sensor_index, row).select(order), time=time, depth=depth)
 
 
 def observe_by_depth(
     sensors: Sequence[Sensor], depth: npt.ArrayLike, toolface: npt.ArrayLike, radii: Sequence[npt.ArrayLike]
-) -> Observed:
-    """Bring depth-indexed readings, such as the arms of a caliper, into one frame.
+) -> Samples:
+    """Bring depth-indexed readings, such as the arms of a caliper, into one frame; ``time`` of the result is None.
 
     Parameters
     ----------
     sensors, radii
-        One column of radii (metres, (n,)) for each sensor. Their latency has no say. An X-Y caliper of diameters x and
+        One column of radii (metres, (n,)) for each sensor; latencies are not used. An X-Y caliper of diameters x and
         y is four sensors mounted at 0, 180, 90 and 270 degrees that read x/2, x/2, y/2 and y/2.
     depth, toolface
         Of each row: metres, and degrees of the tool's reference; (n,). NaN rows are dropped and counted.
 
-    Returns
-    -------
-    Observed
-        ``time`` is None.
-
     Raises
     ------
-    ValueError
+    InputError
         If lengths differ or a value is infinite.
     """
     _check_counts(sensors, radii=radii)
     rows = column("depth", depth)
     reference = column("toolface", toolface, rows.size, "depth")
     columns = [column(f"radii[{index}]", values, rows.size, "depth") for index, values in enumerate(radii)]
-    for name, values in (("depth", rows), ("toolface", reference)):
-        if np.isinf(values).any():
-            raise ValueError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows: must be finite")
-    radius = _grid(columns)
+    radius = columns[0][:, None] if len(columns) == 1 else np.stack(columns, axis=1)
     if np.isinf(radius).any():
         row, index = np.argwhere(np.isinf(radius))[0]
-        raise ValueError(f"radii[{index}][{row}] = {radius[row, index]:g}: must be finite, or NaN where missing")
+        rule = "must be finite, or NaN where missing"
+        raise InputError(f"radii[{index}][{row}]", rule, f"{radius[row, index]:g}")
     offsets, mountings = (np.array([getattr(one, name) for one in sensors]) for name in ("offset", "mounting"))
     depths = rows[:, None] - offsets if offsets.any() else np.broadcast_to(rows[:, None], radius.shape)
     looking = reference[:, None] + mountings if mountings.any() else np.broadcast_to(reference[:, None], radius.shape)
-    sensor = np.broadcast_to(np.arange(len(sensors)), radius.shape).reshape(-1)
-    row = np.broadcast_to(np.arange(rows.size)[:, None], radius.shape).reshape(-1)
-    flat = (depths.reshape(-1), looking.reshape(-1), radius.reshape(-1))
-    kept, counts = _present(*flat)
-    if kept is None:
-        return Observed(flat[0], wrapped(flat[1]), flat[2], None, sensor, row, counts)
-    return Observed(flat[0][kept], wrapped(flat[1][kept]), flat[2][kept], None, sensor[kept], row[kept], counts)
+    sensor_index = np.broadcast_to(np.arange(len(sensors)), radius.shape).reshape(-1)
+    row_index = np.broadcast_to(np.arange(rows.size)[:, None], radius.shape).reshape(-1)
+    flat = depths.reshape(-1), looking.reshape(-1), radius.reshape(-1)
+    found = _present(Samples(*flat, None, sensor_index, row_index), depth=rows, toolface=reference)
+    return replace(found, toolface=wrapped(found.toolface))
 
 
-def _grid(columns: Sequence[Floats]) -> Floats:
-    """Columns side by side, (n, p)."""
-    return columns[0][:, None] if len(columns) == 1 else np.stack(columns, axis=1)
-
-
-def _present(depth: Floats, toolface: Floats, radius: Floats) -> tuple[Integers | None, dict[str, int]]:
-    """The samples that have all three, in order (None: all of them), and a count for each reason that they have not."""
-    reasons = (("no depth", depth), ("no toolface", toolface), ("no radius", radius))
-    counts = dict.fromkeys((reason for reason, _ in reasons), 0)
-    if not any(np.isnan(values.min(initial=0.0)) for _, values in reasons):
-        return None, counts | {"taken": depth.size}
-    kept = np.ones(depth.size, dtype=bool)
-    for reason, values in reasons:
-        absent = kept & np.isnan(values)
-        counts[reason] = int(np.count_nonzero(absent))
-        kept &= ~absent
-    chosen = np.flatnonzero(kept)
-    return chosen, counts | {"taken": chosen.size}
-
-
-def _gather(parts: Sequence[tuple[Floats, Floats, Floats, Floats]]) -> Observed:
-    """The samples of time-indexed sensors, in order of time."""
-    sizes = [part[0].size for part in parts]
-    time, depth, toolface, radius = (np.concatenate([part[i] for part in parts]) for i in range(4))
-    for name, values in (("time", time), ("depth", depth), ("toolface", toolface)):
+def _present(samples: Samples, **inputs: Floats) -> Samples:
+    """Leave out samples that lack a depth, toolface or radius, and count them by reason; refuse infinite inputs."""
+    for name, values in inputs.items():
         if np.isinf(values).any():
-            raise ValueError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows: must be finite")
-    sensor = np.repeat(np.arange(len(parts)), sizes)
-    row = np.concatenate([np.arange(size) for size in sizes])
-    kept, counts = _present(depth, toolface, radius)
-    chosen = np.arange(time.size) if kept is None else kept
-    chosen = chosen[np.lexsort((sensor[chosen], time[chosen]))]
-    return Observed(depth[chosen], toolface[chosen], radius[chosen], time[chosen], sensor[chosen], row[chosen], counts)
-
-
-def _radii(index: int, values: npt.ArrayLike, size: int, like: str) -> Floats:
-    radius = column(f"radii[{index}]", values, size, like)
-    if np.isinf(radius).any():
-        at = int(np.argmax(np.isinf(radius)))
-        raise ValueError(f"radii[{index}][{at}] = {radius[at]:g}: must be finite, or NaN where missing")
-    return radius
-
-
-def _check(time: Floats, values: Floats) -> None:
-    for name, array, bad in (("time", time, ~np.isfinite(time)), ("values", values, np.isinf(values))):
-        if bad.any():
-            at = int(np.argmax(bad))
-            raise ValueError(f"{name}[{at}] = {array[at]:g}: must be finite")
-    falling = np.flatnonzero(np.diff(time) < 0)
-    if falling.size:
-        at = int(falling[0]) + 1
-        raise ValueError(f"time[{at}] = {time[at]:g}: must not be less than time[{at - 1}] = {time[at - 1]:g}")
+            raise InputError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows", "must be finite")
+    reasons = {f"no {name}": getattr(samples, name) for name in ("depth", "toolface", "radius")}
+    counts = dict.fromkeys(reasons, 0)
+    if any(np.isnan(values.min(initial=0.0)) for values in reasons.values()):
+        kept = np.ones(samples.depth.size, dtype=bool)
+        for reason, values in reasons.items():
+            absent = kept & np.isnan(values)
+            counts[reason] = int(np.count_nonzero(absent))
+            kept &= ~absent
+        samples = samples.select(np.flatnonzero(kept))
+    return replace(samples, counts=counts | {"taken": samples.depth.size})
 
 
 def _check_counts(sensors: Sequence[Sensor], **columns: Sequence[npt.ArrayLike]) -> None:
     if not sensors:
-        raise ValueError("sensors: must have at least one")
+        raise InputError("sensors", "must have at least one")
     for name, given in columns.items():
         if len(given) != len(sensors):
-            raise ValueError(f"{name} has {len(given)} columns, sensors has {len(sensors)}: must be equal")
+            raise InputError(f"{name} has {len(given)} columns, sensors has {len(sensors)}", "must be equal")

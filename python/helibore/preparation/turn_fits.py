@@ -1,20 +1,29 @@
-"""The fit behind ``eccentering``: offset and harmonics of many turns at once, by robust Gauss-Newton.
+"""The fits behind ``eccentering``: three models of the wall in one turn, fitted to many turns at once, then mixed.
 
-    rho(phi) = |c + r u| = R + sum over n = 2 .. H of (a_n cos n phi + b_n sin n phi) + noise
+    rho(phi) = |c + r u| = R + sum over n = 2 .. H of (a_n cos n phi + b_n sin n phi) + steps + noise
 
-Every turn is fitted twice: with a wall whose odd harmonics are small, and with one that may be enlarged on one side.
-What the second leaves open decides how far the first is believed. Not public: ``eccentering`` is.
+    smooth      twelve harmonics, the even ones as large as ovality and breakouts make them
+    pair        an oval with two opposite lobes that have upright edges
+    single      an oval with one such lobe: a washout on one side, a key seat
+
+Each model is fitted by robust Gauss-Newton, then fitted again with a wall that may be enlarged on one side, and mixed
+with that as far as the samples leave it open. Then the three are mixed by their evidence: of models with weights w, the
+mean is that of their centres, and the covariance the mean of theirs plus that of the centres about it.
+
+Samples lie turn by turn; ``starts`` holds the first sample of each turn and ``turn`` the row of each sample. A series
+of order H has P = 2 H + 1 terms, x = (1, cos a, sin a, ..., cos H a, sin H a). With z = exp(i a) every product of two
+terms is a sum of powers of z, so the P x P normal matrix sum(w x x') of a turn holds only the 2 H + 1 moments
+sum(w z^m): 25 sums a sample where the matrix itself would take 625. Private: ``eccentering`` is the public module.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers
-from helibore.preparation.harmonics import Complexes, evaluate, leverage, normal_equations, powers, projections
+from helibore.base.arrays import Complexes, Floats, Integers, Mask
+from helibore.base.errors import InputError
 
 _REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; harmless to Gaussian noise
 _NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
@@ -22,14 +31,25 @@ _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nea
 _STRANGE = 3.0  # what a rejected sample costs beside the bounded loss: its chance is one in twenty over 0.1 m
 _SMOOTH = 8  # harmonics of a wall beside its lobes
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
-_CONVERGED = 2e-6  # m: a hundredth of the best standard deviation
-LOBE_DEPTHS = np.array([0.03, 0.003])  # m: expected of a lobe, and of how two opposite ones differ
-_STATE = ("centre", "terms", "free", "noise")  # all that one round takes over from the last
+_CONVERGED = 5e-7  # m: far below the best standard deviation
+_LOBE_DEPTHS = np.array([0.03, 0.003])  # m: expected of a lobe, and of how two opposite ones differ
+_STATE = ("centre", "terms", "free", "noise")  # what one round takes over from the last
+
+_CLOSED, _OPEN = 0.64, 0.72  # of the third harmonic of a washout left open: it counts from here on, and fully
+_ROUGH, _OVAL = 1.5, 2.0  # expected deviations: lobes are searched where an oval leaves more, or is more oval
+_ODDS = 8.0  # logarithm of the odds that lobes have to overcome, beside the number of their sectors
+_LIKELY = 1e-6  # a model of less weight is left out
+
+_CELLS = 240  # around the hole, for the search for lobes
+_PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite lobes may take
+_SINGLE_WIDTHS = range(20, 141, 4)
+_SEARCH_HARMONICS = 4
+_SAME = 1e-9  # gains that differ by less are those of the same samples
 
 
 @dataclass(frozen=True)
 class Shape:
-    """What may be expected of a hole and a tool, before any sample: standard deviations in metres.
+    """What may be expected of a hole and a tool before any sample: standard deviations in metres.
 
     Parameters
     ----------
@@ -64,9 +84,9 @@ class Shape:
         for name in ("even", "odd", "reach", "noise", "one_sided"):
             value = getattr(self, name)
             if not (np.isfinite(value) and value > 0):
-                raise ValueError(f"{name} = {value:g}: must be finite and larger than 0")
+                raise InputError(name, "must be finite and larger than 0", f"{value:g}")
         if self.harmonics < 2:
-            raise ValueError(f"harmonics = {self.harmonics}: must be at least 2")
+            raise InputError("harmonics", "must be at least 2", str(self.harmonics))
 
     def deviations(self, highest: int | None = None) -> Floats:
         """Prior standard deviation of each harmonic from 2 to ``harmonics`` or ``highest``."""
@@ -84,10 +104,85 @@ class Shape:
         return replace(self, odd=max(self.odd, self.one_sided), harmonics=max(self.harmonics, 3))
 
 
-class TurnFits:
-    """The turns of one chunk: Gauss-Newton on the centre, each round one linear fit of rho(phi) in the hole's frame.
+# --- Fourier series of many turns -----------------------------------------------------------------------------------
 
-    rho(c + dc) = rho(c) + u(phi) dc, so the first harmonic of the fit is -dc; at the solution it is zero.
+
+def powers(z: Complexes, order: int) -> Complexes:
+    """z^0 ... z^order, (order + 1, n)."""
+    table = np.empty((order + 1, z.size), dtype=np.complex128)
+    table[0] = 1.0
+    for k in range(1, order + 1):
+        np.multiply(table[k - 1], z, out=table[k])
+    return table
+
+
+def normal_equations(weight: Floats, value: Floats, table: Complexes, starts: Integers) -> tuple[Floats, Floats]:
+    """sum(w x x'), (t, P, P), and sum(w x v), (t, P), of every turn, from ``powers(z, 2 H)``."""
+    order = (len(table) - 1) // 2
+    moments = np.add.reduceat(weight * table, starts, axis=1)
+    matrix = np.empty((starts.size, 2 * order + 1, 2 * order + 1))
+    matrix[:, 0, 0] = moments[0].real
+    for j in range(1, order + 1):
+        cos_j, sin_j = 2 * j - 1, 2 * j
+        matrix[:, 0, cos_j] = matrix[:, cos_j, 0] = moments[j].real
+        matrix[:, 0, sin_j] = matrix[:, sin_j, 0] = moments[j].imag
+        for k in range(1, j + 1):
+            cos_k, sin_k = 2 * k - 1, 2 * k
+            total, difference = 0.5 * moments[j + k], 0.5 * moments[j - k]
+            matrix[:, cos_j, cos_k] = matrix[:, cos_k, cos_j] = difference.real + total.real
+            matrix[:, sin_j, sin_k] = matrix[:, sin_k, sin_j] = difference.real - total.real
+            matrix[:, sin_j, cos_k] = matrix[:, cos_k, sin_j] = total.imag + difference.imag
+            matrix[:, cos_j, sin_k] = matrix[:, sin_k, cos_j] = total.imag - difference.imag
+    return matrix, projections(weight * value, table[: order + 1], starts)
+
+
+def projections(value: Floats, table: Complexes, starts: Integers) -> Floats:
+    """sum(x v), (t, 2 H + 1), of every turn, from ``powers(z, H)``."""
+    sums = np.add.reduceat(value * table, starts, axis=1)
+    side = np.empty((starts.size, 2 * len(table) - 1))
+    side[:, 0] = sums[0].real
+    side[:, 1::2], side[:, 2::2] = sums[1:].real.T, sums[1:].imag.T
+    return side
+
+
+def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
+    """x' terms at every sample, (n,), of one series a turn, (t, P)."""
+    values: Floats = terms[turn, 0]
+    coefficients = terms[:, 1::2] - 1j * terms[:, 2::2]
+    for k in range(coefficients.shape[1]):
+        values += (coefficients[turn, k] * table[k + 1]).real
+    return values
+
+
+def leverage(matrix: Floats, table: Complexes, turn: Integers) -> Floats:
+    """x' B x at every sample, (n,), of one symmetric matrix B a turn, (t, P, P).
+
+    With v = (z^-H ... z^H) and x = U v it is v' (U' B U) v: a Fourier series of order 2 H, whose terms of one power of
+    z lie on one antidiagonal.
+    """
+    order = (matrix.shape[1] - 1) // 2
+    change = np.zeros((2 * order + 1, 2 * order + 1), dtype=np.complex128)
+    change[0, order] = 1.0
+    for k in range(1, order + 1):
+        change[2 * k - 1, [order + k, order - k]] = 0.5
+        change[2 * k, [order + k, order - k]] = -0.5j, 0.5j
+    mirrored = np.flip(change.T @ matrix @ change, axis=2)
+    series = np.empty((len(matrix), 4 * order + 1))
+    series[:, 0] = np.trace(mirrored, offset=0, axis1=1, axis2=2).real
+    for m in range(1, 2 * order + 1):
+        coefficient = 2.0 * np.trace(mirrored, offset=-m, axis1=1, axis2=2)
+        series[:, 2 * m - 1], series[:, 2 * m] = coefficient.real, -coefficient.imag
+    return evaluate(series, table, turn)
+
+
+# --- one model of the wall, fitted ----------------------------------------------------------------------------------
+
+
+class TurnFits:
+    """One model, fitted to all turns of a chunk: Gauss-Newton on the centre.
+
+    Each round is one linear fit of rho(phi) in the hole's frame. rho(c + dc) = rho(c) + u(phi) dc, so the first
+    harmonic of the fit is -dc; at the solution it is zero. ``lobes`` are further columns, one value a sample.
     """
 
     def __init__(self, reach: Complexes, count: Integers, shape: Shape, lobes: Floats | None = None) -> None:
@@ -95,11 +190,10 @@ class TurnFits:
         self.lobes: Floats = np.empty((0, reach.size)) if lobes is None else lobes
         self.starts = np.cumsum(count) - count
         self.turn = np.repeat(np.arange(count.size), count)
-        deviations = shape.deviations()
         self.waves = 1 + 2 * shape.harmonics
-        self.precision = np.concatenate(
-            [[0.0], np.full(2, shape.reach**-2), np.repeat(deviations**-2, 2), LOBE_DEPTHS[: len(self.lobes)] ** -2]
-        )
+        deviations = np.repeat(shape.deviations(), 2)
+        lobe_deviations = _LOBE_DEPTHS[: len(self.lobes)]
+        self.precision = np.concatenate([[0.0], np.full(2, shape.reach**-2), deviations**-2, lobe_deviations**-2])
         self.centre = np.zeros(count.size, dtype=np.complex128)
         self.terms = np.zeros((count.size, self.precision.size))
         self.terms[:, 0] = np.add.reduceat(np.abs(reach), self.starts) / count
@@ -124,8 +218,8 @@ class TurnFits:
                 getattr(self, name)[moving] = getattr(rest, name)
             self._step()
 
-    def only(self, chosen: npt.NDArray[np.bool_]) -> TurnFits:
-        """Some of the turns, to be solved again or as they are."""
+    def only(self, chosen: Mask) -> TurnFits:
+        """Return some of the turns, to be solved again or as they are."""
         kept = chosen[self.turn]
         part = TurnFits(self.reach[kept], self.count[chosen], self.shape, self.lobes[:, kept])
         for name in (*_STATE, "inverse"):
@@ -134,12 +228,37 @@ class TurnFits:
         part.table = self.table[:, kept]
         return part
 
+    def plain(self, lobes: Floats | None = None) -> TurnFits:
+        """Fit the same turns from their present centres with an oval wall, perhaps with lobes.
+
+        No sample is left out at first: one in a lobe must have the time to find that it is.
+        """
+        oval = TurnFits(self.reach, self.count, self.shape.plain(), lobes)
+        oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
+        oval.noise[:] = _LOBE_DEPTHS[0]
+        oval.solve()
+        return oval
+
+    def widened(self) -> TurnFits:
+        """Fit the same turns from their present state with a wall that may be enlarged on one side."""
+        wide = TurnFits(self.reach, self.count, self.shape.widened(), self.lobes)
+        for name in _STATE:
+            setattr(wide, name, getattr(self, name).copy())
+        wide.solve()
+        return wide
+
+    def look(self) -> None:
+        """Distance of every sample from the hole's axis, and the powers of its direction, at the present centres."""
+        wall = self.centre[self.turn] + self.reach
+        self.distance = np.abs(wall)
+        self.table = powers(wall / self.distance, 2 * self.shape.harmonics)
+
     def _step(self) -> Floats:
         """One round: weights from the residuals, the linear fit, the centre moved; returns by how much, (t,) m."""
-        self.distance = self._look()
+        self.look()
         self.residual = self.distance - self._wall(self.terms)
         self._weigh()
-        matrix, side = self._normal_equations()
+        matrix, side = self.normal_equations()
         ridge = (self.noise**2)[:, None] * self.precision
         ridge[:, 0] = 1e-9  # the mean radius is free; this keeps a turn whose every sample is rejected solvable
         matrix[:, np.arange(self.precision.size), np.arange(self.precision.size)] += ridge
@@ -153,8 +272,8 @@ class TurnFits:
         self.terms[:, 1:3] = 0.0
         return np.abs(step)
 
-    def _normal_equations(self) -> tuple[Floats, Floats]:
-        """The matrix and the side of the waves, and beside them those of the lobes."""
+    def normal_equations(self) -> tuple[Floats, Floats]:
+        """Matrix and right-hand side of waves and lobes together."""
         waves, side = normal_equations(self.weight, self.distance, self.table, self.starts)
         if not len(self.lobes):
             return waves, side
@@ -178,7 +297,7 @@ class TurnFits:
             values += terms[self.turn, self.waves + k] * lobe
         return values
 
-    def _leverage(self) -> Floats:
+    def leverage(self) -> Floats:
         """x' B x of every sample's waves and lobes."""
         first = self.waves
         hat = leverage(self.inverse[:, :first, :first], self.table, self.turn)
@@ -187,12 +306,6 @@ class TurnFits:
             row[:, :first] *= 2.0
             hat += lobe * self._wall(row)
         return hat
-
-    def _look(self) -> Floats:
-        wall = self.centre[self.turn] + self.reach
-        distance = np.abs(wall)
-        self.table = powers(wall / distance, 2 * self.shape.harmonics)
-        return distance
 
     def _weigh(self) -> None:
         """Biweights and noise: noise^2 = sum(w e^2) / (sum(w) - terms used), with the expected noise as four samples.
@@ -211,38 +324,17 @@ class TurnFits:
     def covariance(self) -> Floats:
         """Covariance of (x, y): the posterior, the jackknife and the odd excess."""
         covariance: Floats = self.inverse[:, 1:3, 1:3] * (self.noise**2)[:, None, None]
-        hat = self.weight * self._leverage()
+        hat = self.weight * self.leverage()
         left_out = self.weight * self.residual / np.maximum(1.0 - hat, 0.05)
         pull = [left_out * self._wall(self.inverse[:, p]) for p in (1, 2)]
         for p in range(2):
             for q in range(2):
                 covariance[:, p, q] += np.add.reduceat(pull[p] * pull[q], self.starts)
         odd = np.arange(2, self.shape.harmonics + 1) % 2 == 1
-        waves = self.terms[:, : self.waves]
-        amplitude = np.square(waves[:, 3::2]) + np.square(waves[:, 4::2])
+        amplitude = np.square(self.terms[:, 3 : self.waves : 2]) + np.square(self.terms[:, 4 : self.waves : 2])
         excess = amplitude[:, odd].sum(axis=1) - 2.0 * np.square(self.shape.deviations()[odd]).sum()
-        one_sided = _ONE_SIDED**2 * np.maximum(excess, 0.0)
-        covariance[:, [0, 1], [0, 1]] += one_sided[:, None]
+        covariance[:, [0, 1], [0, 1]] += _ONE_SIDED**2 * np.maximum(excess, 0.0)[:, None]
         return covariance
-
-    def plain(self, lobes: Floats | None = None) -> TurnFits:
-        """The same turns where the wall is an oval, and perhaps with lobes, from where the centre is now.
-
-        No sample is left out at first: one in a lobe must have the time to find that it is.
-        """
-        oval = TurnFits(self.reach, self.count, self.shape.plain(), lobes)
-        oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
-        oval.noise[:] = LOBE_DEPTHS[0]
-        oval.solve()
-        return oval
-
-    def widened(self) -> TurnFits:
-        """The same turns, started from here, where the wall may be enlarged on one side."""
-        wide = TurnFits(self.reach, self.count, self.shape.widened(), self.lobes)
-        for name in _STATE:
-            setattr(wide, name, getattr(self, name).copy())
-        wide.solve()
-        return wide
 
     def left_open(self) -> Floats:
         """Root mean square that the third harmonic may have after these samples, in units of what it may have before.
@@ -294,3 +386,163 @@ class TurnFits:
         within = np.abs(self.residual) <= 3.0 * self.noise[self.turn]
         share: Floats = np.add.reduceat(within.astype(np.float64), self.starts) / self.count
         return share
+
+
+# --- lobes with upright edges ---------------------------------------------------------------------------------------
+
+
+def fit_lobes(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
+    """Fit the turns with the best sector of each as a lobe, and if ``opposite`` with the one across the hole too.
+
+    No series of a few harmonics follows a step, and what it misses moves the centre. A wall that is smooth but for one
+    step out and one step back, or two opposite ones, is linear in everything but the two edges, so all are tried::
+
+          D .-----.                   .-----.          e       residuals of the smooth fit
+            |     |                   |     |          b       1 in the sector, 0 outside; weights W
+        ----'     '-------------------'     '----      gain    (b' W e)^2 / (b' W b - b' W X (X' W X + ridge)^-1 X' W b)
+          from    to                from+180
+
+    The gain of a sector is what the weighted squares of the residuals lose when D is fitted with all else. With sums
+    over cells of three degrees, added up around the hole, it takes as many steps as the fit has terms. The cells are
+    laid by the second harmonic of the turn, so that turned samples give turned sectors. Opposite lobes have one depth,
+    but for a little that is found as well.
+
+    Returns
+    -------
+    The fits, and what the lobes add to the mean radius, (t,) m.
+    """
+    cells = _CELLS // 2 if opposite else _CELLS
+    widths = _PAIR_WIDTHS if opposite else _SINGLE_WIDTHS
+    where = np.angle(smooth.centre[smooth.turn] + smooth.reach)
+    laid = 0.5 * np.arctan2(smooth.terms[:, 4], smooth.terms[:, 3])
+    around = (where - laid[smooth.turn]) / (2.0 * np.pi) * _CELLS % _CELLS
+    cell = np.minimum(around.astype(np.int64), _CELLS - 1)
+    least = float(np.square(smooth.shape.noise / _LOBE_DEPTHS[0]))
+    first, width, widest = best_sectors(cell_sums(smooth, where, cell % cells, cells), widths, least)
+    off = (cell - first[smooth.turn]) % _CELLS
+    inside = off % cells < width[smooth.turn]
+    columns = [inside.astype(np.float64)]
+    if opposite:
+        columns.append(np.where(inside, np.where(off >= cells, -1.0, 1.0), 0.0))
+    fits = smooth.plain(np.stack(columns))
+    return fits, fits.terms[:, fits.waves] * 0.5 * (width + widest) / cells
+
+
+def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floats:
+    """Sums over each cell, (t, cells, P + 2): whitened terms, residuals and weights.
+
+    Whitened by the Cholesky factor of the normal matrix, so that the squares of their sum are what the other terms take
+    from b' W b.
+    """
+    shape, turns = fits.shape.plain(), fits.count.size
+    table = powers(np.exp(1j * where), 2 * _SEARCH_HARMONICS)
+    distance = np.abs(fits.centre[fits.turn] + fits.reach)
+    weights = np.ones(distance.size)
+    matrix, side = normal_equations(weights, distance, table, fits.starts)
+    deviations = np.repeat(shape.deviations(_SEARCH_HARMONICS), 2)
+    deviations = np.concatenate([[10.0, shape.reach, shape.reach], deviations])
+    terms = np.arange(deviations.size)
+    matrix[:, terms, terms] += np.square(shape.noise / deviations)
+    whiten = np.linalg.inv(np.linalg.cholesky(matrix))
+    fitted = (np.swapaxes(whiten, 1, 2) @ (whiten @ side[:, :, None]))[:, :, 0]
+    at = fits.turn * cells + cell
+    residual = distance - evaluate(fitted, table, fits.turn)
+    order = np.argsort(at, kind="stable")
+    filled, starts = np.unique(at[order], return_index=True)
+    sums = np.zeros((turns * cells, deviations.size + 2))
+    weight = weights[order]
+    sums[filled, :-2] = projections(weight, table[: _SEARCH_HARMONICS + 1, order], starts)
+    sums[filled, -2] = np.add.reduceat(weight * residual[order], starts)
+    sums[filled, -1] = np.add.reduceat(weight, starts)
+    table_of_sums = sums.reshape(turns, cells, -1)
+    table_of_sums[:, :, :-2] = table_of_sums[:, :, :-2] @ np.swapaxes(whiten, 1, 2)
+    return table_of_sums
+
+
+def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, Integers, Integers]:
+    """First cell and width of the narrowest sector with the greatest gain, and the width of the widest, each (t,)."""
+    turns, cells, _ = sums.shape
+    around = np.concatenate([np.zeros((turns, 1, sums.shape[2])), sums, sums[:, : widths.stop]], axis=1)
+    running = np.cumsum(around, axis=1)
+    gain: Floats = np.zeros(turns)
+    first, width, widest = np.zeros((3, turns), dtype=np.int64)
+    for wide in widths:
+        sector = running[:, wide : wide + cells] - running[:, :cells]
+        left = sector[:, :, -1] - np.square(sector[:, :, :-2]).sum(axis=2)
+        gains = np.square(np.maximum(sector[:, :, -2], 0.0)) / (np.maximum(left, 0.0) + least)
+        at = np.argmax(gains, axis=1)
+        top = gains[np.arange(turns), at]
+        better = top > gain * (1.0 + _SAME)
+        gain[better] = top[better]
+        first[better], width[better] = at[better], wide
+        widest[top >= gain * (1.0 - _SAME)] = wide
+    return first, width, widest
+
+
+# --- the models mixed -----------------------------------------------------------------------------------------------
+
+
+@dataclass
+class Estimate:
+    """What one model says of every turn: as in ``Centres``, with x and y as one complex number."""
+
+    centre: Complexes
+    covariance: Floats
+    within: Floats
+    one_sided: Floats
+    mean_radius: Floats
+    noise: Floats
+    inliers: Floats
+
+    def blend(self, turns: Integers, other: Estimate, weight: Floats) -> None:
+        """Mix the other's turns, all of it, into these ``turns`` of this one, with a ``weight`` each."""
+        w = weight[:, None, None]
+        between = w * (1.0 - w) * _squares(other.centre - self.centre[turns])
+        for field in fields(self):
+            mine, theirs = getattr(self, field.name), getattr(other, field.name)
+            mine[turns] += (w if mine.ndim == 3 else weight) * (theirs - mine[turns])
+        self.covariance[turns] += between
+        self.within[turns] += between
+
+
+def estimate(fits: TurnFits) -> Estimate:
+    """Solve the smooth model, and return the centre of every turn from all models that are worth trying."""
+    fits.solve()
+    best = _estimate(fits, np.zeros(fits.count.size))
+    plain = fits.plain()
+    oval = np.hypot(plain.terms[:, 3], plain.terms[:, 4])
+    rough = (plain.spread() > _ROUGH * fits.shape.noise) | (oval > _OVAL * fits.shape.noise)
+    if not rough.any():
+        return best
+    turns, some = np.flatnonzero(rough), fits.only(rough)
+    known = np.maximum(some.evidence(), plain.only(rough).evidence())
+    for opposite in (True, False):
+        model, added = fit_lobes(some, opposite)
+        sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # that hold different samples
+        evidence = model.evidence() - np.log(sectors) - _ODDS
+        known = np.logaddexp(known, evidence)
+        weight = np.exp(evidence - known)
+        likely = weight > _LIKELY
+        if likely.any():
+            best.blend(turns[likely], _estimate(model.only(likely), added[likely]), weight[likely])
+    return best
+
+
+def _estimate(fits: TurnFits, added: Floats) -> Estimate:
+    """Mix one model with its like that may be enlarged on one side. ``added``: what lobes add to the mean radius."""
+    wide = fits.widened()
+    weight = np.clip((wide.left_open() - _CLOSED) / (_OPEN - _CLOSED), 0.0, 1.0)
+    other, spread = wide.one_sided()
+    w = weight[:, None, None]
+    apart = other - fits.centre
+    within = fits.covariance()
+    covariance = (1.0 - w) * within + w * spread + w * (1.0 - w) * _squares(apart)
+    centre = fits.centre + weight * apart
+    return Estimate(centre, covariance, within, weight, fits.terms[:, 0] + added, fits.noise.copy(), fits.inliers())
+
+
+def _squares(apart: Complexes) -> Floats:
+    """d d' of every turn, (t, 2, 2)."""
+    vector = np.stack([apart.real, apart.imag], axis=1)
+    squares: Floats = vector[:, :, None] * vector[:, None, :]
+    return squares

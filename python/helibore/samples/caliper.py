@@ -15,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, column, sample_columns
+from helibore.base.arrays import Floats, column, require, sample_columns
+from helibore.base.errors import InputError
 from helibore.base.threads import available_threads
 
 Basis = Literal["azimuthal", "average", "gauge"]
@@ -34,9 +35,9 @@ ROUND = 16
 
 
 def check_basis(basis: str) -> None:
-    """Raise a ValueError that lists the words unless ``basis`` is one of them."""
+    """Raise an InputError that lists the allowed words unless ``basis`` is one of them."""
     if basis not in BASIS_TEXT:
-        raise ValueError(f"basis = {basis!r}: must be one of {', '.join(get_args(Basis))}")
+        raise InputError("basis", f"must be one of {', '.join(get_args(Basis))}", repr(basis))
 
 
 class Caliper:
@@ -59,7 +60,7 @@ class Caliper:
 
     Raises
     ------
-    ValueError
+    InputError
         Naming column, row, value and rule: ``toolface[17] = nan: must be finite``.
 
     Notes
@@ -106,7 +107,7 @@ class Caliper:
 
         Raises
         ------
-        ValueError
+        InputError
             ``diameter[3] = 8.5: must be above 0 and at most 4 metres``; if all rows are missing.
 
         Examples
@@ -116,15 +117,11 @@ class Caliper:
         """
         depths = column("depth", depth)
         diameters = column("diameter", diameter, depths.size, "depth")
-        wrong = np.flatnonzero(~np.isnan(diameters) & ~((diameters > 0) & (diameters <= 2 * LARGEST_RADIUS)))
-        if wrong.size:
-            size = diameters[wrong[0]]
-            raise ValueError(
-                f"diameter[{wrong[0]}] = {size:g}: must be above 0 and at most {2 * LARGEST_RADIUS:g} metres"
-            )
         there = ~np.isnan(diameters)
+        valid = ~there | ((diameters > 0) & (diameters <= 2 * LARGEST_RADIUS))
+        require("diameter", diameters, valid, f"must be above 0 and at most {2 * LARGEST_RADIUS:g} metres")
         if not there.any():
-            raise ValueError(f"diameter: all {diameters.size} are missing")
+            raise InputError("diameter", f"all {diameters.size} are missing")
         return cls._round(depths[there], diameters[there] / 2, "average")
 
     @classmethod
@@ -142,7 +139,7 @@ class Caliper:
 
         Raises
         ------
-        ValueError
+        InputError
             ``stop = 10: must be deeper than start = 20``; on sizes that are not above 0.
 
         Examples
@@ -152,15 +149,14 @@ class Caliper:
         """
         for name, value in (("start", start), ("stop", stop)):
             if not math.isfinite(value):
-                raise ValueError(f"{name} = {value}: must be finite")
+                raise InputError(name, "must be finite", str(value))
         if not stop > start:
-            raise ValueError(f"stop = {stop:g}: must be deeper than start = {start:g}")
+            raise InputError("stop", f"must be deeper than start = {start:g}", f"{stop:g}")
         if not (math.isfinite(step) and step > 0):
-            raise ValueError(f"step = {step:g}: must be finite and above 0")
+            raise InputError("step", "must be finite and above 0", f"{step:g}")
         if not 0 < bit_diameter <= 2 * LARGEST_RADIUS:
-            raise ValueError(
-                f"bit_diameter = {bit_diameter:g}: must be above 0 and at most {2 * LARGEST_RADIUS:g} metres"
-            )
+            rule = f"must be above 0 and at most {2 * LARGEST_RADIUS:g} metres"
+            raise InputError("bit_diameter", rule, f"{bit_diameter:g}")
         depth = np.linspace(start, stop, math.ceil((stop - start) / step - 1e-9) + 1)
         return cls._round(depth, np.full(depth.size, bit_diameter / 2), "gauge")
 

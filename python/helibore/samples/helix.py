@@ -14,11 +14,12 @@ from typing import NamedTuple, Protocol
 import numpy as np
 
 from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
 from helibore.samples.caliper import Basis
 
 
 class HelixSettings(Protocol):
-    """What a wall must tell about its helix."""
+    """The settings of a wall that its helix follows from."""
 
     @property
     def sectors(self) -> int: ...
@@ -74,7 +75,7 @@ def quad_room(vertices: int, sectors: int) -> int:
 
 
 def helix_of(wall: WallLike) -> Helix:
-    """Return the helix of a wall; one without a sample starts nowhere yet, and gets depth 0."""
+    """Return the helix of a wall; a wall without samples has no start depth yet and gets depth 0."""
     settings, start = wall.settings, float(wall.start_depth)
     return Helix(
         0.0 if math.isnan(start) else start,
@@ -85,7 +86,7 @@ def helix_of(wall: WallLike) -> Helix:
 
 
 def basis_of(wall: WallLike) -> Basis:
-    """Return what a wall is made from; one that does not say is taken to be measured around the hole."""
+    """Return the basis of a wall; a wall without that attribute counts as measured around the hole."""
     basis: Basis = getattr(wall, "basis", "azimuthal")
     return basis
 
@@ -95,14 +96,14 @@ def vertices_between(helix: Helix, count: int, start: float | None, stop: float 
 
     Raises
     ------
-    ValueError
+    InputError
         If an end is not finite, the ends are not in order, or no vertex lies between.
     """
     for name, bound in (("start", start), ("stop", stop)):
         if bound is not None and not math.isfinite(bound):
-            raise ValueError(f"{name} = {bound}: must be finite")
+            raise InputError(name, "must be finite", str(bound))
     if start is not None and stop is not None and start >= stop:
-        raise ValueError(f"stop = {stop:g}: must be greater than start = {start:g}")
+        raise InputError("stop", f"must be greater than start = {start:g}", f"{stop:g}")
 
     def depth(k: int) -> float:
         return helix.start_depth + k * helix.pitch / helix.sectors
@@ -115,7 +116,7 @@ def vertices_between(helix: Helix, count: int, start: float | None, stop: float 
         last = count if start is None else bisect_right(range(count), -start, key=lambda k: -depth(k))
     if first >= last and not (start is None and stop is None):
         reach = f"reaches from {depth(0):g} to {depth(count - 1):g} m" if count else "is empty"
-        raise ValueError(f"start = {start}, stop = {stop}: the wall {reach}, no vertex lies between")
+        raise InputError(f"start = {start}, stop = {stop}", f"the wall {reach}, no vertex lies between")
     return first, last
 
 

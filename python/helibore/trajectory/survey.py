@@ -17,9 +17,10 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, column
+from helibore.base.errors import InputError
+from helibore.trajectory.references import Reference
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
-Reference = Literal["high-side", "north", "parallel-transport"]
 
 
 class Survey:
@@ -32,12 +33,12 @@ class Survey:
     inclination
         Degrees from straight down, 0 to 180.
     azimuth
-        Degrees from north, clockwise seen from above, -360 to 360. Has no say at inclination 0, except that the
+        Degrees from north, clockwise seen from above, -360 to 360. It has no meaning at inclination 0, except that the
         radius-of-curvature method turns evenly from the azimuth given there, as published software does.
 
     Raises
     ------
-    ValueError
+    InputError
         Naming the first value that breaks a rule: ``depth[3] = 120: must be greater than depth[2] = 130``.
     """
 
@@ -91,8 +92,8 @@ class Survey:
         reference
             What toolface 0 points to: ``"high-side"`` (undefined where the hole is vertical), ``"north"`` (undefined
             where it runs level north or south) or ``"parallel-transport"``: north at the first station (its high side,
-            where that lies within 45 degrees of level north or south), moved down the hole without twisting about it.
-            It is defined everywhere; `helibore.trajectory.references` turns samples into it.
+            where that lies within 45 degrees of level north or south), and down the hole turned with the tangent but
+            never about it. It is defined everywhere; `helibore.trajectory.references` turns samples into it.
         head
             North, east and down of the first station, metres. A map position (UTM) goes here.
         extend
@@ -100,7 +101,7 @@ class Survey:
 
         Raises
         ------
-        ValueError
+        InputError
             On an unknown method or reference, a head or extend that is not finite, extend < 0, or two neighbouring
             stations that point opposite ways (minimum curvature).
 
@@ -181,7 +182,7 @@ class Path:
 
         Raises
         ------
-        ValueError
+        InputError
             Naming the first depth the path does not reach, and where it ends.
         """
         return _shaped(self._core.position(_depths(depth)), depth)
@@ -196,12 +197,12 @@ class Path:
         Returns
         -------
         (n, 3, 3) float64, or (3, 3) for one number. Rows: the reference made square to the hole (high side, north, or
-        carried), right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of the wall is
-        ``position + radius * (cos(toolface) * row 0 + sin(toolface) * row 1)``.
+        parallel transport), right (clockwise of it looking downhole), tangent; orthonormal, right-handed. A point of
+        the wall is ``position + radius * (cos(toolface) * row 0 + sin(toolface) * row 1)``.
 
         Raises
         ------
-        ValueError
+        InputError
             As `position`, and where the reference is undefined: the high side within 0.00006 degrees of vertical, north
             within the same of level north or south.
         """
@@ -218,7 +219,7 @@ class Path:
 
         Raises
         ------
-        ValueError
+        InputError
             As `position`, and where the hole is vertical.
         """
         return _shaped(self._core.north_to_high_side(_depths(depth)), depth)
@@ -243,7 +244,7 @@ def checked_path(path: Path | None) -> Path | None:
     if path is None or isinstance(path, Path):
         return path
     how = ": survey.path() is one" if isinstance(path, Survey) else ""
-    raise ValueError(f"path: must be a Path or None, not {type(path).__name__}{how}")
+    raise InputError("path", f"must be a Path or None, not {type(path).__name__}{how}")
 
 
 def core_path(path: Path | None) -> _core.Path:

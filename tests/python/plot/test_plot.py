@@ -356,7 +356,7 @@ def test_toolfaces_count_from_what_the_path_says(own: Any) -> None:
     assert content.reference == own
     drawn = next(track.source[0] for track in content.tracks if isinstance(track, ImageTrack))
     assert isinstance(drawn, hb.SectorImage)
-    # The high side lies at 254.87 from north here, and so it does where north is carried down a straight hole.
+    # The high side lies at 254.87 from north here, and so it does with parallel transport down a straight hole.
     high = 0.0 if own == "high-side" else 254.87
     cells = np.floor(((drawn.toolface - high) % 360) / 22.5)
     assert (np.isclose(drawn.values[20], cells)).mean() > 0.99

@@ -9,11 +9,10 @@ from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
 
 from helibore.preparation.conditioning import (
+    Echo,
     Step,
     closed,
-    combine,
     in_range,
-    radius_of_travel_time,
     repeated_rows,
     spikes,
     stuck,
@@ -178,28 +177,16 @@ def test_closed_against_loop(x, y, margin):
     assert_counted(step)
 
 
-@given(radii)
-def test_combine_counts_add_up(values):
-    steps = [in_range(values, 0.0, 0.15), repeated_rows(values), in_range(values, 0.1001, 1.0)]
-    kept, counts = combine(steps)
-    assert sum(counts.values()) == values.size
-    np.testing.assert_array_equal(kept, ~(steps[0].dropped | steps[1].dropped | steps[2].dropped))
-    assert list(counts) == ["range", "repeated rows", "kept"]
-
-
 def test_travel_time():
-    time = np.array([1e-4, NAN, 2e-5])
-    radius = radius_of_travel_time(time, 0.04, 1500.0, 1e-5)
-    np.testing.assert_allclose(radius, [0.04 + 1500 * 9e-5 / 2, NAN, 0.04 + 1500 * 1e-5 / 2])
-    assert time[0] == 1e-4
+    time = np.array([1e-4, NAN, 2e-5, 1e-6])  # the last comes before the echo has left the tool
+    radius = Echo(1500.0, 0.04, 1e-5).radius(time)
+    np.testing.assert_allclose(radius, [0.04 + 1500 * 9e-5 / 2, NAN, 0.04 + 1500 * 1e-5 / 2, NAN])
 
 
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda: radius_of_travel_time([1e-4, 1e-6], 0.04, 1500, 1e-5),
-         "travel_time[1] = 1e-06: must be finite and not shorter than the window, 1e-05"),
-        (lambda: radius_of_travel_time([1e-4], 0.04, 0),
+        (lambda: Echo(0, 0.04),
          "tool_radius = 0.04, velocity = 0, window = 0: velocity must be larger than 0, the others not negative, "
          "all finite"),
         (lambda: spikes([0], [1], [0], neighbors=0), "neighbors = 0: must be at least 1"),
@@ -212,8 +199,6 @@ def test_travel_time():
         (lambda: closed([], 0.1), "arms: must have at least one column"),
         (lambda: closed([[1.0]], -1.0),
          "radius = -1, tolerance = 0.002, margin = 0: radius must be larger than 0, the others not negative"),
-        (lambda: combine([]), "steps: must have at least one"),
-        (lambda: combine([in_range([1], 0, 1), in_range([1, 2], 0, 1)]), "step range has shape (2,), range has (1,)"),
     ],
 )  # fmt: skip
 def test_errors(call, text):

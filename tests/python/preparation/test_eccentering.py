@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 import helibore as hb
 from helibore.preparation.eccentering import Centres, Shape, find_centres, recentre, turn_numbers
-from helibore.preparation.harmonics import evaluate, leverage, normal_equations, powers
+from helibore.preparation.turn_fits import evaluate, leverage, normal_equations, powers
 
 TURNS = 300
 

@@ -12,7 +12,9 @@ from hypothesis import strategies as st
 from locations import SHARED
 
 import helibore as hb
-from helibore.preparation.passes import arm_sides, choose, difference, evaluate, find_bias, find_shifts, number_passes
+from helibore.preparation.biases import arm_sides, find_bias
+from helibore.preparation.passes import choose, difference, evaluate, number_passes
+from helibore.preparation.shifts import find_shifts
 
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
@@ -195,7 +197,7 @@ def test_difference_of_two_walls_with_other_helices():
         (lambda: find_shifts([1], [0.1], [1], step=3),
          "step = 3, limit = 2, trend = 10: must be 0 < step <= limit and trend > 2 step"),
         (lambda: arm_sides([0], [0], 0), "sides = 0: must be at least 1"),
-        (lambda: arm_sides([0], [0, 1]), "arm has 1 values, bearing has 2: must be equal"),
+        (lambda: arm_sides([0], [0, 1]), "arm has 1 values, toolface has 2: must be equal"),
     ],
 )  # fmt: skip
 def test_errors(call, text):

@@ -1,4 +1,4 @@
-"""Preparing readings: each step does what its module does, in the order stated, and tells what it dropped."""
+"""Preparing readings: each step does what its module does, in the order stated, and reports what it dropped."""
 
 from __future__ import annotations
 
@@ -9,17 +9,18 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.channels.log_set import LogSet
 from helibore.channels.readings import readings
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
-from helibore.files.raw_set import Channel
+from helibore.files.channel import Channel, LogSet
+from helibore.preparation.biases import arm_sides, find_bias
 from helibore.preparation.conditioning import Step
 from helibore.preparation.eccentering import find_centres, recentre, turn_numbers
-from helibore.preparation.passes import arm_sides, choose, find_bias, find_shifts
+from helibore.preparation.passes import choose
 from helibore.preparation.prepare import Preparation, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
+from helibore.preparation.shifts import find_shifts
 from helibore.trajectory.references import from_high_side, onto_path
 
 N = 400
@@ -29,7 +30,9 @@ def log(name: str = "f.csv", **columns: Any) -> LogSet:
     channels = []
     for key, values in columns.items():
         label, _, unit = key.partition("__")
-        channels.append(Channel(label, unit, "", np.array(values)))
+        array = np.array(values)
+        load = lambda array=array: array  # noqa: E731
+        channels.append(Channel(label, unit, "", array.shape, load, is_text=array.dtype.kind == "U"))
     return LogSet(Path(name), "s", channels, channels[0].shape[0])
 
 
@@ -57,7 +60,7 @@ def test_nothing_asked_is_nothing_done() -> None:
     samples = one.samples()
     for name in ("depth", "toolface", "radius"):
         np.testing.assert_array_equal(getattr(found.caliper, name), getattr(samples, name))
-    assert (found.told, found.counts, found.centres, found.earlier) == ((), {"kept": N}, None, None)
+    assert (found.report, found.counts, found.centres, found.earlier) == ((), {"kept": N}, None, None)
     assert found.pass_number is None
     assert Preparation().changed() == {}
     assert hb.Preparation is Preparation
@@ -74,7 +77,7 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
     one = log(md__m=depth, tf__deg=turn, radius__m=radius)
     settings = Preparation(shallowest=100.015, deepest=103.0, least_radius=0.05, greatest_radius=0.5, repeated=True)
     found = prepare(one.readings(), settings)
-    assert dict(found.told) == {
+    assert dict(found.report) == {
         "interval": "dropped 101 of 400 samples (2 below, 99 above)",
         "range": "dropped 2 of 299 samples (1 below, 1 above)",
         "repeated rows": "dropped 1 of 297 samples (1 repeated)",
@@ -95,12 +98,12 @@ def test_closed_and_stuck_rows_go_before_anything_else() -> None:
     x[100:200] = 8.6
     one = arms(cal_x__in=x, cal_y__in=y)
     found = prepare(one.readings(), Preparation(closed=2 * 0.0254, stuck=60))
-    assert found.told[:2] == (
+    assert found.report[:2] == (
         ("closed", "dropped 10 of 400 rows (10 closed)"),
         ("stuck", "dropped 100 of 800 readings (100 stuck)"),
     )
     assert len(found.caliper) == 4 * N - 40 - 200
-    with pytest.raises(ValueError, match="one arm alone cannot be told to be stuck"):
+    with pytest.raises(ValueError, match="a stuck arm cannot be recognised where no other arm moves beside it"):
         prepare(rotating().readings(), Preparation(stuck=50))
 
 
@@ -110,14 +113,14 @@ def test_spikes_by_rotation_and_by_height() -> None:
     radius[[50, 222]] = 0.19
     found = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0))
     assert found.counts["spikes"] == 2
-    assert found.told[0] == ("turns", "37, by rotation; samples in one: 11")
+    assert found.report[0] == ("turns", "37, by rotation; samples in one: 11")
     assert found.caliper.radius.max() < 0.12
     by_height = prepare(rotating(radius__m=radius).readings(), Preparation(spikes=6.0, turn_height=0.05))
     assert by_height.counts["spikes"] == 2
-    assert "by depth, 0.05 m each" in by_height.told[0][1]
+    assert "by depth, 0.05 m each" in by_height.report[0][1]
     still = log(md__m=np.arange(N), radius__m=radius)
     roles = overlay(guess(still), still, {"radius": {"angle": 0.0}}, "map")
-    with pytest.raises(ValueError, match="no toolface to tell the turns of the tool by"):
+    with pytest.raises(ValueError, match="no toolface shows the turns of the tool: give the height of a turn"):
         prepare(still.readings(roles), Preparation(spikes=6.0))
 
 
@@ -139,8 +142,10 @@ def test_recentre_is_that_of_the_library() -> None:
     )
     corrected_turns = int(np.count_nonzero(centres.share() > 0))
     assert corrected_turns > 30
-    assert found.told[1][1].startswith(f"{corrected_turns} of 37 turns corrected; tool off by ")
-    with pytest.raises(ValueError, match=r"^f.csv: recentring needs radii: half a diameter \(cal_x\) holds no offset"):
+    assert found.report[1][1].startswith(f"{corrected_turns} of 37 turns corrected; tool off by ")
+    with pytest.raises(
+        ValueError, match=r"^f.csv: recentring needs radii: half a diameter \(cal_x\) does not show the tool's offset"
+    ):
         prepare(arms().readings(), Preparation(recentre=True))
 
 
@@ -173,7 +178,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert found.bias is not None
     np.testing.assert_allclose(found.bias.by_pass, bias.by_pass, atol=1e-12)
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.by_pass[number - 1], atol=1e-9)
-    assert [label for label, _ in found.told] == ["passes", "passes", "shift", "shift", "shift", "bias", "bias"]
+    assert [label for label, _ in found.report] == ["passes", "passes", "shift", "shift", "shift", "bias", "bias"]
     given = prepare(one.readings(), Preparation(shifts=((2, 0.4),), latest=True, passes=(3, 2)))
     assert given.pass_number is not None
     assert set(given.pass_number.tolist()) == {2}  # the last of (3, 2)
@@ -209,14 +214,14 @@ def test_several_files_are_passes() -> None:
     found = prepare([first, second], Preparation(latest=True))
     assert found.pass_number is not None
     assert set(found.pass_number.tolist()) == {2}
-    assert found.told[0] == ("passes", "as the files number them; samples of each: 1 (400), 2 (400)")
+    assert found.report[0] == ("passes", "as the files number them; samples of each: 1 (400), 2 (400)")
     merged = prepare([first, second])
     np.testing.assert_array_equal(merged.caliper.radius, np.concatenate([first.radii[0], second.radii[0]]))
     timed = rotating(3, "c.csv", time__s=np.arange(N)).readings()
-    told = dict(prepare([first, timed]).told)
-    assert told == {"time": "left out: not every file has one"}
+    report = dict(prepare([first, timed]).report)
+    assert report == {"time": "left out: not every file has one"}
     numbered = rotating(4, "d.csv", **{"pass": np.ones(N)}).readings()
-    with pytest.raises(ValueError, match=r"^d.csv: numbers a pass as another file does: number them anew$"):
+    with pytest.raises(ValueError, match=r"^d.csv: numbers a pass as another file does: number the passes anew$"):
         prepare([numbered, numbered], Preparation(latest=True))
     again = prepare([numbered, numbered], Preparation(latest=True, reversal=0.5))
     assert set((again.pass_number if again.pass_number is not None else np.empty(0)).tolist()) == {2}
@@ -234,29 +239,31 @@ def test_toolface_references() -> None:
     depth = np.linspace(5.0, 195.0, N)
     turn = np.arange(N) * 33.0 % 360
     columns = {"md__m": depth, "tf__deg": turn, "radius__m": np.full(N, 0.1)}
-    carried = survey.path(reference="parallel-transport")
-    steep = np.degrees(np.arccos(np.clip(carried.tangent(depth)[:, 2], -1, 1)))
-    automatic = prepare(log(**columns).readings(), Preparation(toolface_from="automatic"), carried)
-    expected = onto_path(turn, depth, carried, from_high_side(steep))
+    transported = survey.path(reference="parallel-transport")
+    steep = np.degrees(np.arccos(np.clip(transported.tangent(depth)[:, 2], -1, 1)))
+    automatic = prepare(log(**columns).readings(), Preparation(toolface_from="automatic"), transported)
+    expected = onto_path(turn, depth, transported, from_high_side(steep))
     np.testing.assert_array_equal(automatic.caliper.toolface, expected)
     tags = np.where(steep > 5, "GTF", "MTF")
-    tagged = prepare(log(**columns, tf_type=tags).readings(), None, carried)
-    np.testing.assert_array_equal(tagged.caliper.toolface, onto_path(turn, depth, carried, steep > 5))
-    assert "by the file's tags" in tagged.told[0][1]
+    tagged = prepare(log(**columns, tf_type=tags).readings(), None, transported)
+    np.testing.assert_array_equal(tagged.caliper.toolface, onto_path(turn, depth, transported, steep > 5))
+    assert "by the file's tags" in tagged.report[0][1]
     one = log(**columns)
     mapped = overlay(guess(one), one, {"tf": {"reference": "north"}}, "map")
-    north = prepare(one.readings(mapped), None, carried)
-    np.testing.assert_array_equal(north.caliper.toolface, onto_path(turn, depth, carried, False))
+    north = prepare(one.readings(mapped), None, transported)
+    np.testing.assert_array_equal(north.caliper.toolface, onto_path(turn, depth, transported, False))
     same = prepare(one.readings(mapped), None, survey.path(reference="north"))
     np.testing.assert_array_equal(same.caliper.toolface, turn)
     beyond = prepare(
         one.readings(mapped), None, hb.Survey([0, 100.0], [0.0, 9.0], [0.0, 0.0]).path(reference="parallel-transport")
     )
-    assert beyond.told[0] == ("dropped", "200 samples beyond the survey: their toolface has no reference there")
+    assert beyond.report[0] == ("dropped", "200 samples beyond the survey: their toolface has no reference there")
     with pytest.raises(ValueError, match="toolfaces that count from north need a survey"):
         prepare(one.readings(mapped))
-    with pytest.raises(ValueError, match="the wall's toolface is carried down the path, no tool's is"):
-        prepare(one.readings(), None, carried)
+    with pytest.raises(
+        ValueError, match="the wall's toolfaces count from a parallel-transport reference, a tool's never do"
+    ):
+        prepare(one.readings(), None, transported)
     with pytest.raises(ValueError, match=r"row 1, column tf_type: 'up': must be one of n, north"):
         log(**columns, tf_type=np.where(np.arange(N) == 1, "up", "N")).readings()
 
@@ -282,7 +289,7 @@ def test_sensors_at_their_places_and_times() -> None:
     assert (np.diff(found.caliper.time) >= 0).all()
     assert found.counts["no depth"] == 4
     untimed = log(**{key: value for key, value in columns.items() if key != "time__s"})
-    with pytest.raises(ValueError, match=r"^f.csv: a latency or a track needs a time"):
+    with pytest.raises(ValueError, match=r"^f.csv: a latency or a track: needs a time, and no channel has that role"):
         prepare(untimed.readings(), Preparation(latency=1.0))
 
 
@@ -298,7 +305,7 @@ def test_a_track_gives_depth_and_toolface_by_time() -> None:
     np.testing.assert_allclose(found.caliper.toolface, 20.0 * time % 360)
 
 
-def test_what_closed_arms_leave_nothing_of_is_told() -> None:
+def test_what_closed_arms_leave_nothing_of_is_reported() -> None:
     rule = r"^f.csv: no row has depth, toolface and a radius \(400 dropped as closed\)$"
     with pytest.raises(ValueError, match=rule):
         prepare(rotating().readings(), Preparation(closed=0.3))
@@ -323,7 +330,7 @@ def test_a_clock_that_starts_anew_with_each_pass() -> None:
         late = time[5:100] - 1.0
         both = np.concatenate([100 + 0.2 * late, 104 - 0.2 * late])
         np.testing.assert_allclose(np.sort(found.caliper.depth), np.sort(both))
-        assert [line for name, line in found.told if name == "time"] == lines
+        assert [line for name, line in found.report if name == "time"] == lines
 
 
 def test_rows_of_one_clock_may_come_in_any_order() -> None:
@@ -331,24 +338,24 @@ def test_rows_of_one_clock_may_come_in_any_order() -> None:
     columns = {"time__s": time, "md__m": 100 + 0.01 * time, "tf__deg": time * 30 % 360}
     found = prepare(log(**columns, radius__m=np.full(N, 0.1)).readings(), Preparation(latency=1.0))
     np.testing.assert_allclose(np.sort(found.caliper.depth), 100 + 0.01 * np.arange(N - 1.0))
-    assert not [line for name, line in found.told if name == "time"]
+    assert not [line for name, line in found.report if name == "time"]
 
 
-def test_a_toolface_too_fast_to_be_read_between_is_told() -> None:
+def test_a_toolface_too_fast_to_be_read_between_is_reported() -> None:
     time = np.arange(N, dtype=float)
     columns = {"time__s": time, "md__m": 100 + 0.01 * time, "radius__m": np.full(N, 0.1)}
     slow, fast = (prepare(log(**columns, tf__deg=time * turn % 360).readings(), Preparation(latency=0.5))
                   for turn in (80.0, 110.0))  # fmt: skip
-    line = ("toolface", "f.csv: turns by 110 deg between half of its readings: too fast to be read between")
-    assert line in fast.told
-    assert not [told for told in slow.told if told[0] == "toolface"]
+    line = ("toolface", "f.csv: turns by 110 deg between half of its readings: too fast to interpolate between them")
+    assert line in fast.report
+    assert not [line for line in slow.report if line[0] == "toolface"]
 
 
 def test_rows_without_a_time_are_left_out() -> None:
     time = np.where(np.arange(N) == 9, np.nan, np.arange(N))
     found = prepare(rotating(time__s=time).readings())
     assert found.counts == {"no time": 1, "kept": N - 1}
-    assert found.told == (("dropped", "1 samples of f.csv without a time"),)
+    assert found.report == (("dropped", "1 samples of f.csv without a time"),)
 
 
 @pytest.mark.parametrize(

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from helibore.preparation.eccentering import find_centres
-from helibore.preparation.step_model import _best, _sums, lobed
-from helibore.preparation.turn_fits import Shape, TurnFits
+from helibore.preparation.turn_fits import Shape, TurnFits, best_sectors, cell_sums, fit_lobes
 
 
 def turns(opposite, seed=0, count=(48, 33), depth=0.015):
@@ -30,14 +29,14 @@ def smooth(phi, radius, count):
 @pytest.mark.parametrize("opposite", [True, False])
 def test_the_sector_is_found(opposite):
     phi, radius, count, inside = turns(opposite)
-    found = lobed(smooth(phi, radius, count), opposite)
-    np.testing.assert_array_equal(found.fits.lobes[0], inside)
-    depth = found.fits.terms[:, found.fits.waves]
+    fits, added = fit_lobes(smooth(phi, radius, count), opposite)
+    np.testing.assert_array_equal(fits.lobes[0], inside)
+    depth = fits.terms[:, fits.waves]
     np.testing.assert_allclose(depth, 0.015, atol=1e-3)
-    np.testing.assert_allclose(found.added, depth * (2 if opposite else 1) * 66 / 360, atol=8e-4)
+    np.testing.assert_allclose(added, depth * (2 if opposite else 1) * 66 / 360, atol=8e-4)
     if opposite:
-        np.testing.assert_array_equal(np.abs(found.fits.lobes[1]), inside)
-        np.testing.assert_allclose(found.fits.terms[:, -1], 0.0, atol=2e-3)
+        np.testing.assert_array_equal(np.abs(fits.lobes[1]), inside)
+        np.testing.assert_allclose(fits.terms[:, -1], 0.0, atol=2e-3)
 
 
 def test_gain_of_every_sector_against_dense_least_squares():
@@ -47,7 +46,7 @@ def test_gain_of_every_sector_against_dense_least_squares():
     cells, harmonics, noise = 36, 4, Shape().noise
     cell = np.minimum((where % (2 * np.pi) / (2 * np.pi) * cells).astype(int), cells - 1)
     least = (noise / 0.03) ** 2
-    first, width, widest = _best(_sums(fits, where, cell, cells), range(3, 12), least)
+    first, width, widest = best_sectors(cell_sums(fits, where, cell, cells), range(3, 12), least)
     waves = [np.ones_like(where)] + [f(k * where) for k in range(1, harmonics + 1) for f in (np.cos, np.sin)]
     shape = Shape()
     deviations = np.concatenate([[10.0, 0.02, 0.02], np.repeat(shape.plain().deviations(harmonics), 2)])
@@ -71,14 +70,14 @@ def test_gain_of_every_sector_against_dense_least_squares():
 
 def test_leverage_and_normal_equations_with_lobes():
     phi, radius, count, _ = turns(True, seed=5)
-    fits = lobed(smooth(phi, radius, count), opposite=True).fits
+    fits, _ = fit_lobes(smooth(phi, radius, count), opposite=True)
     angle = np.angle(fits.centre[fits.turn] + fits.reach)
     waves = [np.ones_like(angle)]
     waves += [f(k * angle) for k in range(1, fits.shape.harmonics + 1) for f in (np.cos, np.sin)]
     design = np.concatenate([np.array(waves), fits.lobes]).T
-    fits._look()
-    matrix, side = fits._normal_equations()
-    hat = fits._leverage()
+    fits.look()
+    matrix, side = fits.normal_equations()
+    hat = fits.leverage()
     for t in range(count.size):
         x, w = design[fits.turn == t], fits.weight[fits.turn == t]
         np.testing.assert_allclose(matrix[t], (x.T * w) @ x, atol=1e-4)

@@ -14,8 +14,9 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers
-from helibore.preparation.biases import rows_of, samples_of, whole_numbers
+from helibore.base.arrays import Floats, Integers, Mask, finite_column, whole_column
+from helibore.base.errors import InputError
+from helibore.preparation.biases import rows_of
 
 __all__ = ["Shifts", "find_shifts"]
 
@@ -43,11 +44,22 @@ class Shifts:
     shift: Floats
     correlation: Floats
     before: Floats
-    found: npt.NDArray[np.bool_]
+    found: Mask
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
-        """Shift of each sample, (n,) m, new: add it to the depth. Raises ValueError at an unknown pass."""
-        return self.shift[rows_of("pass_number", whole_numbers("pass_number", pass_number), self.passes)]
+        """Shift of each sample, (n,) m, new: add it to the depth. Raises InputError at an unknown pass."""
+        return self.shift[rows_of("pass_number", whole_column("pass_number", pass_number), self.passes)]
+
+    def lines(self) -> list[str]:
+        """Return one sentence a pass."""
+        lines = []
+        for row, number in enumerate(self.passes):
+            text = "left where it is: no clear match"
+            if self.found[row]:
+                before, after = self.before[row], self.correlation[row]
+                text = f"{self.shift[row]:+.3f} m found, correlation {before:.2f} before, {after:.2f} after"
+            lines.append(f"pass {number}: {text}")
+        return lines
 
 
 def find_shifts(
@@ -79,17 +91,18 @@ def find_shifts(
 
     Raises
     ------
-    ValueError
+    InputError
         If lengths differ, a value is not finite, a setting breaks its rule or ``reference`` is no pass.
     """
-    where, distance, number = samples_of(depth, radius, pass_number)
+    where = finite_column("depth", depth)
+    distance = finite_column("radius", radius, where.size, "depth")
+    number = whole_column("pass_number", pass_number, where.size, "depth")
     if not (0 < step <= limit and trend > 2 * step):
-        raise ValueError(
-            f"step = {step:g}, limit = {limit:g}, trend = {trend:g}: must be 0 < step <= limit and trend > 2 step"
-        )
+        place = f"step = {step:g}, limit = {limit:g}, trend = {trend:g}"
+        raise InputError(place, "must be 0 < step <= limit and trend > 2 step")
     passes, row = np.unique(number, return_inverse=True)
     if reference is not None and reference not in passes:
-        raise ValueError(f"reference = {reference}: is not among {passes.tolist()}")
+        raise InputError("reference", f"is not among {passes.tolist()}", str(reference))
     count = passes.size
     shift, found = np.zeros(count), np.zeros(count, dtype=bool)
     best, before = np.full(count, np.nan), np.full(count, np.nan)

@@ -1,0 +1,181 @@
+"""From the readings of files to samples in one frame: by depth, or by time where a clock is needed.
+
+    Readings (rows x sensors, one or more files) --observe--> Samples: depth, toolface, radius, time | file, row, sensor
+
+A sensor that measures before or after its stamp, and a track with depth and toolface by time, need the time of every
+row. A file may hold several clocks, as one that starts anew with each pass; each is read by itself.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, replace
+from typing import TypeVar
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
+from helibore.preparation.readings import Readings
+from helibore.preparation.sensors import Samples, TimeSeries, observe_by_depth, observe_by_time
+
+Number = TypeVar("Number", bound=np.generic)
+Report = list[tuple[str, str]]
+
+FAST_TURN = 90.0
+"""Degrees between two readings of a toolface, in half of them, from which what lies between is doubtful."""
+
+FASTEST = 20.0
+"""Metres a second: no tool goes faster."""
+
+REASONS = {"no depth": "depth", "no toolface": "toolface", "no radius": "radius", "no time": "time"}
+
+
+@dataclass(frozen=True)
+class Track:
+    """Where the tool was at any time: depth and, where the file has one, toolface, from a file of their own."""
+
+    depth: TimeSeries
+    toolface: TimeSeries | None = None
+
+
+@contextmanager
+def placed(place: str) -> Iterator[None]:
+    """Put the place of an input error inside an outer one."""
+    try:
+        yield
+    except InputError as error:
+        raise error.within(place) from error
+
+
+def observe(
+    readings: Sequence[Readings],
+    track: Track | None = None,
+    report: Report | None = None,
+    *,
+    offset: float = 0.0,
+    latency: float = 0.0,
+) -> Samples:
+    """Bring the sensors of all readings into one frame.
+
+    Parameters
+    ----------
+    readings
+        Of one file or more.
+    track
+        Depth and toolface by time; None: each file has its own.
+    report
+        Gets a (step, sentence) for what is left out.
+    offset, latency
+        Added to those of every sensor: metres, seconds.
+
+    Returns
+    -------
+    Samples
+        ``counts`` says how many lack a depth, toolface, radius or time.
+    """
+    report = [] if report is None else report
+    found = []
+    counts: dict[str, int] = {}
+    for one in readings:
+        with placed(one.name):
+            seen = _observe(one, track, report, offset, latency)
+        found.append(seen)
+        for reason, word in REASONS.items():
+            if seen.counts.get(reason):
+                counts[reason] = counts.get(reason, 0) + seen.counts[reason]
+                report.append(("dropped", f"{seen.counts[reason]:,} samples of {one.name} without a {word}"))
+    if any(each.time is None for each in found) and any(each.time is not None for each in found):
+        report.append(("time", "left out: not every file has one"))
+        found = [replace(each, time=None) for each in found]
+    if len(found) == 1:
+        return replace(found[0], file=np.broadcast_to(np.int64(0), found[0].depth.size), counts=counts)
+    file = np.repeat(np.arange(len(found)), [each.depth.size for each in found])
+    return replace(_joined(found), file=file, counts=counts)
+
+
+def _joined(parts: Sequence[Samples]) -> Samples:
+    """The samples of all parts as one list."""
+    if len(parts) == 1:
+        return parts[0]
+    columns = {
+        name: np.concatenate([getattr(part, name) for part in parts])
+        for name in ("depth", "toolface", "radius", "time", "sensor", "row")
+        if name != "time" or parts[0].time is not None
+    }
+    names = {name for part in parts for name in part.counts}
+    counts = {name: sum(part.counts.get(name, 0) for part in parts) for name in names}
+    return replace(parts[0], **columns, counts=counts)
+
+
+def _observe(one: Readings, track: Track | None, report: Report, offset: float, latency: float) -> Samples:
+    """The samples of one file."""
+    sensors = [
+        replace(each, offset=each.offset + offset, latency=each.latency + latency) for each in one.sensors
+    ]  # fmt: skip
+    if track is None and not any(sensor.latency for sensor in sensors):
+        found = observe_by_depth(sensors, one.depth, one.toolface, one.radii)
+        return found if one.time is None else _timed(found, one.time)
+    if one.time is None:
+        raise InputError("a latency or a track", "needs a time, and no channel has that role")
+    clocks = [np.flatnonzero(np.isfinite(one.time))] if track else _clocks(one, one.time, report)
+    parts = []
+    for rows in clocks:
+        when = one.time[rows]
+        depth = track.depth if track else TimeSeries(*_in_order(when, one.depth[rows]))
+        turning = track.toolface if track and track.toolface is not None else None
+        if turning is None:
+            beyond = 0.0 if one.turning else np.inf
+            turning = TimeSeries(*_in_order(when, one.toolface[rows]), angle=True, beyond=beyond)
+        line = ("toolface", f"{one.name}: turns by {turning.step:.0f} deg between half of its readings: too fast to "
+                            "interpolate between them")  # fmt: skip
+        if turning.step > FAST_TURN and line not in report:
+            report.append(line)
+        radii = [radius[rows] for radius in one.radii]
+        seen = observe_by_time(sensors, [when] * len(sensors), radii, depth, turning)
+        parts.append(replace(seen, row=rows[seen.row]))
+    return _joined(parts)
+
+
+def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
+    """The rows that share a clock: all, or those of a pass, unless the clock starts anew among them."""
+    rows = np.flatnonzero(np.isfinite(time))
+    number = one.pass_number
+    clocks = [rows] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
+    apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
+    if len(apart) > len(clocks):
+        report.append(("time", f"{one.name}: goes back, as by a clock that starts anew: read as {len(apart)} clocks"))
+    return apart
+
+
+def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
+    """Rows split into runs of rising or falling time, if in the order of time the tool would jump from row to row."""
+    known = rows[np.isfinite(depth[rows])]
+    when, where = _in_order(time[known], depth[known])
+    if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():
+        return [rows]
+    falls = np.diff(time[rows]) < 0
+    starts = [0]
+    for step in np.flatnonzero(falls[1:] != falls[:-1]) + 1:
+        if step > starts[-1]:  # the step to another clock; the one after it is the first of the next run
+            starts.append(int(step) + 1)
+    return np.split(rows, starts[1:])
+
+
+def _in_order(time: Floats, values: npt.NDArray[Number]) -> tuple[Floats, npt.NDArray[Number]]:
+    order = np.argsort(time, kind="stable")
+    return time[order], values[order]
+
+
+def _timed(found: Samples, time: Floats) -> Samples:
+    """With the time of each sample; those whose row has none are left out."""
+    every = sum(found.counts.values()) == found.depth.size == time.size  # one sensor, and nothing missing
+    times = time if every else time[found.row]
+    timed = replace(found, time=times)
+    if not np.isnan(times.min(initial=0.0)):
+        return timed
+    timed = timed.select(np.flatnonzero(~np.isnan(times)))
+    missing = found.depth.size - timed.depth.size
+    return replace(timed, counts=found.counts | {"no time": missing, "taken": timed.depth.size})
