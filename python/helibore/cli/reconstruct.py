@@ -106,7 +106,7 @@ class Reconstruct(Sectioned):
 @click.option("--drop-stuck", type=int, metavar="ROWS", help="Arms that stand still so long while others move.")
 @click.option("--radius-range", type=LENGTH, nargs=2, metavar="LEAST MOST", help="Leave out radii beyond.")
 @click.option("--drop-repeated", is_flag=True, help="Samples equal to an earlier one.")
-@click.option("--drop-spikes", type=float, metavar="DEVIATIONS", help="Off the neighbours in the turn; 6 is usual.")
+@click.option("--drop-spikes", type=float, metavar="DEVIATIONS", help="That neighbouring turns contradict; 6 is usual.")
 @click.option("--turn-height", type=LENGTH, help="A turn of a tool that does not turn.  [rotation, image row]")
 @click.option("--recentre", is_flag=True, help="Take the tool's offset out of every turn.")
 @click.option("--centres", type=FILE, help="Write centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.")

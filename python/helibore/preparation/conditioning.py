@@ -88,13 +88,14 @@ def spikes(
     """Drop samples that the neighbouring turns at the same toolface contradict, in time and in depth.
 
     A breakout, a key seat or a ledge goes on from turn to turn or around the hole; a spike does not. Of the samples of
-    the three turns before and the three after that lie next to the toolface on either side, the eight nearest in
+    the three turns before and the three after that lie next to the toolface on either side, the six nearest in
     toolface are compared with the sample. It is a spike where all of these hold::
 
-        1  it lies beyond the second largest or smallest of them by the tolerance and a quarter of their spread
+        1  it lies beyond the second largest or smallest of them by the tolerance and a tenth of their spread
         2  none of the two next to it in its own turn, or next to its toolface in the turn before and after, is within
-           the tolerance of it
-        3  of the samples of other times that lie next to it in depth, not half are within the tolerance of it
+           half the tolerance of it
+        3  the sample of another time that lies next to it in depth (within 5 cm, in its 10 degrees) is not within the
+           tolerance of it either; there may be none
 
     The tolerance is ``threshold`` times a deviation: 1.4826 times the median distance of the samples of a turn from the
     medians of their neighbours, in the median of a hundred turns.
@@ -135,10 +136,10 @@ def spikes(
         at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
         judged[at], middle[at], low[at], high[at] = rings.neighbours(at)
     tolerance = threshold * np.maximum(rings.deviation(middle), floor)
-    slack = tolerance + 0.25 * (high - low)
+    slack = tolerance + 0.1 * (high - low)
     for start in range(0, order.size, _SAMPLES_AT_ONCE):
         at = np.arange(start, min(start + _SAMPLES_AT_ONCE, order.size))
-        alone[at] = ~rings.supported(at, tolerance[at])
+        alone[at] = ~rings.supported(at, 0.5 * tolerance[at])
     beyond = (rings.radius > high + slack) | (rings.radius < low - slack)
     found = np.flatnonzero((judged >= 4) & beyond & alone)
     if depth is not None and found.size:
@@ -152,7 +153,7 @@ def spikes(
 class _Rings:
     """Samples sorted by turn and toolface: the samples of a turn stand in a ring."""
 
-    reach, used = 3, 8  # turns to either side, and neighbours compared of those next to the toolface in them
+    reach, used = 3, 6  # turns to either side, and neighbours compared of those next to the toolface in them
 
     def __init__(self, angle: Floats, radius: Floats, turn: Integers) -> None:
         self.angle, self.radius = angle, radius
@@ -174,7 +175,7 @@ class _Rings:
         pairs = [self._next_to(at, step) for step in range(-self.reach, self.reach + 1) if step]
         candidates = np.concatenate([pair for pair, _ in pairs], axis=1)
         gap = np.abs((self.angle[candidates] - self.angle[at, None] + 180.0) % 360.0 - 180.0)
-        far = gap > 0.75 * 360.0 / self.count[self.ring[at], None]  # another arm of a tool of few arms
+        far = gap > np.maximum(20.0, 270.0 / self.count[self.ring[at], None])  # another arm of a tool of few arms
         gap[far | ~np.repeat(np.stack([there for _, there in pairs], axis=1), 2, axis=1)] = np.inf
         nearest = np.argsort(gap, axis=1, kind="stable")[:, : self.used]
         absent = np.isinf(np.take_along_axis(gap, nearest, axis=1))
@@ -194,8 +195,9 @@ class _Rings:
         off = off[np.lexsort((off, self.ring))][self.first + (self.count - 1) // 2]
         block = np.arange(off.size) // 100
         _, first, count, _ = _runs_of(block)
-        median = 1.4826 * off[np.lexsort((off, block))][first + (count - 1) // 2]
-        return np.where(np.isfinite(median), median, 0.0)[block[self.ring]]
+        median: Floats = 1.4826 * off[np.lexsort((off, block))][first + (count - 1) // 2]
+        deviation: Floats = np.where(np.isfinite(median), median, 0.0)[block[self.ring]]
+        return deviation
 
     def supported(self, at: Integers, tolerance: Floats) -> Mask:
         """Whether one next to each in its own turn, or next to its toolface in the next turns, agrees with it."""
@@ -210,18 +212,20 @@ class _Rings:
         return agrees
 
     def repeated(self, at: Integers, depth: Floats, tolerance: Floats) -> Mask:
-        """Whether half of the samples of other times next to each in depth, in its 10 degrees, agree with it."""
+        """Whether the sample of another time next to each in depth, within 5 cm, agrees with it."""
         cell = np.floor(self.angle / 10.0)
         order = np.lexsort((depth, cell))
         place = np.empty(order.size, dtype=np.int64)
         place[order] = np.arange(order.size)
         beside = place[at, None] + np.array([-4, -3, -2, -1, 1, 2, 3, 4])
         other = order[np.clip(beside, 0, order.size - 1)]
-        near = (cell[other] == cell[at, None]) & (np.abs(depth[other] - depth[at, None]) <= 0.05)
-        apart = near & (np.abs(self.turns[self.ring[other]] - self.turns[self.ring[at]][:, None]) > self.reach)
-        agree = apart & (np.abs(self.radius[other] - self.radius[at, None]) <= tolerance[at, None])
-        half: Mask = (2 * agree.sum(axis=1) >= apart.sum(axis=1)) & apart.any(axis=1)
-        return half
+        off = np.abs(depth[other] - depth[at, None])
+        apart = np.abs(self.turns[self.ring[other]] - self.turns[self.ring[at]][:, None]) > self.reach
+        off[(cell[other] != cell[at, None]) | ~apart] = np.inf
+        nearest = np.argmin(off, axis=1, keepdims=True)
+        radius = self.radius[np.take_along_axis(other, nearest, axis=1)[:, 0]]
+        agrees: Mask = (off.min(axis=1) <= 0.05) & (np.abs(radius - self.radius[at]) <= tolerance[at])
+        return agrees
 
 
 def _runs_of(values: Integers) -> tuple[Integers, Integers, Integers, Integers]:

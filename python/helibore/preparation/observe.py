@@ -8,7 +8,7 @@ row. A file may hold several clocks, as one that starts anew with each pass; eac
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import TypeVar
@@ -57,6 +57,7 @@ def observe(
     *,
     offset: float = 0.0,
     latency: float = 0.0,
+    dropped: Mapping[str, int] | None = None,
 ) -> Samples:
     """Bring the sensors of all readings into one frame.
 
@@ -70,11 +71,18 @@ def observe(
         Gets a (step, sentence) for what is left out.
     offset, latency
         Added to those of every sensor: metres, seconds.
+    dropped
+        Earlier steps and the values that they dropped, for the error of a file of which nothing is left.
 
     Returns
     -------
     Samples
         ``counts`` says how many lack a depth, toolface, radius or time.
+
+    Raises
+    ------
+    InputError
+        If no row of a file has a depth, a toolface and a radius.
     """
     report = [] if report is None else report
     found = []
@@ -87,6 +95,11 @@ def observe(
             if seen.counts.get(reason):
                 counts[reason] = counts.get(reason, 0) + seen.counts[reason]
                 report.append(("dropped", f"{seen.counts[reason]:,} samples of {one.name} without a {word}"))
+        if not seen.depth.size:
+            lacking = [f"{count} values missing in {name}" for name, count in one.missing.items()]
+            lacking += [f"{count} dropped as {step}" for step, count in (dropped or {}).items()]
+            rule = f"no row has depth, toolface and a radius ({', '.join(lacking) or 'no values'})"
+            raise InputError(one.name, rule)
     if any(each.time is None for each in found) and any(each.time is not None for each in found):
         report.append(("time", "left out: not every file has one"))
         found = [replace(each, time=None) for each in found]

@@ -37,6 +37,9 @@ __all__ = ["Preparation", "Prepared", "Track", "prepare"]
 
 Number = TypeVar("Number", bound=np.generic)
 
+LONG_TURN = 1.0
+"""Metres from one turn to the next, beyond which neighbouring turns do not see the same wall."""
+
 IMAGE_ROW = 8
 """From so many sensors on, one row of readings goes all around the hole: it is a turn."""
 
@@ -61,7 +64,7 @@ class Preparation:
     repeated
         Drop samples equal to an earlier one in depth, toolface, radius and time.
     spikes
-        Drop samples that lie so many robust deviations off their neighbours in their turn; 6 is usual.
+        Drop samples that the neighbouring turns contradict by so many robust deviations; 6 is usual.
     turn_height
         Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of 8 sensors or more.
     sensor_offset, latency
@@ -232,7 +235,11 @@ class _Pipeline:
         settings = self.settings
         if settings.closed is not None or settings.stuck is not None:
             self.readings = [self._conditioned(one) for one in self.readings]
-        self._observe(track)
+        self.samples = observe(
+            self.readings, track, self.report, offset=settings.sensor_offset, latency=settings.latency,
+            dropped=self.counts,
+        )  # fmt: skip
+        self.counts |= {reason: count for reason, count in self.samples.counts.items() if reason in REASONS}
         self._drop_single_samples()
         if settings.by_pass or settings.reversal is not None:
             self._number_passes()
@@ -279,20 +286,6 @@ class _Pipeline:
             radii = np.where(step.dropped[reading], np.nan, radii)
         return replace(one, radii=tuple(radii))
 
-    def _observe(self, track: Track | None) -> None:
-        """Bring the sensors into one frame; a file of which nothing is left is an error."""
-        settings = self.settings
-        self.samples = observe(
-            self.readings, track, self.report, offset=settings.sensor_offset, latency=settings.latency
-        )
-        for number, one in enumerate(self.readings):
-            if not (self.samples.file == number).any():
-                lacking = [f"{count} values missing in {name}" for name, count in one.missing.items()]
-                lacking += [f"{count} dropped as {step}" for step, count in self.counts.items()]
-                reason = ", ".join(lacking) or "no values"
-                raise InputError(one.name, f"no row has depth, toolface and a radius ({reason})")
-        self.counts |= {reason: count for reason, count in self.samples.counts.items() if reason in REASONS}
-
     def _drop_single_samples(self) -> None:
         """Interval, range, repeated and spikes."""
         settings = self.settings
@@ -310,16 +303,22 @@ class _Pipeline:
             self._drop(conditioning.repeated_rows(samples.depth, samples.toolface, samples.radius, *times))
         samples = self.samples
         if settings.spikes is not None:
-            turn = self._turns()
-            self._drop(conditioning.spikes(samples.toolface, samples.radius, turn, threshold=settings.spikes))
+            turn = self._turns(rows=True)
+            step = conditioning.spikes(samples.toolface, samples.radius, turn, samples.depth, threshold=settings.spikes)
+            self._drop(step)
 
-    def _turns(self) -> Integers:
-        """Number the turns: samples of one number were taken around the hole from one place."""
+    def _turns(self, rows: bool = False) -> Integers:
+        """Number the turns: samples of one number were taken around the hole from one place.
+
+        ``rows``: each row of a tool that takes more than a metre to rotate is a turn.
+        """
         turn = np.empty(self.samples.depth.size, dtype=np.int64)
         first, kinds = 0, set()
         for number, one in enumerate(self.readings):
             mine = np.flatnonzero(self.samples.file == number)
             turn[mine], kind = self._turns_of(one, mine)
+            if rows and kind == "rotation" and self._height(turn[mine], mine) > LONG_TURN:
+                turn[mine], kind = self.samples.row[mine], "rows of arms"
             if mine.size:
                 turn[mine] += first - turn[mine].min()
                 first = int(turn[mine].max()) + 1
@@ -329,6 +328,12 @@ class _Pipeline:
         if line not in self.report:
             self.report.append(line)
         return turn
+
+    def _height(self, turn: Integers, mine: Integers) -> float:
+        """Depth from one turn to the next, in the median."""
+        _, row = np.unique(turn, return_inverse=True)
+        depth = np.bincount(row, self.samples.depth[mine]) / np.bincount(row)
+        return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
     def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers, str]:
         """Turns of the samples of one file, and what makes a turn."""
