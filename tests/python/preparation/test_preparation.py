@@ -7,12 +7,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helibore.files.channel import Channel, LogSet
 
 import helibore as hb
 from helibore.channels.readings import readings
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
-from helibore.files.channel import Channel, LogSet
 from helibore.preparation.biases import arm_sides, find_bias
 from helibore.preparation.conditioning import Step
 from helibore.preparation.eccentering import find_centres, recentre, turn_numbers
