@@ -16,14 +16,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Bytes, Floats
+from helibore.base.errors import InputError, MissingExtraError
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap, Normalize
 
-Colors = npt.NDArray[np.uint8]
+Colors = Bytes
 
 _DEFINITION: dict[str, Any] = json.loads(Path(__file__).with_name("color_maps.json").read_text(encoding="utf-8"))
 
@@ -63,9 +63,9 @@ COLOR_MAPS: dict[str, ColorMap] = {
 
 
 def check_map(color_map: str) -> None:
-    """Raise a ValueError that lists the maps unless ``color_map`` is one of them."""
+    """Raise an InputError that lists the maps unless ``color_map`` is one of them."""
     if color_map not in COLOR_MAPS:
-        raise ValueError(f"color_map = {color_map!r}: must be one of {', '.join(COLOR_MAPS)}")
+        raise InputError("color_map", f"must be one of {', '.join(COLOR_MAPS)}", repr(color_map))
 
 
 def color_table(color_map: str, count: int = 256) -> Colors:
@@ -73,7 +73,7 @@ def color_table(color_map: str, count: int = 256) -> Colors:
 
     Raises
     ------
-    ValueError
+    InputError
         ``color_map = 'jet': must be one of image, viridis, ...``.
     """
     check_map(color_map)
@@ -113,7 +113,7 @@ class ColorScale:
 
     Raises
     ------
-    ValueError
+    InputError
         ``limits = (0, 20): must be above 0 on a log scale``; on ends that are not finite or not in order, and on
         an unknown map.
     """
@@ -128,16 +128,16 @@ class ColorScale:
         check_map(self.color_map)
         ends = (self.low, self.high)
         if not (all(map(math.isfinite, ends)) and ends[0] < ends[1]):
-            raise ValueError(f"limits = {ends}: must be two finite numbers, the first below the second")
+            raise InputError("limits", "must be two finite numbers, the first below the second", str(ends))
         if self.log and ends[0] <= 0:
-            raise ValueError(f"limits = {ends}: must be above 0 on a log scale")
+            raise InputError("limits", "must be above 0 on a log scale", str(ends))
 
     def share(self, values: Floats) -> Floats:
         """Return how far along the scale each value lies, 0 to 1; NaN where missing. Same shape, a new array.
 
         Raises
         ------
-        ValueError
+        InputError
             ``values[17] = -2: must be above 0 on a log scale (3 of 100 are not) ...``.
         """
         low, high = self.low, self.high
@@ -159,13 +159,13 @@ class ColorScale:
 
         Raises
         ------
-        ImportError
+        MissingExtraError
             If matplotlib is not installed; it comes with the extra ``plot``.
         """
         try:
             from matplotlib.colors import ListedColormap, LogNorm, Normalize
         except ImportError as error:
-            raise ImportError('a picture needs matplotlib: pip install "helibore[plot]"') from error
+            raise MissingExtraError("matplotlib", "plot") from error
         table = color_table(self.color_map, 256) / 255.0
         drawn = ListedColormap(table[::-1] if self.reverse else table, name=self.color_map)
         red, green, blue = (part / 255.0 for part in MISSING)
@@ -186,14 +186,13 @@ def _table_with_missing(color_map: str) -> Colors:
 
 
 def check_positive(values: Floats) -> None:
-    """Raise a ValueError that names the first value a log scale cannot show; missing ones are no matter."""
+    """Raise an InputError that names the first value a log scale cannot show; missing ones are no matter."""
     wrong = np.flatnonzero(np.ravel(values) <= 0)
     if wrong.size:
         place = ", ".join(str(index) for index in np.unravel_index(wrong[0], np.shape(values)))
-        raise ValueError(
-            f"values[{place}] = {np.ravel(values)[wrong[0]]:g}: must be above 0 on a log scale ({wrong.size} of "
-            f"{np.size(values)} are not); make them NaN to show them as missing"
-        )
+        counts = f"({wrong.size} of {np.size(values)} are not)"
+        rule = f"must be above 0 on a log scale {counts}; make them NaN to show them as missing"
+        raise InputError(f"values[{place}]", rule, f"{np.ravel(values)[wrong[0]]:g}")
 
 
 def colors_of(

@@ -9,6 +9,9 @@ A caller recognises them by their class and their attributes, never by their tex
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+
 
 class InputError(ValueError):
     """Input that breaks a rule.
@@ -33,6 +36,13 @@ class InputError(ValueError):
     def within(self, outer: str) -> InputError:
         """Return the same error with its place inside an outer one: ``well.las: pitch = 0: must not be 0``."""
         return InputError(f"{outer}: {self.place}", self.rule, self.value)
+
+
+def check_not_negative(settings: Mapping[str, float]) -> None:
+    """Raise an InputError for the first of these numbers that is negative or not finite."""
+    for name, value in settings.items():
+        if not (math.isfinite(value) and value >= 0):
+            raise InputError(name, "must be finite and not negative", str(value))
 
 
 class MissingExtraError(ImportError):

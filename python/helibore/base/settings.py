@@ -8,6 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from helibore.base.errors import InputError
+
 _OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance")
 _LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
@@ -76,9 +78,9 @@ def _integer(name: str, value: Any) -> int:
     try:
         made = operator.index(value)
     except TypeError:
-        raise ValueError(f"{name} = {value!r}: must be an integer") from None
+        raise InputError(name, "must be an integer", repr(value)) from None
     if abs(made) > _LARGEST_INTEGER:
-        raise ValueError(f"{name} = {made}: must be below 2147483648 in size")
+        raise InputError(name, "must be below 2147483648 in size", str(made))
     return made
 
 
@@ -86,12 +88,12 @@ def _number(name: str, value: Any) -> float:
     try:
         return float(value)
     except (TypeError, ValueError):
-        raise ValueError(f"{name} = {value!r}: must be a number") from None
+        raise InputError(name, "must be a number", repr(value)) from None
 
 
 def _flag(name: str, value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
-        raise ValueError(f"{name} = {value!r}: must be True or False")
+        raise InputError(name, "must be True or False", repr(value))
     return bool(value)
 
 

@@ -11,7 +11,9 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import Any, ClassVar
+
+import numpy as np
 
 from helibore.base.arrays import Floats, column
 from helibore.base.errors import InputError
@@ -109,3 +111,11 @@ class LogTable:
 
     def __repr__(self) -> str:
         return f"LogTable({', '.join(self._columns)}: {self.rows} rows)"
+
+
+def columns_of(*rows: Any) -> list[LogColumn]:
+    """Return columns of rows (mnemonic, unit, description, numbers[, decimals])."""
+    return [
+        LogColumn(mnemonic, unit, description, np.array([*values], dtype=np.float64), *decimals)
+        for mnemonic, unit, description, values, *decimals in rows
+    ]

@@ -5,6 +5,8 @@ from __future__ import annotations
 import operator
 import os
 
+from helibore.base.errors import InputError
+
 
 def available_threads() -> int:
     """Return the number of processors this process may run on."""
@@ -14,13 +16,13 @@ def available_threads() -> int:
 
 
 def thread_count(threads: int | None) -> int:
-    """Return ``threads`` as an int, all available ones for None; ValueError unless it is 1 to 1024."""
+    """Return ``threads`` as an int, all available ones for None; InputError unless it is 1 to 1024."""
     if threads is None:
         return available_threads()
     try:
         count = operator.index(threads)
     except TypeError:
-        raise ValueError(f"threads = {threads!r}: must be an integer") from None
+        raise InputError("threads", "must be an integer", repr(threads)) from None
     if not 1 <= count <= 1024:
-        raise ValueError(f"threads = {count}: must lie in 1 to 1024")
+        raise InputError("threads", "must lie in 1 to 1024", str(count))
     return count

@@ -12,6 +12,8 @@ import math
 import re
 from fractions import Fraction
 
+from helibore.base.errors import InputError
+
 LENGTH, ANGLE, TIME, ROTATION = "length", "angle", "time", "rotation"
 INCH = 0.0254
 """In metres: bits and casings are sold in inches."""
@@ -57,12 +59,12 @@ def canonical(unit: str) -> str:
 
     Raises
     ------
-    ValueError
+    InputError
         If the unit is not in the table.
     """
     found = _NAMES.get(unit.lower().replace(" ", ""))
     if found is None:
-        raise ValueError(f"unit '{unit}': not known; known are {', '.join(_TABLE)}")
+        raise InputError(f"unit '{unit}'", f"not known; known are {', '.join(_TABLE)}")
     return found
 
 
@@ -78,14 +80,14 @@ def factor(unit: str, kind: str) -> float:
 
     Raises
     ------
-    ValueError
+    InputError
         If the unit is not in the table, or measures something else.
     """
     unit = canonical(unit)
     measures, value, _ = _TABLE[unit]
     if measures != kind:
         fitting = ", ".join(name for name, (other, _, _) in _TABLE.items() if other == kind)
-        raise ValueError(f"unit '{unit}': measures {measures}, must be a unit of {kind}: {fitting}")
+        raise InputError(f"unit '{unit}'", f"measures {measures}, must be a unit of {kind}: {fitting}")
     return value
 
 
@@ -107,12 +109,12 @@ def quantity(text: str, kind: str) -> float:
 
     Raises
     ------
-    ValueError
+    InputError
         If the text is not a number with a known unit.
     """
     match = _QUANTITY.fullmatch(text)
     if match is None:
-        raise ValueError(f"'{text}': must be a number with a unit of {kind}, such as {_EXAMPLES[kind]}")
+        raise InputError(f"'{text}'", f"must be a number with a unit of {kind}, such as {_EXAMPLES[kind]}")
     number = float(match["number"])
     if match["fraction"]:
         number += math.copysign(float(Fraction(match["fraction"])), number)

@@ -87,15 +87,14 @@ def logs(output: Path, quiet: bool, **options: Any) -> None:
         from helibore.logs.zones import CLASSES
 
         facts["class"] = CLASSES
-    work: list[tuple[Path, LogTable | None]] = [(output, one.rows.table(columns, facts))]
+    work: list[tuple[Path, LogTable]] = [(output, one.rows.table(columns, facts))]
     if options["zones"] and one.zones:
-        work.append((options["zones"], one.zones.table() if one.zones.zones else None))
-    work += [(file, each.table() if each.zones else None) for file, each in zip(images.values(), dark, strict=True)]
+        work.append((options["zones"], one.zones.table()))
+    work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
     with terminal.stage("save", f"Writing {output.name}"):
         for file, table in work:
-            if table is not None:
-                save_table(table, file, well)
-    written = [f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file, table in work if table is not None]
+            save_table(table, file, well)
+    written = [f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file, _ in work]
     terminal.summary([
         *found.told,
         *lines(one.rows, one.turns, [annulus(one.turns, size) for size in options["casings"]]),
@@ -103,12 +102,7 @@ def logs(output: Path, quiet: bool, **options: Any) -> None:
         *(line for each in dark for line in breakout_lines(each)),
         ("time", terminal.times()),
         ("wrote", ", ".join(written)),
-        *(("not written", f"{file}: {_nothing(file)}") for file, table in work if table is None),
     ])  # fmt: skip
-
-
-def _nothing(file: Path) -> str:
-    return "there is nothing to write" + ("; what stands there is from an earlier run" if file.exists() else "")
 
 
 @dataclass(frozen=True)

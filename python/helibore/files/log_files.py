@@ -19,6 +19,7 @@ import io
 import os
 import re
 import tempfile
+import warnings
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any, BinaryIO
@@ -95,7 +96,8 @@ def _texts(column: LogColumn, missing: str) -> list[str]:
 def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
     """LAS 2.0 (CWLS): version, well, curve, parameter, ascii; text goes in the value field, before the colon."""
     texts = [_texts(column, f"{NULL:.2f}") for column in table]
-    widths = [max(map(len, column)) for column in texts]
+    widths = [max(map(len, column), default=0) for column in texts]
+    first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
     wrapped = sum(widths) + len(widths) > LAS_LINE
     depth = table.depth.values
     lines = [
@@ -103,8 +105,8 @@ def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
         _las_line("VERS", "", "2.0", "CWLS LOG ASCII STANDARD - VERSION 2.0"),
         _las_line("WRAP", "", "YES" if wrapped else "NO", f"{'Several lines' if wrapped else 'One line'} a depth"),
         "~Well Information",
-        _las_line("STRT", "M", texts[0][0], "First depth"),
-        _las_line("STOP", "M", texts[0][-1], "Last depth"),
+        _las_line("STRT", "M", first, "First depth"),
+        _las_line("STOP", "M", last, "Last depth"),
         _las_line("STEP", "M", _las_step(depth), "Step; 0 where no even step fits the decimals"),
         _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
         _las_line("COMP", "", "", "Company"),
@@ -205,12 +207,15 @@ def _dlis(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Keep dliswriter's progress bar and its doubts about m3 (allowed by RP66 V1, appendix B) off stderr."""
+    """Keep dliswriter's progress bar and its doubts about m3 (allowed by RP66 V1, appendix B) off stderr.
+
+    It also warns of a frame of one row, which has no spacing; a table without rows is written as one row of nulls.
+    """
     module: Any = importlib.import_module("dliswriter.file.writer")
     bar = module.progressbar
     module.progressbar = lambda records, **_: records
     try:
-        with contextlib.redirect_stderr(io.StringIO()):
+        with contextlib.redirect_stderr(io.StringIO()), warnings.catch_warnings(action="ignore"):
             yield
     finally:
         module.progressbar = bar
@@ -220,16 +225,16 @@ def _dlis_file(dliswriter: Any, table: LogTable, well: str) -> Any:
     file = dliswriter.DLISFile()
     logical = file.add_logical_file()
     logical.add_origin("ORIGIN", file_set_number=1, well_name=well or None, creation_time=None, product="helibore")
+    for name, text in table.facts.items():
+        logical.add_parameter(_mnemonic(name), long_name=name, values=[text])
     channels = [
         logical.add_channel(
             of.mnemonic,
-            data=np.where(np.isnan(of.values), NULL, of.values),
+            data=np.where(np.isnan(of.values), NULL, of.values) if table.rows else np.array([NULL]),
             units=of.unit or None,
             long_name=of.description,
         )
         for of in table
     ]
     logical.add_frame("LOGS", channels=channels, index_type="BOREHOLE-DEPTH")
-    for name, text in table.facts.items():
-        logical.add_parameter(_mnemonic(name), long_name=name, values=[text])
     return file

@@ -15,19 +15,17 @@ Not here: joints and beds, which are sinusoids; the dark bands that a decentred 
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers
-from helibore.base.tables import LogColumn, LogTable
-from helibore.images.sector_image import SectorImage
-from helibore.logs.breakouts import Axes, axial_mean, lobe_of
-
-Rows = npt.NDArray[np.bool_]
+from helibore.base.arrays import Floats, Integers, Mask
+from helibore.base.axial import Axes, axial_mean, lobe_of
+from helibore.base.colors import customary_map
+from helibore.base.errors import InputError, check_not_negative
+from helibore.base.tables import LogTable, columns_of
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -42,8 +40,8 @@ class ImageCriteria:
         Degrees: a dark arc narrower than the first is a speck, one wider than the second is no lobe.
     opposite
         Degrees that two arcs may be off half a turn.
-    least_length
-        Metres of hole that make a breakout.
+    least_length, least_rows
+        Metres of hole, and rows with two dark arcs, that make a breakout.
     join
         Metres between two breakouts that do not part them, if their axes agree within ``opposite``.
     """
@@ -53,30 +51,45 @@ class ImageCriteria:
     most_opening: float = 100.0
     opposite: float = 30.0
     least_length: float = 0.05
+    least_rows: int = 2
     join: float = 0.02
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (math.isfinite(value) and value >= 0):
-                raise ValueError(f"{field.name} = {value}: must be finite and not negative")
+        check_not_negative(vars(self))
         if not 0 < self.dark < 1:
-            raise ValueError(f"dark = {self.dark}: must be in (0, 1)")
+            raise InputError("dark", "must be in (0, 1)", str(self.dark))
         if not self.least_opening < self.most_opening <= 180:
-            raise ValueError(
-                f"least_opening = {self.least_opening}, most_opening = {self.most_opening}: the first must be less "
-                "than the second, that at most 180"
-            )
+            place = f"least_opening = {self.least_opening}, most_opening"
+            raise InputError(place, "the first must be less than the second, that at most 180", str(self.most_opening))
         if self.opposite > 90:
-            raise ValueError(f"opposite = {self.opposite}: must be at most 90")
+            raise InputError("opposite", "must be at most 90", str(self.opposite))
+        if not (isinstance(self.least_rows, int) and self.least_rows >= 1):
+            raise InputError("least_rows", "must be an integer of at least 1", str(self.least_rows))
 
     def facts(self) -> dict[str, str]:
         """Return the criteria as texts; every output states them."""
-        units = {"dark": "of the row's median", "least_length": "m", "join": "m"}
+        units = {"dark": "of the row's median", "least_length": "m", "least_rows": "rows", "join": "m"}
         return {
             f"criterion {name.replace('_', ' ')}": f"{value:.6g} {units.get(name, 'deg')}"
             for name, value in asdict(self).items()
         }
+
+
+class ImageRows(Protocol):
+    """What is read of a `SectorImage`."""
+
+    name: str
+    unit: str
+    depth: Floats
+    values: Floats
+    reference: Any
+    direction: Any
+
+    @property
+    def sectors(self) -> int: ...
+    @property
+    def toolface(self) -> Floats: ...
+    def cover(self) -> tuple[Floats, Floats]: ...
 
 
 @dataclass(frozen=True)
@@ -140,7 +153,7 @@ class ImageBreakouts:
         What they were found with.
     """
 
-    image: SectorImage
+    image: ImageRows
     zones: tuple[ImageBreakout, ...]
     criteria: ImageCriteria
 
@@ -159,40 +172,32 @@ class ImageBreakouts:
         }
 
     def table(self) -> LogTable:
-        """Return them, one a row, with the criteria among the facts: to be saved by `log_files.save_table`.
-
-        Raises
-        ------
-        ValueError
-            If there is none.
-        """
-        if not self.zones:
-            raise ValueError(f"no breakouts in image '{self.image.name}' by the criteria given")
-        return LogTable(list(self._columns()), self.facts())
-
-    def _columns(self) -> Iterator[LogColumn]:
+        """Return them, one a row, with the criteria among the facts; without breakouts the table has no row."""
         zones = self.zones
-
-        def column(mnemonic: str, unit: str, description: str, values: list[float]) -> LogColumn:
-            return LogColumn(mnemonic, unit, description, np.array(values, dtype=np.float64))
-
-        yield column("DEPT", "m", "Middle of the breakout", [(of.start + of.stop) / 2 for of in zones])
-        yield column("TOP", "m", "Top of the breakout", [of.start for of in zones])
-        yield column("BOTTOM", "m", "Bottom of the breakout", [of.stop for of in zones])
-        yield column("AXIS", "deg", "Toolface of its axis, 0 to 180", [of.toolface for of in zones])
-        yield column("AXISDEV", "deg", "Axial standard deviation of its rows", [of.deviation for of in zones])
-        for number in range(2):
-            lobes = [of.lobes[number] for of in zones]
-            yield column(f"LOBE{number + 1}", "deg", "Toolface of the lobe", [of.toolface for of in lobes])
-            yield column(f"OPEN{number + 1}", "deg", "Opening of the lobe", [of.opening for of in lobes])
-            yield column(f"REL{number + 1}", "", "Least value over the row's median", [of.relative for of in lobes])
+        rows: list[Any] = [
+            ("DEPT", "m", "Middle of the breakout", [(of.start + of.stop) / 2 for of in zones]),
+            ("TOP", "m", "Top of the breakout", [of.start for of in zones]),
+            ("BOTTOM", "m", "Bottom of the breakout", [of.stop for of in zones]),
+            ("AXIS", "deg", "Toolface of its axis, 0 to 180", [of.toolface for of in zones]),
+            ("AXISDEV", "deg", "Axial standard deviation of its rows", [of.deviation for of in zones]),
+        ]
+        for number in (1, 2):
+            lobes = [of.lobes[number - 1] for of in zones]
+            rows += [
+                (f"LOBE{number}", "deg", "Toolface of the lobe", [of.toolface for of in lobes]),
+                (f"OPEN{number}", "deg", "Opening of the lobe", [of.opening for of in lobes]),
+                (f"REL{number}", "", "Least value over the row's median", [of.relative for of in lobes]),
+            ]
+        return LogTable(columns_of(*rows), self.facts())
 
     def __repr__(self) -> str:
         return f"ImageBreakouts({len(self.zones)} in image {self.image.name!r})"
 
 
-def find_breakouts(image: SectorImage, criteria: ImageCriteria | None = None) -> ImageBreakouts:
+def find_breakouts(image: ImageRows, criteria: ImageCriteria | None = None) -> ImageBreakouts:
     """Find where an image is dark on opposite sides of the hole: `SectorImage.breakouts`."""
+    if customary_map(image.name, image.unit) == "gamma":
+        raise InputError(f"image {image.name!r}", "gamma is dark in beds, not in breakouts: take an image of the wall")
     criteria = ImageCriteria() if criteria is None else criteria
     relative, toolface = _relative(image)
     dark = relative < criteria.dark
@@ -202,25 +207,26 @@ def find_breakouts(image: SectorImage, criteria: ImageCriteria | None = None) ->
     row, middle = row[lobes], first[lobes] + (count[lobes] - 1) / 2
     broken = _paired(row, middle * step, image.depth.size, criteria.opposite)
     axes = _axes(np.where(broken[:, None], relative, np.nan), toolface, criteria.dark)
-    low, high = image._cover()
+    low, high = image.cover()
     zones = []
     for top, stop in _stretches(broken, axes, low, high, criteria):
         rows = top + np.flatnonzero(broken[top:stop])
+        if rows.size < criteria.least_rows:
+            continue
         ends = (float(low[top]), float(high[stop - 1]))
         zones.append(_zone(relative[rows], axes[rows], toolface, criteria.dark, ends))
     return ImageBreakouts(image, tuple(zones), criteria)
 
 
-def _relative(image: SectorImage) -> tuple[Floats, Floats]:
+def _relative(image: ImageRows) -> tuple[Floats, Floats]:
     """Values over their row's median, sectors clockwise, and the sectors' toolfaces; NaN where there is no value."""
     values, toolface = image.values, image.toolface
     wrong = np.argwhere(values < 0)
     if wrong.size:
         row, sector = wrong[0]
-        raise ValueError(
-            f"image '{image.name}', values[{row}, {sector}] = {values[row, sector]:g}: must not be negative where "
-            "dark is a share of the row's median"
-        )
+        place = f"image '{image.name}', values[{row}, {sector}]"
+        rule = "must not be negative where dark is a share of the row's median"
+        raise InputError(place, rule, f"{values[row, sector]:g}")
     median = np.full(len(values), np.nan)
     there = np.isfinite(values).any(axis=1)
     median[there] = np.nanmedian(values[there], axis=1)
@@ -229,7 +235,7 @@ def _relative(image: SectorImage) -> tuple[Floats, Floats]:
     return (relative, toolface) if image.direction == "clockwise" else (relative[:, ::-1], toolface[::-1])
 
 
-def _arcs(dark: Rows) -> tuple[Integers, Integers, Integers]:
+def _arcs(dark: Mask) -> tuple[Integers, Integers, Integers]:
     """Runs of dark sectors around the hole: row, first sector, number of sectors; none in a row dark all round."""
     row, first = np.nonzero(dark & ~np.roll(dark, 1, axis=1))
     end_row, last = np.nonzero(dark & ~np.roll(dark, -1, axis=1))
@@ -242,7 +248,7 @@ def _arcs(dark: Rows) -> tuple[Integers, Integers, Integers]:
     return row, first, (last - first) % dark.shape[1] + 1
 
 
-def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Rows:
+def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
     """Rows with two arcs half a turn apart, within ``opposite`` degrees."""
     found = np.zeros(rows, dtype=np.bool_)
     most = int(np.bincount(row).max()) if row.size else 0
@@ -261,7 +267,7 @@ def _axes(relative: Floats, toolface: Floats, dark: float) -> Floats:
 
 
 def _stretches(
-    broken: Rows, axes: Floats, low: Floats, high: Floats, criteria: ImageCriteria
+    broken: Mask, axes: Floats, low: Floats, high: Floats, criteria: ImageCriteria
 ) -> Iterator[tuple[int, int]]:
     """Rows [top, stop) of breakouts, joined over short gaps and parted where the axis turns away."""
     joined: list[list[int]] = []

@@ -14,8 +14,9 @@ import math
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, column
+from helibore.base.arrays import Floats, Integers, column
 from helibore.base.colors import check_positive
+from helibore.base.errors import InputError
 
 PERCENTILES = (2.0, 98.0)
 WINDOW = 1.0
@@ -37,23 +38,23 @@ def percentile_limits(
 
     Raises
     ------
-    ValueError
+    InputError
         ``values: all 96 are missing``; ``values: 98 % or more are 60: no range ...``; on a log scale as `ColorScale`.
     """
     low, high = percentiles
     if not 0 <= low < high <= 100:
-        raise ValueError(f"percentiles = {percentiles}: must be two numbers in [0, 100], the first below the second")
+        rule = "must be two numbers in [0, 100], the first below the second"
+        raise InputError("percentiles", rule, str(percentiles))
     flat = column("values", np.ravel(values))
     there = flat[np.isfinite(flat)]
     if not there.size:
-        raise ValueError(f"values: all {flat.size} are missing")
+        raise InputError("values", f"all {flat.size} are missing")
     if log:
         check_positive(flat.reshape(np.shape(values)))
     ends = np.percentile(there, [low, high])
     if not ends[0] < ends[1]:
-        raise ValueError(
-            f"values: constant, {ends[0]:g} at both the {low:g} and the {high:g} percentile: give limits=(low, high)"
-        )
+        rule = f"constant, {ends[0]:g} at both the {low:g} and the {high:g} percentile: give limits=(low, high)"
+        raise InputError("values", rule)
     return float(ends[0]), float(ends[1])
 
 
@@ -78,23 +79,22 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
 
     Raises
     ------
-    ValueError
+    InputError
         On depths that do not rise, shapes that do not fit, a window that is not above 0, or only missing values.
     """
     depths = column("depth", depth)
     shape = np.shape(values)
     if len(shape) not in (1, 2) or shape[0] != depths.size:
-        raise ValueError(
-            f"values: must be of shape ({depths.size},) or ({depths.size}, sectors), one row a depth: {shape}"
-        )
+        rule = f"must be of shape ({depths.size},) or ({depths.size}, sectors), one row a depth: {shape}"
+        raise InputError("values", rule)
     falls = np.flatnonzero(~(np.diff(depths) > 0))
     if falls.size:
-        raise ValueError(f"depth[{falls[0] + 1}] = {depths[falls[0] + 1]:g}: must rise")
+        raise InputError(f"depth[{falls[0] + 1}]", "must rise", f"{depths[falls[0] + 1]:g}")
     if not (math.isfinite(window) and window > 0):
-        raise ValueError(f"window = {window}: must be finite and above 0")
+        raise InputError("window", "must be finite and above 0", str(window))
     rows = column("values", np.ravel(values)).reshape(depths.size, -1)
     if not np.isfinite(rows).any():
-        raise ValueError(f"values: all {rows.size} are missing")
+        raise InputError("values", f"all {rows.size} are missing")
     if log:
         check_positive(rows.reshape(shape))
         rows = np.log(rows)
@@ -108,7 +108,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
     return result.reshape(shape)
 
 
-def _moments(rows: Floats, first: npt.NDArray[np.int64], stop: npt.NDArray[np.int64]) -> tuple[Floats, Floats]:
+def _moments(rows: Floats, first: Integers, stop: Integers) -> tuple[Floats, Floats]:
     """Mean and standard deviation of the values of each row's window [first, stop); NaN and 0 where it holds none.
 
     Sums of squares about the overall mean: about zero they would drown a small spread in rounding.

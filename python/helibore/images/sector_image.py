@@ -14,7 +14,7 @@ It maps rows of evenly spaced sectors. Scattered values and colours are not its 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Literal, get_args
+from typing import Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -22,13 +22,12 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
+from helibore.base.errors import InputError
 from helibore.base.threads import thread_count
+from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria, find_breakouts
 from helibore.samples.helix import WallLike
-from helibore.trajectory.references import REFERENCES, Reference
-
-if TYPE_CHECKING:
-    from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria
-    from helibore.trajectory.survey import Path
+from helibore.trajectory.references import REFERENCES, Reference, defined, onto_path
+from helibore.trajectory.survey import Path
 
 Origin = Literal["centre", "edge"]
 Direction = Literal["clockwise", "counterclockwise"]
@@ -75,7 +74,7 @@ class SectorImage:
 
     Raises
     ------
-    ValueError
+    InputError
         ``depth[4] = 1000: already the depth of row 3``; on shapes that do not fit, infinite or only missing values, an
         unknown word, and one row without a reach.
     """
@@ -97,7 +96,7 @@ class SectorImage:
         _one_of("reference", reference, REFERENCES)
         _one_of("direction", direction, get_args(Direction))
         if not math.isfinite(offset):
-            raise ValueError(f"offset = {offset}: must be finite")
+            raise InputError("offset", "must be finite", str(offset))
         self.name, self.unit = name, unit
         self.origin, self.reference, self.direction, self.offset = origin, reference, direction, float(offset)
         depths = column("depth", depth)
@@ -130,8 +129,8 @@ class SectorImage:
 
         Raises
         ------
-        ValueError
-            On a negative value: dark is a share of the row's median.
+        InputError
+            On a negative value, since dark is a share of the row's median; on an image of gamma.
 
         Examples
         --------
@@ -140,8 +139,6 @@ class SectorImage:
         >>> image.breakouts().zones[0].toolface
         90.0
         """
-        from helibore.images.image_breakouts import find_breakouts
-
         return find_breakouts(self, criteria)
 
     def onto(self, path: Path, method: Method = "cell") -> SectorImage:
@@ -157,21 +154,19 @@ class SectorImage:
 
         Raises
         ------
-        ValueError
-            If no row is left, or the image itself is carried: by which path, it does not know.
+        InputError
+            If no row is left, or a path that is not known transports the image's toolface 0.
         """
-        from helibore.trajectory.references import defined, onto_path
-
         _one_of("method", method, get_args(Method))
         if self.reference == "parallel-transport":
-            raise ValueError(f"image {self.name!r}: carried by a path of its own, it cannot be turned onto another")
+            rule = "its own path, which is not known, transports its toolface 0: it cannot be turned onto another path"
+            raise InputError(f"image {self.name!r}", rule)
         high_side = self.reference == "high-side"
         there = np.flatnonzero((self.depth >= path.start_depth) & (self.depth <= path.stop_depth))
         there = there[defined(path, self.depth[there], high_side)]
         if not there.size:
-            raise ValueError(
-                f"image {self.name!r}: from {self.reference} to {path.reference}: no row lies where the path has both"
-            )
+            rule = f"from {self.reference} to {path.reference}: no row lies where the path has both"
+            raise InputError(f"image {self.name!r}", rule)
         turn = onto_path(np.zeros(there.size), self.depth[there], path, high_side)
         sectors = self.sectors * math.ceil(FINE / self.sectors)
         fine = (np.arange(sectors, dtype=np.float64) + 0.5) * (360 / sectors)
@@ -206,7 +201,7 @@ class SectorImage:
 
         Raises
         ------
-        ValueError
+        InputError
             If no quad's centre lies within the image's depths, or the method is not known.
         """
         _one_of("method", method, get_args(Method))
@@ -224,7 +219,7 @@ class SectorImage:
         sector = turned + 0.5 if self.origin == "centre" else turned
         quads, values, threads = (wall.start_depth, pitch, count), self.values.ravel(), thread_count(None)
         if method == "cell":
-            low, high = self._cover()
+            low, high = self.cover()
             return _core.cell_values(self.depth, values, low, high, quads, sector, threads)
         return _core.linear_values(self.depth, values, self.reach, quads, sector - 0.5, threads)
 
@@ -237,12 +232,10 @@ class SectorImage:
         depths = wall.start_depth + (candidates + (K + 1) / 2) * step
         if not ((depths >= top) & (depths <= bottom)).any():
             ends = sorted(wall.start_depth + (k + (K + 1) / 2) * step for k in (0, count - 1))
-            raise ValueError(
-                f"image '{self.name}' reaches from {top:g} to {bottom:g} m: no quad of the wall, "
-                f"{ends[0]:g} to {ends[1]:g} m, has its centre there"
-            )
+            rule = f"no quad of the wall, {ends[0]:g} to {ends[1]:g} m, has its centre there"
+            raise InputError(f"image '{self.name}' reaches from {top:g} to {bottom:g} m", rule)
 
-    def _cover(self) -> tuple[Floats, Floats]:
+    def cover(self) -> tuple[Floats, Floats]:
         """The depths [low, high) that each row covers: half the way to its neighbours, at most its reach."""
         low, high = self.depth - self.reach, self.depth + self.reach
         near = np.diff(self.depth) <= 2 * self.reach
@@ -272,44 +265,46 @@ def _around(rows: Floats, place: Floats, method: Method) -> Floats:
 def _one_of(name: str, word: str, known: tuple[str, ...]) -> None:
     if word not in known:
         *others, last = (repr(each) for each in known)
-        raise ValueError(f"{name} = {word!r}: must be {', '.join(others)} or {last}")
+        raise InputError(name, f"must be {', '.join(others)} or {last}", repr(word))
 
 
 def _order(depths: Floats) -> Integers:
     """The rows from the shallowest to the deepest."""
     if not depths.size:
-        raise ValueError("depth: must have at least one row")
+        raise InputError("depth", "must have at least one row")
     wrong = np.flatnonzero(~np.isfinite(depths))
     if wrong.size:
-        raise ValueError(f"depth[{wrong[0]}] = {depths[wrong[0]]}: must be finite")
+        raise InputError(f"depth[{wrong[0]}]", "must be finite", str(depths[wrong[0]]))
     order: Integers = np.argsort(depths, kind="stable")
     twice = np.flatnonzero(np.diff(depths[order]) == 0)
     if twice.size:
         row, again = order[twice[0]], order[twice[0] + 1]
-        raise ValueError(f"depth[{again}] = {depths[again]:g}: already the depth of row {row}")
+        raise InputError(f"depth[{again}]", f"already the depth of row {row}", f"{depths[again]:g}")
     return order
 
 
 def _rows(values: npt.ArrayLike, count: int) -> Floats:
     shape = np.shape(values)
     if len(shape) != 2 or shape[0] != count or shape[1] < 2:
-        raise ValueError(f"values: must be of shape ({count}, sectors), one row a depth and 2 sectors or more: {shape}")
+        rule = f"must be of shape ({count}, sectors), one row a depth and 2 sectors or more: {shape}"
+        raise InputError("values", rule)
     rows = column("values", np.ravel(values)).reshape(shape)
     if np.isinf(rows).any():
         row, sector = np.argwhere(np.isinf(rows))[0]
-        raise ValueError(f"values[{row}, {sector}] = {rows[row, sector]}: must be finite, or NaN where missing")
+        rule = "must be finite, or NaN where missing"
+        raise InputError(f"values[{row}, {sector}]", rule, str(rows[row, sector]))
     if np.isnan(rows).all():
-        raise ValueError(f"values: all {rows.size} are missing")
+        raise InputError("values", f"all {rows.size} are missing")
     return rows
 
 
 def _reach(reach: float | None, depth: Floats) -> float:
     if reach is None:
         if depth.size < 2:
-            raise ValueError("reach: must be given for an image of one row")
+            raise InputError("reach", "must be given for an image of one row")
         return REACH * float(np.median(np.diff(depth)))
     if not (math.isfinite(reach) and reach > 0):
-        raise ValueError(f"reach = {reach}: must be finite and above 0")
+        raise InputError("reach", "must be finite and above 0", str(reach))
     return float(reach)
 
 
@@ -319,5 +314,5 @@ class SectorImages(dict[str, SectorImage]):
     def __setitem__(self, name: str, image: SectorImage) -> None:
         if not isinstance(image, SectorImage):
             rule = "must be a SectorImage, which knows its depths and where sector 1 lies"
-            raise ValueError(f"images[{name!r}]: {rule}, not {type(image).__name__}")
+            raise InputError(f"images[{name!r}]", f"{rule}, not {type(image).__name__}")
         super().__setitem__(name, image)

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 from helibore.base.tables import LogColumn
 from helibore.base.units import INCH
 from helibore.logs.turn_logs import Logs
@@ -71,23 +72,22 @@ class Annulus:
 
         Raises
         ------
-        ValueError
+        InputError
             ``cement: 12.4 m between 2000 and 2100 m are unmeasured ...``, since any number would be a guess; if no row
             lies in the interval; on a negative excess.
         """
         if not (math.isfinite(excess) and excess >= 0):
-            raise ValueError(f"excess = {excess}: must be finite and not negative")
+            raise InputError("excess", "must be finite and not negative", str(excess))
         top = -math.inf if top is None else top
         bottom = math.inf if bottom is None else bottom
         inside = self.volume[(self.depth >= top) & (self.depth <= bottom)]
         if not inside.size:
-            raise ValueError(f"cement: no row between {top:g} and {bottom:g} m")
+            raise InputError("cement", f"no row between {top:g} and {bottom:g} m")
         missing = np.isnan(inside).sum()
         if missing:
-            raise ValueError(
-                f"cement: {missing * self.height:g} m between {top:g} and {bottom:g} m are unmeasured; choose an "
-                "interval without gaps, or take `total` for what is measured"
-            )
+            advice = "choose an interval without gaps, or take `total` for what is measured"
+            length = f"{missing * self.height:g} m between {top:g} and {bottom:g} m are unmeasured"
+            raise InputError("cement", f"{length}; {advice}")
         return float(inside.sum() * (1 + excess))
 
     def columns(self) -> list[LogColumn]:
@@ -113,20 +113,19 @@ def annulus(logs: Logs, outer_diameter: float) -> Annulus:
 
     Raises
     ------
-    ValueError
+    InputError
         ``outer_diameter = 0: must be finite and above 0``; ``outer_diameter = 0.34: a casing of 13.39 in is larger than
         the hole at 2010.4 m, 12.25 in`` where its area is more than the hole's.
     """
     if not (math.isfinite(outer_diameter) and outer_diameter > 0):
-        raise ValueError(f"outer_diameter = {outer_diameter:g}: must be finite and above 0")
+        raise InputError("outer_diameter", "must be finite and above 0", f"{outer_diameter:g}")
     area = np.pi / 4 * (logs.equivalent_diameter**2 - outer_diameter**2)
     smaller = np.flatnonzero(area < 0)
     if smaller.size:
         first = smaller[0]
-        raise ValueError(
-            f"outer_diameter = {outer_diameter:g}: a casing of {outer_diameter / INCH:.4g} in is larger than the hole "
-            f"at {logs.depth[first]:g} m, {logs.equivalent_diameter[first] / INCH:.4g} in"
-        )
+        hole = f"the hole at {logs.depth[first]:g} m, {logs.equivalent_diameter[first] / INCH:.4g} in"
+        rule = f"a casing of {outer_diameter / INCH:.4g} in is larger than {hole}"
+        raise InputError("outer_diameter", rule, f"{outer_diameter:g}")
     volume = area * logs.height
     upwards = np.argsort(logs.depth, kind="stable")[::-1]
     from_bottom = np.empty_like(volume)

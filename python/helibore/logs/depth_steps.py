@@ -10,48 +10,37 @@ counts when turns reach within half a pitch of both its ends, as a turn counts w
 from __future__ import annotations
 
 import math
-from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
 
 import numpy as np
 
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
 from helibore.logs.log_columns import COLUMNS
-
-if TYPE_CHECKING:
-    from helibore.logs.turn_logs import Logs
 
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
 
-def by_step(logs: Logs, step: float) -> Logs:
-    """Gather the turns of each step: `Logs.by_step`."""
-    if logs.step is not None:
-        raise ValueError(f"these logs are by steps of {logs.step:g} m already: gather those of turns")
-    pitch = abs(logs.pitch)
-    if not (math.isfinite(step) and step >= pitch * (1 - 1e-9)):
-        raise ValueError(f"step = {step:g}: must be at least the pitch, {pitch:g} m")
-    order = slice(None) if logs.pitch > 0 else slice(None, None, -1)
-    number, turns, starts = _steps(logs.depth[order], pitch, step)
+def by_step(columns: Mapping[str, Floats], pitch: float, bit_diameter: float, step: float) -> dict[str, Floats]:
+    """Gather the turns of each step: `Logs.by_step`, whose columns these are by name."""
+    if not (math.isfinite(step) and step >= abs(pitch) * (1 - 1e-9)):
+        raise InputError("step", f"must be at least the pitch, {abs(pitch):g} m", f"{step:g}")
+    order = slice(None) if pitch > 0 else slice(None, None, -1)
+    number, turns, starts = _steps(columns["depth"][order], abs(pitch), step)
 
     def gather(values: Floats, rule: str) -> Floats:
         return _gather(values[order][turns], starts, rule)
 
-    gathered: dict[str, Any] = {
-        of.name: gather(getattr(logs, of.name), of.by_step) for of in COLUMNS if of.by_step != "own"
+    square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
+    return {
+        **{of.name: gather(columns[of.name], of.by_step) for of in COLUMNS if of.by_step != "own"},
+        "depth": (number.astype(np.float64) + 0.5) * float(step),
+        "equivalent_diameter": 2 * np.sqrt(square),
+        "c1_toolface": _axis(columns["c1_toolface"][order][turns], starts),
+        "volume": np.pi * square * step,
+        "excess": square / (bit_diameter / 2) ** 2 - 1,
     }
-    square = gather((logs.equivalent_diameter / 2) ** 2, "mean")
-    return replace(
-        logs,
-        **gathered,
-        depth=(number.astype(np.float64) + 0.5) * float(step),
-        equivalent_diameter=2 * np.sqrt(square),
-        c1_toolface=_axis(logs.c1_toolface[order][turns], starts),
-        volume=np.pi * square * step,
-        excess=square / (logs.bit_diameter / 2) ** 2 - 1,
-        step=float(step),
-    )
 
 
 def _steps(depth: Floats, pitch: float, step: float) -> tuple[Integers, slice, Integers]:

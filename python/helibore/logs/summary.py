@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.logs.breakouts import Axes
+from helibore.base.axial import Axes
 from helibore.logs.turn_logs import Logs
 from helibore.logs.zones import KINDS, Classification, Criteria, classify
 from helibore.samples.caliper import Basis

@@ -18,21 +18,20 @@ import math
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, column
+from helibore.base.arrays import Floats, Mask, column
+from helibore.base.errors import InputError
 from helibore.base.tables import LogColumn, LogTable
 from helibore.base.threads import thread_count
-from helibore.samples.caliper import BASIS_TEXT, Basis
+from helibore.logs.depth_steps import by_step
+from helibore.logs.log_columns import COLUMNS
+from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of
-
-if TYPE_CHECKING:
-    from helibore.samples.caliper import Caliper
-    from helibore.trajectory.survey import Path
+from helibore.trajectory.survey import Path
 
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
@@ -148,12 +147,13 @@ class Logs:
 
         Raises
         ------
-        ValueError
+        InputError
             ``step = 0.01: must be at least the pitch, 0.1 m``; if these logs are by steps already.
         """
-        from helibore.logs.depth_steps import by_step
-
-        return by_step(self, step)
+        if self.step is not None:
+            raise InputError("step", f"these logs are by steps of {self.step:g} m already: gather those of turns")
+        columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
+        return replace(self, step=float(step), **columns)  # type: ignore[arg-type]
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
         """Return the rows whose depth lies in [top, bottom]; None: no end."""
@@ -161,10 +161,10 @@ class Logs:
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         return replace(self, **columns)
 
-    def rows_between(self, top: float | None, bottom: float | None) -> npt.NDArray[np.bool_]:
+    def rows_between(self, top: float | None, bottom: float | None) -> Mask:
         """(rows,) which rows `between` keeps."""
         least, most = (-math.inf if top is None else top), (math.inf if bottom is None else bottom)
-        inside: npt.NDArray[np.bool_] = (self.depth >= least) & (self.depth <= most)
+        inside: Mask = (self.depth >= least) & (self.depth <= most)
         return inside
 
     def facts(self) -> dict[str, str]:
@@ -183,8 +183,8 @@ class Logs:
 
     def table(self, more: Iterable[LogColumn] = (), facts: Mapping[str, str] | None = None) -> LogTable:
         """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
-        from helibore.logs.log_columns import COLUMNS
-
+        if not len(self):
+            raise InputError("logs", "the wall has no full turn")
         own = [LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name)) for of in COLUMNS]
         return LogTable([*own, *more], {**self.facts(), **(facts or {})})
 
@@ -194,10 +194,8 @@ class Logs:
         more: Iterable[LogColumn] = (),
         facts: Mapping[str, str] | None = None,
     ) -> None:
-        """Write the logs to .las, .csv, .parquet or .dlis: `helibore.files.log_files.save_table` with `table`."""
-        from helibore.files.log_files import save_table
-
-        save_table(self.table(more, facts), filename)
+        """Write `table` to .las, .csv, .parquet or .dlis."""
+        self.table(more, facts).save(filename)
 
     def __repr__(self) -> str:
         if not len(self):
@@ -238,13 +236,13 @@ def turn_logs(
 
     Raises
     ------
-    ValueError
+    InputError
         ``bit_diameter = 0: must be finite and above 0``; on a window without sense.
     """
     bit = float(getattr(wall.settings, "bit_diameter", math.nan) if bit_diameter is None else bit_diameter)
     for name, value in (("bit_diameter", bit), ("rugosity_window", rugosity_window)):
         if not (math.isfinite(value) and value > 0):
-            raise ValueError(f"{name} = {value}: must be finite and above 0")
+            raise InputError(name, "must be finite and above 0", str(value))
     K, pitch = wall.settings.sectors, wall.settings.pitch
     window = max(3, 2 * round((rugosity_window / abs(pitch) - 1) / 2) + 1)
     radius = column("radius", wall.radius)
@@ -275,7 +273,7 @@ def turn_logs(
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:
-    nearest: npt.NDArray[np.float64] | None = getattr(wall, "nearest", None)
+    nearest: Floats | None = getattr(wall, "nearest", None)
     if nearest is None:
         return np.full(turns, np.nan)
     K = wall.settings.sectors

@@ -21,15 +21,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterator
-from dataclasses import asdict, dataclass, fields
+from dataclasses import asdict, dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats
-from helibore.base.tables import LogColumn, LogTable
+from helibore.base.arrays import Floats, Integers, Mask
+from helibore.base.axial import Axes, BreakoutLobe, axial_mean
+from helibore.base.errors import InputError, check_not_negative
+from helibore.base.tables import LogColumn, LogTable, columns_of
 from helibore.base.units import INCH
-from helibore.logs.breakouts import Axes, Lobe, axial_mean, lobes_of
+from helibore.logs.breakouts import lobes_of
 from helibore.logs.turn_logs import Logs, turn_logs
 from helibore.samples.helix import WallLike
 
@@ -37,8 +40,10 @@ KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 """Kinds by their code in files, from 0."""
 CLASSES = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS))
 
+Kinds = npt.NDArray[np.int8]
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
 NO_KIND = -1
+NO_LOBE = BreakoutLobe(math.nan, math.nan, math.nan)
 CRITERIA_BIT = 8.5 * INCH
 """The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
 
@@ -78,14 +83,11 @@ class Criteria:
     join: float = 1.0
 
     def __post_init__(self) -> None:
-        for field in fields(self):
-            value = getattr(self, field.name)
-            if not (math.isfinite(value) and value >= 0):
-                raise ValueError(f"{field.name} = {value}: must be finite and not negative")
+        check_not_negative(vars(self))
         if self.symmetry > 1:
-            raise ValueError(f"symmetry = {self.symmetry}: must be in [0, 1]")
+            raise InputError("symmetry", "must be in [0, 1]", str(self.symmetry))
         if not 0 < self.opening_level < 1:
-            raise ValueError(f"opening_level = {self.opening_level}: must be in (0, 1)")
+            raise InputError("opening_level", "must be in (0, 1)", str(self.opening_level))
 
     @classmethod
     def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
@@ -107,7 +109,7 @@ class Criteria:
         12.2
         """
         if not (math.isfinite(bit_diameter) and bit_diameter > 0):
-            raise ValueError(f"bit_diameter = {bit_diameter}: must be finite and above 0")
+            raise InputError("bit_diameter", "must be finite and above 0", str(bit_diameter))
         share = bit_diameter / CRITERIA_BIT
         scaled = {name: getattr(cls, name) * share for name in ("elongation", "washout", "key_seat", "undergauge")}
         return cls(**{**scaled, **others})
@@ -140,7 +142,7 @@ class Zone:
     deviation
         Standard deviation of the turns' axes about it, degrees (axial, Mardia); NaN where there is none.
     lobes
-        The two of a breakout or the one of a key seat; see `Lobe`.
+        The two of a breakout or the one of a key seat; see `BreakoutLobe`.
     """
 
     kind: str
@@ -150,7 +152,7 @@ class Zone:
     elongation: float
     toolface: float
     deviation: float
-    lobes: tuple[Lobe, ...]
+    lobes: tuple[BreakoutLobe, ...]
 
     @property
     def length(self) -> float:
@@ -173,7 +175,7 @@ class Classification:
         What they were found with.
     """
 
-    def __init__(self, logs: Logs, kind: npt.NDArray[np.int8], zones: tuple[Zone, ...], criteria: Criteria) -> None:
+    def __init__(self, logs: Logs, kind: Kinds, zones: tuple[Zone, ...], criteria: Criteria) -> None:
         self.logs, self.kind, self.zones, self.criteria = logs, kind, zones, criteria
 
     def of(self, kind: str) -> tuple[Zone, ...]:
@@ -181,11 +183,11 @@ class Classification:
 
         Raises
         ------
-        ValueError
+        InputError
             ``kind = 'cave': must be one of gauge, washout, ...``.
         """
         if kind not in KINDS:
-            raise ValueError(f"kind = {kind!r}: must be one of {', '.join(KINDS)}")
+            raise InputError("kind", f"must be one of {', '.join(KINDS)}", repr(kind))
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def breakout_axis(self) -> Axes:
@@ -202,53 +204,40 @@ class Classification:
         return {**self.logs.facts(), **self.criteria.facts(), "class": CLASSES}
 
     def table(self) -> LogTable:
-        """Return the zones, one a row, with the criteria among the facts: to be saved by `log_files.save_table`.
-
-        Raises
-        ------
-        ValueError
-            If there is no zone.
-        """
-        if not self.zones:
-            raise ValueError("no zones: the hole is gauge, or missing, by the criteria given")
-        return LogTable(list(self._zone_columns()), self.facts())
-
-    def _zone_columns(self) -> Iterator[LogColumn]:
-        def column(
-            mnemonic: str, unit: str, description: str, values: list[float], decimals: int | None = None
-        ) -> LogColumn:
-            return LogColumn(mnemonic, unit, description, np.array(values, dtype=np.float64), decimals)
-
+        """Return the zones, one a row, with the criteria among the facts; without zones the table has no row."""
         zones = self.zones
-        yield column("DEPT", "m", "Middle of the zone", [(of.start + of.stop) / 2 for of in zones])
-        yield column("TOP", "m", "Top of the zone", [of.start for of in zones])
-        yield column("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones])
         codes = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS) if code)
-        yield column("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0)
-        yield column("ENLARGE", "m", "Largest diameter less bit, median", [of.enlargement for of in zones])
-        yield column("ELONG", "m", "Largest diameter less the one across it, median", [of.elongation for of in zones])
-        yield column("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones])
-        yield column("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones])
-        for number in range(2):
-            lobes = [of.lobes[number] if number < len(of.lobes) else Lobe(math.nan, math.nan, math.nan) for of in zones]
-            yield column(f"LOBE{number + 1}", "deg", "Toolface of the lobe", [of.toolface for of in lobes])
-            yield column(f"OPEN{number + 1}", "deg", "Opening of the lobe", [of.opening for of in lobes])
-            yield column(
-                f"HIGH{number + 1}", "m", "Height of the lobe over the circle of C2", [of.height for of in lobes]
-            )
+        rows: list[Any] = [
+            ("DEPT", "m", "Middle of the zone", [(of.start + of.stop) / 2 for of in zones]),
+            ("TOP", "m", "Top of the zone", [of.start for of in zones]),
+            ("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones]),
+            ("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0),
+            ("ENLARGE", "m", "Largest diameter less bit, median", [of.enlargement for of in zones]),
+            ("ELONG", "m", "Largest diameter less the one across it, median", [of.elongation for of in zones]),
+            ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
+            ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
+        ]
+        for number in (1, 2):
+            lobes = [of.lobes[number - 1] if number <= len(of.lobes) else NO_LOBE for of in zones]
+            rows += [
+                (f"LOBE{number}", "deg", "Toolface of the lobe", [of.toolface for of in lobes]),
+                (f"OPEN{number}", "deg", "Opening of the lobe", [of.opening for of in lobes]),
+                (f"HIGH{number}", "m", "Height of the lobe over the circle of C2", [of.height for of in lobes]),
+            ]
+        return LogTable(columns_of(*rows), self.facts())
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{len(self.of(kind))} {kind}" for kind in KINDS[1:] if self.of(kind))
         return f"Classification({len(self.kind)} turns: {counts or 'no zones'})"
 
 
-def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> npt.NDArray[np.bool_]:
+def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> Mask:
     """Return which turns are enlarged all around: C2 - bit >= `Criteria.washout`. NaN is not.
 
     The one definition; a zone of washout is where such turns are long enough (`classify`).
     """
     criteria = Criteria() if criteria is None else criteria
-    washed: npt.NDArray[np.bool_] = c2 - bit_diameter >= criteria.washout
+    washed: Mask = c2 - bit_diameter >= criteria.washout
     return washed
 
 
@@ -266,7 +255,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
 
     Raises
     ------
-    ValueError
+    InputError
         If ``logs`` are by steps, or of another wall.
     """
     criteria = Criteria() if criteria is None else criteria
@@ -274,7 +263,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     K = wall.settings.sectors
     radius = wall.radius
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
-        raise ValueError("logs: must be those of the turns of the same wall")
+        raise InputError("logs", "must be those of the turns of the same wall")
     radius = radius[: len(logs) * K].reshape(-1, K)
     start = float(wall.settings.start_toolface)
     fits = _kinds(logs, criteria, radius, start)
@@ -288,7 +277,7 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     return Classification(logs, kind, tuple(sorted(zones, key=lambda zone: zone.start)), criteria)
 
 
-def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> npt.NDArray[np.int8]:
+def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> Kinds:
     """The kind that each turn fits by itself."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
@@ -320,9 +309,7 @@ def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
     return np.minimum(*ends), np.maximum(*ends)
 
 
-def _runs(
-    fits: npt.NDArray[np.bool_], free: npt.NDArray[np.bool_], criteria: Criteria, pitch: float
-) -> Iterator[tuple[int, int]]:
+def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:
     """Turns [first, stop) that fit and are free, joined over short stretches that are free, long enough to count."""
     edges = np.flatnonzero(np.diff(fits & free, prepend=False, append=False)).reshape(-1, 2).tolist()
     joined: list[list[int]] = []
@@ -341,7 +328,7 @@ def _zone(
     code: int,
     first: int,
     stop: int,
-    inside: npt.NDArray[np.int64],
+    inside: Integers,
     logs: Logs,
     radius: Floats,
     start: float,
@@ -350,7 +337,7 @@ def _zone(
     ends = sorted((float(logs.depth[first]), float(logs.depth[stop - 1])))
     size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
     toolface = deviation = math.nan
-    lobes: tuple[Lobe, ...] = ()
+    lobes: tuple[BreakoutLobe, ...] = ()
     if code in (BREAKOUT, KEY_SEAT):
         toolface, deviation, lobes = lobes_of(logs, inside, radius, start, criteria.opening_level, code == BREAKOUT)
     return Zone(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import errno
+import importlib
 from pathlib import Path
 from typing import Any
 
@@ -163,7 +164,7 @@ def test_a_missing_library_is_named_with_its_extra(
 def test_what_cannot_be_written_is_refused(logs: Logs, tmp_path: Path) -> None:
     with pytest.raises(ValueError, match=r"well.xls: the ending must be one of .las, .csv, .parquet, .dlis$"):
         logs.save(tmp_path / "well.xls")
-    with pytest.raises(ValueError, match=r"^a table of logs must have a depth and at least one row$"):
+    with pytest.raises(ValueError, match=r"^logs: the wall has no full turn$"):
         hb.Wall(bit_diameter=0.2).logs().save(tmp_path / "well.las")
     depth = LogColumn("DEPT", "m", "Depth", np.arange(3.0))
     with pytest.raises(ValueError, match=r"^GR: 2 values, DEPT has 3: must be equal$"):
@@ -178,3 +179,21 @@ def test_an_uneven_depth_has_step_0(tmp_path: Path) -> None:
     lasio = pytest.importorskip("lasio")
     save_table(LogTable([LogColumn("DEPT", "m", "Depth", np.array([1.0, 2.0, 4.0]))], {}), tmp_path / "w.las")
     assert lasio.read(tmp_path / "w.las").well.STEP.value == 0
+
+
+@pytest.mark.parametrize("ending", [".las", ".csv", ".parquet", ".dlis"])
+def test_a_table_without_rows_is_written(ending: str, tmp_path: Path) -> None:
+    table = LogTable(
+        [LogColumn("DEPT", "m", "Depth", np.empty(0)), LogColumn("C1", "m", "Size", np.empty(0))], {"a": "b"}
+    )
+    save_table(table, tmp_path / f"none{ending}")
+    if ending == ".las":
+        read = importlib.import_module("lasio").read(tmp_path / "none.las")
+        assert [curve.mnemonic for curve in read.curves] == ["DEPT", "C1"]
+    elif ending == ".parquet":
+        assert importlib.import_module("pyarrow.parquet").read_table(tmp_path / "none.parquet").num_rows == 0
+    elif ending == ".csv":
+        assert (tmp_path / "none.csv").read_text().splitlines()[-1].startswith("DEPT")
+    else:
+        with importlib.import_module("dlisio").dlis.load(str(tmp_path / "none.dlis")) as (file, *_):
+            assert file.frames[0].curves()["C1"].tolist() == [-999.25]

@@ -91,8 +91,7 @@ def test_a_noisy_layered_image_without_breakouts_has_none(seed: int) -> None:
     tilted = 1 + 0.2 * np.cos(np.radians(ANGLE - 40))  # a decentred tool
     image = image_of(beds * tilted * random.normal(1, 0.12, (400, S)))
     assert image.breakouts().zones == ()
-    with pytest.raises(ValueError, match=r"^no breakouts in image 'AMP' by the criteria given$"):
-        image.breakouts().table()
+    assert image.breakouts().table().rows == 0
 
 
 def test_specks_wide_shadows_and_short_stretches_are_none() -> None:

@@ -17,8 +17,8 @@ from click.testing import CliRunner
 from screen import NEEDS_BROWSER
 
 import helibore as hb
+from helibore.base.axial import axial_mean
 from helibore.cli import cli
-from helibore.logs.breakouts import axial_mean
 from helibore.plot.calipers import diameters
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.report import intervals, largest_gaps, number, page, report
