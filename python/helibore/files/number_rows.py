@@ -83,18 +83,15 @@ def read_rows(
     InputError
         With file and line: no rows, or a row of another width.
     """
-
-    def is_row(line: str) -> bool:
-        bare = line.lstrip()
-        return bool(bare) and not (comments and bare[0] == "#")
-
-    kept = list(filter(is_row, lines))
+    kept = [line for line in lines if line and not line.isspace()]
+    if comments:
+        kept = [line for line in kept if not line.lstrip().startswith("#")]
     if not kept:
         raise file_error(path, "no rows below the header", max(1, first_line - 1))
 
     def line_of(row: int) -> int:
         for number, line in enumerate(lines, first_line):
-            if is_row(line):
+            if line.strip() and not (comments and line.lstrip().startswith("#")):
                 row -= 1
                 if row < 0:
                     return number
@@ -115,28 +112,31 @@ def read_rows(
 
 def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
     """All columns by one call; None where the rows are not that plain."""
-    text, filled = "\n".join(kept), False
-    if delimiter is not None:
-        ends = (delimiter * 2, "\n" + delimiter, delimiter + "\n")
-        if any(end in text for end in ends) or text.startswith(delimiter) or text.endswith(delimiter):
-            if "nan" in text.lower():  # computed, and not an empty cell
-                return None
-            text = f"\n{text}\n".replace("\n" + delimiter, "\nnan" + delimiter)
-            text = text.replace(delimiter + "\n", delimiter + "nan\n")
-            for _ in range(2):
-                text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
-            kept, filled = text[1:-1].split("\n"), True
+    filled = False
     try:
         block = np.loadtxt(kept, dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
     except ValueError:
-        return None
+        text = "\n".join(kept)
+        if delimiter is None or "nan" in text.lower():  # a written NaN is computed, and not an empty cell
+            return None
+        text = f"\n{text}\n".replace("\n" + delimiter, "\nnan" + delimiter).replace(
+            delimiter + "\n", delimiter + "nan\n"
+        )
+        for _ in range(2):
+            text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
+        try:
+            block = np.loadtxt(text[1:-1].split("\n"), dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
+        except ValueError:
+            return None
+        filled = True
     if block.shape[1] != width or (np.abs(block) > EXACT).any():
         return None
-    empty = np.isnan(block) if filled else np.zeros(width, dtype=bool)
     columns = block.T.copy()
+    if not filled:
+        return list(columns)
     return [
-        np.ma.MaskedArray(column, gone) if filled and gone.any() else column
-        for column, gone in zip(columns, empty.T, strict=True)
+        np.ma.MaskedArray(column, gone) if gone.any() else column
+        for column, gone in zip(columns, np.isnan(columns), strict=True)
     ]
 
 
