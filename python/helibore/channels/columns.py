@@ -205,5 +205,12 @@ def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSector
     role = roles.roles.get(name) or Role(name, "image", "")
     dropped = log_set.rows - rows.size
     return RawSectorImage(
-        name, channel.unit, depth[rows], channel.values[rows], role.first, role.step, channel.members, dropped
+        name,
+        channel.unit,
+        depth[rows],
+        channel.values[rows],
+        role.first,
+        role.step,
+        channel.member_names,
+        dropped,
     )

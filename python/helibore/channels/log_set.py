@@ -5,7 +5,7 @@ LogFile  --set-->  LogSet  --roles-->  Readings, Caliper, Survey, RawSectorImage
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
 from types import TracebackType
@@ -13,9 +13,8 @@ from types import TracebackType
 from helibore.base.errors import InputError
 from helibore.channels import columns
 from helibore.channels.columns import RawSectorImage
-from helibore.channels.readings import WallSamples, readings, samples
+from helibore.channels.readings import readings
 from helibore.channels.roles import RoleMap
-from helibore.channels.sectors import join_sectors
 from helibore.files.raw_set import Channel, RawSet
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import prepare
@@ -30,32 +29,11 @@ class LogSet(RawSet):
     Attributes as those of a `RawSet`; an image stands in the place of its first column.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        name: str,
-        channels: Iterable[Channel],
-        rows: int,
-        index: str | None = None,
-        header: dict[str, str] | None = None,
-        remarks: list[str] | None = None,
-        line_of: Callable[[int], int] | None = None,
-    ) -> None:
-        super().__init__(path, name, channels, rows, index, header, remarks, line_of)
-        joined, gaps = join_sectors(self.channels, index)
-        self.remarks.extend(gaps)
-        self.channels = tuple(joined)
-        self._columns.update({channel.name: channel for channel in joined})
-
     def readings(
         self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
     ) -> Readings:
         """Return what each sensor measured in each row, for `helibore.prepare`. See `readings.readings`."""
         return readings(self, roles, bit_diameter, echo)
-
-    def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
-        """Return the wall samples as they stand in the file. See `readings.samples`."""
-        return samples(self, roles, bit_diameter)
 
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
         """Return the wall samples as a `helibore.Caliper`; a radius that no hole has is an error with its line.
@@ -126,10 +104,6 @@ class LogFile:
     ) -> Readings:
         """Return `LogSet.readings` of the only set, or of the one that the map names."""
         return self._set_of(roles).readings(roles, bit_diameter, echo)
-
-    def samples(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
-        """Return `LogSet.samples` of the only set, or of the one that the map names."""
-        return self._set_of(roles).samples(roles, bit_diameter)
 
     def survey(self, roles: RoleMap | None = None) -> Survey:
         """Return `LogSet.survey` of the only set, or of the one that the map names."""

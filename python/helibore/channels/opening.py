@@ -8,6 +8,7 @@ from pathlib import Path
 
 from helibore.base.nulls import NULLS
 from helibore.channels.log_set import LogFile, LogSet
+from helibore.channels.sectors import join_sectors
 from helibore.files.reading import read_file
 
 
@@ -49,8 +50,9 @@ def open(  # noqa: A001
     """
     path = Path(path)
     raw = read_file(path, tuple(float(null) for null in nulls), header_line)
-    sets = [
-        LogSet(path, one.name, one.channels, one.rows, one.index, one.header, one.remarks, one.line_of)
-        for one in raw.sets
-    ]
+    sets = []
+    for one in raw.sets:
+        channels, gaps = join_sectors(one.channels, one.index)
+        remarks = [*one.remarks, *gaps]
+        sets.append(LogSet(path, one.name, channels, one.rows, one.index, one.header, remarks, one.line_of))
     return LogFile(path, raw.format, sets, raw.close)

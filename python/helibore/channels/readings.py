@@ -11,8 +11,6 @@ that say so (``suspect``).
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
-
 import numpy as np
 import numpy.typing as npt
 
@@ -37,36 +35,6 @@ UNSTATED = {
 
 NORTH = ("n", "north", "m", "mtf", "magnetic", "0")
 HIGH_SIDE = ("h", "hs", "high side", "high-side", "g", "gtf", "gravity", "top", "1")
-
-
-@dataclass(frozen=True)
-class WallSamples:
-    """Wall points of a set, in file order; a row's points follow one another.
-
-    Attributes
-    ----------
-    depth, toolface, radius
-        Metres, degrees in [0, 360), metres; (n,) float64.
-    time
-        Seconds, None where the set has no time.
-    row
-        Row of the set each point came from, (n,) int64.
-    rows
-        Rows in the set.
-    dropped
-        Channel to how many of its values were missing and left out.
-    notes
-        One sentence for each channel used: its role, unit and reason.
-    """
-
-    depth: Floats
-    toolface: Floats
-    radius: Floats
-    time: Floats | None
-    row: Integers
-    rows: int
-    dropped: dict[str, int] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
 
 
 def readings(
@@ -130,17 +98,6 @@ def readings(
         turning.reference if turning else "", _high_side(log_set, roles), turning is not None,
         _count_missing(log_set, roles, depth, toolface, time), _notes(roles, arms), log_set.place,
     )  # fmt: skip
-
-
-def samples(log_set: RawSet, roles: RoleMap | None = None, bit_diameter: float | None = None) -> WallSamples:
-    """Bring the readings of a set into one frame, in file order; nothing is judged. Errors as :func:`readings`."""
-    from helibore.preparation.observe import observe
-
-    found = readings(log_set, roles, bit_diameter)
-    seen = observe([found])
-    return WallSamples(
-        seen.depth, seen.toolface, seen.radius, seen.time, seen.row, log_set.rows, found.missing, found.notes
-    )
 
 
 def _depth(log_set: RawSet, role: Role) -> Floats:

@@ -280,7 +280,8 @@ def _image_role(channel: Channel) -> Role:
     """An image; one in a unit of length is a caliper image."""
     sectors = channel.shape[1]
     if channel.members:
-        reason = f"{sectors} columns {channel.members[0]} to {channel.members[-1]}, numbered without a gap, one unit"
+        first_name, *_, last_name = channel.member_names
+        reason = f"{sectors} columns {first_name} to {last_name}, numbered without a gap, one unit"
     else:
         reason = f"stored as an array of {sectors}"
     role = "image"

@@ -69,9 +69,8 @@ def _image(name: str, members: list[Channel]) -> Channel:
     def stack() -> Array:
         return np.stack([member.values for member in members], axis=1)
 
-    image = Channel(name, first.unit, described, stack, axis=_axis(members), shape=(first.shape[0], len(members)))
-    image.members = tuple(member.name for member in members)
-    return image
+    shape = (first.shape[0], len(members))
+    return Channel(name, first.unit, described, stack, axis=_axis(members), shape=shape, members=members)
 
 
 def _axis(members: list[Channel]) -> SectorAxis | None:

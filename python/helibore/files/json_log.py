@@ -9,7 +9,8 @@ Also read, because the ISCWSA standard wells travel in it: {"wells": {name: {"MD
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from functools import partial
 from itertools import chain
 from typing import Any
@@ -76,12 +77,18 @@ def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...
         size = len(row) if isinstance(row, list) else "no list of"
         raise file_error(source.path, f"{name}, row {number}: {size} values where {width} curves are defined")
     labels = unique([str(curve["name"]) for curve in curves])
+    columns: Iterable[Sequence[Any] | Array] = zip(*rows, strict=True)
+    if set(map(type, chain.from_iterable(rows))) <= {int, float} and not any(
+        c.get("dimensions", 1) != 1 for c in curves
+    ):
+        with suppress(OverflowError):
+            columns = np.fromiter(chain.from_iterable(rows), np.float64, width * len(rows)).reshape(-1, width).T.copy()
     channels = [
         Channel(
             label, str(curve.get("unit") or ""), str(curve.get("description") or ""),
             _column(source, label, curve, cells), nulls,
         )
-        for curve, label, cells in zip(curves, labels, zip(*rows, strict=True), strict=True)
+        for curve, label, cells in zip(curves, labels, columns, strict=True)
     ]  # fmt: skip
     header = log.get("header")
     header = {str(key): str(value) for key, value in header.items()} if isinstance(header, dict) else {}
@@ -91,8 +98,10 @@ def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...
 NUMBERS = {int, float, type(None)}
 
 
-def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[Any]) -> Array:
+def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[Any] | Array) -> Array:
     """One curve as an array; null is NaN. A cell that does not fit its curve is an error with its row."""
+    if isinstance(cells, np.ndarray):
+        return cells
     size = curve.get("dimensions") or 1
     if not isinstance(size, int) or size < 1:
         raise file_error(

@@ -9,7 +9,7 @@ and are counted. What a channel means is not decided here: see ``helibore.channe
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -61,7 +61,7 @@ class Channel:
     shape
         (n,) or (n, K).
     members
-        Names of the K columns an image was joined from, ``()`` for a channel that is stored as one.
+        The K columns an image was joined from, ``()`` for a channel that is stored as one.
     axis
         The sector angles where the file states them, else None.
     is_text
@@ -85,6 +85,7 @@ class Channel:
         shape: tuple[int, ...] | None = None,
         is_text: bool | None = None,
         nan_is_missing: bool = True,
+        members: Sequence[Channel] = (),
     ) -> None:
         self.name = name
         self.unit = unit.strip()
@@ -92,13 +93,18 @@ class Channel:
         self.shape = values.shape if isinstance(values, np.ndarray) else shape or ()
         self.is_text = values.dtype.kind in "OSU" if isinstance(values, np.ndarray) else bool(is_text)
         self.axis = axis
-        self.members: tuple[str, ...] = ()
+        self.members = tuple(members)
         self._stored = values
         self._nulls = tuple(nulls)
         self._nan_is_missing = nan_is_missing
         self._values: Array | None = None
         self._missing = 0
         self._odd: int | None = None
+
+    @property
+    def member_names(self) -> tuple[str, ...]:
+        """Names of the members."""
+        return tuple(member.name for member in self.members)
 
     @property
     def values(self) -> Array:
@@ -212,7 +218,8 @@ class RawSet:
         self.header = header or {}
         self.remarks = remarks if remarks is not None else []
         self.channels: tuple[Channel, ...] = tuple(channels)
-        self._columns = {channel.name: channel for channel in self.channels}
+        every = [each for channel in self.channels for each in (*channel.members, channel)]
+        self._columns = {channel.name: channel for channel in every}
 
     @property
     def names(self) -> tuple[str, ...]:

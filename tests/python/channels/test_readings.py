@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from wall_samples import WallSamples, wall_samples
 
 import helibore as hb
 from helibore.base import units
 from helibore.channels.log_set import LogSet
-from helibore.channels.readings import WallSamples
 from helibore.channels.role_map import overlay, parse_options
 from helibore.channels.roles import RoleMap, guess
 from helibore.files import delimited
@@ -38,7 +38,7 @@ def chosen(path: Path, radius: Any = (), diameter: Any = (), **columns: str) -> 
 
 def read(path: Path, **columns: Any) -> WallSamples:
     one, roles = chosen(path, **columns)
-    return one.samples(roles)
+    return wall_samples(one, roles)
 
 
 def test_one_radius_a_row(tmp_path: Path) -> None:
@@ -109,7 +109,7 @@ def test_missing_values_are_dropped_and_counted(tmp_path: Path) -> None:
 
 def test_other_words_for_missing(tmp_path: Path) -> None:
     one = hb.open(written(tmp_path, "md_m,tf_deg,radius_m\n1,10,0\n2,10,0.1\n"), nulls=[0.0]).set()
-    assert (one.samples().dropped, one.samples().depth.tolist()) == ({"radius_m": 1}, [2.0])
+    assert (wall_samples(one).dropped, wall_samples(one).depth.tolist()) == ({"radius_m": 1}, [2.0])
 
 
 def test_comments_blank_lines_quotes_and_gzip(tmp_path: Path) -> None:
@@ -182,7 +182,7 @@ def test_written_in_any_unit_comes_back(
     one = hb.open(written(tmp_path, "\n".join(lines)), nulls=()).set()
     # a map confirms: hypothesis's holes are no holes, and its angles may look like radians
     entries = {role.channel: {"role": role.role} for role in guess(one)}
-    caliper = one.samples(overlay(guess(one), one, entries, "map"))
+    caliper = wall_samples(one, overlay(guess(one), one, entries, "map"))
     np.testing.assert_allclose(caliper.depth, depth, rtol=1e-14, atol=1e-300)
     np.testing.assert_allclose(caliper.radius, radius, rtol=1e-14)
     off = (caliper.toolface - toolface + 180) % 360 - 180

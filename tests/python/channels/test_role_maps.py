@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 from click.testing import CliRunner
+from wall_samples import wall_samples
 
 import helibore as hb
 from helibore.channels.role_map import overlay, quoted, read_map, write_map
@@ -37,7 +38,7 @@ def test_map_round_trip(tmp_path: Path) -> None:
     )
     again = read_map(tmp_path / "m.toml", file)
     assert (again["bs"].unit, again["cal_x_in"].angle, again["cal_x_in"].unit) == ("in", 45.0, "in")
-    assert file.samples(again).toolface[0] == 45.0
+    assert wall_samples(file, again).toolface[0] == 45.0
 
 
 @pytest.mark.parametrize(

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wall_samples import wall_samples
 
 import helibore as hb
 from helibore.channels.depth_remarks import depth_remarks
@@ -103,7 +104,7 @@ def test_images_say_what_they_are() -> None:
 
 
 def samples_of(*channels: Channel, **more: object) -> object:
-    return log_set(*channels).samples(**more)  # type: ignore[arg-type]
+    return log_set(*channels).caliper(**more)  # type: ignore[arg-type]
 
 
 DEPTH = channel("MD", "m", np.arange(40.0))
@@ -174,7 +175,7 @@ def test_samples_that_cannot_be(channels: tuple[Channel, ...], rule: str) -> Non
 def test_a_caliper_holds_no_impossible_radius() -> None:
     for metres in (0.0, -0.1, 2.5):
         one = log_set(DEPTH, TURN, channel("radius", "m", np.where(np.arange(40) == 7, metres, 0.1)))
-        assert one.samples().radius[7] == metres  # for conditioning to judge
+        assert wall_samples(one).radius[7] == metres  # for conditioning to judge
         rule = rf"^f.las, row 7, column radius: radius {metres:g} m: must be larger than 0 and at most 2 m; a radius "
         with pytest.raises(ValueError, match=rule):
             one.caliper()
@@ -182,7 +183,7 @@ def test_a_caliper_holds_no_impossible_radius() -> None:
 
 def test_a_caliper_holds_the_samples() -> None:
     one = log_set(DEPTH, TURN, channel("diameter", "in", np.full(40, 8.5)))
-    caliper, found = one.caliper(), one.samples()
+    caliper, found = one.caliper(), wall_samples(one)
     assert isinstance(caliper, hb.Caliper)
     np.testing.assert_array_equal(caliper.depth, found.depth)
     np.testing.assert_array_equal(caliper.toolface, found.toolface)
@@ -199,18 +200,18 @@ def test_a_survey_of_one_station_names_the_file() -> None:
 def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
     one = log_set(DEPTH, TURN, radius(0.2159))
     confirmed = overlay(guess(one), one, {"radius": {"role": "radius", "unit": "m"}}, "map")
-    assert one.samples(confirmed).radius[0] == 0.2159
-    assert one.samples(bit_diameter=0.4064).radius[0] == 0.2159  # a 16 in hole
+    assert wall_samples(one, confirmed).radius[0] == 0.2159
+    assert wall_samples(one, bit_diameter=0.4064).radius[0] == 0.2159  # a 16 in hole
     as_diameter = overlay(guess(one), one, {"radius": {"role": "diameter", "angle": 0.0}}, "map")
-    assert one.samples(as_diameter).radius[0] == pytest.approx(0.10795)
+    assert wall_samples(one, as_diameter).radius[0] == pytest.approx(0.10795)
     with pytest.raises(ValueError, match="looks like a diameter"):
-        one.samples(confirmed, bit_diameter=0.2159)
+        wall_samples(one, confirmed, bit_diameter=0.2159)
     above = log_set(channel("MD", "m", np.arange(-40.0, 0.0)), TURN, radius(0.1))
-    assert above.samples(overlay(guess(above), above, {"MD": {"role": "depth"}}, "map")).depth[0] == -40
-    assert log_set(channel("MD", "m", np.arange(-39.0, 1.0)), TURN, radius(0.1)).samples().depth[0] == -39
+    assert wall_samples(above, overlay(guess(above), above, {"MD": {"role": "depth"}}, "map")).depth[0] == -40
+    assert wall_samples(log_set(channel("MD", "m", np.arange(-39.0, 1.0)), TURN, radius(0.1))).depth[0] == -39
     slow = log_set(DEPTH, channel("TF", "deg", np.linspace(0, 6.28, 40)), channel("radius", "m", np.full(40, 0.1)))
     mapped = overlay(guess(slow), slow, {"TF": {"unit": "rad"}}, "map")
-    assert slow.samples(mapped).toolface.max() == pytest.approx(np.degrees(6.28))
+    assert wall_samples(slow, mapped).toolface.max() == pytest.approx(np.degrees(6.28))
 
 
 def test_what_an_unstated_unit_is_taken_for_is_told() -> None:
@@ -222,7 +223,7 @@ def test_what_an_unstated_unit_is_taken_for_is_told() -> None:
 
 @pytest.mark.parametrize("inches", [6.0, 8.5, 12.25, 17.5])
 def test_gauge_holes_are_not_suspected(inches: float) -> None:
-    assert log_set(DEPTH, TURN, radius(inches * 0.0127 * 1.005)).samples().rows == 40
+    assert wall_samples(log_set(DEPTH, TURN, radius(inches * 0.0127 * 1.005))).rows == 40
 
 
 def test_missing_values_are_left_out_and_counted() -> None:
@@ -230,7 +231,7 @@ def test_missing_values_are_left_out_and_counted() -> None:
     turn = channel("RB", "deg", [-10.0, 20.0, np.nan, 350.0, 400.0, 0.0])
     x = channel("C1", "in", [8.0, 8.0, 8.0, -9999.0, 8.0, 8.0])
     y = channel("C2", "in", [9.0, 9.0, 9.0, 9.0, np.inf, 9.0])
-    found = log_set(depth, turn, x, y, channel("TIME", "min", [0, 1, 2, 3, 4, 5.0])).samples()
+    found = wall_samples(log_set(depth, turn, x, y, channel("TIME", "min", [0, 1, 2, 3, 4, 5.0])))
     assert found.dropped == {"MD": 1, "RB": 1, "C1": 1, "C2": 1}
     assert found.row.tolist() == [0] * 4 + [3] * 2 + [4] * 2 + [5] * 4
     np.testing.assert_allclose(found.toolface, [350, 170, 80, 260, 80, 260, 40, 220, 0, 180, 90, 270])
@@ -244,14 +245,14 @@ def test_missing_values_are_left_out_and_counted() -> None:
 def test_dates_become_seconds() -> None:
     when = channel("TIME", "", ["1970-01-01T00:00:10Z", "", "1970-01-02T00:00:00.5"])
     one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), when)
-    found = one.samples()
+    found = wall_samples(one)
     assert found.time is not None
     assert found.time.tolist() == [10.0, 86400.5]
     assert found.dropped == {"TIME": 1}
     bad = channel("TIME", "", ["1970-01-01T00:00:10Z", "noon", ""])
     one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), bad)
     with pytest.raises(ValueError, match=r"^f.las, row 1, column TIME: 'noon' is no ISO 8601 date and time"):
-        one.samples()
+        wall_samples(one)
 
 
 def test_radius_image_turns_with_the_tool() -> None:
@@ -259,7 +260,7 @@ def test_radius_image_turns_with_the_tool() -> None:
     grid[1, 2] = np.nan
     one = log_set(channel("MD", "m", [1.0, 2.0]), channel("RB", "deg", [350.0, 10.0]), channel("FING", "mm", grid))
     mapped = overlay(guess(one), one, {"FING": {"first": 45, "step": 90.0}}, "map")
-    found = one.samples(mapped)
+    found = wall_samples(one, mapped)
     assert found.toolface.tolist() == [35.0, 125.0, 215.0, 305.0, 55.0, 145.0, 325.0]
     assert found.dropped == {"FING": 1}
 

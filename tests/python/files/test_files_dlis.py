@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from wall_samples import wall_samples
 
 import helibore as hb
 from helibore.files.raw_set import SectorAxis
@@ -55,7 +56,7 @@ def test_images_come_back_identical(tmp_path: Path, sectors: int) -> None:
         np.testing.assert_array_equal(one["RADI"].values, expected)
         np.testing.assert_array_equal(one["GR"].values, np.arange(60))
         assert one["RADI"].axis == SectorAxis(0.0, 360.0 / sectors, "deg")
-        found = file.samples()
+        found = wall_samples(file)
         assert found.radius.size == 60 * sectors - 1
         assert found.dropped == {"RADI": 1}
         np.testing.assert_allclose(found.depth[:1], 400_000 * 0.00254)
@@ -78,7 +79,7 @@ def test_image_without_a_stated_axis(tmp_path: Path) -> None:
     with hb.open(tmp_path / "w.dlis") as file:
         assert (file.image("RADI").first, file.image("RADI").step) == (None, None)
         with pytest.raises(ValueError, match=r"^w.dlis, column RADI: the angles of its sectors are not stated"):
-            file.samples()
+            wall_samples(file)
 
 
 def test_truncated_anywhere_is_refused(tmp_path: Path) -> None:

@@ -151,7 +151,7 @@ def opened_or_refused(path: Path) -> bool:
                     assert channel.values.shape == channel.shape
                     if not channel.is_text:
                         assert not np.isinf(channel.values).any()
-                for use in (one.samples, one.survey, one.caliper):
+                for use in (one.readings, one.survey, one.caliper):
                     _named(path, lambda use=use, roles=roles: use(roles))
                 for steps in STEPS:
                     _named(path, lambda one=one, roles=roles, steps=steps: hb.prepare(one.readings(roles), steps))

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from wall_samples import wall_samples
 
 import helibore as hb
 from helibore.base.nulls import NULLS
@@ -168,9 +169,9 @@ def test_las3_arrays_come_back_identical(tmp_path: Path, delimiter: str, sectors
     assert axis is not None
     assert (axis.first, axis.unit) == (0.0, "deg")
     assert axis.step == pytest.approx(360.0 / sectors, rel=1e-5)  # written with six digits
-    assert one["RADI"].members[-1] == f"RADI[{sectors}]"
+    assert one["RADI"].member_names[-1] == f"RADI[{sectors}]"
     np.testing.assert_array_equal(one["DEPT"].values, 1000 + np.arange(50) / 4)
-    found = file.samples()
+    found = wall_samples(file)
     np.testing.assert_array_equal(found.radius.reshape(50, sectors), image * 0.001)
     expected = np.arange(sectors) * 360.0 / sectors
     np.testing.assert_allclose(found.toolface.reshape(50, sectors)[3], expected, rtol=1e-5)
@@ -183,7 +184,7 @@ def test_las3_uneven_angles_are_not_stated_as_even(tmp_path: Path) -> None:
     assert axis is not None
     assert np.isnan(axis.step)
     with pytest.raises(ValueError, match=r"column RADI: the angles of its sectors are not stated"):
-        hb.open(tmp_path / "w.las").samples()
+        hb.open(tmp_path / "w.las").readings()
 
 
 def test_las3_repeated_sections_quotes_and_empty_cells(tmp_path: Path) -> None:

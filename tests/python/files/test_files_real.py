@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 from locations import SHARED
+from wall_samples import wall_samples
 
 import helibore as hb
 from helibore.channels.roles import RoleMap, guess
@@ -42,8 +43,8 @@ def test_las_image_file() -> None:
     assert (one.rows, one.index, one.header["WELL"]) == (7361, "DEPTH", "P11-A-02A")
     assert one.names[-4:] == ("ABDC", "ABDCM", "GRAS", "GRASM")
     assert len(one.names) == 52 - 24 + 2
-    assert one["ABDC"].members == tuple(f"ABDC{sector}M" for sector in range(1, 17))
-    assert one["GRAS"].members == tuple(f"GRAS{sector}M" for sector in range(8))
+    assert one["ABDC"].member_names == tuple(f"ABDC{sector}M" for sector in range(1, 17))
+    assert one["GRAS"].member_names == tuple(f"GRAS{sector}M" for sector in range(8))
     np.testing.assert_array_equal(one["ABDC"].values, plain[:, 26:42])
     np.testing.assert_array_equal(one["GRAS"].values, plain[:, 43:51])
     np.testing.assert_array_equal(one["INNM"].values, plain[:, 18])
@@ -92,7 +93,7 @@ def test_json_image_files(name: str, rows: int, images: dict[str, int]) -> None:
     assert roles_of(path) == expected_roles
     np.testing.assert_array_equal(file.image("GRCS").depth, [row[0] for row in log["data"]])
     with pytest.raises(ValueError, match="CALCM: a mean diameter has no direction"):
-        file.samples()
+        wall_samples(file)
 
 
 def test_json_diameters() -> None:
@@ -104,7 +105,7 @@ def test_json_diameters() -> None:
         "DEPT": "depth", "DCAV": "mean-diameter", "UCAV": "mean-diameter", "DCHO": "diameter", "DCVE": "diameter",
         "UCHO": "diameter", "UCVE": "diameter",
     }  # fmt: skip
-    found = hb.open(path).samples()
+    found = wall_samples(hb.open(path))
     expected = set()
     for row in log["data"]:
         for name, angle in (("DCHO", 90.0), ("DCVE", 0.0), ("UCHO", 90.0), ("UCVE", 0.0)):
@@ -132,7 +133,7 @@ def test_xy_caliper_without_a_map() -> None:
     for name in ("md_m", "rb_deg", "pfc1_x_in"):
         np.testing.assert_array_equal(one[name].values, [float(row[name]) for row in rows])
     assert one["direction"].values.tolist() == [row["direction"] for row in rows]
-    found = one.samples()
+    found = wall_samples(one)
     assert found.depth.size == 4 * len(rows)
     row = rows[7000]
     at = slice(4 * 7000, 4 * 7001)

@@ -114,7 +114,7 @@ def test_missing_first_cells_are_no_units_row(tmp_path: Path) -> None:
 def test_repeated_and_sector_columns(tmp_path: Path) -> None:
     head = "depth_m," + ",".join(["GR"] * 4) + "," + ",".join(f"R{n}" for n in (1, 2, 4, 5))
     one = hb.open(write(tmp_path, head + "\n" + ",".join(map(str, range(9))) + "\n")).set()
-    assert one["GR"].members == ("GR:1", "GR:2", "GR:3", "GR:4")
+    assert one["GR"].member_names == ("GR:1", "GR:2", "GR:3", "GR:4")
     assert one["GR"].values.tolist() == [[1.0, 2.0, 3.0, 4.0]]
     assert one.remarks == ["R1 ...: number 3 of 1..5 is not in the file; left as single columns"]
 

@@ -7,9 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helibore.files.channel import Channel, LogSet
+from wall_samples import wall_samples
 
 import helibore as hb
+from helibore.channels.log_set import LogSet
 from helibore.channels.readings import readings
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
@@ -57,7 +58,7 @@ def arms(seed: int = 0, **more: Any) -> LogSet:
 def test_nothing_asked_is_nothing_done() -> None:
     one = rotating()
     found = prepare(one.readings())
-    samples = one.samples()
+    samples = wall_samples(one)
     for name in ("depth", "toolface", "radius"):
         np.testing.assert_array_equal(getattr(found.caliper, name), getattr(samples, name))
     assert (found.report, found.counts, found.centres, found.earlier) == ((), {"kept": N}, None, None)
@@ -169,7 +170,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     one = several()
     settings = Preparation(passes=(1, 2, 3), find_shifts=True, bias="arm")
     found = prepare(one.readings(), settings)
-    samples, number = one.samples(), one["pass"].values.astype(int)
+    samples, number = wall_samples(one), one["pass"].values.astype(int)
     shifts = find_shifts(samples.depth, samples.radius, number)
     assert found.shifts is not None
     np.testing.assert_array_equal(found.shifts.shift, shifts.shift)
@@ -201,7 +202,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
 def test_bias_by_side_takes_the_tool_bearing() -> None:
     one = arms(**{"pass": np.repeat([1, 2], N // 2), "md__m": np.tile(100 + 0.05 * np.arange(N // 2), 2)})
     found = prepare(one.readings(), Preparation(bias="side"))
-    samples = one.samples()
+    samples = wall_samples(one)
     arm = np.tile([0, 0, 1, 1], N)
     sides = arm_sides(arm, one["rb"].values[samples.row])
     number = one["pass"].values[samples.row]
