@@ -14,6 +14,7 @@ from helibore.channels.log_set import LogSet
 from helibore.channels.readings import readings
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
+from helibore.files.raw_set import Channel
 from helibore.preparation.biases import arm_sides, find_bias
 from helibore.preparation.conditioning import Step
 from helibore.preparation.eccentering import find_centres, recentre, turn_numbers
@@ -31,9 +32,7 @@ def log(name: str = "f.csv", **columns: Any) -> LogSet:
     channels = []
     for key, values in columns.items():
         label, _, unit = key.partition("__")
-        array = np.array(values)
-        load = lambda array=array: array  # noqa: E731
-        channels.append(Channel(label, unit, "", array.shape, load, is_text=array.dtype.kind == "U"))
+        channels.append(Channel(label, unit, "", np.array(values)))
     return LogSet(Path(name), "s", channels, channels[0].shape[0])
 
 
