@@ -42,7 +42,7 @@ def show() -> tuple[Viewer, Simulation]:
     second = (run.depth > AGAIN[0]) & (run.depth < AGAIN[1])
     time_later = run.time[second] + 1e5
     viewer.update(wall.append(run.depth[second], run.toolface[second], run.radius[second] + 0.003, time_later))
-    viewer.scene.state(bit_depth=2091.3, newest=time.time())
+    viewer.scene.update_state(bit_depth=2091.3, newest=time.time())
     return viewer, run
 
 

@@ -8,13 +8,22 @@ from typing import Any
 import pytest
 
 
+@pytest.fixture(scope="session")
+def chromium() -> Iterator[Any]:
+    """Chromium with software GL, one process for all tests of a worker."""
+    from screen import Chromium
+
+    process = Chromium()
+    yield process
+    process.close()
+
+
 @pytest.fixture(scope="module")
-def browser() -> Iterator[Any]:
-    """Chromium with software GL, for a module of tests: Playwright's loop must not outlive those that know of it."""
+def browser(chromium: Any) -> Iterator[Any]:
+    """A connection to the browser for a module: Playwright's event loop must end before another module starts one."""
     from playwright.sync_api import sync_playwright
-    from screen import CHROMIUM, FLAGS
 
     with sync_playwright() as playwright:
-        browser = playwright.chromium.launch(executable_path=CHROMIUM, args=FLAGS, headless=True)
-        yield browser
-        browser.close()
+        connected = playwright.chromium.connect_over_cdp(chromium.address)
+        yield connected
+        connected.close()

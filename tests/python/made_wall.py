@@ -18,8 +18,8 @@ class MadeWall:
     """Vertices of a helix with a radius by formula; grows by `grow`, is patched by `patch`."""
 
     def __init__(self, vertices: int, sectors: int = 64, pitch: float = 0.1, start: float = 1000.0) -> None:
-        self.settings = SimpleNamespace(sectors=sectors, pitch=pitch, bit_diameter=BIT)
-        self.start = start
+        self.settings = SimpleNamespace(sectors=sectors, pitch=pitch, bit_diameter=BIT, start_toolface=0.0)
+        self.start_depth = start
         self.depth = np.zeros(0)
         self.toolface, self.radius, self.nearest = np.zeros((3, 0))
         self.support, self.provisional = np.zeros(0, np.int32), np.zeros(0, bool)
@@ -29,7 +29,7 @@ class MadeWall:
         """Add vertices; return the change as an append would."""
         before, K = len(self), self.settings.sectors
         k = np.arange(before, before + vertices)
-        depth, toolface = self.start + k * self.settings.pitch / K, k % K * 360 / K
+        depth, toolface = self.start_depth + k * self.settings.pitch / K, k % K * 360 / K
         wall = radius(depth, toolface)
         missing = np.isnan(wall)
         self.toolface = np.append(self.toolface, toolface)

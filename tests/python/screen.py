@@ -1,6 +1,7 @@
 """The viewer's page in a real browser (Debian's chromium, software GL), for the tests that look at it.
 
-`Screen` is one open page; pixels are read back from the page's own canvas. The `browser` itself is in conftest.py.
+`Screen` is one open page; pixels are read back from the page's own canvas. `Chromium` is the browser's process, one for
+all tests of a worker; the fixture `browser` in conftest.py connects to it.
 """
 
 from __future__ import annotations
@@ -8,7 +9,10 @@ from __future__ import annotations
 import base64
 import importlib.util
 import shutil
+import subprocess
+import tempfile
 import time
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -20,13 +24,13 @@ MISSING = [
     *(f"{name} (pip)" for name in ("playwright", "starlette", "uvicorn") if importlib.util.find_spec(name) is None),
 ]
 if not MISSING:
-    from helibore.viewer.server import page as page_file
+    from helibore.viewer.web_app import page as page_file
 
     if page_file("app.js") is None:
-        MISSING.append("the page, which is built where Node.js 18 is")
+        MISSING.append("the page, which is built if Node.js 18 or later is installed")
 NEEDS_BROWSER = [
     pytest.mark.browser,
-    pytest.mark.skipif(bool(MISSING), reason=f"the page is not tried: without {', '.join(MISSING)}"),
+    pytest.mark.skipif(bool(MISSING), reason=f"the page cannot be tried without {', '.join(MISSING)}"),
 ]
 
 FLAGS = [
@@ -35,6 +39,22 @@ FLAGS = [
     *("--enable-unsafe-swiftshader", "--ignore-gpu-blocklist"),
 ]
 PATIENCE = 40.0  # seconds: software GL on a busy machine
+
+# Resolves when nothing has arrived and nothing was drawn for a tenth of a second. New values stop glowing at once.
+AT_REST = """() => new Promise((done) => {
+  const { app } = window.__wall;
+  let before = null;
+  let quiet = 0;
+  const look = () => {
+    const now = JSON.stringify([window.__wall.stats, app.scheduled, app.summaryPending]);
+    if (app.glow.ranges.length) { app.glow.ranges.length = 0; app.redraw(); }
+    quiet = now === before && !app.scheduled && !app.summaryPending ? quiet + 1 : 0;
+    before = now;
+    if (quiet >= 4) done(true);
+    else setTimeout(look, 25);
+  };
+  look();
+})"""
 
 # Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
 READ = """([name, strip]) => {
@@ -52,10 +72,34 @@ READ = """([name, strip]) => {
 }"""
 
 
+class Chromium:
+    """A browser process that several connections share."""
+
+    def __init__(self) -> None:
+        self._folder = tempfile.TemporaryDirectory(ignore_cleanup_errors=True)
+        own = ["--remote-debugging-port=0", f"--user-data-dir={self._folder.name}", "about:blank"]
+        quiet = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+        self._process = subprocess.Popen([str(CHROMIUM), *FLAGS, *own], **quiet)  # type: ignore[call-overload]
+        said = Path(self._folder.name) / "DevToolsActivePort"
+        end = time.monotonic() + PATIENCE
+        while not (said.exists() and len(said.read_text().split()) == 2):
+            assert time.monotonic() < end, "the browser did not start"
+            time.sleep(0.02)
+        self.address = f"http://127.0.0.1:{said.read_text().split()[0]}"
+
+    def close(self) -> None:
+        self._process.terminate()
+        self._process.wait(20)
+        self._folder.cleanup()
+
+
 class Screen:
     """A page on a viewer, with what a test asks of it."""
 
-    def __init__(self, browser: Any, url: str, address: str = "", size: tuple[int, int] = (1366, 768)) -> None:
+    def __init__(
+        self, browser: Any, url: str, address: str = "", size: tuple[int, int] = (1000, 640), drawn: bool = True
+    ) -> None:
+        """Open the page. Not ``drawn``: only text and ink are drawn after the first picture, no WebGL."""
         self.requests: list[str] = []
         self.errors: list[str] = []
         self.page = browser.new_page(viewport={"width": size[0], "height": size[1]})
@@ -64,6 +108,8 @@ class Screen:
         self.page.on("pageerror", lambda error: self.errors.append(str(error)))
         self.page.goto(url + address)
         self.until("window.__wall?.ready")
+        if not drawn:
+            self.page.evaluate("window.__wall.app.gpu.draw = () => {}")
 
     def __getattr__(self, name: str) -> Any:
         return getattr(self.page, name)
@@ -75,16 +121,14 @@ class Screen:
             time.sleep(0.05)
 
     def settle(self) -> None:
-        """Wait until nothing arrives, nothing glows and everything is drawn."""
-        before = None
-        end = time.monotonic() + PATIENCE
-        while time.monotonic() < end:
-            now = self.page.evaluate("JSON.stringify([window.__wall.stats, window.__wall.app.glow.ranges.length])")
-            if now == before and now.endswith(",0]"):
-                return
-            before = now
-            time.sleep(0.2)
-        raise AssertionError("the page never came to rest")
+        """Wait until nothing arrives and everything is drawn; what glows is made to stop."""
+        self.page.evaluate(AT_REST)
+
+    def address(self) -> str:
+        """The page's address after #, once it holds what the page shows."""
+        self.until("window.__wall.addressed()")
+        found: str = self.page.evaluate("location.hash")
+        return found
 
     def pixels(self, name: str) -> np.ndarray:
         got = self.page.evaluate(READ, [name, None])

@@ -59,7 +59,7 @@ COLOR_MAPS: dict[str, ColorMap] = {
     name: ColorMap(of["label"], tuple(map(_rgb, of["stops"].split())), of.get("safe", False))
     for name, of in _DEFINITION["maps"].items()
 }
-"""All maps by name: image, viridis, cividis, gamma, resistivity, caliper, difference."""
+"""All maps by name: image, viridis, cividis, gamma, resistivity, caliper, difference, over-bit, over-bit-dark."""
 
 
 def check_map(color_map: str) -> None:
@@ -93,6 +93,8 @@ def customary_map(name: str, unit: str = "") -> str:
         return "gamma"
     if unit.lower().startswith("ohm") or name.lower().startswith("res"):
         return "resistivity"
+    if name.lower().startswith("difference"):
+        return "difference"
     return "caliper" if name.lower().startswith(("radius", "diameter", "caliper")) else "image"
 
 

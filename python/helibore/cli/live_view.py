@@ -54,13 +54,13 @@ class Window:
 
     def __init__(self, well: str = "", *, host: str = "127.0.0.1", port: int = 0) -> None:
         from helibore.cli.view import check_page
-        from helibore.viewer.run import Server
+        from helibore.viewer.page_server import PageServer
         from helibore.viewer.scene import Scene
 
         check_page()
         self.scene = Scene()
-        self.scene.state(feed="Reading the journal.")
-        self._server = Server(self.scene, host=host, port=port, token=None)
+        self.scene.update_state(sources="Reading the journal.")
+        self._server = PageServer(self.scene, host=host, port=port, token=None)
         self.url = self._server.url
         self._well = well
         self._live: Live | None = None
@@ -94,15 +94,17 @@ class Window:
             self._path_moved = False
             self._feed.set_path(self._path())
         bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
-        self.scene.state(bit_depth=bit[0] if bit else None, newest=self._newest, feed=self._status_text(states))
+        known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
+        known = {name: value for name, value in known.items() if value is not None}
+        self.scene.update_state(**known, sources=self._status_text(states))
 
     def report(self, text: str) -> None:
         """Say on the page what keeps the wall from being shown."""
-        self.scene.state(feed=text)
+        self.scene.update_state(sources=text)
 
     def close(self) -> None:
         """Say on the page that the run has ended, and stop serving. May be called twice."""
-        self.scene.state(ended=True)
+        self.scene.update_state(ended=True)
         if self._feed:
             self._feed.close()
         self._server.close()

@@ -158,10 +158,10 @@ def _refuse_settings(context: click.Context, who: str) -> None:
 
 def check_page() -> None:
     """Say how to get the extra or the page where one is missing, before any work."""
-    from helibore.viewer.run import import_server
+    from helibore.viewer.page_server import import_server
 
     import_server()
-    from helibore.viewer.server import no_page, page
+    from helibore.viewer.web_app import no_page, page
 
     if page("app.js") is None:
         raise ValueError(no_page())

@@ -15,10 +15,12 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers, column
-from helibore.base.colors import check_positive
+from helibore.base.colors import ColorScale, check_positive, customary_map
 from helibore.base.errors import InputError
 
 PERCENTILES = (2.0, 98.0)
+NEARLY_ALL = 99.8
+"""Percentile of the distance from bit size that the colours of a wall reach."""
 WINDOW = 1.0
 
 
@@ -56,6 +58,30 @@ def percentile_limits(
         rule = f"constant, {ends[0]:g} at both the {low:g} and the {high:g} percentile: give limits=(low, high)"
         raise InputError("values", rule)
     return float(ends[0]), float(ends[1])
+
+
+def image_scale(values: npt.ArrayLike, name: str, unit: str = "") -> ColorScale:
+    """Return the usual colours of a whole image: `customary_map` between `percentile_limits`, the same everywhere.
+
+    Raises
+    ------
+    ValueError
+        As `percentile_limits`.
+    """
+    color_map = customary_map(name, unit)
+    log = color_map == "resistivity"
+    return ColorScale(*percentile_limits(values, log=log), color_map, log)
+
+
+def symmetric_limit(values: Floats, unit: float) -> float:
+    """Return how far a scale centred on zero reaches: 1, 2, 3 or 5 times a power of ten of ``unit``, at least one unit.
+
+    It holds 99.8 % of the values; NaN are left out.
+    """
+    there = np.abs(values[np.isfinite(values)])
+    reach = max(float(np.percentile(there, NEARLY_ALL)) / unit, 1.0) if there.size else 1.0
+    power = 10.0 ** math.floor(math.log10(reach) + 1e-9)
+    return unit * power * next(step for step in (1, 2, 3, 5, 10) if step * power >= reach * (1 - 1e-9))
 
 
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:

@@ -190,6 +190,28 @@ class Classification:
             raise InputError("kind", f"must be one of {', '.join(KINDS)}", repr(kind))
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
+    def measure(self, zone: Zone) -> float:
+        """Return the length that makes a zone one of its kind, metres.
+
+        C2 - bit of a washout, C1 - C2 of a breakout, the height of a key seat, least diameter - bit if undergauge.
+        """
+        if zone.kind == "washout":
+            return zone.enlargement - zone.elongation
+        if zone.kind == "key seat":
+            return max((lobe.height for lobe in zone.lobes), default=self.criteria.key_seat)
+        return zone.elongation if zone.kind == "breakout" else zone.enlargement
+
+    def severity(self, zone: Zone) -> float:
+        """Return how many times larger than its limit in the criteria the `measure` of a zone is."""
+        limits = self.criteria
+        limit = {
+            "washout": limits.washout,
+            "breakout": limits.elongation,
+            "key seat": limits.key_seat,
+            "undergauge": -limits.undergauge,
+        }[zone.kind]
+        return self.measure(zone) / limit if limit else math.inf
+
     def breakout_axis(self) -> Axes:
         """Return mean axis and spread of all breakouts, weighted by length; NaN where there are none."""
         found = self.of("breakout")

@@ -26,8 +26,8 @@ from helibore.plot.scales import NEARLY_ALL, Lines, nice_limits, usual_scale
 from helibore.plot.sections import Section, sections_at, telling_depths
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
-from helibore.plot.true_depth import true_depth
 from helibore.samples.helix import helix_of
+from helibore.trajectory.true_depth import true_depth
 
 if TYPE_CHECKING:
     from helibore.plot.calipers import Diameters

@@ -26,8 +26,8 @@ from helibore.plot.calipers import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, length_text
-from helibore.plot.true_depth import TrueDepth
 from helibore.samples.caliper import Basis
+from helibore.trajectory.true_depth import TrueDepth
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -1,10 +1,12 @@
 """See a wall in a browser: `hb.view(wall)` in a script or notebook, `helibore view FILE` in a shell.
 
-    producer --> Feed --> Scene --> Client (one a page) --> websocket --> web/ (the page)
-                 feed.py  scene.py  client.py               server.py
+    feed.py      reads a wall that grows        client.py       what a page has not received
+    scene.py     what is shown                  web_app.py      addresses and websocket
+    levels.py    the wall and its overview      page_server.py  the server's thread
+    messages.py  the bytes                      web/            the page
 
-The page is our own, needs no network beyond this machine, and gets every new quad once, in about 12 bytes.
-Needs the extra ``view``; this module itself imports NumPy only.
+The page needs no other machine and gets every new quad once, in about 12 bytes. Serving needs the extra ``view``; this
+module itself imports NumPy only.
 """
 
 from __future__ import annotations
@@ -14,46 +16,46 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
-from helibore.viewer.feed import Feed, WallLike
-from helibore.viewer.messages import Vertices
-from helibore.viewer.scene import Attribute, Frames, Helix, Scene, WallScene
+from helibore.trajectory.survey import Path
+from helibore.viewer.feed import Feed, ViewedWall
+from helibore.viewer.scene import Attribute
 
 if TYPE_CHECKING:
-    from helibore.viewer.run import Server
+    from helibore.viewer.page_server import PageServer
 
-__all__ = ["Attribute", "Frames", "Helix", "Scene", "Vertices", "Viewer", "WallLike", "WallScene", "view"]
+__all__ = ["Attribute", "Viewer", "view"]
 
 
 class Viewer:
-    """A wall on a page. Made by `view`; `update` after every append, `close` at the end.
+    """A wall on a page, made by `view`. Call `update` after every append and `close` at the end.
 
     Attributes
     ----------
     url : str
-        Where the page is, the token included where one is set.
+        Address of the page, with its token if there is one.
     scene : Scene
-        What is shown; for `state` (bit depth, time of the newest sample).
+        What is shown; `Scene.update_state` sets bit depth, time of the newest sample and more.
     """
 
-    def __init__(self, feed: Feed, server: Server) -> None:
+    def __init__(self, feed: Feed, server: PageServer) -> None:
         self._feed, self._server = feed, server
         self.scene = feed.scene
         self.url = server.url
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
-        """Show what an append changed. Returns at once, another thread does the work.
+        """Show what an append changed. Returns at once; another thread does the work.
 
         Parameters
         ----------
         change
-            What `Wall.append` returned. None: everything is compared, and what differs is sent.
+            What `Wall.append` returned. None: everything is compared, and differences are sent.
         attributes
-            Values of attributes that were named when the viewer was made, one per quad of the wall as it now is.
-            Only those of the changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
+            Values of attributes that were named when the viewer was made, one per quad of the wall as it is now. Only
+            values of changed vertices are read: ``viewer.update(change, {"GR": image.on(wall)})``.
         """
         self._feed.update(change, attributes)
 
-    def set_path(self, path: Any | None) -> None:
+    def set_path(self, path: Path | None) -> None:
         """Place the wall along a new or corrected path; the wall itself is not sent again."""
         self._feed.set_path(path)
 
@@ -84,9 +86,9 @@ class Viewer:
 
 
 def view(
-    wall: WallLike,
+    wall: ViewedWall,
     *,
-    path: Any | None = None,
+    path: Path | None = None,
     attributes: Mapping[str | Attribute, npt.ArrayLike] | None = None,
     well: str = "",
     host: str = "127.0.0.1",
@@ -99,9 +101,9 @@ def view(
     Parameters
     ----------
     wall
-        A `helibore.Wall`. It is read, never changed or kept locked.
+        A `helibore.Wall`. The viewer reads it and never changes it.
     path
-        The `helibore.Path` it lies on; None is a straight vertical hole.
+        Its `helibore.Path`; None is a straight vertical hole.
     attributes
         Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`.
     well
@@ -109,7 +111,7 @@ def view(
     host, port
         Address to serve on. Port 0 takes a free one.
     token
-        Secret that the address must carry. Required when `host` is not this machine alone.
+        Secret that the address must carry. Required if other machines can reach `host`.
     browser
         Open the page in the default browser.
 
@@ -120,18 +122,18 @@ def view(
 
     Raises
     ------
-    ModuleNotFoundError
+    MissingExtraError
         Without the extra: ``needs starlette: pip install "helibore[view]"``.
-    ValueError
-        If the wall has no vertex, reaches beyond `path`, an attribute's length is not the number of vertices or quads,
-        or `host` needs a token.
+    InputError
+        If the wall has no vertex or reaches beyond `path`, if an attribute's length is not the number of vertices or
+        quads, or if `host` needs a token.
     OSError
-        If the port is taken; the text names it.
+        If the port is in use; the text names it.
     """
-    from helibore.viewer.run import Server
+    from helibore.viewer.page_server import PageServer
 
     feed = Feed(wall, path=path, attributes=attributes or {}, well=well)
-    server = Server(feed.scene, host=host, port=port, token=token)
+    server = PageServer(feed.scene, host=host, port=port, token=token)
     feed.start()
     if browser:
         import webbrowser

@@ -1,26 +1,31 @@
-"""One page's side of the server: what it holds, what it lacks, how much is on its way to it.
+"""One page's side of the server: what it holds, what it has not received yet, and what it has not acknowledged.
 
-    producer --mark--> dirty intervals per tile --take--> one message --send--> page --ack--> room for the next
+    producer --mark--> pending ranges per tile --next_message--> page --acknowledge--> room for the next message
 
-There is no queue: a message is packed from the latest values at the moment there is room for it (less than `ROOM`
-bytes sent and not yet acknowledged). Everything here is called with the scene's lock held; nothing here waits.
+There is no queue: a message is packed from the latest values when fewer than `MOST_UNACKNOWLEDGED` bytes wait for an
+acknowledgement. Everything here is called with the scene's lock held; nothing here waits.
 """
 
 from __future__ import annotations
 
+import math
 import time
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 import numpy as np
 
-from helibore.viewer import dirty, messages
+from helibore.base.ranges import Range, union
+from helibore.samples.caliper import BASIS_TEXT
+from helibore.viewer import messages
+from helibore.viewer.levels import TURNS
 from helibore.viewer.messages import FRAMES_LEVEL
 from helibore.viewer.scene import Scene
 
-ROOM = 1 << 20
+MOST_UNACKNOWLEDGED = 1 << 20  # bytes
+MOST_PENDING = 4  # pending ranges of a tile; a slow page costs no more, and gets the gaps between them again
 MOST_RANGES = 64  # ranges of tiles in one subscription
-OVERVIEW_TURN = 4.5  # the overview is sent after the tiles this near to the focus, before all others
+OVERVIEW_PRIORITY = 4.5  # the overview comes after the tiles this near to the focus and before all others
 FRAMES_A_MESSAGE = 4096
 
 Key = tuple[int, int]  # level, tile
@@ -40,122 +45,145 @@ class Subscription:
 
 
 class Client:
-    """A connected page, seen from the scene."""
+    """A connected page, as the scene sees it."""
 
     def __init__(self, scene: Scene) -> None:
         self.scene = scene
         self.session = scene.session
-        self.ranges: tuple[tuple[int, int], ...] = ()
-        self.focus, self.mask = 0, 0
-        self.dirty: dict[Key, list[dirty.Interval]] = {}
-        self.asked: set[Key] = set()
+        self.subscription = Subscription((), 0, 0)
+        self.pending: dict[Key, list[Range]] = {}
+        self.requested: set[Key] = set()
         self.sequence = 0
-        self.on_the_way: dict[int, int] = {}
+        self.unacknowledged: dict[int, int] = {}
         self.mark(FRAMES_LEVEL, 0, len(scene.frames.centre))
 
     def mark(self, level: int, start: int, stop: int) -> None:
-        """Note that [start, stop) of a level changed; kept only for tiles that the page holds."""
+        """Note that [start, stop) of a level changed; kept only for the tiles that the page holds."""
         if stop <= start:
             return
         if level == FRAMES_LEVEL:
-            key = (FRAMES_LEVEL, 0)
-            self.dirty[key] = dirty.add(self.dirty.get(key, []), start, stop)
+            self._add((FRAMES_LEVEL, 0), start, stop)
             return
-        store = self.scene.levels[level]
-        for tile in store.tiles(start, stop):
+        for tile in self.scene.levels[level].tiles(start, stop):
             if level == 1 or self._holds(tile):
                 self._mark_tile((level, tile), start, stop)
 
     def subscribe(self, wanted: Subscription) -> None:
-        """Take over what the page holds and lacks: tiles that are new to it are dirty as a whole."""
-        old_ranges, old_mask = self.ranges, self.mask
-        self.ranges, self.focus, self.mask = wanted.ranges, wanted.focus, wanted.mask
-        first_time = not old_ranges
-        more = bool(wanted.mask & ~old_mask)
-        for key in [key for key in self.dirty if key[0] == 0 and not self._holds(key[1])]:
-            del self.dirty[key]
-            self.asked.discard(key)
-        store = self.scene.levels[0]
-        last = -(-store.size // store.tile_size)
+        """Replace the subscription; all of a tile that is new to the page becomes pending."""
+        old, self.subscription = self.subscription, wanted
+        more = bool(wanted.mask & ~old.mask)
+        for key in [key for key in self.pending if key[0] == 0 and not self._holds(key[1])]:
+            del self.pending[key]
+            self.requested.discard(key)
+        wall, over = self.scene.levels
+        last = -(-wall.size // wall.tile_size)
         for start, stop in wanted.ranges:
             for tile in range(start, min(stop, last)):
-                if more or not any(a <= tile < b for a, b in old_ranges):
-                    self._ask((0, tile))
-        if first_time or more:
-            over = self.scene.levels[1]
+                if more or not any(a <= tile < b for a, b in old.ranges):
+                    self._request((0, tile))
+        if more or not old.ranges:
             for tile in range(-(-over.size // over.tile_size)):
-                self._ask((1, tile))
+                self._request((1, tile))
 
     def acknowledge(self, sequence: int) -> None:
         """Note that the page has applied a message."""
-        if self.on_the_way.pop(sequence, None) is None:
-            raise BadMessageError(f"ack {sequence}: no such message is on its way")
+        if self.unacknowledged.pop(sequence, None) is None:
+            raise BadMessageError(f"ack {sequence}: no such message is waiting for one")
 
-    @property
-    def room(self) -> bool:
-        return sum(self.on_the_way.values()) < ROOM
-
-    def take(self) -> bytes | None:
-        """Return the next message, packed from the latest values, or None: nothing to say, or no room."""
-        if not self.dirty or not self.room:
+    def next_message(self) -> bytes | None:
+        """Return the next message, packed from the latest values; None: nothing is pending, or the page is behind."""
+        if not self.pending or sum(self.unacknowledged.values()) >= MOST_UNACKNOWLEDGED:
             return None
-        key = min(self.dirty, key=self._turn)
-        start, stop = self.dirty[key].pop(0)
+        key = min(self.pending, key=self._priority)
+        start, stop = self.pending[key].pop(0)
         if key[0] == FRAMES_LEVEL and stop - start > FRAMES_A_MESSAGE:
-            self.dirty[key].insert(0, (start + FRAMES_A_MESSAGE, stop))
+            self.pending[key].insert(0, (start + FRAMES_A_MESSAGE, stop))
             stop = start + FRAMES_A_MESSAGE
-        if not self.dirty[key]:
-            del self.dirty[key]
+        if not self.pending[key]:
+            del self.pending[key]
         message = self._frames(start, stop) if key[0] == FRAMES_LEVEL else self._write(key, start, stop)
-        if key not in self.dirty:
-            self.asked.discard(key)
+        if key not in self.pending:
+            self.requested.discard(key)
         self.sequence = (self.sequence + 1) & 0xFFFFFFFF
-        self.on_the_way[self.sequence] = len(message)
+        self.unacknowledged[self.sequence] = len(message)
         return messages.number(message, self.sequence)
 
     def _holds(self, tile: int) -> bool:
-        return any(start <= tile < stop for start, stop in self.ranges)
+        return any(start <= tile < stop for start, stop in self.subscription.ranges)
 
-    def _ask(self, key: Key) -> None:
-        store = self.scene.levels[key[0]]
-        start = key[1] * store.tile_size
-        self._mark_tile(key, start, min(start + store.tile_size + store.halo, store.size))
-        self.asked.add(key)
+    def _request(self, key: Key) -> None:
+        level = self.scene.levels[key[0]]
+        start = key[1] * level.tile_size
+        self._mark_tile(key, start, min(start + level.tile_size + level.halo, level.size))
+        self.requested.add(key)
 
     def _mark_tile(self, key: Key, start: int, stop: int) -> None:
-        store = self.scene.levels[key[0]]
-        origin = key[1] * store.tile_size
-        first, last = max(0, start - origin), min(store.tile_size + store.halo, stop - origin)
-        if last > first:
-            self.dirty[key] = dirty.add(self.dirty.get(key, []), first, last)
+        level = self.scene.levels[key[0]]
+        origin = key[1] * level.tile_size
+        self._add(key, max(0, start - origin), min(level.tile_size + level.halo, stop - origin))
 
-    def _turn(self, key: Key) -> float:
-        """Whose turn it is: frames, the tile looked at and its neighbours, the overview, the rest."""
+    def _add(self, key: Key, start: int, stop: int) -> None:
+        if stop > start:
+            self.pending[key] = union([*self.pending.get(key, []), (start, stop)], MOST_PENDING)
+
+    def _priority(self, key: Key) -> float:
+        """Frames first, then the tiles near the focus, the overview, the other tiles."""
         if key[0] == FRAMES_LEVEL:
             return -1
-        return OVERVIEW_TURN if key[0] == 1 else abs(key[1] - self.focus)
+        return OVERVIEW_PRIORITY if key[0] == 1 else abs(key[1] - self.subscription.focus)
 
     def _write(self, key: Key, first: int, stop: int) -> bytearray:
         level, tile = key
-        store = self.scene.levels[level]
+        store, mask = self.scene.levels[level], self.subscription.mask
         part = slice(tile * store.tile_size + first, tile * store.tile_size + stop)
-        kind = messages.WRITE | (0 if key in self.asked else messages.LIVE)
-        message = messages.head(kind, level, self.mask, tile, first, stop - first, store.size, time.time())
+        kind = messages.WRITE | (0 if key in self.requested else messages.LIVE)
+        message = messages.head(kind, level, mask, tile, first, stop - first, store.size, time.time())
         message += store.texels[part].astype("<u2", copy=False).tobytes()
         for bit, column in enumerate(store.columns):
-            if self.mask >> bit & 1:
+            if mask >> bit & 1:
                 message += column[part].astype("<f4", copy=False).tobytes()
         return message
 
     def _frames(self, first: int, stop: int) -> bytearray:
         frames = self.scene.frames
-        mask = messages.SURVEYED if frames.surveyed else 0
-        message = messages.head(
-            messages.FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, len(frames.centre), time.time()
-        )
+        mask, total = messages.SURVEYED if frames.surveyed else 0, len(frames.centre)
+        message = messages.head(messages.FRAMES, FRAMES_LEVEL, mask, 0, first, stop - first, total, time.time())
         message += frames.centre[first:stop].astype("<f8", copy=False).tobytes()
         message += np.hstack([frames.high[first:stop], frames.right[first:stop]]).astype("<f4").tobytes()
         return message
+
+
+def handshake(scene: Scene) -> dict[str, Any]:
+    """Return what a page must know before any value."""
+    shape = scene.shape
+    wall, over = scene.levels
+    return {
+        "type": "handshake",
+        "version": 2,
+        "session": scene.session,
+        "well": shape.well,
+        "basis": shape.basis,
+        "basis_text": BASIS_TEXT[shape.basis],
+        "bit_diameter": shape.bit_diameter,
+        "start_depth": shape.start_depth,
+        "start_toolface": shape.start_toolface,
+        "vertices": wall.size,
+        "radius_unit": shape.radius_unit,
+        "nearest_unit": messages.NEAREST_UNIT,
+        "levels": [
+            {"sectors": wall.sectors, "rows": wall.rows, "pitch": shape.pitch, "rings": False},
+            {"sectors": over.sectors, "rows": over.rows, "pitch": shape.pitch * TURNS, "rings": True},
+        ],
+        "frame_step": math.copysign(messages.FRAME_STEP, shape.pitch),
+        "attributes": [asdict(attribute) for attribute in shape.attributes],
+    }
+
+
+def state_message(scene: Scene) -> dict[str, Any]:
+    """Return the `RunState` for a page, with the server's clock."""
+    state = {name: None if value != value else value for name, value in vars(scene.state).items()}  # NaN is not JSON
+    now = None if state["newest"] is None else round(time.time(), 1)
+    return {"type": "state", "begun": scene.begun, **state, "now": now}
 
 
 def read_subscription(wanted: Any, attributes: int) -> Subscription:

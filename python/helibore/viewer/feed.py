@@ -1,53 +1,57 @@
-"""From a wall to the scene: which vertices changed, read once, by a thread of its own.
+"""Keeps a scene equal to a wall: a thread of its own reads what changed.
 
-The producer's `update` only notes ranges. The feed's thread reads those ranges of the wall when it gets to it, so ten
-appends between two reads cost one read, and a producer in a hurry is never held up. A read copies what changed and no
-more, a `PIECE` at a time; after it the thread rests as long as the read took, which leaves the producer half of a core.
+    producer's update() --ranges--> feed's thread --vertices--> scene --messages--> pages
+
+The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
+copies what changed, `CHUNK` vertices at a time; then the thread sleeps as long as the read took, which leaves half a
+core to the producer. The same thread finds the zones of the wall again when it has changed.
 """
 
 from __future__ import annotations
 
+import math
 import threading
 import time
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import numbers
-from helibore.viewer import dirty, frames
-from helibore.viewer.messages import Vertices
-from helibore.viewer.scene import Attribute, Helix, Scene
+from helibore.base.arrays import Floats, numbers
+from helibore.base.colors import customary_map
+from helibore.base.errors import InputError
+from helibore.base.ranges import Range, union
+from helibore.base.units import MILLIMETRE
+from helibore.images.normalization import percentile_limits, symmetric_limit
+from helibore.logs.summary import summarize
+from helibore.logs.zones import Classification, classify
+from helibore.samples.helix import basis_of
+from helibore.trajectory.survey import Path
+from helibore.trajectory.true_depth import true_depth
+from helibore.viewer.client import MOST_PENDING
+from helibore.viewer.messages import FRAME_STEP, Vertices
+from helibore.viewer.scene import Attribute, PathFrames, Scene, WallShape
 
-PIECE = 1 << 17  # vertices written at a time: pages may send in between
-
-
-class Columns(Protocol):
-    """Values of some vertices, all of one moment."""
-
-    @property
-    def depth(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def toolface(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def radius(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def nearest(self) -> npt.NDArray[np.float64]: ...
-    @property
-    def support(self) -> npt.NDArray[np.int32]: ...
-    @property
-    def provisional(self) -> npt.NDArray[np.bool_]: ...
+CHUNK = 1 << 17  # vertices written at a time: pages may send in between
+ZONES_SECONDS = 2.0  # the zones are found again at most this often, and in a twentieth of the time
+FEW_TURNS = 50  # a shorter wall says little about the hole to come
+USUAL_LIMIT = 0.02  # metres over and under the bit that the colours of such a wall show at least
 
 
-class WallLike(Protocol):
-    """What the viewer reads of a wall: its shape once, and copies of the ranges that changed."""
+class ViewedWall(Protocol):
+    """What the viewer reads of a wall: its shape and basis, copies of the ranges that changed, and its radii."""
 
     @property
     def settings(self) -> Any: ...
     @property
     def settled(self) -> int: ...
-    def vertices(self, start: int, stop: int) -> Columns: ...
+    @property
+    def start_depth(self) -> float: ...
+    @property
+    def radius(self) -> Floats: ...
+    def vertices(self, start: int, stop: int) -> Any: ...
     def __len__(self) -> int: ...
 
 
@@ -56,32 +60,35 @@ class Feed:
 
     def __init__(
         self,
-        wall: WallLike,
+        wall: ViewedWall,
         *,
-        path: Any | None,
+        path: Path | None,
         attributes: Mapping[str | Attribute, npt.ArrayLike],
         well: str,
         scene: Scene | None = None,
     ) -> None:
-        self.scene = scene or Scene()  # one that is served already: its pages wait for the wall to begin
+        self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         if len(wall) == 0:
-            raise ValueError("the wall has no vertex yet: append samples first")
+            raise InputError("the wall has no vertex yet", "append samples first")
         named = {_attribute(key): numbers(values) for key, values in attributes.items()}
-        self._helix = _helix(wall, tuple(named), well)
+        self._shape = _shape(wall, tuple(named), well)
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
             self._check(name, values)
         self._check_path(path)
         self._changed = threading.Condition()
-        self._ranges: list[dirty.Interval] = []
+        self._ranges: list[Range] = []
         self._settled = 0
         self._new_path = False
         self._closed = False
         self._thread: threading.Thread | None = None
-        self.scene.begin(self._helix)
+        self._zones: Classification | None = None
+        self.scene.begin(self._shape)
+        self.scene.summarize = self._summarize
         self._extend_path()
+        self._choose_ranges()
         self._read([(0, len(wall))], wall.settled)
 
     def start(self) -> None:
@@ -90,19 +97,19 @@ class Feed:
         self._thread.start()
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
-        """Note what an append changed; None: anything may have. With it come whole columns of values, read there."""
-        taken = {name: self._column(name, values) for name, values in (attributes or {}).items()}
+        """Note what an append changed; None: anything may have. New attributes come as whole columns."""
+        columns = {name: self._column(name, values) for name, values in (attributes or {}).items()}
         ranges = [(0, len(self._wall))] if change is None else [tuple(part) for part in change.ranges]
-        ahead = self._helix.sectors + 1 if taken else 0  # a quad waits for its last vertex, a turn and one further on
+        before = self._shape.sectors + 1 if columns else 0  # a quad gets its value with its last vertex
         with self._changed:
-            self._values |= taken
+            self._values |= columns
             for start, stop in ranges:
-                self._ranges = dirty.add(self._ranges, max(0, int(start) - ahead), int(stop))
+                self._ranges = union([*self._ranges, (max(0, int(start) - before), int(stop))], MOST_PENDING)
             self._settled = self._wall.settled if change is None else int(change.settled)
             self._changed.notify()
 
-    def set_path(self, path: Any | None) -> None:
-        """Take another path; only frames are sent."""
+    def set_path(self, path: Path | None) -> None:
+        """Replace the path; only frames are sent."""
         self._check_path(path)
         with self._changed:
             self.path = path
@@ -110,11 +117,11 @@ class Feed:
             self._changed.notify()
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
-        """Take new values of a named attribute."""
-        taken = self._column(name, values)
+        """Replace the values of a named attribute."""
+        column = self._column(name, values)
         with self._changed:
-            self._values[name] = taken
-            self._ranges = dirty.add(self._ranges, 0, len(self._wall))
+            self._values[name] = column
+            self._ranges = [(0, len(self._wall))]
             self._changed.notify()
 
     def close(self) -> None:
@@ -127,9 +134,13 @@ class Feed:
             self._thread = None
 
     def _run(self) -> None:
+        due, earliest = 0.0, 0.0  # when the zones must be found again, and the earliest next time
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._ranges or self._new_path or self._closed)
+                self._changed.wait_for(
+                    lambda: self._ranges or self._new_path or self._closed,
+                    None if due == math.inf else max(0.0, due - time.monotonic()),
+                )
                 if self._closed:
                     return
                 ranges, self._ranges = self._ranges, []
@@ -140,58 +151,155 @@ class Feed:
             if ranges:
                 self._extend_path()
                 self._read(ranges, settled)
+                due = min(due, max(earliest, began))
+            if time.monotonic() >= due:
+                finding = time.monotonic()
+                self._find_zones()
+                now = time.monotonic()
+                due, earliest = math.inf, now + max(ZONES_SECONDS, 20 * (now - finding))
             time.sleep(time.monotonic() - began)
 
-    def _read(self, ranges: list[dirty.Interval], settled: int) -> None:
+    def _read(self, ranges: list[Range], settled: int) -> None:
         for start, stop in ranges:
-            for first in range(start, min(stop, len(self._wall)), PIECE):
-                last = min(first + PIECE, stop, len(self._wall))
+            for first in range(start, min(stop, len(self._wall)), CHUNK):
+                last = min(first + CHUNK, stop, len(self._wall))
                 read = self._wall.vertices(first, last)
                 values = {name: column[first:last] for name, column in self._values.items()}
                 self.scene.write(first, Vertices(read.radius, read.nearest, read.support, read.provisional), values)
         self.scene.settle(settled)
+        if len(self.scene.state.ranges) < 3 + len(self._values):
+            self._choose_ranges()
+
+    def _choose_ranges(self) -> None:
+        """Choose the ends of the colours from the whole wall, once for each quantity."""
+        bit, ranges = self._shape.bit_diameter / 2, dict(self.scene.state.ranges)
+        if "over" not in ranges:
+            read = self._wall.vertices(0, len(self._wall))
+            limit = symmetric_limit(read.radius - bit, MILLIMETRE)
+            if len(self._wall) < FEW_TURNS * self._shape.sectors:
+                limit = max(limit, USUAL_LIMIT)
+            nearest = symmetric_limit(numbers(read.nearest), MILLIMETRE)
+            ranges |= {"over": (-limit, limit), "radius": (bit - limit, bit + limit), "nearest": (0.0, nearest)}
+        for attribute in self._shape.attributes:
+            values = self._values[attribute.name]
+            if attribute.name not in ranges and (limits := _limits(attribute, values[np.isfinite(values)])):
+                ranges[attribute.name] = limits
+        if ranges != self.scene.state.ranges:
+            self.scene.update_state(ranges=ranges)
+
+    def _find_zones(self) -> None:
+        """Find the zones of the wall as it is now."""
+        if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
+            return
+        self._zones = found = classify(self._wall)
+        zones = tuple(
+            {
+                "kind": zone.kind,
+                "start": round(zone.start, 3),
+                "stop": round(zone.stop, 3),
+                "measure": round(found.measure(zone), 5),
+                "severity": round(found.severity(zone), 3),
+            }
+            for zone in found.zones
+        )
+        if zones != self.scene.state.zones:
+            self.scene.update_state(zones=zones)
+
+    def _summarize(self, start: float, stop: float) -> dict[str, Any]:
+        """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None."""
+        summary = summarize(self._wall, start, stop, zones=self._zones)
+        names = ("start", "stop", "volume", "excess", "measured", "not_measured", "washed_out", "without_radius")
+        values = {name: float(getattr(summary, name)) for name in names}
+        return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
     def _extend_path(self, *, again: bool = False) -> None:
         level = self.scene.levels[0]
         have = 0 if again else len(self.scene.frames.centre)
-        need = frames.count_for(self._helix, max(len(self._wall), level.size), level.rows)
+        need = frame_count(self._shape, max(len(self._wall), level.size), level.rows)
         if need > have:
-            self.scene.trajectory(have, frames.on_path(self._helix, self.path, have, need))
+            self.scene.set_frames(have, frames_on_path(self._shape, self.path, have, need))
+        depths = true_depth(self.path, None)
+        known = None if depths is None else (depths.path.start_depth, depths.path.stop_depth, depths.down)
+        if known != self.scene.state.true_depth:
+            self.scene.update_state(true_depth=known)
 
     def _column(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
         if name not in self._values:
-            raise ValueError(f"attribute {name}: was not named when the viewer was made")
-        taken = numbers(values)
-        self._check(name, taken)
-        return taken
+            raise InputError(f"attribute {name}", "was not named when the viewer was made")
+        column = numbers(values)
+        self._check(name, column)
+        return column
 
     def _check(self, name: str, values: npt.NDArray[np.float64]) -> None:
-        n, K = len(self._wall), self._helix.sectors
+        n, K = len(self._wall), self._shape.sectors
         if values.ndim != 1 or len(values) not in (n, max(0, n - K - 1)):
-            raise ValueError(
-                f"attribute {name} has shape {values.shape}: must be one value for each of {n} vertices "
-                f"or {max(0, n - K - 1)} quads"
-            )
+            rule = f"must be one value for each of {n} vertices or {max(0, n - K - 1)} quads"
+            raise InputError(f"attribute {name} has shape {values.shape}", rule)
 
-    def _check_path(self, path: Any | None) -> None:
+    def _check_path(self, path: Path | None) -> None:
         if path is None:
             return
-        end = self._helix.start_depth + (len(self._wall) - 1) * self._helix.pitch / self._helix.sectors
-        top, bottom = sorted((self._helix.start_depth, end))
+        end = self._shape.start_depth + (len(self._wall) - 1) * self._shape.pitch / self._shape.sectors
+        top, bottom = sorted((self._shape.start_depth, end))
         if top < path.start_depth - 1e-9 or bottom > path.stop_depth + 1e-9:
-            raise ValueError(
+            raise InputError(
                 f"the wall lies from {top:.2f} to {bottom:.2f} m, the path from {path.start_depth:.2f} to "
-                f"{path.stop_depth:.2f} m: give the survey's path extend= metres, or a longer survey"
+                f"{path.stop_depth:.2f} m",
+                "give the survey's path extend= metres, or a longer survey",
             )
+
+
+def frame_count(shape: WallShape, vertices: int, rows: int) -> int:
+    """Return how many frames a wall needs up to the end of its last tile, so that no tile waits for one."""
+    tile = rows * shape.sectors
+    span = (-(-max(vertices, 1) // tile) * tile + shape.sectors + 1) * abs(shape.pitch) / shape.sectors
+    return math.ceil(span / FRAME_STEP) + 2
+
+
+def frames_on_path(shape: WallShape, path: Path | None, first: int, stop: int) -> PathFrames:
+    """Return frames [first, stop), straight on beyond both ends of the path.
+
+    The page places a wall point itself: centre + R (cos(toolface) high + sin(toolface) right), linear between frames.
+    Without a path the hole is straight and vertical below (0, 0), toolface 0 to the north.
+    """
+    depth = shape.start_depth + np.arange(first, stop) * np.copysign(FRAME_STEP, shape.pitch)
+    count = len(depth)
+    if path is None:
+        centre = np.column_stack([np.zeros(count), np.zeros(count), depth])
+        north, east = (np.tile(axis, (count, 1)) for axis in ([1.0, 0.0, 0.0], [0.0, 1.0, 0.0]))
+        return PathFrames(centre, north, east, surveyed=False)
+    inside = np.clip(depth, path.start_depth, path.stop_depth)
+    frame = path.frame(inside)
+    beyond = (depth - inside)[:, None] * frame[:, 2]
+    return PathFrames(path.position(inside) + beyond, frame[:, 0], frame[:, 1])
 
 
 def _attribute(key: str | Attribute) -> Attribute:
-    return key if isinstance(key, Attribute) else Attribute(key)
+    """Return the attribute with its colour map."""
+    attribute = key if isinstance(key, Attribute) else Attribute(key)
+    return replace(attribute, color_map=attribute.color_map or customary_map(attribute.name, attribute.unit))
 
 
-def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str) -> Helix:
+def _limits(attribute: Attribute, values: Floats) -> tuple[float, float] | None:
+    """Return the ends of an attribute's colours; None while it has no value."""
+    if attribute.low is not None and attribute.high is not None:
+        return attribute.low, attribute.high
+    values = values[values > 0] if attribute.log else values
+    if not values.size:
+        return None
+    if attribute.color_map == "difference":
+        limit = symmetric_limit(values, MILLIMETRE)
+        return -limit, limit
+    low, high = float(values.min()), float(values.max())
+    if np.percentile(values, 2) < np.percentile(values, 98):
+        low, high = percentile_limits(values, log=attribute.log)
+    margin = 0.0 if low < high else max(abs(low), 1.0) * 1e-3
+    return low - margin, high + margin
+
+
+def _shape(wall: ViewedWall, attributes: tuple[Attribute, ...], well: str) -> WallShape:
     settings, top = wall.settings, wall.vertices(0, 1)
-    return Helix(
+    return WallShape(
         sectors=int(settings.sectors),
         pitch=float(settings.pitch),
         start_depth=float(top.depth[0]),
@@ -199,4 +307,5 @@ def _helix(wall: WallLike, attributes: tuple[Attribute, ...], well: str) -> Heli
         bit_diameter=float(settings.bit_diameter),
         well=well,
         attributes=attributes,
+        basis=basis_of(wall),
     )

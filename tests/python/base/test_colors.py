@@ -38,7 +38,19 @@ def test_no_map_comes_near_the_grey_of_what_is_missing(name: str) -> None:
     assert away.min() > 15, "a just noticeable difference is about 2"
 
 
-@pytest.mark.parametrize("name", [name for name in COLOR_MAPS if name != "difference"])
+DIVERGING = ("difference", "over-bit", "over-bit-dark")
+
+
+@pytest.mark.parametrize("weakness", WEAKNESS)
+@pytest.mark.parametrize("name", DIVERGING[1:])
+def test_both_sides_of_the_bit_keep_their_order_for_weak_eyes(name: str, weakness: str) -> None:
+    seen = np.clip(linear(color_table(name, 31)) @ np.array(WEAKNESS[weakness]).T, 0, 1)
+    steps = np.diff(lab(seen)[:, 0]) * (-1 if name == "over-bit" else 1)
+    assert (steps[:15] < 0.5).all()
+    assert (steps[15:] > -0.5).all()
+
+
+@pytest.mark.parametrize("name", [name for name in COLOR_MAPS if name not in DIVERGING])
 def test_lightness_goes_one_way(name: str) -> None:
     steps = np.diff(lab(linear(color_table(name, 64)))[:, 0])
     assert (steps > 0).all() or (steps < 0).all()

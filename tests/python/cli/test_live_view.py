@@ -48,7 +48,7 @@ def until(condition, seconds: float = 30.0) -> None:
 
 @pytest.fixture
 def needs_page() -> None:
-    from helibore.viewer.server import page
+    from helibore.viewer.web_app import page
 
     if page("app.js") is None:
         pytest.skip("the page was not built: Node.js 18 is missing")
@@ -61,15 +61,15 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
     with Window("well-7") as window:
         scene = window.scene
         assert health(window.url)["vertices"] == 0
-        assert scene.feed == "Reading the journal."
+        assert scene.state.sources == "Reading the journal."
         live = hb.Live(parse(HOST))
         window.follow(live)
         window.refresh({"host": "not started", "mwd": "connected to rig"})
-        assert scene.feed == "host: not started; mwd: connected to rig. 0 samples received."
+        assert scene.state.sources == "host: not started; mwd: connected to rig. 0 samples received."
         assert not scene.begun
         window.show(pushed(live, 100.0))
         window.refresh({"host": "not started"})
-        assert scene.feed == "host: not started"
+        assert scene.state.sources == "host: not started"
         first = health(window.url)["vertices"]
         assert first == len(live.wall)
         assert not scene.frames.surveyed
@@ -83,8 +83,8 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
         window.show(pushed(live, 101.9, 40_000))  # 200 m below the last station: the path is drawn on
         window.refresh({})
         until(lambda: health(window.url)["vertices"] == len(live.wall) > 20_000)
-        assert time.time() - 60 < scene.newest <= time.time()
-    assert scene.ended
+        assert time.time() - 60 < scene.state.newest <= time.time()
+    assert scene.state.ended
 
 
 def test_without_the_extra_nothing_starts_and_the_error_names_it(tmp_path, monkeypatch):

@@ -1,5 +1,5 @@
-// The address after #: all that a colleague needs to see the same picture. The view writes its own part (view.js); here are
-// the colours of the current quantity, the held cursor, the kept sections, the picked dips and the notes.
+// The address after # holds all that a colleague needs to see the same picture: the view (view.js), the colours of the
+// current quantity, the held cursor, the kept sections, the picked dips and the notes.
 
 const short = (value) => String(Number(value.toPrecision(5)));
 
@@ -19,16 +19,16 @@ export function toAddress({ view, quantity, picking, notes }) {
 
 const numbers = (text) => (text ? text.split('_').map(Number).filter(Number.isFinite) : []);
 
-// Take what is valid; the colours wait in `app.colours` for the wall's quantities. True when a depth is named.
+// Take what is valid; the colours wait in `app.colours` for the wall's quantities. True if a depth is named.
 export function fromAddress(app, hash, maps) {
   const { view, picking, notes } = app;
-  const said = new URLSearchParams(hash.replace(/^#/, ''));
-  const [depth, toolface = null] = numbers(said.get('at'));
+  const parts = new URLSearchParams(hash.replace(/^#/, ''));
+  const [depth, toolface = null] = numbers(parts.get('at'));
   if (depth !== undefined) view.set({ cursor: { depth, toolface }, pinned: true });
-  view.set({ pins: numbers(said.get('sections')).slice(0, 3) });
-  picking.fromAddress(said.get('dips'));
-  notes.fromAddress(said.get('notes'));
-  const [low, high] = numbers(said.get('range'));
-  app.colours = low < high ? { low, high, log: said.get('log') === '1', dynamic: said.get('dynamic') === '1', ...(maps[said.get('map')] ? { map: said.get('map') } : {}) } : null;
+  view.set({ pins: numbers(parts.get('sections')).slice(0, 3) });
+  picking.fromAddress(parts.get('dips'));
+  notes.fromAddress(parts.get('notes'));
+  const [low, high] = numbers(parts.get('range'));
+  app.colours = low < high ? { low, high, chosen: true, log: parts.get('log') === '1', dynamic: parts.get('dynamic') === '1', ...(maps[parts.get('map')] ? { map: parts.get('map') } : {}) } : null;
   return view.fromAddress(hash);
 }

@@ -1,15 +1,16 @@
-// The caliper track: smallest and largest diameter of every turn (green, blue), bit size dashed, filled between; orange
-// beyond the bit, red where the hole is tighter than the bit, hatched where a turn has no pair of radii.
+// The caliper track: smallest and largest diameter of every turn (green, blue), filled between, bit size dashed. Orange
+// beyond the bit, strong in a zone; red where the hole is tighter than the bit; hatched where a turn has no diameter.
 
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
 import { hatched, line } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
+import { zoneAt } from './zones.js';
 
 // Smallest Cmin and largest Cmax of the turns under each pixel row: {min, max, seen}; seen 0 beyond the wall.
 export function profile({ store, view, imagePieces, rects }) {
-  const { height } = rects.caliper;
+  const { height } = rects.image;
   const rows = Math.ceil(height);
   const [min, max] = [0, 1].map(() => new Float32Array(rows).fill(NaN));
   const seen = new Uint8Array(rows);
@@ -41,11 +42,12 @@ export function scaleFor(bit, { min, max }, per = 1000) {
 }
 
 export function drawCaliper(ink, look) {
-  const { store, view, rects } = look;
+  const { store, view, rects, zones } = look;
   const palette = PALETTES[view.theme];
   const rect = rects.caliper;
   const bit = 2 * store.bitRadius;
   const found = profile(look);
+  if (!rect.width) return found; // nothing measured it
   const { min, max, seen } = found;
   const [low, high] = scaleFor(bit, found, LENGTHS[view.units].scale);
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
@@ -60,7 +62,8 @@ export function drawCaliper(ink, look) {
     if (Number.isNaN(min[y])) continue;
     const py = rect.top + y;
     band(ink, x(min[y]), x(max[y]), py, palette.fill);
-    if (max[y] > bit) band(ink, x(Math.max(bit, min[y])), x(max[y]), py, palette.washout);
+    const zone = zoneAt(zones, view.top + ((y + 0.5) / rect.height) * view.length);
+    if (max[y] > bit) band(ink, x(bit), x(max[y]), py, zone && zone.kind !== 'undergauge' ? palette.zones[zone.kind] : palette.over);
     if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.tight);
   }
   curve(ink, rect, min, x, palette.min);
@@ -101,12 +104,15 @@ function curve(ink, rect, values, x, colour) {
   ink.stroke();
 }
 
-function head(ink, { view }, { left, width }, [low, bit, high], x, palette) {
+function head(ink, { view, store }, { left, width }, [low, bit, high], x, palette) {
   const { scale, unit } = LENGTHS[view.units];
   const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
   label(ink, `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
-  label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
-  label(ink, 'Cmax', left + width - 2, 29, { colour: palette.max, align: 'right', font: BOLD });
+  if (store.basis === 'average') label(ink, 'mean, shape not measured', left + 2, 29, { colour: palette.max, font: SMALL });
+  else {
+    label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
+    label(ink, 'Cmax', left + width - 2, 29, { colour: palette.max, align: 'right', font: BOLD });
+  }
   label(ink, `bit ${show(bit)}`, x(bit), HEAD - 25, { colour: palette.ink, align: 'center', font: SMALL, halo: palette.paper });
   line(ink, x(bit), HEAD - 18, x(bit), HEAD, palette.ink, [3, 2]);
   label(ink, show(low), left + 1, HEAD - 9, { colour: palette.soft, font: SMALL });

@@ -1,12 +1,12 @@
-// What is coloured and how: the quantities, their colour maps, and the range of a map from the values in view.
+// What is coloured and how: the quantities, their colour maps and the ends of their colours, which the server chooses once
+// from the whole wall. A user may fit them to the values in view.
 //
 //   colour = map[(value - low) / (high - low)], both logarithmic where the quantity is      no value: hatched grey
 //
-// Static: one range everywhere, the same colour is the same value. Dynamic: the range of each depth is the mean plus and
-// minus two standard deviations of a window around it, which brings out layers; then the same colour is NOT the same value.
+// Static: one range everywhere, so a colour is a value. Dynamic: the range at each depth is the mean plus and minus two
+// standard deviations of a window around it, which brings out layers; then a colour is NOT a value.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
-import { niceStep } from './lod.js';
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
 const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
@@ -15,6 +15,9 @@ const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c
 export const MAPS = Object.fromEntries(
   Object.entries(definition.maps).map(([name, { label, stops }]) => [name, { label, anchors: hex(stops) }]),
 );
+
+// In dark mode a map that shows nothing as the page's own colour has another one.
+export const themed = (map, dark) => (dark && MAPS[`${map}-dark`] ? `${map}-dark` : map);
 
 export function lookup(name, count = 256) {
   const { anchors } = MAPS[name] ?? MAPS.viridis;
@@ -31,32 +34,31 @@ export function lookup(name, count = 256) {
 
 export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [0, 1, 2, 3, 4, 5];
 
-// The quantities a wall offers, attributes last. Lengths are in metres; `length` says so, for the units on screen.
+// The quantities of a wall, attributes last. Lengths are in metres; `length` says so, for the units on screen. Nothing of a
+// gauge hole is measured but its attributes.
 export function quantities(store) {
-  const R = store.bitRadius;
-  const fixed = [
-    { id: 'over', name: 'Over bit radius', mode: Q_OVER, length: true, low: -0.002, high: 0.02, map: 'viridis' },
-    { id: 'radius', name: 'Radius', mode: Q_RADIUS, length: true, low: R - 0.002, high: R + 0.02, map: 'image' },
-    { id: 'nearest', name: 'Nearest sample', mode: Q_NEAREST, length: true, low: 0, high: 0.1, map: 'cividis' },
+  const [low, high] = [NaN, NaN];
+  const own = store.attributes.map(({ name, unit, log, color_map: map }, attribute) => (
+    { id: name, name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm' }
+  ));
+  const wall = [
+    { id: 'over', name: 'Over bit radius', mode: Q_OVER, length: true, low, high, map: 'over-bit' },
+    { id: 'radius', name: 'Radius', mode: Q_RADIUS, length: true, low, high, map: 'over-bit' },
+    { id: 'nearest', name: 'Nearest sample', mode: Q_NEAREST, length: true, low, high, map: 'cividis' },
     { id: 'support', name: 'Samples used', mode: Q_SUPPORT, unit: '', low: 0, high: 8, map: 'cividis' },
     { id: 'change', name: 'Change since first pass', mode: Q_CHANGE, length: true, low: -0.01, high: 0.01, map: 'difference' },
   ];
-  const own = store.attributes.map((attribute, index) => ({
-    id: attribute.name,
-    name: attribute.name,
-    mode: Q_ATTRIBUTE,
-    attribute: index,
-    unit: attribute.unit,
-    low: attribute.low ?? NaN,
-    high: attribute.high ?? NaN,
-    log: attribute.log,
-    length: attribute.unit === 'm', // the difference of two passes, say: shown as the user shows lengths
-    map: MAPS[attribute.colours] ? attribute.colours : mapFor(attribute.name),
-  }));
-  return [...fixed, ...own].map((quantity) => ({ dynamic: false, log: false, ...quantity }));
+  const kept = store.basis !== 'gauge' ? wall : own.length ? [] : [{ ...wall[0], name: 'Not measured' }];
+  return [...kept, ...own].map((quantity) => ({ dynamic: false, log: false, chosen: false, ...quantity }));
 }
 
-const mapFor = (name) => (/^(gr|gamma)/i.test(name) ? 'gamma' : /^difference/i.test(name) ? 'difference' : 'image');
+// Take the ends that the server chose, unless the user or the address has chosen others.
+export function takeRanges(quantities, ranges) {
+  for (const quantity of quantities) {
+    const ends = ranges[quantity.id];
+    if (ends && !quantity.chosen) Object.assign(quantity, { low: ends[0], high: ends[1], chosen: true });
+  }
+}
 
 // A quantity of the vertex at place `at` of a tile; NaN where there is none. `pass` 'first' reads the first pass.
 export function valueAt(store, quantity, tile, at, pass = 'latest') {
@@ -111,13 +113,6 @@ export function fitRange(quantity, sorted) {
   const least = quantity.length ? 1e-4 : Math.max(1e-6, Math.abs(high) * 1e-4);
   if (high - low < least) [low, high] = quantity.log ? [low / 1.01, high * 1.01] : [low - least, high + least];
   return { low, high };
-}
-
-// A fitted range rounded outwards to round numbers: for what a saved wall first shows of its own size.
-export function roundRange(quantity, sorted) {
-  const { low, high } = fitRange(quantity, sorted);
-  const step = niceStep((high - low) / 5);
-  return { low: Math.floor(low / step) * step, high: Math.ceil(high / step) * step };
 }
 
 export function histogram(sorted, low, high, log, bins = 64) {

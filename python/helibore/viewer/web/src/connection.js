@@ -1,6 +1,6 @@
-// The websocket: greets, acknowledges, subscribes, and comes back by itself after a break (0.5 s, doubling to 8 s).
-// Messages are applied as they arrive, not when a frame is drawn: a hidden tab stays up to date and sends its acks.
-// One that breaks the protocol ends the connection with a sentence; the next one starts from the greeting.
+// The websocket: handshake, acknowledgements, subscription; it connects again after a break (0.5 s, doubling to 8 s).
+// Messages are applied when they arrive, not when a frame is drawn, so a hidden tab stays up to date.
+// A message that breaks the protocol ends the connection; the next one starts with the handshake.
 
 import { decode, encodeAck, encodeSubscribe, FRAMES, toRanges } from './protocol.js';
 
@@ -15,11 +15,11 @@ const FAULT = 4401; // our own closing code
 export class Connection {
   constructor(address, on) {
     this.address = address;
-    this.on = on; // {hello, state, write, frames, status}
+    this.on = on; // {handshake, state, write, frames, status}
     this.wait = 500;
     this.stats = { bytes: 0, messages: 0, sent: 0, reconnects: -1 };
     this.session = null;
-    this.asked = '';
+    this.subscribed = '';
     this.open();
   }
 
@@ -28,7 +28,7 @@ export class Connection {
     this.socket = new WebSocket(this.address);
     this.socket.binaryType = 'arraybuffer';
     this.fault = '';
-    this.socket.onmessage = ({ data: said }) => this.tryHear(said);
+    this.socket.onmessage = ({ data }) => this.tryReceive(data);
     this.socket.onclose = (event) => this.closed(event);
   }
 
@@ -37,47 +37,47 @@ export class Connection {
     const words = event.code === 1012 ? STOPPED : refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : LOST;
     this.on.status('lost', this.fault || words);
     this.session = null;
-    this.asked = '';
+    this.subscribed = '';
     setTimeout(() => this.open(), this.wait);
     this.wait = Math.min(SLOWEST, this.wait * 2);
   }
 
-  tryHear(said) {
+  tryReceive(data) {
     if (this.fault) return;
     try {
-      this.hear(said);
+      this.receive(data);
     } catch (error) {
       this.fault = `The server sent what this page cannot read, trying again: ${error.message}`;
       this.socket.close(FAULT);
     }
   }
 
-  hear(said) {
+  receive(data) {
     this.stats.messages++;
-    if (typeof said === 'string') {
-      this.stats.bytes += said.length;
-      const message = JSON.parse(said);
-      if (message.type === 'hello') {
+    if (typeof data === 'string') {
+      this.stats.bytes += data.length;
+      const message = JSON.parse(data);
+      if (message.type === 'handshake') {
         this.session = message.session;
-        this.asked = '';
+        this.subscribed = '';
         this.on.status('live', '');
-        this.on.hello(message);
+        this.on.handshake(message);
       } else if (message.type === 'state') this.on.state(message);
       return;
     }
-    this.stats.bytes += said.byteLength;
-    const message = decode(said);
+    this.stats.bytes += data.byteLength;
+    const message = decode(data);
     this.wait = 500;
     if (message.type === FRAMES) this.on.frames(message);
     else this.on.write(message);
     this.send(encodeAck(this.session, message.sequence));
   }
 
-  // Ask for these tiles and no others; said again only when it differs.
+  // Ask for these tiles and no others; sent only if it differs from the last request.
   subscribe(tiles, focus, mask) {
     const text = encodeSubscribe(this.session, toRanges(tiles), focus, mask);
-    if (text === this.asked || this.session === null) return;
-    this.asked = text;
+    if (text === this.subscribed || this.session === null) return;
+    this.subscribed = text;
     this.send(text);
   }
 

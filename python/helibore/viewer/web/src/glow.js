@@ -1,4 +1,4 @@
-// What is new on screen: ranges of vertices that arrived lately, brightest at first, gone after some seconds.
+// Highlights new values: ranges of vertices that arrived lately, brightest at first, gone after some seconds.
 
 export const SECONDS = 3;
 const MOST = 8;

@@ -4,7 +4,7 @@
 // middle of the section, both subtracted in float64 here. The camera circles that middle.
 
 import * as THREE from 'three';
-import { Q_ATTRIBUTE } from './colour.js';
+import { Q_ATTRIBUTE, themed } from './colour.js';
 import { SOFTWARE } from './device.js';
 import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { placeInside, WIDE } from './inside.js';
@@ -198,9 +198,10 @@ export class Gpu {
       texels: textures.vertices(),
       column: quantity.mode === Q_ATTRIBUTE ? textures.attribute(quantity.attribute) : NO_COLUMN,
       frames: frames.texture,
-      colours: colourTexture(quantity.map),
+      colours: colourTexture(themed(quantity.map, dark)),
       dynamicRange: quantity.dynamic ? textures.dynamic(store, quantity, view.pass) : NO_RANGE,
       K: level.sectors,
+      rings: level.rings,
       rows: level.rows,
       size: level.shown - tile.index * level.tileSize,
       pitch: level.pitch,
@@ -318,7 +319,10 @@ export class Gpu {
 }
 
 // A helix ends on a slant: a tile's last turn reaches one pitch beyond the depth at which the next tile begins.
-const slanted = ({ tile, top, bottom }) => (tile.level.pitch > 0 ? [top, bottom + tile.level.pitch] : [top + tile.level.pitch, bottom]);
+const slanted = ({ tile: { level }, top, bottom }) => {
+  if (level.rings) return [top, bottom];
+  return level.pitch > 0 ? [top, bottom + level.pitch] : [top + level.pitch, bottom];
+};
 
 // Show exactly these pieces in a scene; meshes are light, geometries and materials shared.
 function fill(scene, pieces, make) {
@@ -332,7 +336,7 @@ function fill(scene, pieces, make) {
 }
 
 const UNIFORMS = [
-  'texels', 'column', 'frames', 'colours', 'dynamicRange', 'K', 'rows', 'pitch', 'startToolface', 'radiusUnit', 'nearestUnit',
+  'texels', 'column', 'frames', 'colours', 'dynamicRange', 'K', 'rings', 'rows', 'pitch', 'startToolface', 'radiusUnit', 'nearestUnit',
   'bitRadius', 'firstFrame', 'frameStep', 'firstPass', 'mode', 'low', 'high', 'logarithmic', 'isDynamic', 'dark', 'glowCount',
   'tube', 'shape', 'median', 'top', 'bottom', 'cursor', 'number', 'reference', 'offset', 'perPixel', 'size', 'lamp',
 ];

@@ -5,29 +5,30 @@
 //   toolface   = startToolface + 360 col / K
 //   quad k     = (k, k+1, k+1+K, k+K): it exists when all four vertices have a radius
 //
-// Angles in degrees, depths in metres, all in float64. Nothing here knows tiles, bytes or pixels.
+// The overview is made of level rings instead: all of row R lies at startDepth + R pitch, and cell k is there when its own
+// vertex has a radius. Angles in degrees, depths in metres, all in float64. Nothing here knows tiles, bytes or pixels.
 
 export const wrap360 = (angle) => ((angle % 360) + 360) % 360;
 export const wrap180 = (angle) => wrap360(angle + 180) - 180;
 
 export class Helix {
-  constructor({ sectors, pitch, startDepth, startToolface }) {
-    Object.assign(this, { sectors, pitch, startDepth, startToolface });
+  constructor({ sectors, pitch, startDepth, startToolface, rings = false }) {
+    Object.assign(this, { sectors, pitch, startDepth, startToolface, rings });
   }
 
   depth(k) {
-    return this.startDepth + (k * this.pitch) / this.sectors;
+    return this.startDepth + (this.rings ? Math.floor(k / this.sectors) : k / this.sectors) * this.pitch;
   }
 
   toolface(k) {
     return wrap360(this.startToolface + ((k % this.sectors) * 360) / this.sectors);
   }
 
-  // The quad that covers (depth, toolface); negative or beyond the end when the wall does not reach there.
+  // The quad that covers (depth, toolface); negative or beyond the end if the wall does not reach there.
   quadAt(depth, toolface) {
     const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
     const col = Math.min(Math.floor(across), this.sectors - 1);
-    const row = Math.floor((depth - this.startDepth) / this.pitch - across / this.sectors);
+    const row = Math.floor((depth - this.startDepth) / this.pitch - (this.rings ? 0 : across / this.sectors));
     return row * this.sectors + col;
   }
 

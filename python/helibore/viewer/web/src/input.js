@@ -1,5 +1,5 @@
 // Pointer, wheel, touch and keyboard. A drag along the tracks moves the section, a click holds the cursor, the wheel
-// moves and, with Ctrl, zooms; the 3-D view turns by OrbitControls. Any of it by hand stops following; F resumes.
+// moves and, with Ctrl, zooms; OrbitControls turns the 3-D view. Moving by hand stops following the bit; F resumes.
 
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { fitRange } from './colour.js';
@@ -36,7 +36,7 @@ export function bindTracks(app) {
   });
   const up = (event) => {
     pointers.delete(event.pointerId);
-    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') hold(app, ...at(event));
+    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') clickAt(app, ...at(event));
     drag = null;
   };
   ink.addEventListener('pointerup', up);
@@ -61,7 +61,7 @@ export function cursorAt({ view, rects, path }, x, y) {
   return { depth, toolface: (((leftEdge(path, view.cut, depth).toolface + 360 * turn) % 360) + 360) % 360 };
 }
 
-function hold(app, x, y) {
+function clickAt(app, x, y) {
   const cursor = cursorAt(app, x, y);
   if (!cursor) return;
   if (app.picking.on && inside(app.rects.image, x, y)) app.picking.add(cursor);
@@ -113,8 +113,8 @@ export function bindOrbit(app) {
   let pressed = null;
   pane.addEventListener('pointerdown', (event) => (pressed = [event.offsetX, event.offsetY]));
   pane.addEventListener('pointerup', (event) => {
-    const still = pressed && Math.hypot(event.offsetX - pressed[0], event.offsetY - pressed[1]) <= CLICK;
-    if (!still || event.button !== 0) return;
+    const clicked = pressed && Math.hypot(event.offsetX - pressed[0], event.offsetY - pressed[1]) <= CLICK;
+    if (!clicked || event.button !== 0) return;
     app.view.pinned = false;
     app.pickAt(...pressed);
     app.view.set({ pinned: app.view.cursor !== null });
@@ -193,6 +193,8 @@ const KEYS = {
   r: (app) => app.replay.toggle(),
   d: (app) => app.picking.toggle(),
   b: (app) => app.notes.open(),
+  n: (app) => app.jump(1),
+  N: (app) => app.jump(-1),
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => app.picking.undo(),
   Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.set({ cursor: null, pinned: false })),

@@ -8,24 +8,23 @@ const FOOT = 8;
 
 const DIPS = 70;
 
-export function layout(width, height, dips = false) {
+export function layout(width, height, dips = false, measured = true) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const image = Math.round(Math.min(360, Math.max(190, width * 0.25)));
   const caliper = Math.round(Math.min(230, Math.max(120, width * 0.15)));
-  const tracks = dips ? { caliper: caliper - 10, dips: DIPS } : { caliper };
-  const widths = { map: 52, axis: 72, image, ...tracks };
+  const widths = { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
   const rects = {};
   let left = 4;
   for (const [name, w] of Object.entries(widths)) {
     rects[name] = { left, width: w, ...body };
-    left += w + (name === 'axis' ? 0 : 6);
+    left += w + (name === 'axis' || !w ? 0 : 6);
   }
   rects.wall = { left: left + 4, width: Math.max(60, width - left - 4), top: 0, height };
   return rects;
 }
 
 // Where the last track ends.
-export const tracksEnd = ({ caliper, dips = caliper }) => dips.left + dips.width;
+export const tracksEnd = ({ image, caliper, dips = caliper.width ? caliper : image }) => dips.left + dips.width;
 export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
 export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
@@ -33,16 +32,18 @@ export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view
 export const PALETTES = {
   light: {
     background: 0xf4f5f6, paper: '#f4f5f6', panel: '#ffffff', ink: '#1b2126', soft: '#5c6770', line: '#cfd5da', grid: '#0000001a',
-    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', fill: '#3b7dd81f', washout: '#f2a33a66', tight: '#d3222299', hatch: '#9aa3aa',
+    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', fill: '#3b7dd81f', over: '#f2a33a66', tight: '#d3222299', hatch: '#9aa3aa',
+    zones: { washout: '#b03408', breakout: '#bb64d7', 'key seat': '#09997d', undergauge: '#082361' },
   },
   dark: {
     background: 0x14181c, paper: '#14181c', panel: '#1d2328', ink: '#e6eaed', soft: '#98a4ad', line: '#36404a', grid: '#ffffff20',
-    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', washout: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d',
+    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', over: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d',
+    zones: { washout: '#fd621e', breakout: '#e3adf8', 'key seat': '#3ddaae', undergauge: '#2667da' },
   },
 };
 
-// A text with a halo of the paper's colour, readable over anything. Every text's box is kept with its canvas until the next
-// frame (`sized` forgets them); a text that `yields` is left out where it would touch one that is there already.
+// A text with a halo of the paper's colour. The canvas keeps every text's box until the next frame (`sized` deletes them);
+// a text that `yields` is left out if it would touch another.
 export function label(ink, text, x, y, { colour, halo, align = 'left', baseline = 'middle', font = null, yields = false, margin = 0 }) {
   if (font) ink.font = font;
   ink.textAlign = align;

@@ -6,9 +6,9 @@
 
 import { fromAddress, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
-import { MAPS, quantities } from './colour.js';
+import { MAPS, quantities, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
-import { Enclosed, enclosed } from './enclosed.js';
+import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
 import { Gpu } from './gpu.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
@@ -16,11 +16,10 @@ import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNotes, Notes } from './notes.js';
-import { byId, dress, fillSelects, Histogram, lamp, links, nameCuts, options, readout, reflect, rest, sectionText, write } from './panel.js';
+import { applyTheme, byId, disableControls, fillSelects, Histogram, lamp, links, listZones, nameCuts, options, readout, reflect, sectionText, showBasis, write } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
-import { rangeOnce, rangeSaved } from './ranges.js';
 import { Replay } from './replay.js';
 import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnText } from './polar.js';
@@ -28,10 +27,12 @@ import { coverage, Store } from './tiles.js';
 import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
 import { scaleOf, showLength } from './units.js';
 import { View } from './view.js';
+import { jump } from './zones.js';
 
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
-const UNSEEN = 250; // milliseconds that news outside the section may wait for a frame
+const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
+const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const seconds = () => performance.now() / 1000;
 
 class App {
@@ -41,10 +42,10 @@ class App {
     this.glow = new Glow();
     this.map = new DepthMap();
     this.histogram = new Histogram(byId('histogram'));
-    Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, feed: '', lastWrite: null });
-    Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false, ranged: false });
+    Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, sources: '', lastWrite: null, zones: [], ranges: {}, summary: null, summarized: '' });
+    Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false });
     fillSelects();
-    rest(true);
+    disableControls(true);
     this.openGpu();
     bindTracks(this);
     bindControls(this);
@@ -55,19 +56,19 @@ class App {
     this.notes = new Notes(this);
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
     this.resize();
-    this.contents = enclosed();
+    this.contents = exportedContents();
     this.named = fromAddress(this, location.hash || (this.contents?.address ?? ''), MAPS);
     window.addEventListener('hashchange', () => this.readdress());
     setInterval(() => lamp(this), 1000);
     const { protocol, host, search } = location;
     const on = {
-      hello: (hello) => this.begin(hello),
-      state: (state) => this.state(state),
+      handshake: (handshake) => this.begin(handshake),
+      state: (state) => this.takeState(state),
       write: (message) => this.write(message),
       frames: (message) => this.takeFrames(message),
       status: (status, words) => this.say(status, words),
     };
-    this.connection = this.contents ? new Enclosed(this.contents, on) : new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, on);
+    this.connection = this.contents ? new Exported(this.contents, on) : new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, on);
   }
 
   openGpu() {
@@ -89,12 +90,13 @@ class App {
     if (seconds) this.noticed = setTimeout(() => (byId('notice').hidden = true), 1000 * seconds);
   }
 
-  begin(hello) {
+  begin(handshake) {
     this.replay.close();
     if (this.store) this.forget();
-    this.store = new Store(hello);
-    rest(false);
-    this.path = new Path(hello.start_depth, hello.frame_step);
+    this.store = new Store(handshake);
+    disableControls(false);
+    showBasis(handshake);
+    this.path = new Path(handshake.start_depth, handshake.frame_step);
     this.glow.rows = this.store.levels[0].rows;
     const kept = this.quantities;
     this.quantities = quantities(this.store).map((q) => {
@@ -103,11 +105,11 @@ class App {
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
     if (this.colours) Object.assign(this.quantity, this.colours);
-    this.ranged ||= this.colours !== null;
     this.colours = null;
-    byId('well').textContent = hello.well || 'helibore';
-    byId('well').title = hello.well;
-    document.title = hello.well ? `${hello.well} – helibore` : 'helibore';
+    byId('well').textContent = handshake.well || 'helibore';
+    byId('well').title = handshake.well;
+    document.title = handshake.well ? `${handshake.well} – helibore` : 'helibore';
+    this.resize();
     if (this.view.follow) this.view.followEnd(this.store);
     this.ask();
     this.redraw();
@@ -118,9 +120,12 @@ class App {
     this.fitted = this.view.follow ? this.fitted : true;
   }
 
-  state({ begun, feed, bit_depth: bit, newest, now, ended }) {
-    this.feed = feed;
-    if (!begun) return this.say('waiting', `${this.store ? 'The server was started anew; this is the picture from before. ' : ''}Waiting for the first samples.${feed ? ` ${feed}` : ''}`);
+  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones }) {
+    this.sources = sources;
+    if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
+    this.zones = zones;
+    this.path.trueDepth = trueDepth;
+    takeRanges(this.quantities, ranges);
     this.bitDepth = bit;
     this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
     this.ended = ended;
@@ -144,25 +149,24 @@ class App {
       if (this.view.follow) this.view.followEnd(store, this.bit);
       this.ask();
     }
-    rangeOnce(this, tile);
     if (this.rects && this.look().imagePieces.some((piece) => piece.tile === tile)) this.redraw();
-    else this.unseen ??= setTimeout(this.redraw, UNSEEN); // the map, mostly: the overview changes with every write
+    else this.unseen ??= setTimeout(this.redraw, UNSEEN); // mostly the map: every write changes the overview
   }
 
   takeFrames(message) {
     const { count, surveyed } = this.path;
     this.path.apply(message);
     nameCuts(this.path.surveyed);
-    if (count && this.path.surveyed !== surveyed) this.fitted = false; // the hole lies another way: stand beside it anew
+    if (count && this.path.surveyed !== surveyed) this.fitted = false; // the hole has another direction: look at it anew
     this.redraw();
   }
 
   say(status, words) {
     this.status = status;
     this.words = words;
-    const told = byId('connection'); // where more is to say than the lamp has room for
-    told.textContent = words;
-    told.hidden = !words || words === LOST || words === STOPPED;
+    const box = byId('connection'); // longer texts than the lamp has room for
+    box.textContent = words;
+    box.hidden = !words || words === LOST || words === STOPPED;
     lamp(this);
     this.redraw();
   }
@@ -196,7 +200,7 @@ class App {
     return this.quantities.find(({ id }) => id === this.view.quantity) ?? this.quantities[0];
   }
 
-  // One frame's picture: everything that drawing needs, nothing it may change.
+  // Everything that one frame shows; drawing does not change it.
   look() {
     const { store, view, path, rects, bit: bitDepth, quantity } = this;
     const { top, bottom } = view;
@@ -213,6 +217,7 @@ class App {
       background: PALETTES[view.theme].background,
       dark: view.theme === 'dark',
       notes: this.notes.kept,
+      zones: this.zones,
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
   }
@@ -227,7 +232,7 @@ class App {
   }
 
   draw() {
-    dress(this.view);
+    applyTheme(this.view);
     if (!this.store || !this.path.count || !this.rects) return;
     const began = performance.now();
     clearTimeout(this.unseen);
@@ -235,7 +240,6 @@ class App {
     this.ask();
     if (this.controls) this.controls.enabled = this.view.camera === 'outside';
     const look = this.look();
-    this.ranged ||= rangeSaved(this, look);
     if (!this.fitted && this.gpu) this.fit();
     if (this.gpu && !this.gpu.renderer.getContext().isContextLost()) this.gpu.draw(look);
     this.drawInk(look);
@@ -247,7 +251,7 @@ class App {
     this.addressing = setTimeout(() => history.replaceState(null, '', toAddress(this)), 400);
   }
 
-  // Fading takes a frame now and then, and never more than a quarter of the time: news must not wait for decoration.
+  // Fading takes at most a quarter of the time, so that new values need not wait for it.
   glowOn(began) {
     clearTimeout(this.glowing);
     const later = () => {
@@ -290,10 +294,14 @@ class App {
     this.read = readout({ store, view, path, quad: this.quad });
     write('readout', this.read);
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
-    const found = drawPolar(byId('polar'), look);
-    write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
+    if (store.basis === 'azimuthal') {
+      const found = drawPolar(byId('polar'), look);
+      write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
+    }
     byId('sectionTitle').textContent = `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
-    write('section', sectionText(look));
+    this.summarize();
+    write('section', sectionText(store, this.summary));
+    listZones(this.zones, view.units, (zone) => this.showZone(zone));
     this.histogram.draw(look);
     reflect(view, quantity);
     links(this, toAddress(this));
@@ -302,13 +310,13 @@ class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = byId('stage');
-    this.rects = layout(width, height, this.picking.shown);
+    this.rects = layout(width, height, this.picking.shown, this.store?.basis !== 'gauge');
     this.gpu?.resize(width, height);
     const { wall } = this.rects;
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
-    Object.assign(byId('dips').style, { left: `${wall.left + 10}px` });
+    for (const id of ['dips', 'zonesCard']) byId(id).style.left = `${wall.left + 10}px`;
     Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
     this.redraw();
   }
@@ -350,7 +358,7 @@ class App {
   }
 
   setColours(changes) {
-    Object.assign(this.quantity, changes);
+    Object.assign(this.quantity, changes, { chosen: true });
     this.redraw();
   }
 
@@ -360,6 +368,41 @@ class App {
     const other = quantity[end === 'low' ? 'high' : 'low'];
     if (Number.isFinite(value) && (end === 'low' ? value < other : value > other)) this.setColours({ [end]: value });
     else this.redraw();
+  }
+
+  // Ask the server for the figures of the section when it has rested; an exported file holds those of its own section.
+  summarize() {
+    const { view, store, contents } = this;
+    if (contents) this.summary = contents.summary;
+    const key = [view.top.toFixed(2), view.bottom.toFixed(2), store.levels[0].size, store.session].join();
+    if (contents || key === this.summarized || store.basis === 'gauge') return;
+    this.summarized = key;
+    clearTimeout(this.summaryWait);
+    this.summaryPending = true;
+    this.summaryWait = setTimeout(async () => {
+      const query = new URLSearchParams(location.search);
+      query.set('start', view.top);
+      query.set('stop', view.bottom);
+      const answer = await fetch(`api/summary?${query}`).catch(() => null);
+      const summary = answer?.ok ? await answer.json() : null;
+      if (key !== this.summarized) return;
+      this.summaryPending = false;
+      this.summary = summary;
+      write('section', sectionText(store, summary));
+    }, SUMMARY_WAIT);
+  }
+
+  // Go to the next (1) or previous (-1) zone by severity.
+  jump(step) {
+    const zone = jump(this.zones, this.view.cursor?.depth ?? NaN, step);
+    if (zone) this.showZone(zone);
+  }
+
+  showZone({ start, stop }) {
+    const { view, store } = this;
+    const depth = (start + stop) / 2;
+    if (start < view.top || stop > view.bottom) view.centre(depth, store);
+    view.set({ cursor: { depth, toolface: null }, pinned: true, follow: false });
   }
 
   keepSection() {
@@ -382,7 +425,7 @@ class App {
 }
 
 const app = new App();
-// For tests and for the curious: what is loaded, and the page's own verbs.
+// For tests: what is loaded, and what the page can do.
 window.__wall = {
   app,
   get ready() {
@@ -392,6 +435,7 @@ window.__wall = {
     const { connection, store, gpu, frames, firstPicture } = app;
     return { ...connection.stats, ...(gpu?.stats ?? {}), frames, firstPicture, size: store?.levels[0].size ?? 0, held: store?.levels[0].tiles.size ?? 0 };
   },
+  addressed: () => location.hash === toAddress(app),
   fit: () => app.fit(),
   pick: (x, y) => app.gpu.pick(app.look(), x, y),
 };

@@ -1,11 +1,12 @@
-// The map: the whole well from the overview, in the colours of the current quantity, with the enlargement beside it, the
-// section as a window to drag, the cursor and the bit. Grey at its left edge: something there is not measured.
+// The map: the whole well from the overview, in the colours of the current quantity, with zones and enlargement beside it,
+// the section as a window to drag, the cursor and the bit. Grey at its left edge: a vertex there is not measured.
 
-import { lookup } from './colour.js';
+import { lookup, themed } from './colour.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';
 import { line } from './strokes.js';
+import { drawZones } from './zones.js';
 
 const WIDE = 24; // pixels of colour; the rest of the track is the enlargement
 const EDGE = 3; // pixels of grey at the left where something is missing
@@ -31,13 +32,14 @@ export class DepthMap {
   }
 
   draw(ink, look) {
-    const { view, rects, bitDepth, notes } = look;
+    const { view, rects, bitDepth, notes, zones } = look;
     const palette = PALETTES[view.theme];
     const rect = rects.map;
     const [a, b] = this.ends(look);
     const y = (depth) => rect.top + ((depth - a) / (b - a)) * rect.height;
     this.refresh(look, a, b);
     ink.drawImage(this.canvas, rect.left + 2, rect.top, rect.width - 4, rect.height);
+    drawZones(ink, zones, y, rect.left + 2 + WIDE, 3, [rect.top, rect.top + rect.height], palette);
     ink.strokeStyle = palette.line;
     ink.lineWidth = 1;
     ink.strokeRect(rect.left + 2.5, rect.top + 0.5, rect.width - 5, rect.height - 1);
@@ -64,6 +66,7 @@ export class DepthMap {
     const over = store.levels[1];
     const versions = [...over.tiles.values()].reduce((sum, tile) => sum + tile.version, 0);
     const { id, low, high, map, log } = quantity;
+    const bars = store.basis !== 'gauge';
     const key = [store.session, versions, over.shown, id, low, high, map, log, view.pass, view.theme, a, b, rects.map.height].join();
     if (key === this.key) return;
     this.key = key;
@@ -75,9 +78,9 @@ export class DepthMap {
     const paint = {
       pixels: new Uint32Array(picture.data.buffer),
       width,
-      colours: new Uint32Array(lookup(map).buffer),
+      colours: new Uint32Array(lookup(themed(map, view.theme === 'dark')).buffer),
       missing: packed(palette.hatch),
-      bar: packed(palette.max),
+      bar: bars ? packed(palette.max) : 0,
     };
     const place = (y) => (a + (y / height) * (b - a) - over.startDepth) / over.pitch; // in turns of the overview
     for (let y = 0; y < height; y++) paintRow(paint, y, rowOf(store, quantity, view.pass, place(y), place(y + 1)), quantity);
@@ -96,7 +99,7 @@ function paintRow({ pixels, width, colours, missing, bar }, y, { means, most, la
     pixels.fill(colour, line + Math.round((c * WIDE) / means.length), line + Math.round(((c + 1) * WIDE) / means.length));
   });
   if (lacks) pixels.fill(missing, line, line + EDGE);
-  pixels.fill(bar, line + WIDE + 2, line + WIDE + 2 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 2)));
+  pixels.fill(bar, line + WIDE + 4, line + WIDE + 4 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 4)));
 }
 
 // A colour of the palette as one pixel, alpha last in memory.

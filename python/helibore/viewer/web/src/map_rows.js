@@ -1,28 +1,24 @@
-// What a line of the map shows of the overview: all the turns that lie in it, nothing picked and nothing left out.
+// What a line of the map shows: all rings of the overview that lie in it.
 
 import { valueAt } from './colour.js';
 import { RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
-// All overview vertices between two places of its helix as one row: the mean of each sector, NaN where one of them has nothing,
-// so that no gap is averaged away; undefined beyond the wall; the largest enlargement, and whether any vertex lacks support.
+// The rings between two places (in rings) as one row: the mean of each sector, NaN if one of its cells has no value, so that
+// no mean hides a gap; undefined beyond the wall; the largest enlargement, and whether a vertex lacks support.
 export function rowOf(store, quantity, pass, from, to) {
-  const [wall, over] = store.levels;
-  const C = over.sectors;
-  const turnsEach = over.pitch / wall.pitch;
-  const whole = wall.shown / wall.sectors / turnsEach - 0.5; // beyond it a window is not full yet
+  const over = store.levels[1];
   const [x0, x1] = [Math.min(from, to), Math.max(from, to)];
   const row = { means: [], most: 0, lacks: false };
-  for (let c = 0; c < C; c++) {
-    const first = Math.round(x0 - c / C);
+  for (let c = 0; c < over.sectors; c++) {
     let [sum, count] = [0, 0];
-    for (let r = first; r < Math.max(first + 1, Math.round(x1 - c / C)); r++) {
-      const k = r * C + c;
+    for (let r = Math.floor(x0); r < Math.max(Math.floor(x0) + 1, Math.floor(x1)); r++) {
+      const k = r * over.sectors + c;
       const { tile, at } = over.locate(k);
       if (!tile || k >= over.shown) continue;
       const strip = stripOf(store, quantity, pass, tile);
       sum += strip.values[at];
       row.most = Math.max(row.most, strip.enlarged[at]);
-      row.lacks ||= strip.lacks[at] === 1 && r + c / C + 1 / turnsEach < whole;
+      row.lacks ||= strip.lacks[at] === 1;
       count++;
     }
     row.means.push(count ? sum / count : undefined);

@@ -1,5 +1,5 @@
-// Notes at a depth: B writes one at the cursor, or opens the one that is there. They are in the address, and so in what a
-// colleague is sent and in snapshots; the server knows nothing of them.
+// Notes at a depth: B writes one at the cursor, or opens the one that is there. The address holds them, and so do
+// exports; the server does not.
 
 import { BOLD, label, PALETTES, yOf } from './layout.js';
 import { byId } from './panel.js';
@@ -29,12 +29,12 @@ export class Notes {
     card.showModal();
   }
 
-  close(said) {
+  close(choice) {
     const text = byId('noteText').value.trim().slice(0, LONGEST);
     const others = this.kept.filter((note) => note !== this.at);
-    if (said === 'keep' && text && others.length >= MOST) this.app.notice(`There are ${MOST} notes, as many as are kept: remove one first. This one was not kept: ${text}`, 10);
-    else if (said === 'keep' && text) this.kept = [...others, { depth: this.at.depth, text }].sort((a, b) => a.depth - b.depth);
-    else if (said) this.kept = others; // removed, or kept without a word
+    if (choice === 'keep' && text && others.length >= MOST) this.app.notice(`There are ${MOST} notes, as many as are kept: remove one first. This one was not kept: ${text}`, 10);
+    else if (choice === 'keep' && text) this.kept = [...others, { depth: this.at.depth, text }].sort((a, b) => a.depth - b.depth);
+    else if (choice) this.kept = others; // removed, or kept without a text
     this.app.redraw();
   }
 
@@ -42,18 +42,18 @@ export class Notes {
     return this.kept.map(({ depth, text }) => `${depth.toFixed(3)}_${encodeURIComponent(text).replaceAll('~', '%7E')}`).join('~');
   }
 
-  fromAddress(said) {
-    const found = (said ?? '').split('~').map(noteFrom).filter(Boolean);
+  fromAddress(text) {
+    const found = (text ?? '').split('~').map(noteFrom).filter(Boolean);
     if (found.length > MOST) this.app.notice(`The address holds ${found.length} notes: the first ${MOST} are kept, the others are not.`, 10);
     this.kept = found.slice(0, MOST);
   }
 }
 
-function noteFrom(said) {
-  const at = said.indexOf('_');
-  const depth = at > 0 ? Number(said.slice(0, at)) : NaN;
+function noteFrom(part) {
+  const at = part.indexOf('_');
+  const depth = at > 0 ? Number(part.slice(0, at)) : NaN;
   try {
-    const text = decodeURIComponent(said.slice(at + 1)).trim().slice(0, LONGEST);
+    const text = decodeURIComponent(part.slice(at + 1)).trim().slice(0, LONGEST);
     return Number.isFinite(depth) && text ? { depth, text } : null;
   } catch {
     return null; // not an address that this page wrote

@@ -6,8 +6,8 @@ import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { RESCANNED, PROVISIONAL, CLIPPED, SUPPORT_MASK } from './protocol.js';
 import { scaleOf, showAge, showAngle, showClock, showCount, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
-import { sectionVolume } from './turns.js';
 import { CAMERAS } from './view.js';
+import { bySeverity, LETTERS } from './zones.js';
 
 export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
@@ -21,7 +21,7 @@ export function fillSelects() {
   options('sectionLength', [['', 'custom'], ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('shape', SHAPES.map((v) => [v, `× ${v}`]));
-  options('map', Object.entries(MAPS).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
+  options('map', Object.entries(MAPS).filter(([name]) => !name.endsWith('-dark')).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
   for (const option of byId('map').options) option.title = MAPS[option.value].label;
 }
 
@@ -49,15 +49,21 @@ export function write(id, pairs) {
   });
 }
 
-// Light or dark, before there is anything to see too.
-export function dress({ theme }) {
+export function applyTheme({ theme }) {
   byId('theme').textContent = theme === 'dark' ? 'Light' : 'Dark';
   document.documentElement.classList.toggle('dark', theme === 'dark');
 }
 
-// Controls that say how the wall is seen wait until there is one.
-export function rest(on) {
+// The controls of the wall are disabled until there is one.
+export function disableControls(on) {
   for (const part of document.querySelectorAll('aside, #wallHead, #follow, #bar label')) part.inert = on;
+}
+
+// What the wall is made from, as a warning, if it was not measured all around; panels of what was not measured are hidden.
+export function showBasis({ basis, basis_text: text }) {
+  byId('basis').hidden = basis === 'azimuthal';
+  byId('basis').textContent = `${text[0].toUpperCase()}${text.slice(1)}.`;
+  byId('crossSection').hidden = basis !== 'azimuthal';
 }
 
 // Show the view's own settings in the controls, whoever changed them.
@@ -81,7 +87,7 @@ export function reflect(view, quantity) {
   byId('rangeUnit').textContent = unitOf(quantity, view.units);
 }
 
-// How old the picture is and how far behind the bit: the lamp's colour and its words.
+// The lamp's colour and text: how old the newest sample is, and how far the wall is behind the bit.
 export function lamp(app) {
   const [colour, text] = lampWords(app);
   const at = byId('lamp');
@@ -90,11 +96,11 @@ export function lamp(app) {
   if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
 }
 
-export function lampWords({ status, words, store, bitDepth, newest, ended, feed, lastWrite, replay, contents }) {
+export function lampWords({ status, words, store, bitDepth, newest, ended, sources, lastWrite, replay, contents }) {
   if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
-  if (contents) return ['', `snapshot of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];
+  if (contents) return ['', `export of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];
   const seconds = newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000;
   const parts = [];
   if (ended) parts.push('run ended');
@@ -102,57 +108,82 @@ export function lampWords({ status, words, store, bitDepth, newest, ended, feed,
   else parts.push('saved wall');
   if (bitDepth !== null) parts.push(behind(store, bitDepth));
   const late = !ended && seconds > LATE;
-  parts.push(late && feed ? feed : `${showCount(store.levels[0].size)} vertices`); // why nothing comes matters more then
+  parts.push(late && sources ? sources : `${showCount(store.levels[0].size)} vertices`); // then the reason matters more
   return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
 }
 
-// A bit that was lifted is not ahead of the wall, but in it.
+// A bit that was lifted is within the wall.
 function behind(store, bitDepth) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
   return ahead > -0.05 ? `${Math.max(0, ahead).toFixed(1)} m behind bit` : `bit back ${(-ahead).toFixed(1)} m in the wall`;
 }
 
-// The read-out of a quad: name and text in pairs; what is not known is a dash.
+// The values of a quad: name and text in pairs; what is not known is a dash.
 export function readout({ store, view, path, quad }) {
   const { cursor, units } = view;
   const tvd = cursor ? path.tvd(cursor.depth) : NaN;
   const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
   const around = (zero) => (zero === null || !cursor || !Number.isFinite(cursor.toolface) ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
-  const { state = 0 } = quad ?? {};
+  const gauge = store.basis === 'gauge';
+  const measured = gauge ? null : quad;
+  const { state = 0 } = measured ?? {};
   const marks = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale']].filter(([bit]) => state & bit).map(([, word]) => word);
   return [
     ['MD', showDepth(cursor?.depth)],
     ['TVD', showDepth(tvd)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
-    ['Radius', quad ? showLength(quad.radius, units) : cursor ? 'no data' : '–'],
-    ['Over bit radius', showSigned(quad ? quad.radius - store.bitRadius : NaN, units)],
-    ['Since first pass', quad && state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
-    ['Nearest sample', showLength(quad?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
-    ['Samples used', quad ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
+    ['Radius', measured ? showLength(measured.radius, units) : cursor ? (gauge ? 'not measured' : 'no data') : '–'],
+    ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
+    ['Since first pass', state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
+    ['Nearest sample', showLength(measured?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
+    ['Samples used', measured ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
     ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, quad?.attributes[i] ?? NaN, units)]),
   ];
 }
 
-export function sectionText({ store, view, imagePieces }) {
-  const { volume, length, excess, washed, unsupported } = sectionVolume(store, imagePieces, view.pass === 'first');
+// The figures of a section, as `Wall.summary` has them.
+export function sectionText(store, summary) {
+  if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
+  if (!summary) return [['Section', '…']];
+  const { volume, excess, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
+  const number = (value) => value ?? NaN;
   return [
-    ['Vertices without support', showPercent(unsupported)],
-    [`Volume of ${length.toFixed(1)} m measured`, volume ? `${volume.toFixed(3)} m³` : '–'],
-    ['Over bit volume', showPercent(excess)],
-    ['Washed out (> ½ in)', showPercent(washed)],
+    ['Vertices without a sample', showPercent(number(without))],
+    [`Volume of ${measured.toFixed(1)} m measured`, measured ? `${volume.toFixed(3)} m³` : '–'],
+    ['Over bit volume', showPercent(number(excess))],
+    [`Washed out${washed === null ? '' : ` (${showPercent(washed / (measured + gaps))})`}`, washed === null ? '–' : `${washed.toFixed(1)} m`],
   ];
 }
 
-// What can be saved of the section; a snapshot has nothing to ask.
+// The zones, worst first; a click shows one.
+export function listZones(zones, units, show) {
+  const card = byId('zones');
+  const key = JSON.stringify([zones, units]);
+  if (card.dataset.key === key) return;
+  card.dataset.key = key;
+  card.parentElement.hidden = zones.length === 0;
+  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
+  card.replaceChildren(...bySeverity(zones).map((zone) => {
+    const button = document.createElement('button');
+    button.type = 'button';
+    button.title = `${zone.kind} (N, Shift N: next, previous)`;
+    button.dataset.kind = zone.kind;
+    button.textContent = `${LETTERS[zone.kind]}  ${zone.start.toFixed(1)}–${zone.stop.toFixed(1)} m  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
+    button.addEventListener('click', () => show(zone));
+    return button;
+  }));
+}
+
+// Downloads of the section; an exported file has no server to ask.
 export function links({ view, contents }, address) {
-  byId('csv').hidden = byId('snapshot').hidden = contents !== null;
-  const said = new URLSearchParams(location.search); // the token
-  said.set('start', view.top.toFixed(3));
-  said.set('stop', view.bottom.toFixed(3));
-  byId('csv').href = `api/section.csv?${said}`;
-  said.set('address', address);
-  byId('snapshot').href = `api/snapshot.html?${said}`;
+  byId('csv').hidden = byId('export').hidden = contents !== null;
+  const query = new URLSearchParams(location.search); // the token
+  query.set('start', view.top.toFixed(3));
+  query.set('stop', view.bottom.toFixed(3));
+  byId('csv').href = `api/section.csv?${query}`;
+  query.set('address', address);
+  byId('export').href = `api/export.html?${query}`;
 }
 
 // The histogram of the section with the ends of the range; `ends` maps between values and pixels for the drag.
@@ -212,9 +243,9 @@ export class Histogram {
   }
 
   value(x, { log }) {
-    const way = log && this.scale[0] > 0;
-    const [a, b] = way ? this.scale.map(Math.log) : this.scale;
+    const asLog = log && this.scale[0] > 0;
+    const [a, b] = asLog ? this.scale.map(Math.log) : this.scale;
     const v = a + (x / this.canvas.clientWidth) * (b - a);
-    return way ? Math.exp(v) : v;
+    return asLog ? Math.exp(v) : v;
   }
 }

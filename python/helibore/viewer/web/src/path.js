@@ -10,7 +10,8 @@ const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is
 
 export class Path {
   constructor(startDepth, step) {
-    this.surveyed = false; // while it is: drawn straight and vertical, and nothing is known of up, north or true depth
+    this.surveyed = false; // then the hole is drawn straight and vertical, and up, north and true depth are not known
+    this.trueDepth = null; // [start, stop, down]: where the survey gives true depths, and their zero
     this.startDepth = startDepth;
     this.step = step;
     this.count = 0;
@@ -51,10 +52,10 @@ export class Path {
     return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
   }
 
-  // True vertical depth; NaN without a survey, and where no frame says how the hole runs.
+  // True vertical depth; NaN where the survey does not give one.
   tvd(depth) {
-    const place = (depth - this.startDepth) / this.step;
-    return this.surveyed && this.count > 1 && place >= 0 && place <= this.count - 1 ? this.at(depth).centre[2] : NaN;
+    const [start, stop, down] = this.trueDepth ?? [NaN, NaN, NaN];
+    return this.count > 1 && depth >= start && depth <= stop ? this.at(depth).centre[2] - down : NaN;
   }
 
   // Toolface of up and of north at a depth, degrees; null where undefined.

@@ -31,7 +31,7 @@ export class Picking {
     this.app.resize();
   }
 
-  // The wall's own radius where it is measured; bit size elsewhere, which the read-out says.
+  // With the wall's radius; where it is not measured, with bit size, which the text says.
   point({ depth, toolface }) {
     const { store } = this.app;
     const quad = store.quad(store.levels[0].quadAt(depth, toolface));
@@ -93,9 +93,9 @@ export class Picking {
   }
 
   fromAddress(text) {
-    const said = (text ?? '').split('!');
-    if (said.length > MOST) this.app.notice(`The address holds ${said.length} dips: the first ${MOST} are kept, the others are not.`, 10);
-    const planes = said.slice(0, MOST).map((plane) => plane.split('~').map(pointFrom));
+    const parts = (text ?? '').split('!');
+    if (parts.length > MOST) this.app.notice(`The address holds ${parts.length} dips: the first ${MOST} are kept, the others are not.`, 10);
+    const planes = parts.slice(0, MOST).map((plane) => plane.split('~').map(pointFrom));
     this.kept = planes.filter((plane) => plane.length >= 3 && plane.every(Boolean));
   }
 }

@@ -1,6 +1,6 @@
 // The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
 
-import { dynamicRange, lookup, valueAt } from './colour.js';
+import { dynamicRange, lookup, themed, valueAt } from './colour.js';
 import { pen } from './device.js';
 import { depthAt } from './layout.js';
 import { CUTS } from './path.js';
@@ -25,7 +25,7 @@ export class PlainImage {
   piece(picture, look, { tile, top, bottom }) {
     const { view, rects, store, quantity } = look;
     const { level } = tile;
-    const table = lookup(quantity.map);
+    const table = lookup(themed(quantity.map, look.dark));
     const ranges = quantity.dynamic ? dynamicRange(store, quantity, tile, view.pass) : null;
     const rect = { ...rects.image, top: 0 };
     const beyond = Math.abs(level.pitch);
@@ -36,7 +36,7 @@ export class PlainImage {
       for (let x = 0; x < picture.width; x++) {
         const k = level.quadAt(depth, wrap360(edge + (360 * (x + 0.5)) / picture.width));
         const at = k - tile.index * level.tileSize;
-        if (at < 0 || at >= level.tileSize || k + level.sectors + 1 >= level.shown) continue;
+        if (at < 0 || at >= level.tileSize || k + (level.rings ? 0 : level.sectors + 1) >= level.shown) continue;
         const row = Math.floor(at / level.sectors);
         const ends = ranges ? [ranges[2 * row], ranges[2 * row + 1]] : [quantity.low, quantity.high];
         const value = store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;

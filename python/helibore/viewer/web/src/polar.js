@@ -1,17 +1,16 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
-// Bit circle dashed, smallest and largest diameter with their directions, arcs beyond the bit by more than the limit
-// marked as breakout; kept sections behind. The shape's exaggeration is the view's, and written.
+// Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; kept sections behind. The
+// shape's exaggeration is the view's, and written.
 
 import { pen } from './device.js';
 import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { arcs, measure, turn } from './turns.js';
+import { measure, turn } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
 import { LENGTHS } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
-
-export const ENLARGED = 0.005; // metres beyond the bit radius that count as an enlarged arc
+import { zoneAt, zoneText } from './zones.js';
 
 // The turn at a depth: {k, radii, measured, level}, from the wall or, where that is not here, nothing.
 export function turnAt(store, view, depth) {
@@ -43,7 +42,8 @@ export function drawPolar(canvas, look) {
   };
   rings(ink, look, width, height, scale, palette);
   kept.forEach((pin, i) => outline(ink, pin, (r, j, f) => place(exaggerated(r), j, view.pins[i], f), palette.pin, null));
-  for (const [first, last] of arcs(found.radii, R, ENLARGED)) arc(ink, found, first, last, (r, j) => place(exaggerated(r), j, depth, found), palette);
+  outline(ink, found, (r, j, f) => place(exaggerated(Math.max(r, R)), j, depth, f), 'transparent', palette.over);
+  disc(ink, width / 2, height / 2, R * scale, palette.panel);
   outline(ink, found, (r, j, f) => place(exaggerated(r), j, depth, f), palette.ink, palette.fill);
   diameters(ink, found, (r, j) => place(exaggerated(r), j, depth, found), palette);
   if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
@@ -86,6 +86,13 @@ function rings(ink, { store, view }, width, height, scale, palette) {
   label(ink, 'bit', width / 2 + R * scale * 0.7 - 14, height / 2 + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL });
 }
 
+function disc(ink, x, y, radius, colour) {
+  ink.fillStyle = colour;
+  ink.beginPath();
+  ink.arc(x, y, radius, 0, 2 * Math.PI);
+  ink.fill();
+}
+
 function outline(ink, found, place, colour, fill) {
   const K = found.radii.length;
   ink.beginPath();
@@ -104,18 +111,6 @@ function outline(ink, found, place, colour, fill) {
   }
   ink.strokeStyle = colour;
   ink.lineWidth = fill ? 1.8 : 1.1;
-  ink.stroke();
-}
-
-function arc(ink, { radii }, first, last, place, palette) {
-  if (last - first < 1) return;
-  ink.beginPath();
-  for (let j = first; j <= last; j++) {
-    const at = place(radii[j % radii.length], j % radii.length);
-    ink[j === first ? 'moveTo' : 'lineTo'](...at);
-  }
-  ink.strokeStyle = palette.washout;
-  ink.lineWidth = 9;
   ink.stroke();
 }
 
@@ -148,17 +143,15 @@ function letters(ink, look, depth, width, height, palette) {
 // What is written beside the picture: pairs of name and text.
 export function turnText(look, found, show) {
   const depth = look.view.cursor?.depth ?? look.view.middle;
-  const { measured, radii } = found;
+  const { measured } = found;
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
   const equivalent = 2 * Math.sqrt(measured.area / Math.PI);
-  const wide = arcs(radii, look.store.bitRadius, ENLARGED);
-  const share = wide.reduce((sum, [a, b]) => sum + b - a + 1, 0) / radii.length;
   const known = !Number.isNaN(measured.min);
   return [
     ['Cmin', known ? `${show(measured.min)} @ ${axis(measured.minAt)}` : '–'],
     ['Cmax', known ? `${show(measured.max)} @ ${axis(measured.maxAt)}` : '–'],
     ['Area diameter', show(equivalent)],
-    [`Beyond bit by ${show(ENLARGED, look.view.units === 'mm' ? 0 : 1)}`, measured.share ? `${(100 * share).toFixed(0)} % of turn` : '–'],
+    ['Zone', zoneText(zoneAt(look.zones, depth), look.view.units)],
   ];
 }
 

@@ -1,6 +1,6 @@
-// Going back: the wall as it was at a moment of the run. The server notes when the wall had how many vertices
-// (history.py); a page that replays shows so many, as the first pass measured them, and the bit where it was then. What was
-// scanned again since is left out: radii of a time between two passes are not kept.
+// Replay: the wall as it was at a moment of the run. The server keeps how many vertices the wall had at which time
+// (history.py). The page shows that many, with the radii of the first pass, and the bit where it was then; radii between
+// two passes are not kept.
 
 import { byId } from './panel.js';
 import { showClock } from './units.js';
@@ -8,7 +8,7 @@ import { showClock } from './units.js';
 const RUN = 20; // seconds to play all of it
 const STEP = 0.25;
 
-// Of {time, vertices, bit_depth}, what was certain at a moment: the last point that is not later.
+// Of {time, vertices, bit_depth}, the last point that is not later than a moment.
 export function momentAt({ time, vertices, bit_depth: bit }, moment) {
   let [a, b] = [0, time.length];
   while (b - a > 1) {
@@ -19,7 +19,7 @@ export function momentAt({ time, vertices, bit_depth: bit }, moment) {
   return { vertices: vertices[a], bitDepth: bit[a] };
 }
 
-async function asked() {
+async function fetchHistory() {
   const answer = await fetch(`api/history${location.search}`).catch(() => null);
   return answer?.ok ? answer.json() : { time: [] };
 }
@@ -41,7 +41,7 @@ export class Replay {
   }
 
   async open() {
-    const points = this.app.contents?.history ?? (await asked());
+    const points = this.app.contents?.history ?? (await fetchHistory());
     if (points.time.length < 2) return this.app.notice('Nothing to replay: this wall has not grown since the viewer started.', 6);
     this.points = points;
     this.pass = this.app.view.pass;

@@ -1,5 +1,4 @@
-// Files that the page hands to the browser: what it has itself, and what the server writes. A server that cannot says why, and
-// the sentence stays on the page instead of replacing it.
+// Downloads: what the page has itself, and what the server writes. If the server refuses, the page shows why.
 
 import { byId } from './panel.js';
 
@@ -12,19 +11,19 @@ export function save(blob, name) {
 }
 
 export function bindSaving(app) {
-  for (const id of ['csv', 'snapshot']) {
+  for (const id of ['csv', 'export']) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
-      fetched(app, event.currentTarget.href);
+      download(app, event.currentTarget.href);
     });
   }
 }
 
-async function fetched(app, address) {
+async function download(app, address) {
   app.notice('Writing the section …');
   try {
     const answer = await fetch(address);
-    if (!answer.ok) return app.notice(sentence(await answer.text()), 10);
+    if (!answer.ok) return app.notice(`The section was not written: ${(await answer.text()).trim().slice(0, 300)}.`, 10);
     const name = /filename=([^;]+)/.exec(answer.headers.get('content-disposition') ?? '')?.[1] ?? 'section';
     save(await answer.blob(), name);
     return app.notice('');
@@ -32,5 +31,3 @@ async function fetched(app, address) {
     return app.notice(`The section was not written: ${error.message}.`, 10);
   }
 }
-
-const sentence = (text) => `The section was not written: ${text.trim().slice(0, 300)}.`;

@@ -1,6 +1,5 @@
-// The two ways to look at a tile's textures: wound around the hole (3-D) and cut open (the image track).
-// Both find the quad under a pixel by the picture of helix.js and colour it with the same function, so the
-// same quad has the same colour in both. `texels` holds radius, first-pass radius, nearest distance, state (messages.py);
+// A tile's textures are drawn in two ways: wound around the hole (3-D) and cut open (the image track). Both find the quad
+// under a pixel as helix.js does and colour it with the same function. `texels` holds radius, first-pass radius, nearest distance, state (messages.py);
 // `frames` has one column a frame: centre and toolface of up, high and toolface of north, right.
 
 const COMMON = /* glsl */ `
@@ -12,11 +11,13 @@ uniform sampler2D column, frames, colours, dynamicRange;
 uniform int K, rows;
 uniform int size;             // vertices of the wall that are shown, from the tile's start on
 uniform float pitch;          // signed
+uniform bool rings;           // of the overview: rows are level, and a cell is one vertex
 uniform float startToolface;  // radians
 uniform float radiusUnit, nearestUnit, bitRadius;
 uniform float firstFrame, frameStep; // place of the tile's start among its frames; metres between two
 uniform bool firstPass;
 
+float slope() { return rings ? 0.0 : 1.0; }
 ivec2 place(int k) { return ivec2(k % K, k / K); }
 uvec4 texel(int k) { return texelFetch(texels, place(k), 0); }
 vec4 frame(int line, float depth) {
@@ -24,6 +25,10 @@ vec4 frame(int line, float depth) {
   int last = textureSize(frames, 0).x - 1;
   int i = clamp(int(floor(f)), 0, last - 1);
   return mix(texelFetch(frames, ivec2(i, line), 0), texelFetch(frames, ivec2(i + 1, line), 0), f - float(i));
+}
+bool missing(int k) {
+  if (rings) return k >= size || texel(k).x == 0u;
+  return k + K + 1 >= size || texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
 }
 `;
 
@@ -34,9 +39,6 @@ uniform bool logarithmic, isDynamic, dark;
 uniform int glowCount;
 uniform vec4 glow[8];         // first and last vertex in the tile, strength, 1 for a re-scan
 
-bool missing(int k) {
-  return texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
-}
 float notANumber() { return uintBitsToFloat(0x7fc00000u); }
 float value(int k) {
   if (mode == 5) return texelFetch(column, place(k), 0).r;
@@ -106,19 +108,21 @@ float smoothRadius(int k) {
 void main() {
   int row = gl_VertexID / (K + 1);
   int col = gl_VertexID - row * (K + 1);
-  float r = smoothRadius(row * K + col);
+  int at = rings ? row * K + col % K : row * K + col;
+  float r = smoothRadius(at);
+  if (rings && r < 0.0) r = radiusAt(at - K); // the far edge of the last ring
   float R = r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape;
   R = max(R, 0.1 * bitRadius) * tube;
-  float turn = float(row) + float(col) / float(K);
+  float turn = float(row) + slope() * float(col) / float(K);
   float toolface = startToolface + 6.283185307179586 * float(col) / float(K);
   depthHere = turn * pitch;
   vec3 centre = frame(0, depthHere).xyz;
   vec3 high = normalize(frame(1, depthHere).xyz);
   vec3 right = normalize(frame(2, depthHere).xyz);
-  vec4 at = modelViewMatrix * vec4(centre + R * (cos(toolface) * high + sin(toolface) * right), 1.0);
+  vec4 seenAt = modelViewMatrix * vec4(centre + R * (cos(toolface) * high + sin(toolface) * right), 1.0);
   grid = vec2(float(col), float(row));
-  seen = at.xyz;
-  gl_Position = projectionMatrix * at;
+  seen = seenAt.xyz;
+  gl_Position = projectionMatrix * seenAt;
 }
 `;
 
@@ -140,7 +144,7 @@ out vec4 colour;
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
   int k = quad();
-  if (k + K + 1 >= size || missing(k)) discard;
+  if (missing(k)) discard;
   vec3 normal = normalize(cross(dFdx(seen), dFdy(seen)));
   float facing = abs(dot(normal, normalize(seen)));
   float light = 0.38 + 0.50 * facing + 0.18 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
@@ -180,18 +184,15 @@ void main() {
 export const PICK_FRAGMENT = /* glsl */ `${COMMON}${QUAD}
 uniform int number;
 out vec4 colour;
-bool missing(int k) {
-  return texel(k).x == 0u || texel(k + 1).x == 0u || texel(k + K).x == 0u || texel(k + K + 1).x == 0u;
-}
 void main() {
   if (depthHere < top || depthHere > bottom) discard;
   int k = quad();
-  if (k + K + 1 >= size || missing(k)) discard;
+  if (missing(k)) discard;
   colour = vec4(float(k & 255), float((k >> 8) & 255), float((k >> 16) & 255), float(number)) / 255.0;
 }
 `;
 
-// The image: a strip of screen between two depths. Each pixel finds its own quad; nothing is interpolated.
+// The image: a strip of the screen between two depths. Each pixel finds its own quad; nothing is interpolated.
 export const IMAGE_VERTEX = /* glsl */ `
 uniform vec2 screenEnds;      // lower and upper edge in clip space
 uniform vec2 depthEnds;       // the same edges, metres from the tile's start
@@ -214,12 +215,12 @@ void main() {
   float around = fract((at.x * 6.283185307179586 + zero + offset - startToolface) / 6.283185307179586);
   float across = around * float(K);
   int col = min(int(across), K - 1);
-  float turn = at.y / pitch - across / float(K);
+  float turn = at.y / pitch - slope() * across / float(K);
   int row = int(floor(turn));
   float slack = 1e-3 + perPixel / 32.0; // corners snap to parts of a pixel: one on the seam belongs to one tile at least
   if (row < 0 && turn > -slack) row = 0;
   if (row >= rows && turn < float(rows) + slack) row = rows - 1;
-  if (row < 0 || row >= rows || row * K + col + K + 1 >= size) discard; // a neighbouring tile's, or not yet drilled
+  if (row < 0 || row >= rows || row * K + col + (rings ? 0 : K + 1) >= size) discard; // a neighbouring tile's, or not drilled yet
   int many = clamp(int(perPixel + 0.5), 1, 16);
   float sum = 0.0;
   int count = 0;

@@ -1,10 +1,10 @@
 // The wall as the page holds it: two levels of tiles, each an image of `rows` turns by `sectors`, two rows more for
-// the halo (the first sectors + 1 vertices of the next tile, so that tiles join without cracks).
+// the halo (the first sectors + 1 vertices of the next tile, so tiles join without cracks).
 //
 //   Store.levels[0]  the wall, tiles near what is looked at, least recently used dropped first
-//   Store.levels[1]  the overview (8 sectors, 16 turns a row), always whole
+//   Store.levels[1]  the overview (rings of 8 sectors, 16 turns each), always whole
 //
-// A tile's typed arrays are the only copy on the CPU; the textures are made from them and remade after context loss.
+// A tile's typed arrays are the only copy on the CPU; the textures are made from them.
 
 import { Helix } from './helix.js';
 import { FIRST, NEAREST, RADIUS, STATE, TEXEL } from './protocol.js';
@@ -76,24 +76,16 @@ export class Level extends Helix {
 }
 
 export class Store {
-  constructor(hello) {
-    this.hello = hello;
-    this.session = hello.session;
-    this.attributes = hello.attributes;
-    this.radiusUnit = hello.radius_unit;
-    this.nearestUnit = hello.nearest_unit;
-    this.bitRadius = hello.bit_diameter / 2;
-    this.levels = hello.levels.map(
-      ({ sectors, rows, pitch }) =>
-        new Level({
-          sectors,
-          rows,
-          pitch,
-          startDepth: hello.start_depth,
-          startToolface: hello.start_toolface,
-        }),
-    );
-    this.levels[0].size = hello.vertices;
+  constructor(handshake) {
+    this.session = handshake.session;
+    this.basis = handshake.basis;
+    this.attributes = handshake.attributes;
+    this.radiusUnit = handshake.radius_unit;
+    this.nearestUnit = handshake.nearest_unit;
+    this.bitRadius = handshake.bit_diameter / 2;
+    const { start_depth: startDepth, start_toolface: startToolface } = handshake;
+    this.levels = handshake.levels.map((shape) => new Level({ ...shape, startDepth, startToolface }));
+    this.levels[0].size = handshake.vertices;
     this.clock = 0;
   }
 
@@ -111,7 +103,7 @@ export class Store {
   limit(vertices) {
     const [wall, over] = this.levels;
     wall.limit = vertices;
-    over.limit = Math.floor((vertices * wall.pitch * over.sectors) / (wall.sectors * over.pitch));
+    over.limit = Math.ceil((vertices * wall.pitch) / (wall.sectors * over.pitch)) * over.sectors;
   }
 
   apply(write) {
@@ -151,9 +143,8 @@ export class Store {
     const { tile, at } = level.locate(k);
     if (!tile || k < 0) return null;
     const K = level.sectors;
-    const texels = tile.texels;
-    for (const corner of [at, at + 1, at + K, at + K + 1]) if (texels[TEXEL * corner + RADIUS] === 0) return null;
-    return this.vertex(k, level);
+    const corners = level.rings ? [at] : [at, at + 1, at + K, at + K + 1];
+    return corners.every((corner) => tile.texels[TEXEL * corner + RADIUS]) ? this.vertex(k, level) : null;
   }
 
   vertex(k, level = this.levels[0]) {

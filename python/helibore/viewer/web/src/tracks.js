@@ -1,21 +1,23 @@
 // The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track, labels
 // in the 3-D view. (caliper.js and map.js draw their own tracks.) Everything here is drawn anew for each frame.
 
-import { MAPS } from './colour.js';
+import { MAPS, themed } from './colour.js';
 import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { hatched, line } from './strokes.js';
 import { scaleOf, showDepth, unitOf } from './units.js';
 import { CAMERAS, ticks } from './view.js';
+import { drawZones } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
 
-export function drawAxis(ink, { view, rects }) {
+export function drawAxis(ink, { view, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   const right = tracksEnd(rects);
   const { values, step } = ticks(view.top, view.bottom, rect.height, APART);
+  drawZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
   ink.lineWidth = 1;
   for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
@@ -34,7 +36,7 @@ export function drawAxisLabels(ink, { view, path, rects }) {
   const rect = rects.axis;
   const end = rect.left + rect.width - 12;
   label(ink, 'MD m', end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
-  label(ink, path.surveyed ? 'TVD m' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
+  label(ink, path.trueDepth ? 'TVD m' : path.surveyed ? 'no TVD' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
   const { values, digits } = ticks(view.top, view.bottom, rect.height, APART);
   for (const depth of values) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
@@ -57,7 +59,7 @@ export function drawImageHead(ink, look) {
   const mode = quantity.dynamic ? 'dynamic, 1 m' : 'static';
   label(ink, mode, left + width - 2, 11, { colour: quantity.dynamic ? palette.cursor : palette.soft, align: 'right', font: SMALL });
   const bar = ink.createLinearGradient(left, 0, left + width, 0);
-  const { anchors } = MAPS[quantity.map];
+  const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
   anchors.forEach((c, i) => bar.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
   ink.fillStyle = bar;
   ink.fillRect(left, 20, width, 8);
@@ -119,7 +121,7 @@ export function drawCursor(ink, look) {
   line(ink, x, y - 7, x, y + 7, palette.cursor);
 }
 
-// In the 3-D view: where nothing is measured the hole's axis, dashed; depths beside the hole, compass, the exaggerations in words.
+// In the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
 export function drawWallInk(ink, look, gpu, calipers) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
@@ -145,6 +147,7 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   const rect = rects.wall;
   const tube = view.tubeFactor(store);
   unmeasured(ink, look, gpu, calipers, palette);
+  zonesBeside(ink, look, gpu, palette);
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
   const beside = store.bitRadius * tube * 1.3;
   const used = [];
@@ -164,7 +167,24 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   cursorLabel(ink, look, gpu, beside, palette);
 }
 
-// The axis through every gap of the wall in view, and from its end to the bit.
+// A stroke beside the hole along every zone in view.
+function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
+  const beside = -1.25 * store.bitRadius * view.tubeFactor(store);
+  for (const { kind, start, stop } of zones) {
+    const depths = [Math.max(start, view.top), Math.min(stop, view.bottom)];
+    if (depths[1] <= depths[0]) continue;
+    const ends = depths.map((depth) => path.at(depth)).map((frame) => frame && gpu.project(frame, rects.wall, gpu.aside(frame, beside)));
+    if (!ends[0] || !ends[1]) continue;
+    ink.strokeStyle = palette.zones[kind];
+    ink.lineWidth = 5;
+    ink.beginPath();
+    ink.moveTo(...ends[0]);
+    ink.lineTo(...ends[1]);
+    ink.stroke();
+  }
+}
+
+// The axis of the hole, dashed, through every gap of the wall in view and from its end to the bit.
 function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, seen }, palette) {
   const depthOf = (y) => view.top + (y / min.length) * view.length;
   const ahead = bitDepth === null ? [] : [store.end, bitDepth].sort((a, b) => a - b);

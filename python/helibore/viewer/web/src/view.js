@@ -1,6 +1,5 @@
-// What the user looks at: the section, the cursor, the colours, the exaggerations. One section and one cursor are shared by
-// every panel. Changing any of it redraws and sends nothing; only the tiles a new section needs are asked for.
-// The address after # holds it, so that a link shows a colleague the same picture.
+// What the user looks at: the section, the cursor, the colours, the exaggerations. Every panel shows the same section and
+// cursor. A change redraws; only the tiles of a new section are requested. The address after # holds all of it.
 
 import { CUTS } from './path.js';
 import { niceStep, tubeFor } from './lod.js';
@@ -98,12 +97,12 @@ export class View {
 
   // Take what is valid of an address; anything else is left as it was. True when it names a depth.
   fromAddress(hash) {
-    const said = new URLSearchParams(hash.replace(/^#/, ''));
+    const parts = new URLSearchParams(hash.replace(/^#/, ''));
     const number = (key, low, high) => {
-      const value = said.has(key) ? Number(said.get(key)) : NaN;
+      const value = parts.has(key) ? Number(parts.get(key)) : NaN;
       return value >= low && value <= high ? value : null;
     };
-    const among = (key, values) => (values.includes(said.get(key)) ? said.get(key) : null);
+    const among = (key, values) => (values.includes(parts.get(key)) ? parts.get(key) : null);
     const taken = {
       length: number('sec', SHORTEST, 1e5),
       tube: number('tube', 0, 1000),
@@ -114,12 +113,12 @@ export class View {
       pass: among('pass', ['latest', 'first', 'change']),
       theme: among('theme', ['light', 'dark']),
       camera: among('camera', Object.keys(CAMERAS)),
-      quantity: said.get('quantity')?.slice(0, 80) ?? null,
+      quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
     for (const [key, value] of Object.entries(taken)) if (value !== null) this[key] = value;
     const depth = number('md', -1e5, 1e6);
     if (depth === null) return false;
-    this.follow = said.get('follow') === '1';
+    this.follow = parts.get('follow') === '1';
     this.top = depth - this.length / 2;
     return true;
   }

@@ -27,8 +27,8 @@ class Socket {
 function connected() {
   Socket.made = [];
   globalThis.WebSocket = Socket;
-  const heard = { hello: [], write: [], status: [] };
-  const on = { hello: (m) => heard.hello.push(m), state() {}, frames() {}, write: (m) => heard.write.push(m), status: (...s) => heard.status.push(s) };
+  const heard = { handshake: [], write: [], status: [] };
+  const on = { handshake: (m) => heard.handshake.push(m), state() {}, frames() {}, write: (m) => heard.write.push(m), status: (...s) => heard.status.push(s) };
   const connection = new Connection('ws://rig/ws', on);
   return { connection, heard, socket: Socket.made[0] };
 }
@@ -44,7 +44,7 @@ function written(count, sequence, cut = 0) {
 
 test('a write is applied and acknowledged', () => {
   const { heard, socket } = connected();
-  socket.say({ type: 'hello', session: 's' });
+  socket.say({ type: 'handshake', session: 's' });
   socket.say(written(3, 7));
   assert.equal(heard.write[0].count, 3);
   assert.deepEqual(socket.sent, [{ session: 's', ack: 7 }]);
@@ -55,7 +55,7 @@ test('a message that is not what its head says is told, and the page connects ag
   mock.timers.enable({ apis: ['setTimeout'] });
   try {
     const { heard, socket } = connected();
-    socket.say({ type: 'hello', session: 's' });
+    socket.say({ type: 'handshake', session: 's' });
     socket.say(written(3, 1, 2));
     socket.say(written(3, 2));
     assert.deepEqual(heard.status.at(-1), [
@@ -66,13 +66,13 @@ test('a message that is not what its head says is told, and the page connects ag
     mock.timers.tick(499);
     assert.equal(Socket.made.length, 1);
     mock.timers.tick(1);
-    Socket.made[1].say({ type: 'hello', session: 's' });
+    Socket.made[1].say({ type: 'handshake', session: 's' });
     Socket.made[1].say(written(3, 1, 2));
     mock.timers.tick(999);
     assert.equal(Socket.made.length, 2, 'a greeting alone does not make it hasty again');
     mock.timers.tick(1);
     assert.equal(Socket.made.length, 3);
-    Socket.made[2].say({ type: 'hello', session: 's' });
+    Socket.made[2].say({ type: 'handshake', session: 's' });
     Socket.made[2].say(written(3, 1));
     assert.deepEqual(heard.status.at(-1), ['live', '']);
     assert.equal(heard.write.length, 1);

@@ -17,7 +17,7 @@ test('a limited wall ends where it did, and its later vertices are not there', (
   for (const pitch of [0.5, -0.5]) {
     const store = new Store({
       session: 's', start_depth: 100, start_toolface: 0, vertices: 96, bit_diameter: 0.2, radius_unit: 1e-5, nearest_unit: 1e-4,
-      levels: [{ sectors: 8, rows: 4, pitch }, { sectors: 8, rows: 1024, pitch: 16 * pitch }], attributes: [],
+      levels: [{ sectors: 8, rows: 4, pitch }, { sectors: 8, rows: 1024, pitch: 16 * pitch, rings: true }], attributes: [],
     });
     for (const tile of [0, 1, 2]) {
       const texels = new Uint16Array(4 * 32).fill(10000);

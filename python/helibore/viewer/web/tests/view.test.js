@@ -44,16 +44,18 @@ test('frames between stations are on the path', () => {
   assert.ok(Math.abs(frame.tangent[1] - 0.5) < 1e-6);
 });
 
-test('true depth is said where the hole is known to run, and nowhere else', () => {
+test('true depth is known where the server says so, and nowhere else', () => {
   const path = straight(60, 90, 11);
-  assert.ok(Math.abs(path.tvd(1020) - 10) < 1e-4, 'the last frame');
-  assert.equal(path.tvd(1000), 0);
+  assert.ok(Number.isNaN(path.tvd(1010)), 'a survey that begins in the hole gives none');
+  path.trueDepth = [1000, 1020, -700];
+  assert.ok(Math.abs(path.tvd(1020) - 710) < 1e-4, 'the last frame');
+  assert.equal(path.tvd(1000), 700);
   for (const depth of [999.9, 1020.1]) assert.ok(Number.isNaN(path.tvd(depth)), `${depth}`);
 });
 
 test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
   const words = (bitDepth, pitch, more = {}) => lampWords({
-    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, feed: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null,
+    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null,
     store: { end: 1050, levels: [{ size: 12345, pitch }] }, ...more,
   });
   assert.deepEqual(words(1052.5, 0.1), ['live', 'newest sample 5 s ago · 2.5 m behind bit · 12\u2009345 vertices']);

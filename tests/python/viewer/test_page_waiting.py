@@ -15,10 +15,10 @@ import helibore as hb
 
 pytestmark = NEEDS_BROWSER
 
-from test_viewer_recovery import ADDRESS, SIZE, free_port, shows_what_a_new_page_shows  # noqa: E402
+from test_page_recovery import ADDRESS, SIZE, free_port, shows_what_a_new_page_shows  # noqa: E402
 
 from helibore.viewer.feed import Feed  # noqa: E402
-from helibore.viewer.run import Server  # noqa: E402
+from helibore.viewer.page_server import PageServer  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
 
 WORDS = "document.getElementById('connection').textContent"
@@ -38,14 +38,16 @@ def labels(screen: Screen) -> set[str]:
 
 def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(browser: Any) -> None:
     scene = Scene()
-    server = Server(scene, host="127.0.0.1", port=0, token=None)
-    scene.state(feed="mwd: listening. 0 samples received.")
+    server = PageServer(scene, host="127.0.0.1", port=0, token=None)
+    scene.update_state(sources="mwd: listening. 0 samples received.")
     screen = Waiting(browser, server.url, f"{ADDRESS}&theme=dark", SIZE)
     screen.until(f"{WORDS} === 'Waiting for the first samples. mwd: listening. 0 samples received.'")
     assert screen.is_visible("#connection")
     assert screen.inner_text("#lampText") == "waiting for the first samples"
     assert screen.evaluate("document.documentElement.className") == "dark"
-    scene.state(feed="mwd: connected to 127.0.0.1. 12 samples received, 12 wait for their depth.", bit_depth=1031.0)
+    scene.update_state(
+        sources="mwd: connected to 127.0.0.1. 12 samples received, 12 wait for their depth.", bit_depth=1031.0
+    )
     screen.until(f"{WORDS}.endsWith('12 samples received, 12 wait for their depth.')")
     for key in "f[hidrc1 p":
         screen.keyboard.press(key)
@@ -74,7 +76,9 @@ def test_the_first_survey_places_a_page_that_was_open_before_it(browser: Any) ->
             viewer.set_path(path)
             screen.until(f"window.__wall.app.path.surveyed === {'true' if path else 'false'}")
             screen.settle()
-            assert ("TVD m" in labels(screen)) == ("U" in labels(screen)) == bool(path)
+            assert ("no TVD" in labels(screen)) == ("U" in labels(screen)) == bool(path), (
+                "the surveys begin in the hole"
+            )
             assert ("no survey" in labels(screen)) != bool(path)
             cuts = screen.evaluate(
                 "[...document.getElementById('cut').options].filter((o) => !o.hidden).map((o) => o.text)"

@@ -38,8 +38,7 @@ def test_hover_says_what_the_wall_says(shown: Any) -> None:
         shown.mouse.move(
             stage["left"] + rect["left"] + x * rect["width"], stage["top"] + rect["top"] + y * rect["height"]
         )
-        shown.until("window.__wall.app.quad !== undefined && window.__wall.app.view.cursor")
-        time.sleep(0.5)
+        shown.settle()
         cursor = shown.evaluate("window.__wall.app.view.cursor")
         k = shown.evaluate("window.__wall.app.quad?.k ?? -1")
         text = shown.readout()
@@ -129,7 +128,6 @@ def test_the_picture_comes_back_after_context_loss(shown: Any) -> None:
     shown.until("window.__wall.app.gpu.renderer.getContext().isContextLost()")
     shown.evaluate("window.lose.restoreContext()")
     shown.until("!window.__wall.app.gpu.renderer.getContext().isContextLost()")
-    time.sleep(0.5)
     shown.settle()
     np.testing.assert_array_equal(shown.pixels("image"), before[0])
     np.testing.assert_array_equal(shown.pixels("wall"), before[1])
@@ -174,7 +172,7 @@ def test_a_message_that_cannot_be_read_is_said_and_the_page_comes_right(browser:
 def test_everything_fits_on_the_screen(browser: Any, size: tuple[int, int]) -> None:
     wall = MadeWall(30_000)
     with hb.view(wall, attributes=gamma_and_resistivity(wall)) as viewer:
-        screen = Screen(browser, viewer.url, "", size)
+        screen = Screen(browser, viewer.url, "", size, drawn=False)
         screen.settle()
         overflow = screen.evaluate(
             "[...document.querySelectorAll('#bar, main, aside')]"

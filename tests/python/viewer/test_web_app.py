@@ -1,4 +1,4 @@
-"""The viewer's server and feed: greeting, values over the websocket, the guard, bad input, and a real port."""
+"""The viewer's server and feed: handshake, values over the websocket, the guard, bad input, and a real port."""
 
 from __future__ import annotations
 
@@ -19,14 +19,16 @@ pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "
 pytest.importorskip("httpx2", reason="starlette's test client needs httpx2")
 
 from made_wall import MadeWall, curved_path, gamma  # noqa: E402
+from page_messages import Message, unpack  # noqa: E402
 from starlette.testclient import TestClient  # noqa: E402
 from starlette.websockets import WebSocketDisconnect  # noqa: E402
 
 import helibore as hb  # noqa: E402
-from helibore.viewer import Attribute, Scene, messages  # noqa: E402
+from helibore.viewer import Attribute, messages  # noqa: E402
+from helibore.viewer.access import NO_TOKEN  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
-from helibore.viewer.guard import NO_TOKEN  # noqa: E402
-from helibore.viewer.server import application  # noqa: E402
+from helibore.viewer.scene import Scene  # noqa: E402
+from helibore.viewer.web_app import application  # noqa: E402
 
 HOST = "127.0.0.1"
 
@@ -46,6 +48,14 @@ def client(feed: Any) -> Any:
         yield client
 
 
+def next_bytes(socket: Any) -> bytes:
+    """The next binary message; the state, which may come between two, is left out."""
+    while (message := socket.receive()).get("bytes") is None:
+        socket._raise_on_close(message)
+    found: bytes = message["bytes"]
+    return found
+
+
 class Talk:
     """A page's half of the conversation: acknowledges every binary message."""
 
@@ -57,16 +67,16 @@ class Talk:
     def say(self, **words: Any) -> None:
         self.socket.send_text(json.dumps({"session": self.hello["session"], **words}))
 
-    def message(self) -> messages.Write:
-        message = messages.unpack(self.socket.receive_bytes())
+    def message(self) -> Message:
+        message = unpack(next_bytes(self.socket))
         self.say(ack=message.sequence)
         return message
 
     def listen(self) -> None:
         while True:
-            self.socket.receive_bytes()
+            next_bytes(self.socket)
 
-    def until(self, wanted: Any, most: int = 50) -> messages.Write:
+    def until(self, wanted: Any, most: int = 50) -> Message:
         for _ in range(most):
             if wanted(message := self.message()):
                 return message
@@ -77,8 +87,8 @@ def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: A
     with client.websocket_connect(f"ws://{HOST}/ws") as socket:
         talk = Talk(socket)
         assert talk.hello["well"] == "A-1"
-        assert talk.hello["levels"][0] == {"sectors": 64, "rows": 256, "pitch": 0.1}
-        assert talk.hello["levels"][1] == {"sectors": 8, "rows": 1024, "pitch": 1.6}
+        assert talk.hello["levels"][0] == {"sectors": 64, "rows": 256, "pitch": 0.1, "rings": False}
+        assert talk.hello["levels"][1] == {"sectors": 8, "rows": 1024, "pitch": 1.6, "rings": True}
         assert talk.hello["attributes"][0]["name"] == "GR"
         talk.say(subscribe={"tiles": [[1, 2]], "focus": 1, "mask": 1})
         write = talk.until(lambda m: m.kind == messages.WRITE and m.level == 0)
@@ -98,25 +108,25 @@ def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: A
 
 def test_a_page_before_the_wall_is_told_what_the_sources_do_and_greeted_when_it_begins() -> None:
     scene = Scene()
-    scene.state(feed="mwd: listening", bit_depth=990.0)
+    scene.update_state(sources="mwd: listening", bit_depth=990.0)
     with TestClient(application(scene), base_url=f"http://{HOST}") as client:
-        for asked in ("vertex/0", "section.csv?start=1&stop=2", "history", "snapshot.html?start=1&stop=2"):
+        for asked in ("vertex/0", "section.csv?start=1&stop=2", "history", "export.html?start=1&stop=2"):
             answer = client.get(f"/api/{asked}")
             assert (answer.status_code, answer.text) == (503, "no sample has come yet: there is no wall to show\n")
         assert client.get("/healthz").json()["vertices"] == 0
         with client.websocket_connect(f"ws://{HOST}/ws") as socket:
             state = json.loads(socket.receive_text())
-            assert (state["begun"], state["feed"], state["bit_depth"]) == (False, "mwd: listening", 990.0)
+            assert (state["begun"], state["sources"], state["bit_depth"]) == (False, "mwd: listening", 990.0)
             feed = Feed(MadeWall(500), path=None, attributes={}, well="A-2", scene=scene)
             hello = json.loads(socket.receive_text())
-            assert (hello["type"], hello["well"]) == ("hello", "A-2")
+            assert (hello["type"], hello["well"]) == ("handshake", "A-2")
             assert json.loads(socket.receive_text())["begun"]
-            frames = messages.unpack(socket.receive_bytes())
+            frames = unpack(next_bytes(socket))
             assert (frames.kind, frames.mask) == (messages.FRAMES, 0)
             socket.send_text(json.dumps({"session": hello["session"], "ack": frames.sequence}))
             feed.start()
             feed.set_path(curved_path())
-            frames = messages.unpack(socket.receive_bytes())
+            frames = unpack(next_bytes(socket))
             assert (frames.kind, frames.mask) == (messages.FRAMES, messages.SURVEYED)
             feed.close()
 
@@ -124,10 +134,10 @@ def test_a_page_before_the_wall_is_told_what_the_sources_do_and_greeted_when_it_
 def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
     with client.websocket_connect(f"ws://{HOST}/ws") as socket:
         talk = Talk(socket)
-        feed.scene.begin(feed.scene.helix)
+        feed.scene.begin(feed.scene.shape)
         while True:
             frame = socket.receive()
-            if frame.get("text") and json.loads(frame["text"])["type"] == "hello":
+            if frame.get("text") and json.loads(frame["text"])["type"] == "handshake":
                 break
         assert json.loads(frame["text"])["session"] != talk.hello["session"]
 
@@ -137,9 +147,9 @@ def test_a_new_wall_greets_again(client: TestClient, feed: Any) -> None:
     [
         ("{", "not JSON"),
         ("[" * 5000, "not JSON"),
-        ("7", "must be an object, after the greeting"),
+        ("7", "must be an object, after the handshake"),
         ('{"session": "%s"}', "neither ack nor subscribe"),
-        ('{"session": "%s", "ack": 99}', "ack 99: no such message is on its way"),
+        ('{"session": "%s", "ack": 99}', "ack 99: no such message is waiting for one"),
         ('{"session": "%s", "subscribe": {"tiles": 3}}', "subscribe.tiles: must be a list of at most 64 ranges"),
         ("x" * 9000, "a page sends text of at most 8192 bytes"),
     ],
@@ -167,7 +177,7 @@ def test_a_foreign_host_or_origin_is_turned_away(client: TestClient) -> None:
         pass
     assert closed.value.code == 4403
     with client.websocket_connect(f"ws://{HOST}/ws", headers={"origin": f"http://{HOST}"}) as socket:
-        assert Talk(socket).hello["type"] == "hello"
+        assert Talk(socket).hello["type"] == "handshake"
 
 
 def test_a_token_is_asked_for_where_one_is_set(feed: Any) -> None:
@@ -183,7 +193,7 @@ def test_a_token_is_asked_for_where_one_is_set(feed: Any) -> None:
                 socket.receive_text()
             assert (closed.value.code, closed.value.reason) == (4403, NO_TOKEN)
         with client.websocket_connect("ws://rig/ws?token=s3cret") as socket:
-            assert Talk(socket).hello["type"] == "hello"
+            assert Talk(socket).hello["type"] == "handshake"
 
 
 def test_headers_keep_the_page_to_itself(client: TestClient) -> None:
@@ -251,10 +261,10 @@ def until(condition: Any) -> None:
         time.sleep(0.01)
 
 
-def follows(scene: hb.viewer.Scene, wall: hb.Wall) -> bool:
+def follows(scene: Scene, wall: hb.Wall) -> bool:
     """Whether the scene shows the wall to its last radius."""
     texels = scene.levels[0].texels[: scene.levels[0].size]
-    shown = messages.radius_of(texels, scene.helix.radius_unit)
+    shown = messages.radius_of(texels, scene.shape.radius_unit)
     return len(shown) == len(wall) and np.allclose(shown, wall.radius, rtol=0, atol=5.1e-6, equal_nan=True)
 
 
@@ -374,12 +384,12 @@ def test_a_snapshot_holds_every_dip_and_note_that_a_page_keeps(monkeypatch: pyte
         '<a href="licences.txt" target="_blank" rel="noopener"><form method="dialog"><button>Close</button></form>'
         '<script type="module" src="app.js"></script>',
     }
-    monkeypatch.setattr("helibore.viewer.server.page", lambda name: page.get(name, "").encode())
+    monkeypatch.setattr("helibore.viewer.web_app.page", lambda name: page.get(name, "").encode())
     dips = "!".join("~".join(["12345.678_123.4_1234.5_bit"] * 12) for _ in range(200))
     notes = "~".join(f"12345.678_{quote('字' * 80)}" for _ in range(50))
     address = f"#{urlencode({'md': '12345.678', 'dips': dips, 'notes': notes})}"
     with hb.view(MadeWall(4000)) as viewer:
-        asked = f"{viewer.url}api/snapshot.html?start=1000&stop=1003&address="
+        asked = f"{viewer.url}api/export.html?start=1000&stop=1003&address="
         with urllib.request.urlopen(asked + quote(address, safe="")) as answer:
             assert enclosed_address(answer.read().decode()) == address
         with pytest.raises(urllib.error.HTTPError) as refused:

@@ -12,12 +12,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner
+from click.testing import CliRunner, Result
 
 pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
 
 from helibore.cli import cli
-from helibore.viewer.server import page
+from helibore.viewer.web_app import page
 
 BIT = ("--bit-diameter", "8.5in")
 HELIBORE = [sys.executable, "-c", "from helibore.cli import main; main()"]
@@ -33,9 +33,9 @@ def caliper(tmp_path: Path) -> Path:
     return path
 
 
-def run(*arguments: str, folder: Path | None = None) -> subprocess.CompletedProcess[str]:
-    command = [*HELIBORE, "view", *arguments]
-    return subprocess.run(command, capture_output=True, text=True, timeout=60, check=False, cwd=folder)
+def run(*arguments: str) -> Result:
+    """Run the command in this process: it must fail before it serves."""
+    return CliRunner().invoke(cli, ["view", *arguments])
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
@@ -57,7 +57,10 @@ def test_it_serves_until_interrupted(caliper: Path) -> None:
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
-def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path: Path) -> None:
+def test_what_it_cannot_do_is_one_line_and_exit_code_two(
+    caliper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
     for name, held in {
         "picture.png": b"\x89PNG\r\n\x1a\n" + bytes(100),
         "empty.csv": b"",
@@ -100,8 +103,8 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(caliper: Path, tmp_path
             "host 0.0.0.0: is open to other machines, so it needs a token",
         ),
     ):
-        done = run(*arguments, "--no-browser", folder=tmp_path)
-        assert (done.returncode, done.stderr) == (2, f"helibore: {text}\n")
+        done = run(*arguments, "--no-browser")
+        assert (done.exit_code, done.stderr) == (2, f"helibore: {text}\n")
 
 
 def test_the_head_says_where_the_first_station_lies(
@@ -145,12 +148,12 @@ def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
             shown.send_signal(signal.SIGINT)
         assert shown.wait(20) == 0
     done = run(str(file), "--sectors", "32")
-    assert done.returncode == 2
+    assert done.exit_code == 2
     assert "--sectors: a saved wall has its own settings" in done.stderr
     torn = tmp_path / "torn.wall"
     torn.write_bytes(file.read_bytes()[:2000])
     done = run(str(torn))
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1), done.stderr
     assert "torn.wall" in done.stderr
 
 
@@ -177,7 +180,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
             with pytest.raises(urllib.error.HTTPError, match="403"):
                 urllib.request.urlopen(f"{url}api/vertex/500?token=a")
             taken = run(str(settings), "--no-browser", "--port", url.strip("/").rsplit(":", 1)[1])
-            assert (taken.returncode, taken.stderr.count("\n")) == (2, 1), taken.stderr
+            assert (taken.exit_code, taken.stderr.count("\n")) == (2, 1), taken.stderr
             port = url.strip("/").rsplit(":", 1)[1]
             assert f"127.0.0.1 port {port}: Address already in use; give another port, or 0\n" in taken.stderr
         finally:
@@ -188,24 +191,24 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
         ((str(mesh),), "hole.glb: a mesh has no samples to go with it; view the settings beside it: helibore view"),
     ):
         done = run(*arguments)
-        assert done.returncode == 2
+        assert done.exit_code == 2
         assert text in done.stderr
     later.write_text(later.read_text() + "501.0,10.0,0.11\n")
     done = run(str(settings))
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1), done.stderr
     assert "later.csv: has changed since the run" in done.stderr
     settings.write_text('title = "my notes"\n')
     done = run(str(settings))
-    assert (done.returncode, done.stderr.count("\n")) == (2, 1), done.stderr
+    assert (done.exit_code, done.stderr.count("\n")) == (2, 1), done.stderr
     assert "hole.glb.toml: title: must be one of helibore" in done.stderr
 
 
 def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     from helibore.cli import view as command
-    from helibore.viewer import server
+    from helibore.viewer import web_app
 
-    monkeypatch.setattr(server, "page", lambda _: None)
-    monkeypatch.setattr(server.resources, "files", lambda _: tmp_path)
+    monkeypatch.setattr(web_app, "page", lambda _: None)
+    monkeypatch.setattr(web_app.resources, "files", lambda _: tmp_path)
     with pytest.raises(
         ValueError, match=r"^This helibore was built without its page: its files are missing\. .* npm, "
     ):

@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 from locations import WEB
 
-from helibore.viewer.server import page
+from helibore.viewer.web_app import page
 
 PROJECT = (
     f'cmake_minimum_required(VERSION 3.25)\nproject(page LANGUAGES NONE)\nadd_subdirectory("{WEB.as_posix()}" web)\n'

@@ -16,11 +16,12 @@ import pytest
 pytest.importorskip("starlette", reason='the viewer needs the extra: pip install "helibore[view]"')
 
 from made_wall import MadeWall, curved_path, gamma
+from page_messages import unpack
 from starlette.requests import ClientDisconnect
 
-from helibore.viewer import exports, messages, snapshot
+from helibore.viewer import exports, html_export, messages
+from helibore.viewer.downloads import Downloads
 from helibore.viewer.feed import Feed
-from helibore.viewer.long_answers import LongAnswers
 from helibore.viewer.scene import Scene
 
 FILES = {
@@ -50,12 +51,12 @@ def grow_and_patch(scene: Scene) -> None:
     other = np.full(scene.levels[0].size + 20_000, 0.2)
     scene.write(0, messages.Vertices(other), {"GR": np.zeros(len(other))})
     assert not np.shares_memory(texels, scene.levels[0].texels)
-    scene.begin(scene.helix)
+    scene.begin(scene.shape)
 
 
 def test_a_table_is_of_the_moment_it_was_asked_for(scene: Scene) -> None:
-    whole = "".join(exports.section(scene, 1005.0, 1030.0))
-    pieces = exports.section(scene, 1005.0, 1030.0)
+    whole = "".join(exports.section_csv(scene, 1005.0, 1030.0))
+    pieces = exports.section_csv(scene, 1005.0, 1030.0)
     first = next(pieces)
     grow_and_patch(scene)
     assert first + "".join(pieces) == whole
@@ -66,27 +67,27 @@ def test_a_table_is_of_the_moment_it_was_asked_for(scene: Scene) -> None:
 def test_a_table_beside_a_wall_that_grew_has_no_rows(scene: Scene, ends: tuple[float, float]) -> None:
     scene.write(40_000, messages.Vertices(np.full(100, 0.11)), {})
     assert len(scene.levels[0].texels) > scene.levels[0].size, "room for more: not all that is held is wall"
-    assert "".join(exports.section(scene, *ends)).count("\n") == 1
+    assert "".join(exports.section_csv(scene, *ends)).count("\n") == 1
 
 
 @pytest.mark.parametrize(("start", "stop"), [(-9, -5), (-5, 3), (7, 2), (39_999, 50_000), (41_000, 45_000)])
-def test_a_still_holds_what_the_wall_has_of_a_section(scene: Scene, start: int, stop: int) -> None:
+def test_a_frozen_copy_holds_what_the_wall_has_of_a_section(scene: Scene, start: int, stop: int) -> None:
     level = scene.levels[0]
     level.reserve(40_001)
-    kept = level.still(start, stop)
+    kept = level.frozen_copy(start, stop)
     inside = list(range(max(0, start), min(stop, 40_001)))
     assert (kept.size, len(kept.texels)) == (40_001, 40_001)
     np.testing.assert_array_equal(kept.texels[inside], level.texels[inside])
     assert not np.delete(kept.texels, inside, axis=0).any()
 
 
-def test_a_snapshot_is_of_the_moment_it_was_asked_for(scene: Scene, wall: MadeWall) -> None:
-    pieces = snapshot.snapshot(scene, FILES, 1026.0, 1030.0)
+def test_an_export_is_of_the_moment_it_was_asked_for(scene: Scene, wall: MadeWall) -> None:
+    pieces = html_export.html_export(scene, FILES, 1026.0, 1030.0)
     grow_and_patch(scene)
     text = "".join(pieces)
     enclosed = json.loads(re.search(r'id="enclosed">(.*?)</script>', text)[1])  # type: ignore[index]
     assert enclosed["hello"]["vertices"] == 40_000
-    found = [messages.unpack(base64.b64decode(one)) for one in enclosed["messages"]]
+    found = [unpack(base64.b64decode(one)) for one in enclosed["messages"]]
     assert {(one.kind, one.level, one.tile) for one in found} >= {(1, 0, 1), (1, 1, 0), (3, 255, 0)}
     tile = next(one for one in found if (one.level, one.tile) == (0, 1))
     part = slice(16384, 16384 + 16384 + 65)
@@ -94,8 +95,8 @@ def test_a_snapshot_is_of_the_moment_it_was_asked_for(scene: Scene, wall: MadeWa
     np.testing.assert_array_equal(tile.columns[0], gamma(wall.depth, wall.toolface)[part].astype(np.float32))
 
 
-def test_the_scene_is_free_while_a_snapshot_is_written(scene: Scene) -> None:
-    pieces = snapshot.snapshot(scene, FILES, 1000.0, 1060.0)
+def test_the_scene_is_unlocked_while_an_export_is_written(scene: Scene) -> None:
+    pieces = html_export.html_export(scene, FILES, 1000.0, 1060.0)
     next(pieces)
     free = []
 
@@ -138,18 +139,18 @@ SCOPE = {"type": "http", "asgi": {"spec_version": "2.4"}}
 
 def test_a_few_at_a_time_and_the_next_is_told_to_wait() -> None:
     async def run() -> None:
-        answers = LongAnswers(most=2, stalled=0.2)
-        slow = [await answers.give(written, "text/csv", "a.csv", at_once=way) for way in (False, True)]
-        refused = await answers.give(written, "text/csv", "a.csv")
+        downloads = Downloads(most=2, stalled=0.2)
+        slow = [await downloads.start(written, "text/csv", "a.csv", whole=way) for way in (False, True)]
+        refused = await downloads.start(written, "text/csv", "a.csv")
         assert (refused.status_code, refused.headers["retry-after"]) == (503, "5")
-        assert bytes(refused.body) == b"2 sections are being written already: try again when one of them is done\n"
+        assert bytes(refused.body) == b"the server already writes 2 sections: try again when one of them is done\n"
         reader, stalled = Reader(True), Reader(False)
         await slow[0](SCOPE, reader.receive, reader.send)
         assert reader.said == b"piece 0\npiece 1\npiece 2\n"
-        assert answers.taken == 1
+        assert downloads.running == 1
         with pytest.raises(ClientDisconnect):  # nobody read for 0.2 s
             await slow[1](SCOPE, stalled.receive, stalled.send)
-        assert answers.taken == 0
+        assert downloads.running == 0
 
     asyncio.run(run())
 
@@ -162,11 +163,11 @@ def test_what_cannot_be_written_takes_no_place() -> None:
         raise RuntimeError("a bug")
 
     async def run() -> None:
-        answers = LongAnswers(most=1)
-        refused = await answers.give(wrong, "text/csv", "a.csv")
+        downloads = Downloads(most=1)
+        refused = await downloads.start(wrong, "text/csv", "a.csv")
         assert (refused.status_code, bytes(refused.body)) == (400, b"start = 1: too shallow\n")
         with pytest.raises(RuntimeError):
-            await answers.give(broken, "text/csv", "a.csv")
-        assert answers.taken == 0
+            await downloads.start(broken, "text/csv", "a.csv")
+        assert downloads.running == 0
 
     asyncio.run(run())

@@ -1,5 +1,4 @@
-"""The server in a thread of its own: uvicorn on a socket that we bound ourselves, so that a taken port is an OSError
-here and not a line in a log there."""
+"""The server in its own thread: uvicorn on a socket that is bound here, so that a port in use raises an OSError."""
 
 from __future__ import annotations
 
@@ -11,21 +10,22 @@ import time
 from typing import Any
 from urllib.parse import quote
 
+from helibore.base.errors import InputError, MissingExtraError
 from helibore.viewer.scene import Scene
 
 START_SECONDS = 20.0
 
 
-class Server:
+class PageServer:
     """Serves a scene until closed."""
 
     def __init__(self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False) -> None:
         if not _is_loopback(host) and not token:
-            raise ValueError(f"host {host}: is open to other machines, so it needs a token")
+            raise InputError(f"host {host}", "is open to other machines, so it needs a token")
         uvicorn = import_server()
-        from helibore.viewer.guard import LOOPBACK
-        from helibore.viewer.server import MOST_TEXT, application
-        from helibore.viewer.snapshot import MOST_ADDRESS
+        from helibore.viewer.access import LOOPBACK
+        from helibore.viewer.html_export import MOST_ADDRESS
+        from helibore.viewer.web_app import MOST_TEXT, application
 
         self._socket = _bind(host, port)
         name = f"[{host}]" if ":" in host else host
@@ -36,16 +36,22 @@ class Server:
             ws="websockets-sansio",
             ws_max_size=2 * MOST_TEXT,
             ws_per_message_deflate=compress,
-            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # an address as a query: three characters become up to five
+            h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # in a query three characters become up to five
             log_level="critical",
             access_log=False,
             lifespan="on",
             timeout_graceful_shutdown=1,
         )
         self._server = uvicorn.Server(config)
-        self._thread = threading.Thread(target=self._run, name="helibore-view-server", daemon=True)
+        run = {"sockets": [self._socket]}
+        self._thread = threading.Thread(target=self._server.run, kwargs=run, name="helibore-view-server", daemon=True)
         self._thread.start()
-        self._wait_until_started()
+        until = time.monotonic() + START_SECONDS
+        while not self._server.started:
+            if not self._thread.is_alive() or time.monotonic() > until:
+                self.close()
+                raise RuntimeError("the viewer's server did not start: this is a bug in helibore")
+            time.sleep(0.005)
 
     def wait(self) -> None:
         """Block until Ctrl-C, then close."""
@@ -58,45 +64,31 @@ class Server:
             self.close()
 
     def close(self) -> None:
-        """Let the pages go and free the port. May be called twice."""
+        """Disconnect the pages and free the port. May be called twice."""
         self._server.should_exit = True
         self._thread.join(10)
         self._socket.close()
 
-    def _run(self) -> None:
-        self._server.run(sockets=[self._socket])
-
-    def _wait_until_started(self) -> None:
-        until = time.monotonic() + START_SECONDS
-        while not self._server.started:
-            if not self._thread.is_alive() or time.monotonic() > until:
-                self.close()
-                raise RuntimeError("the viewer's server did not start: this is a bug in helibore")
-            time.sleep(0.005)
-
 
 def import_server() -> Any:
-    """Return uvicorn; where a part of the extra is missing, raise with the extra's name."""
+    """Return uvicorn; raise `MissingExtraError` if a library of the extra is missing."""
     try:
         import starlette  # noqa: F401
         import uvicorn
         import websockets  # noqa: F401
     except ModuleNotFoundError as error:
-        raise ModuleNotFoundError(f'needs {error.name}: pip install "helibore[view]"', name=error.name) from error
+        raise MissingExtraError(error.name or "uvicorn", "view") from error
     return uvicorn
 
 
 def _is_loopback(host: str) -> bool:
-    if host == "localhost":
-        return True
     with contextlib.suppress(ValueError):
-        return ipaddress.ip_address(host).is_loopback
+        return host == "localhost" or ipaddress.ip_address(host).is_loopback
     return False
 
 
 def _bind(host: str, port: int) -> socket.socket:
-    family = socket.AF_INET6 if ":" in host else socket.AF_INET
-    bound = socket.socket(family, socket.SOCK_STREAM)
+    bound = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
     bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         bound.bind((host, port))

@@ -19,7 +19,7 @@ from plotted_wall import plotted_wall
 
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.log import log
-from helibore.plot.true_depth import TrueDepth, true_depth
+from helibore.trajectory.true_depth import TrueDepth, true_depth
 
 SLANTED = hb.Survey([0.0, 1000.0, 1000.001, 2100.0], [0.0, 0.0, 60.0, 60.0], [0.0, 0.0, 30.0, 30.0])
 """Straight down for 1000 m, then 60 degrees off it: every further metre is half a metre deeper."""

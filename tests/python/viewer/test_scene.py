@@ -1,4 +1,4 @@
-"""The viewer's scene and bytes: packing, halo, dirty intervals, the overview, and that a page always ends up equal."""
+"""The viewer's scene and bytes: packing, halo, pending ranges, the overview, and that a page always ends up equal."""
 
 from __future__ import annotations
 
@@ -6,17 +6,23 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from page_messages import Message, unpack
 
-from helibore.viewer import Attribute, Frames, Helix, Scene, Vertices, dirty, messages, overview
-from helibore.viewer.client import BadMessageError, Client, Subscription, read_subscription
+from helibore.viewer import Attribute, messages
+from helibore.viewer.client import MOST_PENDING, BadMessageError, Client, Subscription, read_subscription
+from helibore.viewer.levels import TURNS
+from helibore.viewer.messages import Vertices
+from helibore.viewer.scene import PathFrames, Scene, WallShape
 
 K = 8
-HELIX = Helix(sectors=K, pitch=0.1, start_depth=100.0, bit_diameter=0.2, attributes=(Attribute("GR"), Attribute("RES")))
+SHAPE = WallShape(
+    sectors=K, pitch=0.1, start_depth=100.0, bit_diameter=0.2, attributes=(Attribute("GR"), Attribute("RES"))
+)
 
 
-def begun(helix: Helix = HELIX) -> Scene:
+def begun(shape: WallShape = SHAPE) -> Scene:
     scene = Scene()
-    scene.begin(helix)
+    scene.begin(shape)
     return scene
 
 
@@ -25,20 +31,20 @@ class Page:
 
     def __init__(self, scene: Scene) -> None:
         self.scene, self.client = scene, Client(scene)
-        scene.marks.append(self.client.mark)
+        scene.listeners.append(self.client.mark)
         self.tiles: dict[tuple[int, int], tuple[np.ndarray, np.ndarray]] = {}
 
-    def drain(self) -> list[messages.Write]:
+    def drain(self) -> list[Message]:
         got = []
-        while (raw := self.client.take()) is not None:
-            message = messages.unpack(raw)
+        while (raw := self.client.next_message()) is not None:
+            message = unpack(raw)
             got.append(message)
             self.client.acknowledge(message.sequence)
             if message.kind == messages.WRITE:
                 self.apply(message)
         return got
 
-    def apply(self, message: messages.Write) -> None:
+    def apply(self, message: Message) -> None:
         level = self.scene.levels[message.level]
         size = level.tile_size + level.halo
         empty = np.zeros((size, messages.TEXEL), np.uint16), np.full((2, size), np.nan, np.float32)
@@ -73,16 +79,6 @@ def test_a_radius_survives_packing_to_ten_micrometres() -> None:
     assert np.isnan(back[2])
 
 
-def test_a_message_shorter_than_it_says_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"^message of 3 bytes: a head has 32$"):
-        messages.unpack(b"abc")
-    head = messages.head(messages.WRITE, 0, 1, 0, 0, 2, 2, 0.0)
-    with pytest.raises(ValueError, match=r"^message of 32 bytes: its head says 56$"):
-        messages.unpack(bytes(head))
-    with pytest.raises(ValueError, match=r"^message type 9: must be 1 or 3$"):
-        messages.unpack(bytes(messages.head(9, 0, 0, 0, 0, 0, 0, 0.0)))
-
-
 def test_every_array_of_a_message_is_aligned() -> None:
     for count in (1, 2, 3):
         assert messages.HEAD.size % 8 == 0
@@ -105,17 +101,17 @@ def test_a_write_across_a_seam_reaches_the_halo_of_the_tile_above() -> None:
 
 
 def test_new_quads_cost_sixteen_bytes_each_with_two_attributes() -> None:
-    helix = Helix(
+    shape = WallShape(
         sectors=64, pitch=0.1, start_depth=0, bit_diameter=0.2, attributes=(Attribute("GR"), Attribute("RES"))
     )
-    scene = begun(helix)
+    scene = begun(shape)
     scene.write(0, Vertices(np.full(100_000, 0.1)), {})
     page = Page(scene)
     page.client.subscribe(Subscription(((0, 10),), 6, 0b11))
     page.drain()
     scene.write(100_000, Vertices(np.full(1000, 0.1)), {})
     sent = []
-    while (raw := page.client.take()) is not None:
+    while (raw := page.client.next_message()) is not None:
         sent.append(len(raw))
     assert sum(sent) <= 17_500
 
@@ -155,22 +151,6 @@ def test_what_is_already_so_is_not_sent_again() -> None:
     assert new == [(2990, 20, 3010)], "a vertex without a radius is news where there was no vertex"
 
 
-@given(st.lists(st.tuples(st.integers(0, 300), st.integers(1, 40)), max_size=30))
-def test_dirty_intervals_cover_everything_in_bounded_memory(parts: list[tuple[int, int]]) -> None:
-    kept: list[tuple[int, int]] = []
-    for start, length in parts:
-        kept = dirty.add(kept, start, start + length)
-        assert len(kept) <= dirty.MOST
-        assert all(a < b for a, b in kept)
-        assert all(kept[i][1] < kept[i + 1][0] for i in range(len(kept) - 1))
-    covered = {k for a, b in kept for k in range(a, b)}
-    assert {k for start, length in parts for k in range(start, start + length)} <= covered
-
-
-def test_an_empty_interval_changes_nothing() -> None:
-    assert dirty.add([(1, 3)], 5, 5) == [(1, 3)]
-
-
 @settings(max_examples=25, deadline=None)
 @given(st.lists(st.tuples(st.floats(0, 1), st.integers(1, 4000), st.booleans(), st.integers(0, 2)), max_size=8))
 def test_a_page_ends_up_equal_to_the_scene(steps: list[tuple[float, int, bool, int]]) -> None:
@@ -202,11 +182,11 @@ def test_a_stalled_page_costs_intervals_not_messages() -> None:
     page.client.subscribe(Subscription(((0, 1000),), 0, 0b11))
     for first in range(0, 200_000, 400):
         scene.write(first, Vertices(np.full(400, 0.1)), {})
-    kept = sum(len(intervals) for intervals in page.client.dirty.values())
-    assert kept <= dirty.MOST * len(page.client.dirty)
-    assert len(page.client.dirty) <= 200_000 // scene.levels[0].tile_size + 3
+    kept = sum(len(intervals) for intervals in page.client.pending.values())
+    assert kept <= MOST_PENDING * len(page.client.pending)
+    assert len(page.client.pending) <= 200_000 // scene.levels[0].tile_size + 3
     sent = 0
-    while (raw := page.client.take()) is not None:
+    while (raw := page.client.next_message()) is not None:
         sent += len(raw)
     assert sent < 2 * (1 << 20), "without acknowledgements nothing beyond the room is sent"
 
@@ -227,47 +207,40 @@ def test_the_tile_looked_at_comes_first_and_the_overview_before_the_far_ones() -
 def test_frames_are_sent_whole_and_then_only_what_changed() -> None:
     scene = begun()
     rng = np.random.default_rng(3)
-    scene.trajectory(0, Frames(*rng.normal(size=(3, 9000, 3))))
+    scene.set_frames(0, PathFrames(*rng.normal(size=(3, 9000, 3))))
     page = Page(scene)
     assert [(m.first, m.count) for m in page.drain()] == [(0, 4096), (4096, 4096), (8192, 808)]
-    scene.trajectory(8990, Frames(*rng.normal(size=(3, 20, 3))))
+    scene.set_frames(8990, PathFrames(*rng.normal(size=(3, 20, 3))))
     (message,) = page.drain()
     assert (message.first, message.count, message.total) == (8990, 20, 9010)
     np.testing.assert_array_equal(message.centre, scene.frames.centre[8990:])
     np.testing.assert_array_equal(message.directions[:, 3:], scene.frames.right[8990:].astype(np.float32))
     with pytest.raises(ValueError, match=r"^first = 9011: the scene holds 9010 frames, none may be left out$"):
-        scene.trajectory(9011, Frames(*rng.normal(size=(3, 1, 3))))
+        scene.set_frames(9011, PathFrames(*rng.normal(size=(3, 1, 3))))
 
 
-def slow_overview(scene: Scene, R: int, C: int) -> tuple[float, float, int, int]:
-    """Mean radius, mean attribute, largest distance, smallest support around overview vertex (R, C), one by one."""
-    level = scene.levels[0]
-    sectors, turns = level.sectors, overview.TURNS
-    over = overview.sectors(sectors)
-    centre = R * turns + C * turns // over
-    radii, values, nearest, support = [], [], [0], []
-    for row in range(centre - turns // 2, centre + turns // 2):
-        for col in range(sectors):
-            away = (col / sectors - C / over + 0.5) % 1 - 0.5
-            k = row * sectors + col
-            if abs(away) > 0.5 / over + 1e-12 or row < 0:
-                continue
-            known = k < level.size
-            texel = level.texels[k] if known else np.zeros(4, np.uint16)
-            if row < -(-level.size // sectors):
-                nearest.append(int(texel[messages.NEAREST]))
-                support.append(int(texel[messages.STATE]) & 255)
-            if known and texel[messages.RADIUS]:
-                radii.append(int(texel[messages.RADIUS]))
-            if known and np.isfinite(level.columns[0][k]):
-                values.append(float(level.columns[0][k]))
-    mean = np.mean(radii) if radii else 0.0
-    return mean, np.mean(values) if values else np.nan, max(nearest), min(support, default=255)
+def slow_cell(scene: Scene, R: int, C: int) -> tuple[float, float, int, int]:
+    """Mean radius, mean attribute, largest distance, smallest support of overview cell (R, C), vertex by vertex."""
+    level, over = scene.levels
+    radii, values, nearest, support = [], [], [0], [255]
+    for k in range(R * TURNS * level.sectors, min((R + 1) * TURNS * level.sectors, level.size)):
+        if k % level.sectors * over.sectors // level.sectors != C:
+            continue
+        texel = level.texels[k]
+        nearest.append(int(texel[messages.NEAREST]))
+        support.append(int(texel[messages.STATE]) & 255)
+        if texel[messages.RADIUS]:
+            radii.append(int(texel[messages.RADIUS]))
+        if np.isfinite(level.columns[0][k]):
+            values.append(float(level.columns[0][k]))
+    return np.mean(radii) if radii else 0.0, np.mean(values) if values else np.nan, max(nearest), min(support)
 
 
 @pytest.mark.parametrize("sectors", [5, 8, 16, 36, 64])
-def test_the_overview_is_the_mean_of_its_window(sectors: int) -> None:
-    scene = begun(Helix(sectors=sectors, pitch=-0.1, start_depth=0, bit_diameter=0.2, attributes=(Attribute("GR"),)))
+def test_the_overview_is_the_mean_of_its_blocks(sectors: int) -> None:
+    scene = begun(
+        WallShape(sectors=sectors, pitch=-0.1, start_depth=0, bit_diameter=0.2, attributes=(Attribute("GR"),))
+    )
     rng = np.random.default_rng(sectors)
     n = sectors * 70 + 3
     radius = np.where(rng.random(n) < 0.2, np.nan, rng.uniform(0.09, 0.13, n))
@@ -277,13 +250,22 @@ def test_the_overview_is_the_mean_of_its_window(sectors: int) -> None:
         part = slice(first, first + 777)
         scene.write(first, Vertices(radius[part], rng.uniform(0, 1, len(radius[part]))), {"GR": values["GR"][part]})
     over = scene.levels[1]
-    assert over.size == overview.size_of(n, sectors)
+    assert over.size == 5 * min(8, sectors)  # 70 turns and a part of the next are five rings
     for j in range(over.size):
-        mean, value, nearest, support = slow_overview(scene, j // over.sectors, j % over.sectors)
+        mean, value, nearest, support = slow_cell(scene, j // over.sectors, j % over.sectors)
         texel = over.texels[j]
         assert abs(int(texel[messages.RADIUS]) - mean) <= 1, j
         np.testing.assert_allclose(over.columns[0][j], value, rtol=1e-6, equal_nan=True)
         assert (int(texel[messages.NEAREST]), int(texel[messages.STATE])) == (nearest, support), j
+
+
+def test_a_washout_all_around_the_hole_is_level_in_the_overview() -> None:
+    scene = begun(WallShape(sectors=64, pitch=0.1, start_depth=0, bit_diameter=0.2))
+    depth = np.arange(64 * 320) * 0.1 / 64
+    scene.write(0, Vertices(np.where((depth > 16.2) & (depth < 17.4), 0.12, 0.1)), {})
+    rings = scene.levels[1].texels[:, messages.RADIUS].reshape(-1, 8)[:20]
+    assert np.flatnonzero((rings > 10_100).any(axis=1)).tolist() == [10]
+    assert np.ptp(rings[10]) < 200, "every sector of the ring has the same share of it, but for the helix's own slope"
 
 
 @pytest.mark.parametrize(
@@ -299,7 +281,7 @@ def test_the_overview_is_the_mean_of_its_window(sectors: int) -> None:
 def test_a_helix_that_cannot_be_drawn_is_refused(wrong: dict[str, object], text: str) -> None:
     good: dict[str, object] = {"sectors": 64, "pitch": 0.1, "start_depth": 0.0, "bit_diameter": 0.2}
     with pytest.raises(ValueError, match=f"^{text}$"):
-        Helix(**(good | wrong))  # type: ignore[arg-type]
+        WallShape(**(good | wrong))  # type: ignore[arg-type]
 
 
 def test_writes_that_make_no_sense_are_refused() -> None:

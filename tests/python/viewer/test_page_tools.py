@@ -1,4 +1,4 @@
-"""The page's tools in a real browser: replay, picked dips, the camera inside the hole, the address, snapshot files."""
+"""The page's tools in a real browser: replay, picked dips, the camera inside the hole, the address, exported files."""
 
 from __future__ import annotations
 
@@ -75,8 +75,7 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     assert "Dip [°]" in labels
     screen.keyboard.press("Escape")
     assert not screen.is_visible("#dips")
-    screen.wait_for_timeout(600)
-    again = Screen(browser, viewer.url, screen.evaluate("location.hash"))
+    again = Screen(browser, viewer.url, screen.address())
     again.settle()
     kept = again.evaluate("window.__wall.app.picking.planes().kept.map((p) => [p.dip, p.azimuth])")
     own = screen.evaluate("window.__wall.app.picking.planes().kept.map((p) => [p.dip, p.azimuth])")
@@ -116,7 +115,7 @@ def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
 
 
 def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1012&sec=6")
+    screen = Screen(browser, viewer.url, "#md=1012&sec=6", (1366, 768))
     screen.keyboard.press("i")
     screen.until("document.getElementById('camera').value === 'down'")
     screen.settle()
@@ -156,8 +155,7 @@ def test_an_address_shows_a_colleague_the_same_picture(browser: Any, viewer: Any
     first.keyboard.press("p")
     first.evaluate("window.__wall.app.setColours({ low: 2, high: 150, map: 'cividis', log: true })")
     first.settle()
-    first.wait_for_timeout(600)
-    address = first.evaluate("location.hash")
+    address = first.address()
     second = Screen(browser, viewer.url, address)
     second.settle()
     for name in ("image", "wall"):
@@ -186,8 +184,7 @@ def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any,
         "cut to the track's width"
     )
     screen.settle()
-    screen.wait_for_timeout(600)
-    again = Screen(browser, viewer.url, screen.evaluate("location.hash"))
+    again = Screen(browser, viewer.url, screen.address())
     again.settle()
     kept = "window.__wall.app.notes.kept.map(({ depth, text }) => [depth.toFixed(3), text])"
     assert again.evaluate(kept) == screen.evaluate(kept)
@@ -209,11 +206,11 @@ def test_notes_are_written_at_the_cursor_and_travel_in_the_address(browser: Any,
     screen.close()
 
 
-def test_a_snapshot_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, tmp_path: Path) -> None:
+def test_an_export_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, tmp_path: Path) -> None:
     live = Screen(browser, viewer.url, "#md=1012&sec=20&quantity=GR")
     live.settle()
     with live.expect_download() as saved:
-        live.click("#snapshot")
+        live.click("#export")
     file = tmp_path / "wall.html"
     saved.value.save_as(file)
     assert file.stat().st_size < 4_000_000
@@ -222,7 +219,7 @@ def test_a_snapshot_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, 
     for name in ("image", "wall"):
         np.testing.assert_array_equal(shown.pixels(name), live.pixels(name))
     assert shown.requests == [file.as_uri()]
-    assert shown.inner_text("#lampText").startswith("snapshot of")
+    assert shown.inner_text("#lampText").startswith("export of")
     assert not shown.is_visible("#csv")
     shown.mouse.move(*place(shown, 100, 1010))
     shown.until("window.__wall.app.view.cursor")
@@ -232,14 +229,14 @@ def test_a_snapshot_opens_from_disk_and_asks_nothing(browser: Any, viewer: Any, 
     live.close()
 
 
-def test_a_snapshot_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
+def test_an_export_is_bounded_and_says_what_is_wrong(viewer: Any) -> None:
     for query, text in (
         ("start=1000", "stop: missing"),
         ("start=nan&stop=3", "must be finite"),
         ("start=5000&stop=6000", "the wall does not reach there"),
     ):
         with pytest.raises(urllib.error.HTTPError) as refused:
-            urllib.request.urlopen(f"{viewer.url}api/snapshot.html?{query}")
+            urllib.request.urlopen(f"{viewer.url}api/export.html?{query}")
         assert refused.value.code == 400
         assert text in refused.value.read().decode()
 
@@ -256,8 +253,8 @@ def test_what_the_server_cannot_write_is_said_on_the_page(browser: Any, viewer: 
     ):
         # In one go: the page may draw between two, and then sets the address again.
         screen.evaluate(f"""(() => {{
-            const link = document.getElementById('snapshot');
-            link.href = 'api/snapshot.html?{query}';
+            const link = document.getElementById('export');
+            link.href = 'api/export.html?{query}';
             link.click();
         }})()""")
         screen.until(f"document.getElementById('notice').textContent === {json.dumps(text)}")
@@ -273,8 +270,8 @@ def test_what_the_server_cannot_write_is_said_on_the_page(browser: Any, viewer: 
     screen.close()
 
 
-def test_text_of_a_snapshot_cannot_end_its_script() -> None:
-    from helibore.viewer.snapshot import _scripts
+def test_text_of_an_export_cannot_end_its_script() -> None:
+    from helibore.viewer.html_export import _scripts
 
     text = "".join(_scripts({"well": "</script><script>alert(1)</script><!--"}, [b"\xff\xee", b""], 'x = "</script>";'))
     assert text.count("</script>") == 2

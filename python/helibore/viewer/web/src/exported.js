@@ -1,11 +1,11 @@
-// A connection to nowhere: the messages that a snapshot file carries, played once. Nothing is sent, nothing is asked for.
+// In an exported file there is no server: the messages that the file holds are played once.
 
 import { decode, FRAMES } from './protocol.js';
 
-// The page's own contents when it is a snapshot, else null.
-export const enclosed = () => JSON.parse(document.getElementById('enclosed')?.textContent ?? 'null');
+// The contents of an exported file; null on a page that a server sent.
+export const exportedContents = () => JSON.parse(document.getElementById('enclosed')?.textContent ?? 'null');
 
-export class Enclosed {
+export class Exported {
   constructor(contents, on) {
     this.stats = { bytes: 0, messages: 0, sent: 0, reconnects: 0 };
     setTimeout(() => this.play(contents, on));
@@ -13,7 +13,7 @@ export class Enclosed {
 
   play({ hello, state, messages }, on) {
     on.status('live', '');
-    on.hello(hello);
+    on.handshake(hello);
     on.state(state);
     for (const text of messages) {
       const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));

@@ -1,0 +1,71 @@
+"""Who may ask the server anything, and what a browser may do with the answers.
+
+The Host header must be one we answer to (so a page elsewhere cannot reach us through its own name for 127.0.0.1), the
+Origin, if a browser sends one, must be ours, and beyond this machine the token must match. A browser hides why a
+websocket failed to open, so a websocket with a wrong token is opened and then closed with the reason.
+"""
+
+from __future__ import annotations
+
+import hmac
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from starlette.responses import PlainTextResponse
+from starlette.types import ASGIApp, Receive, Scope, Send
+
+LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
+NEEDS_NO_TOKEN = ("/app.js", "/app.css", "/licences.txt", "/healthz")
+NO_TOKEN = "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
+POLICY = (
+    "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "
+    "base-uri 'none'; form-action 'none'; frame-ancestors 'self' http://127.0.0.1:* http://localhost:*"
+)
+HEADERS = [
+    (b"content-security-policy", POLICY.encode()),
+    (b"x-content-type-options", b"nosniff"),
+    (b"referrer-policy", b"no-referrer"),
+    (b"cache-control", b"no-cache"),
+]
+
+
+class AccessControl:
+    """Checks Host, Origin and token, and sets the headers that keep other pages out."""
+
+    def __init__(self, app: ASGIApp, token: str | None, hosts: tuple[str, ...]) -> None:
+        self.app, self.token, self.hosts = app, token, hosts
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def with_headers(message: Any) -> None:
+            if message["type"] == "http.response.start":
+                message["headers"] = [*message["headers"], *HEADERS]
+            await send(message)
+
+        refusal = self.refusal(scope) if scope["type"] in ("http", "websocket") else None
+        if refusal is None:
+            await self.app(scope, receive, with_headers)
+        elif scope["type"] == "http":
+            await PlainTextResponse(refusal + "\n", 403)(scope, receive, with_headers)
+        else:
+            await receive()
+            if refusal == NO_TOKEN:
+                await send({"type": "websocket.accept"})
+            await send({"type": "websocket.close", "code": 4403, "reason": refusal[:120]})
+
+    def refusal(self, scope: Scope) -> str | None:
+        """Return why a request is refused, or None."""
+        headers = {name.decode("latin-1").lower(): value.decode("latin-1") for name, value in scope["headers"]}
+        host = headers.get("host", "")
+        if self.token is None and _without_port(host) not in self.hosts:
+            return f"host {host[:60]!r}: this viewer answers to {', '.join(self.hosts)} only"
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return f"origin {origin[:60]!r}: only the viewer's own page may connect"
+        if self.token is None or (scope["type"] == "http" and scope["path"] in NEEDS_NO_TOKEN):
+            return None
+        given = parse_qs(scope["query_string"].decode("latin-1")).get("token", [""])[0]
+        return None if hmac.compare_digest(given.encode(), self.token.encode()) else NO_TOKEN
+
+
+def _without_port(host: str) -> str:
+    return host.rsplit(":", 1)[0] if ":" in host and not host.endswith("]") else host

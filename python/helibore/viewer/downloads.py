@@ -1,0 +1,84 @@
+"""Downloads that take long to write: a section as a table or as a page. Few at a time, and a stalled one is given up.
+
+A download holds a frozen copy of its section until it is sent, so `MOST` bounds the server's memory. A browser that
+stops reading blocks one place for at most `STALLED` seconds.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable, Iterator
+
+from starlette.responses import PlainTextResponse, Response, StreamingResponse
+from starlette.types import Message, Receive, Scope, Send
+
+MOST = 2
+STALLED = 60.0  # seconds
+
+
+class Downloads:
+    """The places for downloads; used by the server's event loop only."""
+
+    def __init__(self, most: int = MOST, stalled: float = STALLED) -> None:
+        self.most, self.stalled = most, stalled
+        self.running = 0
+
+    async def start(
+        self, write: Callable[[], Iterator[str]], media_type: str, name: str, *, whole: bool = False
+    ) -> Response:
+        """Return a response that sends the chunks of ``write`` as a file; 503 if no place is free, 400 on ValueError.
+
+        ``whole``: write everything before the first byte is sent.
+        """
+        if self.running >= self.most:
+            busy = f"the server already writes {self.most} sections: try again when one of them is done\n"
+            return PlainTextResponse(busy, 503, headers={"retry-after": "5"})
+        self.running += 1
+        try:
+            chunks = encoded(await asyncio.to_thread(write))
+            if whole:
+                return _Download(self, _sent(await asyncio.to_thread(list, chunks)), media_type, name)
+            return _Download(self, chunks, media_type, name)
+        except BaseException as error:
+            self.running -= 1
+            if isinstance(error, ValueError):
+                return PlainTextResponse(f"{error}\n", 400)
+            raise
+
+
+def encoded(chunks: Iterator[str]) -> Iterator[bytes]:
+    """Yield the chunks encoded, and sleep after each as long as it took, so a producer keeps half a core."""
+    while True:
+        began = time.monotonic()
+        chunk = next(chunks, None)
+        if chunk is None:
+            return
+        bytes_ = chunk.encode()
+        time.sleep(time.monotonic() - began)
+        yield bytes_
+
+
+async def _sent(chunks: list[bytes]) -> AsyncIterator[bytes]:
+    for chunk in chunks:
+        yield chunk
+
+
+class _Download(StreamingResponse):
+    """Sends the chunks; frees its place when they are sent or the browser stops reading."""
+
+    def __init__(
+        self, downloads: Downloads, chunks: Iterator[bytes] | AsyncIterator[bytes], media_type: str, name: str
+    ) -> None:
+        disposition = {"content-disposition": f"attachment; filename={name}"}
+        super().__init__(chunks, media_type=media_type, headers=disposition)
+        self.downloads = downloads
+
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        async def limited(message: Message) -> None:
+            await asyncio.wait_for(send(message), self.downloads.stalled)
+
+        try:
+            await super().__call__(scope, receive, limited)
+        finally:
+            self.downloads.running -= 1

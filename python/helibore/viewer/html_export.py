@@ -1,0 +1,119 @@
+"""A section of the wall with the page that shows it, as one HTML file that opens from disk.
+
+    index.html with app.css and app.js in it  +  handshake, state, history and the binary messages of the section
+
+The page plays the enclosed messages instead of opening a websocket, so it draws what it drew at the rig, including the
+overview of the whole well. Its content-security policy forbids every request.
+"""
+
+from __future__ import annotations
+
+import base64
+import html
+import itertools
+import json
+import math
+import time
+from collections.abc import Iterable, Iterator
+from typing import Any
+
+from helibore.base.errors import InputError
+from helibore.viewer.client import Client, Subscription, handshake, state_message
+from helibore.viewer.exports import vertices_between
+from helibore.viewer.scene import Scene
+
+MOST_VERTICES = 1_000_000
+MOST_ADDRESS = 128 * 1024  # characters: 200 dips of twelve points and 50 notes of 80 letters of any script
+CLOSING = '<form method="dialog"><button>Close</button></form>'
+SCRIPT = '<script type="module" src="app.js"></script>'
+POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
+
+
+def html_export(scene: Scene, files: dict[str, str], start: float, stop: float, address: str = "") -> Iterator[str]:
+    """Return the file in chunks. The section is copied now and written as the chunks are read.
+
+    Parameters
+    ----------
+    scene
+        What is shown.
+    files
+        The built page: name to text.
+    start, stop
+        Depths of the section, metres, in either order.
+    address
+        What the page looks at: the text after the # of its address.
+
+    Raises
+    ------
+    InputError
+        If the depths are not finite or not in the wall, or hold more than `MOST_VERTICES` vertices; if the address has
+        more than `MOST_ADDRESS` characters.
+    """
+    if len(address) > MOST_ADDRESS:
+        rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer dips or notes"
+        raise InputError("address", rule)
+    with scene.lock:
+        tiles = tiles_between(scene, start, stop)
+        level = scene.levels[0]
+        copy = scene.frozen_copy(tiles[0] * level.tile_size, tiles[1] * level.tile_size + level.halo)
+    enclosed = {
+        "hello": handshake(copy),
+        "state": state_message(copy),
+        "made": round(time.time(), 1),
+        "address": address,
+        "history": copy.history.as_columns(),
+        "summary": copy.summarize(*sorted((start, stop))) if copy.summarize else None,
+    }
+    before, after = _page(files)
+    return itertools.chain([before], _scripts(enclosed, messages_of(copy, tiles), files["app.js"]), [after])
+
+
+def _page(files: dict[str, str]) -> tuple[str, str]:
+    """Return the page's HTML before and after its script, with style and licences in it."""
+    licences = f"<pre hidden>{html.escape(files['licences.txt'])}</pre>"
+    policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
+    page = files["index.html"]
+    for old, new in (
+        ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
+        ('<link rel="stylesheet" href="app.css">', f"<style>\n{files['app.css']}</style>"),
+        ('<a href="licences.txt" target="_blank" rel="noopener">', "<a>"),
+        (CLOSING, f"{licences}\n  {CLOSING}"),
+        (SCRIPT, SCRIPT),
+    ):
+        if page.count(old) != 1:
+            raise RuntimeError(f"the page has no {old}: this is a bug in helibore")
+        page = page.replace(old, new)
+    before, after = page.split(SCRIPT)
+    return before, after
+
+
+def tiles_between(scene: Scene, start: float, stop: float) -> tuple[int, int]:
+    """Return the half-open range of the wall's tiles that show the hole between two depths."""
+    ends, level = vertices_between(scene, start, stop), scene.levels[0]
+    first, last = max(0, math.floor(ends[0])), min(level.size - 1, math.ceil(ends[1]))
+    if first > last:
+        raise InputError(f"start = {start:g}, stop", "the wall does not reach there", f"{stop:g}")
+    tiles = first // level.tile_size, last // level.tile_size + 1
+    vertices = (tiles[1] - tiles[0]) * level.tile_size
+    if vertices > MOST_VERTICES:
+        raise InputError(f"{vertices} vertices", f"an export holds at most {MOST_VERTICES}; take a shorter section")
+    return tiles
+
+
+def messages_of(scene: Scene, tiles: tuple[int, int]) -> Iterator[bytes]:
+    """Yield the messages that a page with these tiles receives."""
+    client = Client(scene)
+    client.subscribe(Subscription((tiles,), tiles[0], (1 << len(scene.shape.attributes)) - 1))
+    while (message := client.next_message()) is not None:
+        client.acknowledge(client.sequence)
+        yield message
+
+
+def _scripts(enclosed: dict[str, Any], messages: Iterable[bytes], app: str) -> Iterator[str]:
+    """Yield two scripts whose text cannot end them early. Base64 needs no escapes in a script or in JSON."""
+    opened = json.dumps(enclosed, separators=(",", ":")).replace("<", "\\u003c").removesuffix("}")
+    yield f'<script type="application/json" id="enclosed">{opened},"messages":['
+    for i, message in enumerate(messages):
+        yield f'{"," if i else ""}"{base64.b64encode(message).decode()}"'
+    code = app.replace("</script", "<\\/script").replace("<!--", "<\\!--")
+    yield f']}}</script>\n<script type="module">\n{code}</script>'

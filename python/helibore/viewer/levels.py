@@ -1,0 +1,108 @@
+"""The wall in two levels: every vertex, and an overview of blocks for the whole well.
+
+Vertex k of the wall (level 0, a helix) lies at
+
+    depth = start_depth + k pitch / sectors          toolface = start_toolface + k 360 / sectors
+
+The overview (level 1) is a stack of rings, so a feature that goes straight around the hole stays level. Cell (R, C)
+holds the vertices of `TURNS` turns from R * TURNS on and of one of its eight sectors: the mean radius and the mean of
+every attribute (missing values do not count), the largest distance to a sample and the smallest support, so no mean
+hides a doubtful vertex.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats
+from helibore.viewer import messages
+from helibore.viewer.messages import Texels
+
+TURNS = 16  # turns of the wall in one ring of the overview
+OVERVIEW_ROWS = 1024  # rings in a tile of the overview
+
+
+class Level:
+    """The growing columns of a level: packed texels and one float32 column for each attribute."""
+
+    def __init__(self, sectors: int, rows: int, columns: int) -> None:
+        self.sectors, self.rows, self.size = sectors, rows, 0
+        self.texels: Texels = np.zeros((0, messages.TEXEL), np.uint16)
+        self.columns = [np.full(0, np.nan, np.float32) for _ in range(columns)]
+
+    @property
+    def tile_size(self) -> int:
+        return self.rows * self.sectors
+
+    @property
+    def halo(self) -> int:
+        """Vertices of the next tile that the last quads of a tile touch."""
+        return self.sectors + 1
+
+    def tiles(self, start: int, stop: int) -> range:
+        """Return the tiles that show a vertex of [start, stop), halos included."""
+        return range(max(0, (start - self.halo) // self.tile_size), max(start, stop - 1) // self.tile_size + 1)
+
+    def frozen_copy(self, start: int, stop: int) -> Level:
+        """Return a copy that holds [start, stop) as they are now; all other vertices are zero and cost no memory."""
+        copy = Level(self.sectors, self.rows, 0)
+        first = max(0, min(start, self.size))
+        copy.size, part = self.size, slice(first, max(first, min(stop, self.size)))
+        copy.texels = np.zeros((self.size, messages.TEXEL), np.uint16)
+        copy.texels[part] = self.texels[part]
+        for column in self.columns:
+            copy.columns.append(np.zeros(self.size, np.float32))
+            copy.columns[-1][part] = column[part]
+        return copy
+
+    def reserve(self, size: int) -> None:
+        """Grow to ``size`` vertices. Vertices that are never written have radius 0 and attributes NaN."""
+        capacity = len(self.texels)
+        if size > capacity:
+            more = max(size, 2 * capacity, self.tile_size) - capacity
+            self.texels = np.concatenate([self.texels, np.zeros((more, messages.TEXEL), np.uint16)])
+            empty = np.full(more, np.nan, np.float32)
+            self.columns = [np.concatenate([column, empty]) for column in self.columns]
+        self.size = max(self.size, size)
+
+
+def overview_of(wall: Level) -> Level:
+    """Return an empty overview for a wall."""
+    return Level(min(8, wall.sectors), OVERVIEW_ROWS, len(wall.columns))
+
+
+def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[int, int]:
+    """Recompute the cells that the wall's vertices [start, stop) lie in; return their half-open range."""
+    block = TURNS * wall.sectors
+    over.reserve(-(-wall.size // block) * over.sectors)
+    low, high = start // block, (stop - 1) // block + 1
+    part = slice(low * block, min(high * block, wall.size))
+    first_sectors = -(-np.arange(over.sectors) * wall.sectors // over.sectors)
+
+    def cells(reduce: np.ufunc, values: npt.NDArray[Any], missing: float) -> npt.NDArray[Any]:
+        """Reduce the values of every cell; ``missing`` stands for the vertices beyond the wall's end."""
+        beyond = np.full((high - low) * block - values.size, missing, values.dtype)
+        by_turn = np.concatenate([values, beyond]).reshape(-1, TURNS, wall.sectors)
+        reduced: npt.NDArray[Any] = reduce.reduceat(reduce.reduce(by_turn, axis=1), first_sectors, axis=1)
+        return reduced.ravel()
+
+    def mean(values: npt.NDArray[Any], known: npt.NDArray[np.bool_], missing: float) -> Floats:
+        total = cells(np.add, np.where(known, values, 0).astype(np.float64), 0.0)
+        count = cells(np.add, known.astype(np.float64), 0.0)
+        return np.where(count > 0, total / np.maximum(count, 1), missing)
+
+    texels = wall.texels[part]
+    there = texels[:, messages.RADIUS] > 0
+    support = texels[:, messages.STATE] & messages.SUPPORT_MASK
+    target = slice(low * over.sectors, high * over.sectors)
+    for column in (messages.RADIUS, messages.FIRST):
+        over.texels[target, column] = mean(texels[:, column], there, 0.0)
+    over.texels[target, messages.NEAREST] = cells(np.maximum, texels[:, messages.NEAREST], 0)
+    over.texels[target, messages.STATE] = cells(np.minimum, support, messages.SUPPORT_MASK)
+    for over_column, wall_column in zip(over.columns, wall.columns, strict=True):
+        values = wall_column[part]
+        over_column[target] = mean(values, np.isfinite(values), np.nan)
+    return target.start, target.stop

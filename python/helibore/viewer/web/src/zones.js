@@ -1,0 +1,33 @@
+// Zones of the wall as the server found them (washout, breakout, key seat, undergauge): strips, list, and jumps by severity.
+
+import { BOLD, label } from './layout.js';
+import { showSigned } from './units.js';
+
+export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
+const NEAR = 1e-6;
+
+export const zoneAt = (zones, depth) => zones.find(({ start, stop }) => depth >= start && depth < stop) ?? null;
+
+// Worst first.
+export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity - a.severity || a.start - b.start);
+
+// The next or previous zone by severity from the one that is in the middle of the view; the worst from anywhere else.
+export function jump(zones, depth, step) {
+  const sorted = bySeverity(zones);
+  const at = sorted.findIndex(({ start, stop }) => Math.abs((start + stop) / 2 - depth) < NEAR);
+  return sorted[at < 0 ? (step > 0 ? 0 : sorted.length - 1) : (at + step + sorted.length) % sorted.length] ?? null;
+}
+
+export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}` : 'none');
+
+// A strip of all zones, `width` wide from `left`, with letters if there is room; `y` maps a depth, `ends` bound it.
+export function drawZones(ink, zones, y, left, width, [top, bottom], palette) {
+  for (const { kind, start, stop } of zones) {
+    const a = Math.max(top, y(start));
+    const b = Math.min(bottom, Math.max(y(stop), a + 2));
+    if (b <= a) continue;
+    ink.fillStyle = palette.zones[kind];
+    ink.fillRect(left, a, width, b - a);
+    if (width >= 8 && b - a > 16) label(ink, LETTERS[kind], left + width / 2, (a + b) / 2, { colour: palette.panel, align: 'center', font: BOLD, yields: true });
+  }
+}

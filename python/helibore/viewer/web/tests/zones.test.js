@@ -1,0 +1,31 @@
+// Zones: which one is at a depth, and the jumps from the worst to the next.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { bySeverity, jump, zoneAt, zoneText } from '../src/zones.js';
+
+const ZONES = [
+  { kind: 'breakout', start: 10, stop: 12, measure: 0.03, severity: 1.2 },
+  { kind: 'washout', start: 20, stop: 23, measure: 0.07, severity: 5.5 },
+  { kind: 'undergauge', start: 30, stop: 31, measure: -0.01, severity: 1.6 },
+];
+
+test('the worst zone comes first', () => {
+  assert.deepEqual(bySeverity(ZONES).map(({ start }) => start), [20, 30, 10]);
+});
+
+test('next and previous go by severity, from the worst, and around', () => {
+  assert.equal(jump(ZONES, NaN, 1).start, 20);
+  assert.equal(jump(ZONES, 5, -1).start, 10);
+  assert.equal(jump(ZONES, 21.5, 1).start, 30);
+  assert.equal(jump(ZONES, 11, 1).start, 20);
+  assert.equal(jump(ZONES, 21.5, -1).start, 10);
+  assert.equal(jump([], 5, 1), null);
+});
+
+test('a zone has a half-open range of depth, and a text with its sign', () => {
+  assert.equal(zoneAt(ZONES, 10).kind, 'breakout');
+  assert.equal(zoneAt(ZONES, 12), null);
+  assert.equal(zoneText(zoneAt(ZONES, 30.5), 'mm'), 'undergauge −10 mm');
+  assert.equal(zoneText(null, 'in'), 'none');
+});

@@ -1,0 +1,279 @@
+"""The addresses of the page's server.
+
+    /  /app.js  /app.css  /licences.txt     the page, from the package
+    /ws                                     handshake and state as text, values as binary (messages.py)
+    /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
+    /api/summary                            volume, washout and gaps of a section
+    /api/history                            how long the wall was at which time
+    /api/export.html                        a section with its page, as one file
+    /healthz                                alive
+
+`AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import math
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from importlib import resources
+from typing import Any
+
+from starlette.applications import Starlette
+from starlette.requests import Request
+from starlette.responses import JSONResponse, PlainTextResponse, Response
+from starlette.routing import BaseRoute, Route, WebSocketRoute
+from starlette.types import ASGIApp
+from starlette.websockets import WebSocket, WebSocketDisconnect
+
+from helibore.viewer import exports
+from helibore.viewer.access import LOOPBACK, AccessControl
+from helibore.viewer.client import BadMessageError, Client, handshake, read_subscription, state_message
+from helibore.viewer.downloads import Downloads
+from helibore.viewer.html_export import html_export
+from helibore.viewer.scene import Scene
+
+TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second, the first time at once
+MOST_CLIENTS = 64
+MOST_TEXT = 8192  # bytes of a message from a page
+NOT_BEGUN = "no sample has come yet: there is no wall to show"
+TYPES = {
+    "index.html": "text/html; charset=utf-8",
+    "app.js": "text/javascript; charset=utf-8",
+    "app.css": "text/css; charset=utf-8",
+    "licences.txt": "text/plain; charset=utf-8",
+}
+Endpoint = Callable[[Request], Awaitable[Response]]
+
+
+def page(name: str) -> bytes | None:
+    """Return a file of the built page, or None if the package was built without it."""
+    file = resources.files("helibore.viewer").joinpath("page", name)
+    return file.read_bytes() if file.is_file() else None
+
+
+def no_page() -> str:
+    """Return why there is no page, as the build noted it, and how to get one."""
+    file = resources.files("helibore.viewer").joinpath("no-page.txt")
+    reason = file.read_text("utf-8").strip().rstrip(".") if file.is_file() else "its files are missing"
+    return (
+        f"This helibore was built without its page: {reason}. Everything else works. For the page: install Node.js 18 "
+        "or newer with npm, then helibore again from its sources, pip install --force-reinstall --no-deps ."
+    )
+
+
+def application(scene: Scene, token: str | None = None, hosts: tuple[str, ...] = LOOPBACK) -> ASGIApp:
+    """Return the ASGI application that shows a scene."""
+    app = WebApp(scene)
+    return AccessControl(Starlette(routes=app.routes(), lifespan=app.lifespan), token, hosts)
+
+
+class WebApp:
+    """The endpoints, and the pages that are connected."""
+
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.downloads = Downloads()
+        self.connections: set[_Connection] = set()
+        self.loop: asyncio.AbstractEventLoop | None = None
+        self.wake_pending = False
+
+    def routes(self) -> list[BaseRoute]:
+        """Return the routes of every address."""
+        files = [Route("/", self.file), *(Route(f"/{name}", self.file) for name in TYPES)]
+        api: dict[str, Endpoint] = {
+            "vertex/{k:int}": self.vertex,
+            "section.csv": self.section,
+            "summary": self.summary,
+            "history": self.history,
+            "export.html": self.export,
+        }
+        begun = [Route(f"/api/{path}", self._when_begun(endpoint)) for path, endpoint in api.items()]
+        return [*files, Route("/healthz", self.health), *begun, WebSocketRoute("/ws", self.serve)]
+
+    @contextlib.asynccontextmanager
+    async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
+        self.loop = asyncio.get_running_loop()
+        self.scene.on_change = self.wake
+        yield
+        self.scene.on_change = lambda: None
+        self.loop = None
+
+    def wake(self) -> None:
+        """Wake every connection because something changed; from any thread, at the cost of a flag."""
+        if self.wake_pending or self.loop is None:
+            return
+        self.wake_pending = True
+        with contextlib.suppress(RuntimeError):  # the loop was closed since the check
+            self.loop.call_soon_threadsafe(self._wake_connections)
+
+    def _wake_connections(self) -> None:
+        self.wake_pending = False
+        for connection in self.connections:
+            connection.wake.set()
+
+    async def serve(self, socket: WebSocket) -> None:
+        """Serve one page until it leaves."""
+        await socket.accept()
+        if len(self.connections) >= MOST_CLIENTS:
+            await socket.close(4429, f"{MOST_CLIENTS} pages are connected already")
+            return
+        connection = _Connection(self.scene, socket)
+        self.connections.add(connection)
+        with self.scene.lock:
+            self.scene.listeners.append(connection.mark)
+        sender = asyncio.create_task(connection.send_all())
+        try:
+            await connection.receive_all()
+        except BadMessageError as error:
+            with contextlib.suppress(RuntimeError, WebSocketDisconnect):
+                await socket.close(4400, str(error)[:120])
+        except WebSocketDisconnect:
+            pass
+        finally:
+            sender.cancel()
+            await asyncio.gather(sender, return_exceptions=True)
+            self.connections.discard(connection)
+            with self.scene.lock:
+                self.scene.listeners.remove(connection.mark)
+
+    def _when_begun(self, endpoint: Endpoint) -> Endpoint:
+        async def checked(request: Request) -> Response:
+            return await endpoint(request) if self.scene.begun else PlainTextResponse(NOT_BEGUN + "\n", 503)
+
+        return checked
+
+    async def file(self, request: Request) -> Response:
+        name = request.url.path.strip("/") or "index.html"
+        body = page(name)
+        return PlainTextResponse(no_page() + "\n", 503) if body is None else Response(body, media_type=TYPES[name])
+
+    async def health(self, _: Request) -> Response:
+        vertices = self.scene.levels[0].size if self.scene.begun else 0
+        built = page("app.js") is not None
+        return JSONResponse({"vertices": vertices, "pages": len(self.connections), "page_built": built})
+
+    async def vertex(self, request: Request) -> Response:
+        k = request.path_params["k"]
+        with self.scene.lock:
+            if k >= self.scene.levels[0].size:
+                return PlainTextResponse(f"vertex {k}: the wall has {self.scene.levels[0].size}\n", 404)
+            return JSONResponse(exports.vertex(self.scene, k))
+
+    async def history(self, _: Request) -> Response:
+        with self.scene.lock:
+            return JSONResponse(self.scene.history.as_columns())
+
+    async def summary(self, request: Request) -> Response:
+        if self.scene.summarize is None:
+            return JSONResponse(None)
+        try:
+            ends = sorted(exports.section_ends(request.query_params))
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        return JSONResponse(await asyncio.to_thread(self.scene.summarize, *ends))
+
+    async def section(self, request: Request) -> Response:
+        query = request.query_params
+
+        def write() -> Iterator[str]:
+            return exports.section_csv(self.scene, *exports.section_ends(query))
+
+        return await self.downloads.start(write, "text/csv", _file_name("section", query, "csv"))
+
+    async def export(self, request: Request) -> Response:
+        query = request.query_params
+        if page("app.js") is None:
+            return PlainTextResponse(no_page() + "\n", 503)
+
+        def write() -> Iterator[str]:
+            files = {name: (page(name) or b"").decode() for name in TYPES}
+            return html_export(self.scene, files, *exports.section_ends(query), query.get("address", ""))
+
+        return await self.downloads.start(write, TYPES["index.html"], _file_name("wall", query, "html"), whole=True)
+
+
+class _Connection:
+    """One connected page: a task that receives and a task that sends."""
+
+    def __init__(self, scene: Scene, socket: WebSocket) -> None:
+        self.scene, self.socket = scene, socket
+        self.wake = asyncio.Event()
+        self.client: Client | None = None
+        self.sent_state = ""
+        self.sent_at = -math.inf  # on the loop's clock
+
+    def mark(self, level: int, start: int, stop: int) -> None:
+        if self.client is not None and self.client.session == self.scene.session:
+            self.client.mark(level, start, stop)
+
+    async def send_all(self) -> None:
+        """Send what is pending, nearest first: growth every `TICK` at most, requested tiles at once."""
+        clock = asyncio.get_running_loop().time
+        with contextlib.suppress(WebSocketDisconnect, RuntimeError):
+            while True:
+                await self._send_text()
+                while (message := self._next_message()) is not None:
+                    await self.socket.send_bytes(message)
+                    self.sent_at = clock()
+                await self.wake.wait()
+                if self.client is not None and not self.client.requested:
+                    await asyncio.sleep(self.sent_at + TICK - clock())
+                self.wake.clear()
+
+    async def _send_text(self) -> None:
+        """Send the handshake to a new page or for a new wall, and the state if it changed."""
+        texts = []
+        with self.scene.lock:
+            if self.scene.begun and (self.client is None or self.client.session != self.scene.session):
+                self.client = Client(self.scene)
+                texts.append(json.dumps(handshake(self.scene)))
+            state = json.dumps(state_message(self.scene))
+        if state != self.sent_state:
+            self.sent_state = state
+            texts.append(state)
+        for text in texts:
+            await self.socket.send_text(text)
+
+    def _next_message(self) -> bytes | None:
+        with self.scene.lock:
+            return None if self.client is None else self.client.next_message()
+
+    async def receive_all(self) -> None:
+        """Read acknowledgements and subscriptions; anything else ends the connection with the reason."""
+        while True:
+            message = await self.socket.receive()
+            if message["type"] == "websocket.disconnect":
+                return
+            text = message.get("text")
+            if text is None or len(text) > MOST_TEXT:
+                raise BadMessageError(f"a page sends text of at most {MOST_TEXT} bytes")
+            try:
+                content = json.loads(text)
+            except (ValueError, RecursionError) as error:
+                raise BadMessageError("not JSON") from error
+            self._receive(content)
+            self.wake.set()
+
+    def _receive(self, content: Any) -> None:
+        with self.scene.lock:
+            if not isinstance(content, dict) or self.client is None:
+                raise BadMessageError("must be an object, after the handshake")
+            if content.get("session") != self.client.session:
+                return  # about the wall before this one
+            if "ack" in content:
+                self.client.acknowledge(content["ack"] if type(content["ack"]) is int else -1)
+            elif "subscribe" in content:
+                self.client.subscribe(read_subscription(content["subscribe"], len(self.scene.shape.attributes)))
+            else:
+                raise BadMessageError("neither ack nor subscribe")
+
+
+def _file_name(what: str, query: Any, ending: str) -> str:
+    """Return a file's name, with the depths of its section if they are numbers."""
+    try:
+        return f"{what}-{'-'.join(f'{depth:.1f}' for depth in exports.section_ends(query))}.{ending}"
+    except ValueError:
+        return f"{what}.{ending}"
