@@ -25,11 +25,13 @@ from dataclasses import asdict, dataclass, field
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
 
+import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field
 
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.live.checks import Table, check, within
+from helibore.live.depth_limits import DepthLimits
 from helibore.live.layout import PathReference
 from helibore.live.pass_rules import PassRules, read_layers
 from helibore.live.sources import Source, read_store, read_wits
@@ -46,6 +48,7 @@ class Configuration:
     layers: dict[str, tuple[str, ...]]
     passes: PassRules
     path: dict[str, Any]
+    depth: DepthLimits
     sources: dict[str, Source]
     journal: str | None = None
     sync_interval: float = 0.1
@@ -65,7 +68,7 @@ class Configuration:
                 source["store"] = store.meaning()
         return json.dumps(
             {"wall": self.wall, "layers": self.layers, "passes": self.passes.model_dump(), "path": self.path,
-             "sources": sources}, sort_keys=True,
+             "depth": self.depth.model_dump(),              "sources": sources}, sort_keys=True,
         )  # fmt: skip
 
 
@@ -121,6 +124,7 @@ class TopTable(Table):
     source: dict[str, dict[str, Any]] = {}
     layers: dict[str, list[str]] = {}
     passes: PassRules = PassRules()
+    depth: DepthLimits = DepthLimits()
     journal: JournalTable = JournalTable()
     snapshot: SnapshotTable = SnapshotTable()
 
@@ -159,6 +163,8 @@ def _toml(text: str, name: str) -> dict[str, Any]:
 def _read(entries: dict[str, Any], text: str) -> Configuration:
     top = check(TopTable, entries)
     wall = _wall(top.wall.model_dump())
+    if top.depth.outside(np.array(wall["start_depth"])):
+        raise InputError("wall.start_depth", top.depth.rule(), f"{wall['start_depth']:g}")
     path = top.path.model_dump(include={"method", "reference", "head", "extend"}) | {"stations": top.path.stations}
     sources = {}
     for name, table in top.source.items():
@@ -170,6 +176,7 @@ def _read(entries: dict[str, Any], text: str) -> Configuration:
         layers=read_layers(top.layers, numbered=any(source.pass_number for source in sources.values())),
         passes=top.passes,
         path=path,
+        depth=top.depth,
         sources=sources,
         journal=top.journal.folder,
         sync_interval=top.journal.sync_ms / 1000.0,

@@ -22,11 +22,17 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.live.clock import SECOND
+from helibore.live.depth_limits import DepthLimits
 from helibore.live.events import Flag
 from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
+FOOT = 0.3048
+NEAR = 0.02
+"""A sent depth whose ratio to the bit's is that of feet to metres, to this share, was read in the wrong unit."""
+DEEP_ENOUGH = 100.0
+"""Metres: above this a sensor may be as far above the bit as feet read as metres would say."""
 
 
 class Track:
@@ -57,12 +63,13 @@ class Track:
 class Rig:
     """Bit depth, hole depth, rotation and activity over time, and the pass at each bit depth entry."""
 
-    def __init__(self, rules: PassRules) -> None:
-        self._rules = rules
+    def __init__(self, rules: PassRules, limits: DepthLimits) -> None:
+        self._rules, self._limits = rules, limits
         self.tracks = {name: Track() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self.kind = np.empty(0, np.int64)
         self.off_bottom = np.empty(0, bool)
-        self._deepest = -np.inf
+        self.hole = np.empty(0)  # the deepest that the hole was, by then; infinite where it was never sent
+        self._deepest = self._hole = -np.inf
 
     def settle(self) -> None:
         """Decide the pass at bit depth entries that are new; call when all frames up to now were appended."""
@@ -80,6 +87,10 @@ class Rig:
         kind = np.where(off, np.where(turning == 0, TRIP, RESCAN), DRILL)
         kind = np.where((activity == 4) | (activity == 5), REAM, kind)
         kind = np.where((activity == 8) | (activity == 9), TRIP, kind)
+        reached = np.where(np.isnan(hole), -np.inf, np.maximum(hole, deepest))
+        reached = np.maximum.accumulate(np.concatenate([[self._hole], reached]))[1:]
+        self._hole = float(reached[-1])
+        self.hole = np.concatenate([self.hole, np.where(np.isneginf(reached), np.inf, reached)])
         self.kind = np.concatenate([self.kind, kind])
         self.off_bottom = np.concatenate([self.off_bottom, off])
 
@@ -125,11 +136,33 @@ class Rig:
             return depth, np.full(len(time), UNKNOWN), flags, sent | expired
         known = at >= 0
         kind = np.where(known, self.kind[at], UNKNOWN)
+        flags[self._wrong_depth(depth, known, at)] |= Flag.RANGE
         flags[known & self.off_bottom[at]] |= Flag.OFF_BOTTOM
         flags[self._not_rotating(time, order)] |= Flag.NOT_ROTATING
         found, ready = self._from_bit(time, at, now)
         flags[~sent & np.isnan(found)] |= Flag.NO_DEPTH
         return np.where(sent, depth, found - offset), kind, flags, sent | ready
+
+    def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
+        """Depths that were sent and lie below the hole, or have the ratio of feet to metres to the bit's."""
+        at = np.maximum(at, 0)
+        ratio = depth / np.maximum(self.tracks["bit_depth"].value[at], 1e-9)
+        has_hole = known & np.isfinite(self.hole[at])
+        in_feet = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
+        too_deep = depth > self.hole[at] + self._limits.beyond_hole
+        wrong: npt.NDArray[np.bool_] = has_hole & (too_deep | (in_feet & (depth > DEEP_ENOUGH)))
+        return wrong
+
+    def depth_rule(self, depth: float, order: int) -> str:
+        """Return what is wrong with a depth that was sent in frame ``order``."""
+        if self._limits.outside(np.array(depth)):
+            return self._limits.rule()
+        at = max(int(self.tracks["bit_depth"].before(np.array([order]))[0]), 0)
+        bit, hole = self.tracks["bit_depth"].value[at], self.hole[at]
+        for unit, factor in (("feet were read as metres", 1 / FOOT), ("metres were read as feet", FOOT)):
+            if abs(depth / max(bit, 1e-9) / factor - 1) < NEAR:
+                return f"the bit is at {bit:g} m: it seems that {unit}"
+        return f"lies below the hole, which is {hole:g} m deep"
 
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
         """Bit depth at ``time``, between entries ``at`` and ``at + 1`` (NaN: none), and whether that is final."""
@@ -163,3 +196,4 @@ class Rig:
                 track.forget(spare)
                 if name == "bit_depth":
                     self.kind, self.off_bottom = self.kind[spare:], self.off_bottom[spare:]
+                    self.hole = self.hole[spare:]

@@ -18,6 +18,7 @@ import numpy.typing as npt
 
 from helibore.base.angles import wrapped
 from helibore.live import wits
+from helibore.live.depth_limits import DepthLimits, Steps
 from helibore.live.events import Event, EventBook, Flag
 from helibore.live.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.sequence import SequenceWatch
@@ -68,9 +69,11 @@ class Reading:
 class SourceReader:
     """Reads one source: a parser for each connection, then the mapping."""
 
-    def __init__(self, source: Source, events: EventBook) -> None:
+    def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
         self.source = source
         self._events = events
+        self._limits = limits
+        self._steps = {name: Steps(limits) for name in ("bit_depth", "hole_depth") if name in source.items}
         self._parser = self._new_parser()
         self._connection = -1
         self.counts = dict.fromkeys(self._parser.counts, 0)
@@ -170,7 +173,7 @@ class SourceReader:
         values, states = self._table(batch, reading)
         repeated = self._repeats(batch, states, reading)
         flags = self._sequence(values, reading)
-        reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
+        reading.rig = self._rig(values, reading)
         reading.pass_number = self._pass_numbers(values, states, flags | repeated)
         self._triples(reading, values, states, flags | repeated)
         self._images(reading, values, states, flags | repeated)
@@ -305,6 +308,28 @@ class SourceReader:
         for event in sorted(events, key=lambda event: event[0]):  # as they came, not record by record
             self._report_frame(reading, *event)
         return flags
+
+    def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
+        """The rig quantities; a depth of bit or hole that cannot be true becomes NaN, with an event."""
+        rig = {name: self._value(values, item) for name, item in self.source.items.items()}
+        for name, steps in self._steps.items():
+            wrong = steps.wrong(rig[name])
+            if not len(wrong):
+                continue
+            texts = [f"{name} {depth:g} m: {self._depth_rule(depth)}" for depth in rig[name][wrong].tolist()]
+
+            def describe(place: int, wrong: Integers = wrong, texts: list[str] = texts) -> Event:
+                row = int(wrong[place])
+                return self._event(int(reading.wall[row]), "range", texts[place], int(reading.line[row]))
+
+            self._events.report_rows(np.arange(len(wrong)), describe)
+            rig[name][wrong] = np.nan
+        return rig
+
+    def _depth_rule(self, depth: float) -> str:
+        if self._limits.outside(np.array(depth)):
+            return self._limits.rule()
+        return f"jumps by more than {self._limits.jump:g} m, and nothing confirms it yet"
 
     def _value(self, values: Values, item: Item) -> Values:
         scaled: Values = values[:, self._column[item.code]] * item.scale

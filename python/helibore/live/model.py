@@ -11,6 +11,8 @@ from __future__ import annotations
 
 import json
 from collections import Counter
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 
 import numpy as np
@@ -21,6 +23,7 @@ from helibore.live import journal
 from helibore.live.clock import SECOND, ModelClock
 from helibore.live.configuration import Configuration
 from helibore.live.depth import Rig
+from helibore.live.depth_limits import CONFIRMED_WITHIN, HeldSample
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.image_rows import ImageRows
 from helibore.live.layout import Layout
@@ -38,6 +41,14 @@ PENDING = np.dtype(
      ("radius", "f8"), ("flags", "i8"), ("image", "i8"), ("row", "i8"), ("wall", "i8"),
      ("source", "i4"), ("number", "i4"), ("connection", "i4"), ("line", "i8")]
 )  # fmt: skip
+
+
+LATEST = 4e9
+"""Seconds since 1970: a later time of a sample (2096), or its negative, is wrong."""
+LARGEST_TOOLFACE = 1e6
+"""Degrees: a larger toolface, either way, is wrong."""
+LARGEST_RADIUS = 10.0
+"""Metres: a larger radius is wrong, from a host too."""
 
 
 class Model:
@@ -64,10 +75,10 @@ class Model:
         self.events = EventBook()
         self.counts: Counter[str] = Counter()
         self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
-        self.stations = Stations(configuration.path)
+        self.stations = Stations(configuration.path, configuration.depth)
         self.images: dict[str, ImageRows] = {}
         self.readers = {
-            number: reader_of(configuration.sources[name], self.events)
+            number: reader_of(configuration.sources[name], self.events, configuration.depth)
             for number, name in enumerate(sorted(configuration.sources), 1)
         }
         self.numbers = {name: number for number, name in enumerate(sorted(configuration.sources), 1)}
@@ -76,7 +87,8 @@ class Model:
         for image in self._image_list:
             self.images[image.name] = ImageRows(len(image.sectors), image.unit)
         self.clock = ModelClock()
-        self.rig = Rig(configuration.passes)
+        self.rig = Rig(configuration.passes, configuration.depth)
+        self._held = {number: HeldSample(configuration.depth) for number in self.readers}
         self._takes = {name: layer_of(names) for name, names in configuration.layers.items()}
         numbers = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
         self.passes = PassLog(numbers, self.events)
@@ -115,8 +127,10 @@ class Model:
         self.events.report(Event(wall, source, 0, 0, -1, rule, text))
 
     def _open(self, record: np.void, payload: bytes) -> None:
-        session = json.loads(payload or b"{}").get("session", "")
-        if session == self._session:
+        session = ""
+        with self._set_aside(record, "session header"):
+            session = str(json.loads(payload or b"{}").get("session", ""))
+        if session and session == self._session:
             return  # the same session goes on in a new segment
         self._session = session
         behind = self.clock.begin_session(int(record["wall"]), int(record["monotonic"]))
@@ -127,6 +141,16 @@ class Model:
 
     def _report(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
         self.events.report(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
+
+    @contextmanager
+    def _set_aside(self, record: np.void, what: str, source: str = "") -> Iterator[None]:
+        """Whatever fails here is reported and left out: nothing that a record holds may end the drawing."""
+        try:
+            yield
+        except Exception as error:
+            self.counts["set aside"] += 1
+            number, reason = int(record["sequence"]), f"{type(error).__name__}: {error}"
+            self._report(record, "aside", f"{what} of record {number}: {reason}: set aside", source)
 
     def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
         times = self.clock.times(records["monotonic"])
@@ -142,9 +166,13 @@ class Model:
         self.rig.settle()
         if found or len(self._pending):
             self._pending = np.concatenate([self._pending, *found])
-            self._place(int(times[-1]), update)
+            before = self._pending
+            with self._set_aside(records[-1], f"{len(before)} samples and image rows"):
+                self._place(int(times[-1]), update)
+            if self._pending is before:  # it failed before it knew what waits
+                self._pending = before[:0]
         oldest = int(self._pending["time"].min()) if len(self._pending) else int(times[-1])
-        self.rig.forget(min(oldest, int(times[-1]) - self._longest_latency))
+        self.rig.forget(min(oldest, int(times[-1]) - max(self._longest_latency, CONFIRMED_WITHIN)))
 
     def _read(
         self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
@@ -170,8 +198,9 @@ class Model:
                 texts = [] if closing else [payloads[row] for row in some.tolist()]
                 order = records["sequence"][some].astype(np.int64)
                 chunk = Chunk(number, texts, times[some], order, records["wall"][some], closing)
-                for reading in reader.read(chunk):
-                    found += self._use(reading, reader, update)
+                with self._set_aside(records[some[0]], f"{len(some)} packets", name):
+                    for reading in reader.read(chunk):
+                        found += self._use(reading, reader, update)
         return found
 
     def _watch_silence(
@@ -205,6 +234,9 @@ class Model:
             rows["depth"], rows["toolface"], rows["radius"] = reading.triples.T
             rows["flags"], rows["image"] = reading.triple_flags, -1
             rows["source"], rows["number"] = self.numbers[name], reading.pass_number[reading.triple_frame]
+            rows, wrong = self._held[self.numbers[name]].take(rows)
+            jumped = f"jumps by more than {self.configuration.depth.jump:g} m, and the next depth does not confirm it"
+            self._report_depths(wrong, lambda _: jumped)
             found.append(rows)
         for image, frame, depth, values, flags in reading.images:
             rows = self._pending_rows(reading, frame, image.latency, image.offset)
@@ -238,30 +270,45 @@ class Model:
         update: Update,
     ) -> list[Rows]:  # fmt: skip
         """What the host pushed: samples, stations, image rows, each with its depth."""
-        found = []
+        found: list[Rows] = []
         for row in rows.tolist():
-            kind, payload, time = int(records["kind"][row]), payloads[row], int(times[row])
-            if kind == journal.SAMPLES:
-                depth, toolface, radius, stamp = np.frombuffer(payload).reshape(4, -1)
-                pending = np.zeros(len(depth), PENDING)
-                pending["depth"], pending["toolface"], pending["radius"] = depth, wrapped(toolface), radius
-                pending["time"] = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
-                pending["order"], pending["image"] = int(records["sequence"][row]) << 20, -1
-                pending["received"] = pending["order"]
-                pending["wall"], pending["number"] = int(records["wall"][row]), NO_NUMBER
-                found.append(pending)
-            elif kind == journal.STATIONS:
-                for station in np.frombuffer(payload).reshape(3, -1).T.tolist():
-                    self._station(station, Event(int(records["wall"][row]), "", 0, 0, -1, "station", ""), update)
-            elif kind == journal.IMAGE:
-                head, _, values = payload.partition(b"\n")
-                name, sectors, unit, *layout = json.loads(head)
-                if layout:
-                    self.layouts[name] = Layout(*layout)
-                table = np.frombuffer(values).reshape(-1, sectors + 1)
-                image = self.images.setdefault(name, ImageRows(sectors, unit))
-                start, stop = image.append(table[:, 0], table[:, 1:])
-                update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+            with self._set_aside(records[row], "what the host pushed"):
+                found += self._pushed_record(records[row], payloads[row], int(times[row]), update)
+        return found
+
+    def _pushed_record(self, record: np.void, payload: bytes, time: int, update: Update) -> list[Rows]:
+        found: list[Rows] = []
+        kind = int(record["kind"])
+        if kind == journal.SAMPLES:
+            depth, toolface, radius, stamp = np.frombuffer(payload).reshape(4, -1)
+            good = (np.isnan(stamp) | (np.abs(stamp) <= LATEST)) & (radius > 0) & (radius <= LARGEST_RADIUS)
+            wrong = ~(good & (np.abs(toolface) <= LARGEST_TOOLFACE) & np.isfinite(depth))
+            stamp = np.where(wrong, np.nan, stamp)
+            pending = np.zeros(len(depth), PENDING)
+            pending["flags"] = np.where(wrong, int(Flag.RANGE), 0)
+            pending["depth"], pending["toolface"], pending["radius"] = depth, wrapped(toolface), radius
+            pending["time"] = np.where(np.isnan(stamp), time, np.nan_to_num(stamp) * SECOND)
+            pending["order"], pending["image"] = int(record["sequence"]) << 20, -1
+            pending["received"] = pending["order"]
+            pending["wall"], pending["number"] = int(record["wall"]), NO_NUMBER
+            found.append(pending)
+        elif kind == journal.STATIONS:
+            for station in np.frombuffer(payload).reshape(3, -1).T.tolist():
+                self._station(station, Event(int(record["wall"]), "", 0, 0, -1, "station", ""), update)
+        elif kind == journal.IMAGE:
+            head, _, values = payload.partition(b"\n")
+            name, sectors, unit, *layout = json.loads(head)
+            if layout:
+                self.layouts[name] = Layout(*layout)
+            table = np.frombuffer(values).reshape(-1, sectors + 1)
+            wrong = ~np.isfinite(table[:, 0]) | self.configuration.depth.outside(table[:, 0])
+            if wrong.any():
+                text = f"image {name}: depth {table[wrong, 0][0]:g} m: {self.configuration.depth.rule()}"
+                self._report(record, "range", text)
+            table = table[~wrong]
+            image = self.images.setdefault(name, ImageRows(sectors, unit))
+            start, stop = image.append(table[:, 0], table[:, 1:])
+            update.images[name] = (update.images.get(name, (start, 0))[0], stop)
         return found
 
     def _place(self, now: int, update: Update) -> None:
@@ -269,7 +316,14 @@ class Model:
         rows = self._pending
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
         flags = flags | rows["flags"]
+        flags[self.configuration.depth.outside(depth)] |= Flag.RANGE
         ready |= (rows["flags"] & int(NEVER_DRAWN)) != 0  # needs no depth
+        new = ready & ((flags & ~rows["flags"] & Flag.RANGE) != 0)
+        if new.any():
+            shown = rows[new]
+            shown["depth"] = depth[new]
+            orders = shown["received"].tolist()
+            self._report_depths(shown, lambda place: self.rig.depth_rule(float(shown["depth"][place]), orders[place]))
         self._pending = rows[~ready]
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
         flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known
@@ -280,6 +334,33 @@ class Model:
             self._draw(rows, depth, kind, flags, update)
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
+
+    def _report_depths(self, rows: Rows, rule: Callable[[int], str]) -> None:
+        """Report depths that cannot be true; ``rule(i)`` says what is wrong with row ``i``."""
+        if len(rows):
+            depths = rows["depth"].tolist()
+            self.passes.report(rows, np.arange(len(rows)), "range", lambda i: f"depth {depths[i]:g} m: {rule(i)}")
+
+    def _append(self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update) -> None:
+        """Append samples to a layer; where that fails, record by record, so that only the wrong record is left out."""
+        layer = self.layers[name]
+        try:
+            change = layer.append(*columns)
+        except (ValueError, MemoryError, RuntimeError) as error:
+            failure = error
+        else:
+            update.changes[name] = joined(update.changes.get(name), change)
+            return
+        records = rows["received"] >> 20
+        numbers = np.unique(records)
+        if len(numbers) == 1:
+            text = f"layer {name}: {len(rows)} samples: {str(failure) or type(failure).__name__}: set aside"
+            self.passes.report(rows, np.arange(1), "aside", lambda _: text)
+            self.counts["set aside"] += len(rows)
+            return
+        for number in numbers:
+            of = records == number
+            self._append(name, rows[of], tuple(column[of] for column in columns), update)
 
     def _draw(
         self, rows: Rows, depth: npt.NDArray[np.float64], kind: npt.NDArray[np.int64], flags: npt.NDArray[np.int64],
@@ -304,13 +385,13 @@ class Model:
         time = (rows["time"] - self.clock.began) / SECOND
         drawn = np.zeros(len(rows), bool)
         gaps = []
-        for name, layer in self.layers.items():
+        for name in self.layers:
             chosen = self._takes[name].chosen(kind, rows["number"])
             if not chosen.any():
                 continue
             drawn |= chosen
-            update.changes[name] = joined(update.changes.get(name), layer.append(
-                depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen]))  # fmt: skip
+            columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
+            self._append(name, rows[chosen], columns, update)
             gaps += self._depth_gaps(name, depth[chosen], np.flatnonzero(chosen))
         if gaps:
             self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])

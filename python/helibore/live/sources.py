@@ -21,6 +21,7 @@ from pydantic import AfterValidator, Field, PlainValidator
 
 from helibore.base import units
 from helibore.base.errors import InputError
+from helibore.base.nulls import NULLS
 from helibore.live import wits
 from helibore.live.address import Address, read_address
 from helibore.live.checks import Table, check, within
@@ -30,7 +31,6 @@ from helibore.live.pass_rules import PassNumbers, PassNumbersTable
 
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
 """Units of depths and of radii, for each unit set (LIVE items 0108 and 0844)."""
-STORE_NULLS = (-999.25, -9999.0)
 JUMPS = {"depth": 30.0, "time": 3600.0}
 INDEX = 1
 """The number of a store's index curve, whatever its mnemonic."""
@@ -491,7 +491,7 @@ def read_store(name: str, entries: Any, bit_diameter: float, reference: str) -> 
     )  # fmt: skip
     return Source(
         name=name, address=table.address, allow=(), mode="listen", every=table.every or 10.0, units="sent",
-        nulls=tuple(STORE_NULLS if table.nulls is None else table.nulls), limits=(1024, 65536, 512),
+        nulls=tuple(NULLS if table.nulls is None else table.nulls), limits=(1024, 65536, 512),
         silence=table.silence, replace_after=0.0, items=rig, caliper=caliper, images=tuple(images), survey=None,
         pass_number=pass_number,
         pass_numbers=table.pass_numbers.read(f"{place}.pass_numbers"), store=store,

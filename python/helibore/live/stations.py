@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from helibore.live.depth_limits import DepthLimits
 from helibore.trajectory.survey import Path, Survey
 
 
@@ -20,7 +21,8 @@ class Stations:
         Of all stations so far; None while there are fewer than two.
     """
 
-    def __init__(self, settings: dict[str, Any]) -> None:
+    def __init__(self, settings: dict[str, Any], limits: DepthLimits) -> None:
+        self._limits = limits
         self._settings = {**settings, "head": tuple(settings["head"])}
         first = self._settings.pop("stations")
         self._rows: dict[float, tuple[float, float]] = {}
@@ -41,6 +43,8 @@ class Stations:
         """
         if not math.isfinite(depth):
             return None, f"station at {depth:g} m: depth must be finite"
+        if self._limits.outside(np.array(depth)):
+            return None, f"station at {depth:g} m: {self._limits.rule()}"
         row = (inclination, azimuth)
         if self._rows.get(depth) == row:
             return None, ""

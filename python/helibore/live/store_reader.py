@@ -17,6 +17,7 @@ import numpy.typing as npt
 
 from helibore.base import units
 from helibore.live import witsml
+from helibore.live.depth_limits import DepthLimits
 from helibore.live.events import Event, EventBook
 from helibore.live.mapping import ABSENT, INVALID, NULL, VALUE, Chunk, Integers, Reading, SourceReader, Values
 from helibore.live.sources import INDEX, Curve, Source, Store
@@ -25,6 +26,8 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024
 """Rows whose cells are texts of their own at a time."""
 MOST_UNITS = 1000
+FUTURE = 86_400.0
+"""Seconds that the clock of a store may be ahead."""
 
 
 class StoreReader(SourceReader):
@@ -36,14 +39,14 @@ class StoreReader(SourceReader):
         Index of the last row read, as (text, unit); from there on is asked next. None before the first.
     """
 
-    def __init__(self, source: Source, events: EventBook) -> None:
-        super().__init__(source, events)
+    def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
+        super().__init__(source, events, limits)
         self._frames = witsml.Frames()
         self.last: tuple[str, str] | None = None
         self._last_key = -np.inf
         self._nulls = source.nulls
         self._bad_units: set[tuple[str, str]] = set()
-        self._reported_jump = -np.inf
+        self._reported_jump = self._reported_index = -np.inf
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the answers that ``chunk`` completes."""
@@ -101,7 +104,7 @@ class StoreReader(SourceReader):
         self.counts["nulls"] += int(np.count_nonzero(states == NULL))
         self.counts["not_numbers"] += int(np.count_nonzero(states == INVALID))
         flags = np.zeros(len(numbers), np.int64)
-        reading.rig = {name: self._value(values, item) for name, item in self.source.items.items()}
+        reading.rig = self._rig(values, reading)
         self._events.report_rows(self._wrong_numbers(values), lambda row: self._wrong_number(row, reading, values))
         reading.pass_number = self._pass_numbers(values, states, flags)
         self._triples(reading, values, states, flags)
@@ -131,10 +134,21 @@ class StoreReader(SourceReader):
                 if key - self._last_key > store.jump and not (after is not None and key < after <= key + store.jump):
                     self._report_jump(texts[place], key, store, wall, place + 1)
                     continue
+                if wrong := self._index_rule(key, store.index, wall):
+                    if key != self._reported_index:
+                        self._report(wall, "index", f"index {texts[place][:60]}: {wrong}: not read", place + 1)
+                    self._reported_index = key
+                    continue
                 self._last_key = key
                 self.last = texts[place], log.units[0] if store.index == "depth" else ""
                 new.append(place + 1)
         return new
+
+    def _index_rule(self, key: float, index: str, wall: int) -> str:
+        """What is wrong with an index, "" where it can be true; a wrong one would hide all rows to come."""
+        if index == "depth":
+            return self._limits.rule() if self._limits.outside(np.array(key)) else ""
+        return "is in the future" if key > wall / 1e9 + FUTURE else ""
 
     def _report_jump(self, text: str, key: float, store: Store, wall: int, line: int) -> None:
         if key == self._reported_jump:  # the store sends it again with every answer
@@ -226,9 +240,9 @@ class StoreReader(SourceReader):
         return reading
 
 
-def reader_of(source: Source, events: EventBook) -> SourceReader:
+def reader_of(source: Source, events: EventBook, limits: DepthLimits) -> SourceReader:
     """Return what reads the bytes of ``source``."""
-    return StoreReader(source, events) if source.store else SourceReader(source, events)
+    return (StoreReader if source.store else SourceReader)(source, events, limits)
 
 
 _STATION_KINDS = (units.LENGTH, units.ANGLE, units.ANGLE)

@@ -13,10 +13,11 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
+from helibore.base import nulls
 
 Rows = npt.NDArray[np.void]
 
-NULLS = (-9999.0, -8888.0, -999.25, -9999.25)
+NULLS = (*nulls.NULLS, -8888.0)
 """Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` is one too."""
 
 NULL = 1

@@ -173,7 +173,7 @@ def key(event):
 def test_events_of_one_rule_are_joined_and_a_replay_tells_the_same_whatever_the_window(tmp_path, monkeypatch):
     clock, draw = Clock(), np.random.default_rng(12)
     bad = [b"stray\r\n", b"!!\r\n", wits.frame([(5010, "1"), (5011, "101"), (5012, "x")]), FRAMES[7], FRAMES[2],
-           b"&&\r\n50", wits.frame([(5004, "9"), (5010, "3"), (5011, "500"), (5012, "110")]),
+           b"&&\r\n50", wits.frame([(5004, "9"), (5010, "3"), (5011, "180"), (5012, "110")]),
            station(60, 190, 0)]  # fmt: skip
     stream = []
     with Live(parse(SENT), tmp_path, clock=clock) as live:

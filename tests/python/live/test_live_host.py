@@ -216,7 +216,7 @@ def test_joined_ranges_cover_all_and_close_the_narrowest_gaps(found, most):
 
 
 def test_a_host_that_never_polls_holds_little():
-    live = Live(parse(live_pushes.CONFIGURATION))
+    live = Live(parse(live_pushes.CONFIGURATION + "[depth]\ndepth_range = [0, 30000]\n"))
     live.append_samples([20_000.0], [0.0], [0.11])
     live.poll()
     for i in range(1500):

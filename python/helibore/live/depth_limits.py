@@ -1,0 +1,118 @@
+"""Which depths can be true: the table ``[depth]``, and the watch over depths that jump.
+
+2010.1  2010.2  9840.0  2010.3             one jump alone: wrong
+2010.1  2010.2  1800.0  1800.1  1800.2     a jump that the next depth confirms: the tool was lifted
+"""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import numpy as np
+import numpy.typing as npt
+from pydantic import AfterValidator
+
+from helibore.live.checks import Table, within
+from helibore.live.clock import SECOND
+from helibore.live.events import Flag
+
+CONFIRMED_WITHIN = 600 * SECOND
+"""A jump counts only if the next sample confirms it within this time."""
+Values = npt.NDArray[np.float64]
+Rows = npt.NDArray[np.void]
+
+
+def _ordered(limits: list[float]) -> list[float]:
+    if len(limits) != 2 or not limits[0] < limits[1]:
+        raise ValueError("must be [least, most] in metres, least < most")
+    return limits
+
+
+class DepthLimits(Table):
+    """The range of depths, the longest step between two, and how far below the hole a sensor may be; metres."""
+
+    depth_range: Annotated[list[float], AfterValidator(_ordered)] = [0.0, 15_000.0]
+    jump: Annotated[float, within(0.1)] = 100.0
+    beyond_hole: Annotated[float, within(0)] = 10.0
+
+    def outside(self, depth: Values) -> npt.NDArray[np.bool_]:
+        """Return which depths are outside the range; NaN is not."""
+        wrong: npt.NDArray[np.bool_] = (depth < self.depth_range[0]) | (depth > self.depth_range[1])
+        return wrong
+
+    def rule(self) -> str:
+        """Return the rule of the range."""
+        return f"must be in depth_range [{self.depth_range[0]:g}, {self.depth_range[1]:g}]"
+
+
+class Steps:
+    """Watches the bit's or the hole's depth: a value that jumps counts only if the one after it does not jump back."""
+
+    def __init__(self, limits: DepthLimits) -> None:
+        self._limits = limits
+        self._last = self._rejected = np.nan
+
+    def wrong(self, values: Values) -> npt.NDArray[np.int64]:
+        """Return the rows of the values that are wrong."""
+        wrong = self._limits.outside(values)
+        known = np.flatnonzero(np.isfinite(values) & ~wrong)
+        steps = np.abs(np.diff(np.concatenate([[self._last], values[known]])))
+        if np.isnan(self._rejected) and not (steps > self._limits.jump).any():
+            self._last = values[known[-1]] if len(known) else self._last
+            return np.flatnonzero(wrong)
+        for row in known.tolist():
+            value = values[row]
+            near = [abs(value - other) <= self._limits.jump for other in (self._last, self._rejected)]
+            if np.isnan(self._last) or any(near):
+                self._last, self._rejected = value, np.nan
+            else:
+                wrong[row], self._rejected = True, value
+        return np.flatnonzero(wrong)
+
+
+class HeldSample:
+    """Watches the depths that one source sends with its samples, and holds a sample that jumps until the next one."""
+
+    def __init__(self, limits: DepthLimits) -> None:
+        self._limits = limits
+        self._last = np.nan
+        self._held: Rows | None = None
+
+    def take(self, rows: Rows) -> tuple[Rows, Rows]:
+        """Return the rows to place, in order of arrival, and those among them whose jump nothing confirmed.
+
+        The latter have the flag RANGE. The last row is held while it jumps.
+        """
+        if self._held is not None:
+            rows = np.concatenate([self._held, rows])
+        depth = rows["depth"]
+        known = np.flatnonzero(
+            (depth == depth) & ~self._limits.outside(depth) & ((rows["flags"] & ~int(DRAWABLE)) == 0)
+        )
+        steps = np.abs(np.diff(np.concatenate([[self._last], depth[known]])))
+        if self._held is None and not (steps > self._limits.jump).any():
+            self._last = depth[known[-1]] if len(known) else self._last
+            return rows, rows[:0]
+        self._held = None
+        jumped = -1
+        wrong: list[int] = []
+        for row in known.tolist():
+            near_last = np.isnan(self._last) or abs(depth[row] - self._last) <= self._limits.jump
+            if jumped >= 0:
+                soon = rows["time"][row] - rows["time"][jumped] <= CONFIRMED_WITHIN
+                if soon and not near_last and abs(depth[row] - depth[jumped]) <= self._limits.jump:
+                    near_last = True  # it confirms the jump
+                else:
+                    wrong.append(jumped)
+                jumped = -1
+            if near_last:
+                self._last = depth[row]
+            else:
+                jumped = row
+        rows["flags"][wrong] |= int(Flag.RANGE)
+        if jumped >= 0:
+            self._held, rows = rows[jumped:], rows[:jumped]
+        return rows, rows[wrong]
+
+
+DRAWABLE = Flag.OFF_BOTTOM | Flag.GAP_BEFORE | Flag.LATE
