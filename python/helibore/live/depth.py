@@ -21,6 +21,7 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
+from helibore.base import units
 from helibore.live.clock import SECOND
 from helibore.live.depth_limits import DepthLimits
 from helibore.live.events import Flag
@@ -28,7 +29,7 @@ from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRul
 
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
-FOOT = 0.3048
+FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
 """A sent depth whose ratio to the bit's is that of feet to metres, to this share, was read in the wrong unit."""
 DEEP_ENOUGH = 100.0
