@@ -2,9 +2,9 @@
 
     exit code 0   done
               2   the input, the options or the disk: one line on stderr that names the place, the value and the rule
-              1   helibore itself: a traceback
+              1   an error in helibore itself: a traceback
 
-Not here: any work. Each verb turns its options into calls of the library and prints what came of it.
+Each verb turns its options into calls of the library and prints the result.
 """
 
 from __future__ import annotations
@@ -17,6 +17,8 @@ from typing import IO, Any
 
 import click
 
+from helibore.base.errors import MissingExtraError
+
 VERBS = {
     "demo": "helibore.cli.demo:demo",
     "inspect": "helibore.cli.inspect:inspect",
@@ -24,8 +26,8 @@ VERBS = {
     "logs": "helibore.cli.logs:logs",
     "mesh": "helibore.cli.mesh:mesh",
     "plot": "helibore.cli.plot:plot",
-    "reconstruct": "helibore.cli.reconstruct:reconstruct",
-    "report": "helibore.cli.report:report",
+    "reconstruct": "helibore.cli.mesh:reconstruct",
+    "report": "helibore.cli.plot:report",
     "simulate": "helibore.cli.simulate:simulate",
     "view": "helibore.cli.view:view",
 }
@@ -33,7 +35,7 @@ VERBS = {
 
 
 class BadInput(click.ClickException):
-    """What the user can put right: shown in one line, exit code 2."""
+    """An error that the user can put right: shown in one line, exit code 2."""
 
     exit_code = 2
 
@@ -55,11 +57,7 @@ def _one_line_errors() -> Iterator[None]:
         raise
     except OSError as error:
         raise BadInput(f"{error.filename}: {error.strerror}" if error.filename else str(error)) from error
-    except ValueError as error:
-        raise BadInput(str(error)) from error
-    except ImportError as error:
-        if "helibore[" not in str(error):  # an extra that is not installed, against an import of ours that fails
-            raise
+    except (ValueError, MissingExtraError) as error:
         raise BadInput(str(error)) from error
 
 
@@ -91,7 +89,7 @@ class Verbs(click.Group):
 
 def _show_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
     if wanted and not ctx.resilient_parsing:
-        from helibore import __version__
+        from helibore._core import __version__
 
         click.echo(f"helibore {__version__}")
         ctx.exit()

@@ -6,8 +6,9 @@ from pathlib import Path
 
 import click
 
+from helibore.base.errors import InputError
+from helibore.cli.lines import summary_lines
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_lines import wall_lines
 
 DEPTH_SCALE, DPI = 250, 120
 """Of the picture: 50 m of hole on 200 mm."""
@@ -29,7 +30,7 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
 
     require_matplotlib()
     if not output.is_dir():
-        raise ValueError(f"{output}: the folder must be there")
+        raise InputError(str(output), "the folder must exist")
     terminal = Terminal(quiet)
     with terminal.stage("simulate", "Drilling the simulated hole"):
         simulation = drill(seed)
@@ -48,7 +49,7 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
         )
         figure = plot.overview(wall, title=title, subtitle=subtitle, scale=DEPTH_SCALE, dpi=DPI)
         plot.save(figure, output / "helibore-demo.png")
-    lines = wall_lines(wall, len(surface.quads), 2.0 * float(simulation.radius.mean()))
+    lines = summary_lines(wall.summary(), f", {len(surface.quads):,} quads")
     lines += [
         ("truth", f"rebuilt minus true radius: rms {off.rms * 1e3:.2f} mm, mean {off.mean * 1e3:+.2f} mm"),
         ("", f"half of the vertices within {off.median * 1e3:.2f} mm, 99 % within {off.most * 1e3:.2f} mm; "

@@ -1,52 +1,79 @@
-"""``helibore mesh``: a wall with its images as a mesh, or thickened into hexahedra: also of a hole without a caliper.
+"""``helibore reconstruct`` and ``helibore mesh``: a wall as a mesh, a volume of hexahedra, or an archive.
 
-    SOURCE, --average or --gauge --> wall --images, survey--> surface, or volume by --shell --> file
-
-What samples are made of is the business of ``reconstruct``; this writes what is a wall already, or no measured shape.
+Both commands do the same with the same options: `reconstruct` is the usual name for caliper files, `mesh` for an
+archive, an average caliper or a gauge hole.
 """
 
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import click
 import numpy as np
 
-from helibore.cli.plot import check_folder
-from helibore.cli.quantities import LENGTH
-from helibore.cli.reading import FILE, SURVEY_FILE, open_survey, refuse_beside_settings, taking
+from helibore.base.errors import InputError
+from helibore.cli.lines import Lines, summary_lines
+from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
+from helibore.cli.quantities import FILE, LENGTH
+from helibore.cli.source import Sectioned, many, one, open_run, section, takes_a_wall
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_lines import written_lines
-from helibore.cli.wall_source import SETTINGS, Sourced, takes_a_wall, wall_from
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.mesh.surface import Surface
 from helibore.mesh.volume import Volume
-from helibore.runs.mesh_settings import inputs, read_mesh_settings, write_mesh_settings
-from helibore.trajectory.references import Reference
-from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.archive import ENDING as ARCHIVE
-from helibore.wall.wall import Wall
 
+if TYPE_CHECKING:
+    from helibore.base.arrays import Floats
+    from helibore.preparation.eccentering import Centres
+    from helibore.runs.run import Run
+    from helibore.wall.wall import Wall
+
+ENDINGS = (*SURFACE_ENDINGS, ARCHIVE)
+TABLES = (".csv", ".csv.gz", ".npz")
 COLORED = (".glb", ".ply")
 COLORLESS = (ARCHIVE, ".obj", ".stl")
-WHOLE = (ARCHIVE, SETTINGS)  # sources that say themselves from where to where their wall goes
 
-
-@click.command()
-@click.option("-o", "--output", type=FILE, required=True, help=f"To write: {', '.join(SURFACE_ENDINGS)}, or .wall.")
-@click.option(
-    "--shell", "shells", type=LENGTH, multiple=True,
-    help=f"Thickness beyond the wall, rising: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}); repeatable.",
+takes_a_mesh = section(
+    "Options",
+    OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive that reopens."),
+    many("--shell shells", f"Thickness beyond the wall: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}).",
+         type=LENGTH),
+    one("--color-by", "An image, difference or radius, for GLB, PLY and VTK.  [the first image, else radius]",
+        metavar="NAME"),
+    one("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
+        type=FILE),
+    QUIET,
 )  # fmt: skip
-@click.option("--color-by", metavar="NAME", help="An image, or radius: of GLB, PLY and VTK.  [the first, else radius]")
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+
+
+@click.command(cls=Sectioned, short_help="Caliper files and a survey to a mesh.")
+@takes_a_mesh
 @takes_a_wall
-@taking(*SURVEY_FILE)
-@click.option("--from-settings", type=FILE, help="Repeat the mesh these settings were written beside; with -o only.")
-@click.pass_context
-def mesh(ctx: click.Context, /, from_settings: Path | None, **options: Any) -> None:
-    """A wall with its images as a mesh.
+def reconstruct(**options: Any) -> None:
+    """Build a mesh of the borehole wall from caliper files and a survey.
+
+    \b
+    helibore reconstruct caliper.csv --survey survey.csv -o wall.glb --bit-diameter 8.5in
+    helibore reconstruct xy.csv.gz --diameter x_in@0 --diameter y_in@90 --from 3080 --to 3240m \\
+                         -o wall.glb --bit-diameter 6.2in
+    helibore reconstruct run1.las run2.las --map map.toml --drop-spikes 6 --find-shifts --compare-with 1 \\
+                         -o wall.glb --bit-diameter 216mm
+    helibore reconstruct --from-settings wall.glb.toml -o again.glb
+
+    SOURCE is CSV, Parquet, LAS, DLIS, JSON, WITSML or NPZ; several files are passes over one hole, earliest first. The
+    meaning of each column is guessed from names and units, and printed; `helibore inspect` prints the map to change it.
+    Beside wall.glb stands wall.glb.toml, which repeats the run. A .wall keeps samples, settings, path and images, and
+    reopens (hb.load).
+    """
+    _write("reconstruct", options)
+
+
+@click.command(cls=Sectioned, short_help="A wall with its images as a mesh or a volume.")
+@takes_a_mesh
+@takes_a_wall
+def mesh(**options: Any) -> None:
+    """Build a mesh or a volume of a wall with its images, also of a hole without a caliper.
 
     \b
     helibore mesh --gauge --bit-diameter 8.5in --image mem.las:ABDC:edge --survey survey.csv -o well.glb
@@ -54,73 +81,73 @@ def mesh(ctx: click.Context, /, from_settings: Path | None, **options: Any) -> N
     helibore mesh well.wall --shell 5cm --shell 20cm -o volume.vtkhdf
     helibore mesh --from-settings volume.vtkhdf.toml -o again.vtkhdf
 
-    SOURCE and what makes the wall of it are those of `helibore plot`: a hole without a caliper will do. Every shell has
-    the values of the images. Beside well.glb stands well.glb.toml, with which it can be repeated.
+    SOURCE is an archive (.wall), caliper files, or the settings beside an output. Every shell has the values of the
+    images. Beside well.glb stands well.glb.toml, which repeats the run.
     """
-    if from_settings is None:
-        return _make(ctx.command, options, "")
-    refuse_beside_settings(ctx, ("output", "quiet", "from_settings"))
-    found = read_mesh_settings(from_settings, ctx.command)
-    words = [f"--output={options['output']}", *(["--quiet"] if options["quiet"] else []), *found.words]
-    with ctx.command.make_context(ctx.info_name, words, parent=ctx.parent) as again:
-        return _make(ctx.command, again.params, found.blake2b)
+    _write("mesh", options)
 
 
-def _make(command: click.Command, options: dict[str, Any], expected: str) -> None:
-    """Make a mesh, and its settings beside it; ``expected`` is the checksum it had, where it is repeated."""
-    output, shells, color_by = options["output"], options["shells"], options["color_by"]
-    endings = (*VOLUME_ENDINGS,) if shells else (*SURFACE_ENDINGS, ARCHIVE)
-    if output.suffix.lower() not in endings:
-        raise ValueError(f"{output}: the ending must be one of {', '.join(endings)}")
-    _check_heeded(output, shells, color_by, options)
-    check_folder(output)
-    from helibore.runs.run import placing
-    from helibore.runs.run_settings import checksum, settings_file
-
-    files = inputs(options)
-    for file in files:
-        if file.resolve() in (output.resolve(), settings_file(output).resolve()):
-            raise ValueError(f"{output}: would be written over {file}, which it is made from")
+def _write(verb: str, options: dict[str, Any]) -> None:
+    output, centres = options["output"], options["centres"]
     terminal = Terminal(options["quiet"])
-    path, told = _path(options)
-    found = wall_from(options, terminal, path)
-    ends = (options["start_depth"], options["stop_depth"])
-    with terminal.stage("place", "Placing"), placing(found.wall, options["survey"] or options["source"]):
-        made = _volume(found.wall, shells, *ends) if shells else found.wall.surface("own", *ends)
+    _check_before(options)
+    run = open_run(options, terminal, (output, *([centres] if centres else [])))
+    options = own_options(run, verb, options)
+    ends = _interval(run, options)
+    _check_after(options, ends)
+    from helibore.runs.run import make_wall, placing
+
+    make_wall(run, options["threads"], terminal.stage)
+    wall = run.wall
+    with terminal.stage("place", f"Placing {len(wall):,} vertices"), placing(run):
+        made = _volume(wall, options["shells"], *ends) if options["shells"] else wall.surface("own", *ends)
+    _check_cells(run, made)
     with terminal.stage("save", f"Writing {output.name}"):
-        read = {file: checksum(file) for file in files}
-        _save(found.wall, made, output, color_by)
-        blake2b = checksum(output)
-        write_mesh_settings(command, options, read, blake2b)
-    wrote = written_lines(output, blake2b, expected)
-    terminal.summary([*told, *found.told, *_lines(found, made), ("time", terminal.times()), *wrote])
+        _save(wall, made, output, options["color_by"])
+        if centres is not None and run.prepared is not None and run.prepared.centres is not None:
+            _write_centres(run.prepared.centres, run.prepared.centre_depth, centres)
+        saved = save_lines(run, output, verb, options, [centres] if centres else [])
+    if not options["quiet"]:
+        terminal.summary([*run.messages, *_lines(run, made, ends), *saved, ("time", terminal.times())])
 
 
-def _check_heeded(output: Path, shells: tuple[float, ...], color_by: str | None, options: dict[str, Any]) -> None:
-    """Refuse what the output would not heed: colours where it has none, an interval of a wall that is kept whole."""
-    ending, source = output.suffix.lower(), options["source"]
-    if color_by is not None and (shells or ending in COLORLESS):
-        raise click.UsageError(f"--color-by: has no say in {'a volume' if shells else ending}, which has no colours")
-    if ending != ARCHIVE or source is None or source.suffix.lower() not in WHOLE:
+def _check_before(options: dict[str, Any]) -> None:
+    output, centres = options["output"], options["centres"]
+    check_file(output, VOLUME_ENDINGS if options["shells"] else ENDINGS)
+    if centres is not None:
+        check_file(centres, TABLES)
+        if not options["recentre"] and options["from_settings"] is None:
+            raise click.UsageError("--centres: needs --recentre")
+    if options["color_by"] == "difference" and not options["earlier"] and options["source"][1:]:
+        raise click.UsageError("--color-by difference: needs --compare-with")
+
+
+def _interval(run: Run, options: dict[str, Any]) -> tuple[float | None, float | None]:
+    """The interval to write: the whole wall, where the wall is built for the interval of the options."""
+    ends, wall = (options["start_depth"], options["stop_depth"]), run.settings.wall
+    return (None, None) if wall is not None and set(ends) == {wall.start_depth, wall.stop_depth} else ends
+
+
+def _check_after(options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
+    """Refuse what the output would not show: colours where it has none, an interval of a wall that is kept whole."""
+    output, ending = options["output"], options["output"].suffix.lower()
+    check_file(output, VOLUME_ENDINGS if options["shells"] else ENDINGS)
+    if options["color_by"] is not None and (options["shells"] or ending in COLORLESS):
+        kind = "a volume" if options["shells"] else ending
+        raise click.UsageError(f"--color-by: does not go with {kind}, which has no colours")
+    for option, end in zip(("--from", "--to"), ends, strict=True):
+        if end is not None and ending == ARCHIVE:
+            raise click.UsageError(f"{option}: does not go with {ending}, which holds the whole wall")
+
+
+def _check_cells(run: Run, made: Surface | Volume) -> None:
+    if len(made.hexes if isinstance(made, Volume) else made.quads):
         return
-    for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
-        if options[name] is not None:
-            raise click.UsageError(f"{option}: has no say in {ending}, which holds all of {source.name}")
-
-
-def _path(options: dict[str, Any]) -> tuple[WellPath | None, list[tuple[str, str]]]:
-    """The path of the survey, where there is one."""
-    from helibore.runs.run import first_station
-
-    file = open_survey(options)
-    if file is None:
-        return None, []
-    survey = file.one.survey(file.roles)
-    stations = f"{file.file.name}: {survey.depth.size} stations, {survey.depth[0]:g} to {survey.depth[-1]:g} m"
-    reference: Reference = options["reference"] or "high-side"
-    path = survey.path(reference=reference, head=options["head"], extend=options["extend"])
-    origin = first_station(file, survey, options["head"])
-    return path, [("survey", stations), *([("", origin)] if origin else [])]
+    depth, pitch = run.wall.depth, abs(run.wall.settings.pitch)
+    low, high = depth.min(initial=np.inf), depth.max(initial=-np.inf)
+    rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
+    name = run.readings[0].name if run.readings else run.name
+    raise InputError(name, f"no quads: {rule}")
 
 
 def _volume(wall: Wall, shells: tuple[float, ...], start: float | None, stop: float | None) -> Volume:
@@ -151,17 +178,40 @@ def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any
     if output.suffix.lower() not in COLORED or not there.size:
         return {}
     color_map = customary_map(wall.images[name].name, wall.images[name].unit)
-    low, high = np.percentile(there, PERCENTILES)
-    limits = (float(low), float(high)) if low < high else None
-    return {"limits": limits, "color_map": color_map, "log": color_map == "resistivity"}
+    low, high = np.percentile(there, PERCENTILES).tolist()
+    return {"limits": (low, high) if low < high else None, "color_map": color_map, "log": color_map == "resistivity"}
 
 
-def _lines(found: Sourced, made: Surface | Volume) -> list[tuple[str, str]]:
-    from helibore.samples.caliper import BASIS_TEXT
+def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
+    """Write the tool's centre in each turn as a table."""
+    from helibore.files.table_writing import write_table
 
-    cells = f"{len(made.hexes):,} hexahedra" if isinstance(made, Volume) else f"{len(made.quads):,} quads"
-    lines = [("wall", f"{BASIS_TEXT[found.wall.basis]}; {cells}")]
+    columns: dict[str, tuple[Floats, int]] = {
+        "depth_m": (np.empty(0) if depth is None else depth, 4),
+        "turn": (found.turn.astype(np.float64), 0),
+        **{f"{name}_m": (getattr(found, name), 7) for name in ("x", "y", "sigma_x", "sigma_y", "eccentering")},
+        "direction_deg": (found.direction, 2),
+        **{f"{name}_m": (getattr(found, name), 7) for name in ("mean_radius", "noise")},
+        "inliers": (found.inliers, 4),
+        "one_sided": (found.one_sided, 4),
+        "samples": (found.samples.astype(np.float64), 0),
+    }
+    write_table(file, columns)
+
+
+def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | None]) -> Lines:
+    cells = f", {len(made.hexes):,} hexahedra" if isinstance(made, Volume) else f", {len(made.quads):,} quads"
+    lines = summary_lines(run.wall.summary(*ends), cells)
     for name, values in made.attributes.items():
-        missing = int(np.count_nonzero(np.isnan(values)))
-        lines.append(("missing", f"{missing:,} of {values.size:,} cells have no {name}"))
+        known = values[np.isfinite(values)]
+        missing = values.size - known.size
+        if name == "difference" and known.size:
+            middle = (
+                f"{1e3 * np.median(known):+.2f} mm in the median, {1e3 * known.min():+.2f} to {1e3 * known.max():+.2f}"
+            )
+            lines.append(
+                (name, f"wall less that of the earlier passes: {middle}; {known.size:,} of {values.size:,} quads")
+            )
+        else:
+            lines.append(("missing", f"{missing:,} of {values.size:,} cells have no {name}"))
     return lines

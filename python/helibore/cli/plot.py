@@ -1,140 +1,150 @@
-"""``helibore plot SOURCE -o log.pdf``: the log of a wall on paper, at a true scale.
+"""``helibore plot`` and ``helibore report``: a wall as a log on paper, or as one HTML page.
 
-Options become a `Drawing` here; what is drawn, and where, is ``helibore.plot``'s business.
+Options become a `Drawing` here; ``helibore.plot`` draws it.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH
-from helibore.cli.reading import FILE
+from helibore.cli.source import Sectioned, many, one, open_run, section, takes_a_wall
 from helibore.cli.terminal import Terminal
-from helibore.cli.wall_source import Sourced, takes_a_wall, wall_from
 
 if TYPE_CHECKING:
     from helibore.plot import Look
+    from helibore.runs.run import Run
 
-DRAWING = (
-    click.option("--well", help="Title.  [name of the file]"),
-    click.option("--scale", metavar="N", help="Depth scale, 200 or 1:200.  [the finest usual one that fits]"),
-    click.option("--unit", type=click.Choice(["in", "mm"]), default="in", show_default=True, help="Of diameters."),
-    click.option(
-        "--curve", "curves", type=click.Choice(["C1", "C2", "D0", "D90", "none"]), multiple=True,
-        help="Of the caliper track: largest, across it, across 0 and 90; repeatable.  [C1, C2]",
-    ),
-    click.option(
-        "--left", type=click.Choice(["0", "90", "180", "270"]), default="0", show_default=True,
-        help="Toolface at the left edge of images; 180 puts up in the middle.",
-    ),
-    click.option(
-        "--elevation", type=LENGTH, help="From sea level up to the zero of depths: true depths are TVDSS.  [TVD]"
-    ),
-    click.option("--limits", metavar="NAME=LOW,HIGH", multiple=True, help="Ends of an image's colours, in its unit."),
-    click.option("--color-map", "color_maps", metavar="NAME=MAP", multiple=True, help="Colour map of an image."),
-    click.option("--log", "logs", metavar="NAME", multiple=True, help="Colours of this image follow the logarithm."),
-    click.option("--linear", metavar="NAME", multiple=True, help="They do not, though it is a resistivity."),
-    click.option("--dynamic", metavar="NAME=LENGTH", multiple=True, help="Normalise an image in a sliding window."),
-    click.option("--polar", type=LENGTH, multiple=True, help="Depth of a cross section; repeatable.  [up to four]"),
-    click.option("--no-polar", is_flag=True, help="No cross sections."),
-    click.option("--body", type=LENGTH, nargs=2, help="Stretch of the 3-D view.  [the 12 m with most relief]"),
-    click.option("--no-body", is_flag=True, help="No 3-D view."),
-    click.option("--dpi", type=click.IntRange(30, 1200), default=150, show_default=True, help="Pixels an inch."),
-    click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors."),
+PAGES = (".html", ".htm")
+
+takes_a_drawing = section(
+    "Drawing",
+    one("--well", "Title.  [name of the file]"),
+    one("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
+    one("--unit", "Unit of diameters.", type=click.Choice(["in", "mm"]), default="in"),
+    many("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
+         type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
+    one("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
+        type=click.Choice(["0", "90", "180", "270"]), default="0"),
+    one("--elevation", "From sea level up to the zero of depths: true depths are TVDSS.  [TVD]", type=LENGTH),
+    many("--limits", "Ends of an image's colours, in its unit.", metavar="NAME=LOW,HIGH"),
+    many("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
+    many("--log logs", "Colours of this image follow the logarithm.", metavar="NAME"),
+    many("--linear", "Colours of this image do not follow the logarithm, although it is a resistivity.",
+         metavar="NAME"),
+    many("--dynamic", "Normalise an image in a sliding window.", metavar="NAME=LENGTH"),
+    many("--polar", "Depth of a cross section.  [up to four]", type=LENGTH),
+    one("--no-polar", "No cross sections.", is_flag=True),
+    one("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
+    one("--no-body", "No 3-D view.", is_flag=True),
+    one("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
 )  # fmt: skip
 
 
-def takes_a_drawing(command: Callable[..., Any]) -> Callable[..., Any]:
-    """Give a command the options that say how a wall is drawn."""
-    for option in reversed(DRAWING):
-        command = option(command)
-    return command
-
-
-@click.command(short_help="A log on paper: PNG, SVG or PDF at a true scale.")
-@takes_a_wall
-@click.option("-o", "--output", type=FILE, required=True, help="Picture to write: .png, .svg or .pdf.")
-@click.option(
-    "--paper", type=click.Choice(["a4", "a3", "roll"]), default="a4", show_default=True,
-    help="Of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
+@click.command(cls=Sectioned, short_help="A log on paper: PNG, SVG or PDF at a true scale.")
+@section(
+    "Options",
+    OUTPUT("Picture to write: .png, .svg or .pdf."),
+    one("--paper", "Of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
+        type=click.Choice(["a4", "a3", "roll"]), default="a4"),
+    QUIET,
 )  # fmt: skip
 @takes_a_drawing
-def plot(output: Path, paper: str, quiet: bool, **options: Any) -> None:
+@takes_a_wall
+def plot(**options: Any) -> None:
     """Draw the log of a wall: caliper, radius and images, cross sections, 3-D view.
-
-    SOURCE is an archive of a wall (.wall), a caliper file with the columns that `reconstruct` takes, or the settings
-    it wrote beside a mesh (wall.glb.toml), which repeat its conditioning, too.
 
     \b
     helibore plot well.wall -o well.pdf --scale 1:500
     helibore plot xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.png
     helibore plot --gauge --bit-diameter 8.5in --image mem.las:ABDC:centre -o images.pdf
+    helibore plot wall.glb.toml -o wall.pdf
+
+    SOURCE is an archive (.wall), caliper files, or the settings beside an output, whose wall is then drawn. Beside
+    well.pdf stands well.pdf.toml, which repeats the run.
     """
-    check_output(output)
-    terminal = Terminal(quiet)
-    found = wall_from(options, terminal)
     from helibore import plot as drawn
-    from helibore.plot.paper import MM
-
-    settings = drawing_options(options, found)
-    with terminal.stage("draw", "Drawing"):
-        roll = paper == "roll" or output.suffix.lower() != ".pdf"
-        figures = [drawn.log(found.wall, **settings)] if roll else drawn.pages(found.wall, paper, **settings)
-    with terminal.stage("save", f"Writing {output.name}"):
-        drawn.save(figures, output)
-    width, height = figures[0].get_size_inches() * MM
-    pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
-    terminal.summary([
-        *found.told,
-        ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm"),
-        ("time", terminal.times()),
-        ("wrote", f"{output} ({output.stat().st_size / 1e6:,.1f} MB)"),
-    ])  # fmt: skip
-
-
-def check_output(output: Path) -> None:
-    """Refuse before the work what would fail after it."""
-    from helibore.plot.paper import require_matplotlib
+    from helibore.plot.paper import MM, require_matplotlib
     from helibore.plot.save import check_ending
 
+    output = options["output"]
     check_ending(output)
-    check_folder(output)
+    check_file(output, (output.suffix,))
     require_matplotlib()
+    terminal = Terminal(options["quiet"])
+    run, options, drawing = _drawing("plot", options, terminal)
+    with terminal.stage("draw", "Drawing"):
+        roll = options["paper"] == "roll" or output.suffix.lower() != ".pdf"
+        figures = [drawn.log(run.wall, **drawing)] if roll else drawn.pages(run.wall, options["paper"], **drawing)
+    with terminal.stage("save", f"Writing {output.name}"):
+        drawn.save(figures, output)
+        saved = save_lines(run, output, "plot", options)
+    width, height = figures[0].get_size_inches() * MM
+    pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
+    paper = ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm")
+    terminal.summary([*run.messages, paper, *saved, ("time", terminal.times())])
 
 
-def check_folder(output: Path) -> None:
-    """Refuse a file in a folder that is not there, and a folder in a file's place."""
-    if not output.parent.is_dir():
-        raise ValueError(f"{output}: the folder {output.parent} must be there")
-    if output.is_dir():
-        raise ValueError(f"{output}: is a folder")
+@click.command(cls=Sectioned, short_help="One HTML page: pictures, tables, data quality, settings.")
+@section("Options", OUTPUT("Page to write: .html."), QUIET)
+@takes_a_drawing
+@takes_a_wall
+def report(**options: Any) -> None:
+    """Write a report of a wall as one self-contained HTML page.
+
+    \b
+    helibore report well.wall -o well.html --well "15/9-F-12"
+    helibore report xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.html
+
+    SOURCE and the options are those of `helibore plot`. The page needs no network and prints on A4.
+    """
+    output = options["output"]
+    check_file(output, PAGES)
+    from helibore.plot.paper import require_matplotlib
+
+    require_matplotlib()
+    terminal = Terminal(options["quiet"])
+    run, options, drawing = _drawing("report", options, terminal)
+    from helibore.plot.report import report as write
+
+    with terminal.stage("report", "Writing the report"):
+        write(run.wall, output, told=run.messages, **drawing)
+        saved = save_lines(run, output, "report", options)
+    terminal.summary([*run.messages, *saved, ("time", terminal.times())])
 
 
-def drawing_options(options: dict[str, Any], found: Sourced) -> dict[str, Any]:
-    """Return the options of a `Drawing`."""
-    polar: tuple[float, ...] | None = options["polar"] or None
-    body: tuple[float, ...] | None = options["body"]
-    return {
-        "title": options["well"] or found.name,
-        "subtitle": found.told[0][1],
+def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
+    """Make the wall; return the run, the options (those of a repeated run among them) and those of a `Drawing`."""
+    scale, looks = _scale(options["scale"]), _looks(options)  # refused before the work
+    run = open_run(options, terminal, (options["output"],))
+    repeated = own_options(run, verb, options)
+    if repeated != options:
+        scale, looks = _scale(repeated["scale"]), _looks(repeated)
+    from helibore.runs.run import make_wall
+
+    make_wall(run, repeated["threads"], terminal.stage)
+    options = repeated
+    drawing = {
+        "title": options["well"] or run.name,
+        "subtitle": run.messages[0][1],
         "start": options["start_depth"],
         "stop": options["stop_depth"],
-        "scale": _scale(options["scale"]),
-        "looks": _looks(options),
-        "reference": options["reference"],
+        "scale": scale,
+        "looks": looks,
+        "reference": run.settings.path.reference,
         "left": float(options["left"]),
         "unit": options["unit"],
         "curves": tuple(name for name in options["curves"] or ("C1", "C2") if name != "none"),
-        "polar": () if options["no_polar"] else polar,
-        "body": () if options["no_body"] else body,
+        "polar": () if options["no_polar"] else options["polar"] or None,
+        "body": () if options["no_body"] else options["body"] or None,
         "dpi": options["dpi"],
         "elevation": options["elevation"],
     }
+    return run, options, drawing
 
 
 def _scale(text: str | None) -> int | None:
@@ -174,8 +184,7 @@ def _looks(options: dict[str, Any]) -> dict[str, Look]:
     for text in options["dynamic"]:
         look, value = split("dynamic", text)
         look["window"] = units.quantity(value, units.LENGTH)
-    for name in options["logs"]:
-        looks.setdefault(name, {})["log"] = True
-    for name in options["linear"]:
-        looks.setdefault(name, {})["log"] = False
+    for option, log in (("logs", True), ("linear", False)):
+        for name in options[option]:
+            looks.setdefault(name, {})["log"] = log
     return {name: Look(**look) for name, look in looks.items()}

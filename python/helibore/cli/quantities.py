@@ -1,8 +1,9 @@
-"""Option values with units: ``8.5in``, ``0.216m``, ``90deg``; a bare number is metres or degrees."""
+"""Option values: ``8.5in``, ``0.216m``, ``90deg`` (a bare number is metres or degrees), lists and pairs of them."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Generic, TypeVar
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
 import click
 
@@ -18,7 +19,7 @@ else:
 
 
 class Quantity(Parameter[float | None]):
-    """A number with a unit of one kind, read to metres, degrees or seconds."""
+    """A number with a unit of one kind, in metres, degrees or seconds."""
 
     def __init__(self, kind: str, none: bool = False) -> None:
         self.kind, self.name, self.none = kind, kind, none
@@ -36,7 +37,7 @@ class Quantity(Parameter[float | None]):
 
 
 class BitDiameter(Quantity):
-    """A length no larger than a bit; inches without their unit are the usual mistake."""
+    """A length no larger than a bit; inches without a unit are the usual mistake."""
 
     LARGEST = 4.0
 
@@ -57,8 +58,43 @@ def _bare(value: str | float) -> bool:
     return str(value).strip()[-1:].isdigit()
 
 
+class Numbers(Parameter[tuple[int, ...]]):
+    """``2,3,5``."""
+
+    name = "numbers"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
+        """Read the text of an option."""
+        if isinstance(value, tuple):
+            return value
+        try:
+            return tuple(int(one) for one in str(value).split(","))
+        except ValueError:
+            self.fail(f"'{value}': must be pass numbers, such as 2,3", param, ctx)
+
+
+class Shift(Parameter[tuple[int, float]]):
+    """``PASS=LENGTH``."""
+
+    name = "pass=length"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, float]:
+        """Read the text of an option."""
+        number, mark, length = str(value).partition("=")
+        try:
+            found = LENGTH.convert(length, param, ctx)
+            if not mark or found is None:
+                raise ValueError
+            return int(number), found
+        except ValueError:
+            self.fail(f"'{value}': must be PASS=LENGTH, such as 3=-0.2m", param, ctx)
+
+
+FILE = click.Path(path_type=Path)
 LENGTH = Quantity(units.LENGTH)
 LENGTH_OR_NONE = Quantity(units.LENGTH, none=True)
 ANGLE = Quantity(units.ANGLE)
 TIME = Quantity(units.TIME)
 BIT = BitDiameter()
+NUMBERS = Numbers()
+SHIFT = Shift()

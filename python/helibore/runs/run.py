@@ -1,179 +1,343 @@
-"""One run, from files to a mesh: what ``helibore reconstruct`` does, stage by stage, for Python too.
+"""One run, from files to a wall and what is written of it, stage by stage; the commands and Python both use it.
 
-    settings = read_settings("wall.glb.toml")
-    run = repeat(settings)                      # the same samples, wall and surface, to the last bit
-    run.surface.save("again.glb")
+    run = repeat("wall.glb.toml")               # the same samples, wall and surface, to the last bit
+    run.wall.surface().save("again.glb")
 
-    files --opened--> channels and roles --readings--> --prepare--> samples --> wall --> surface
+    caliper files --readings--> --prepare--> samples --> wall     (or an average caliper, a gauge hole, an archive)
+    survey --> wall.path        images --> wall.images
 
-What decides the bytes of a mesh is a ``RunSettings``, and nothing else does. Not here: options and printing (``cli``).
+A ``RunSettings`` decides every byte of the output. Not here: options and printing (``cli``).
 """
 
 from __future__ import annotations
 
+import hashlib
 import os
-import threading
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from concurrent.futures import Future, ThreadPoolExecutor
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from dataclasses import dataclass, field, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 from helibore.base.settings import Settings
+from helibore.channels.columns import column, needed
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.opening import open as open_file
 from helibore.channels.readings import note, readings
 from helibore.channels.roles import RoleMap
-from helibore.mesh.surface import Surface
+from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
-from helibore.runs.reconstruct import compare
-from helibore.runs.run_settings import (
+from helibore.runs.reconstruct import reconstruct
+from helibore.runs.settings import (
+    ImageInput,
     Input,
+    Output,
     RunSettings,
-    checksum,
     read_settings,
-    require_unchanged,
     settings_file,
     write_settings,
 )
+from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
-from helibore.wall.archive import ENDING as ARCHIVE
-from helibore.wall.reconstruct import reconstruct
+from helibore.wall.load import load
 from helibore.wall.wall import Wall
 
-__all__ = ["Opened", "Run", "opened", "place", "placing", "read", "rebuild", "repeat", "save"]
+Stage = Callable[[str, str], AbstractContextManager[None]]
+"""Called with the name of a stage and what it does; the stage runs inside the context."""
 
 
-class Checksum(threading.Thread):
-    """The checksum of a file, made while it is read."""
+def checksum(path: str | os.PathLike[str]) -> str:
+    """BLAKE2b of a file's bytes, 256 bits, as ``b2sum -l 256`` prints it: half the time of SHA-256."""
+    with Path(path).open("rb") as file:
+        return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 
-    def __init__(self, path: Path) -> None:
-        super().__init__(name=f"checksum of {path.name}", daemon=True)
-        self._path, self._found = path, ""
-        self._error: OSError | None = None
-        self.start()
 
-    def run(self) -> None:
-        """Read the file once."""
-        try:
-            self._found = checksum(self._path)
-        except OSError as error:
-            self._error = error
+class Checksums:
+    """Checksums of the files of a run: each file is hashed once, in a thread, while its reader parses it.
 
-    def known(self) -> str:
-        """Wait for it."""
-        self.join()
-        if self._error is not None:
-            raise self._error
-        return self._found
+    The hash reads the bytes that the reader brings into memory (the page cache), so that the disk is read once.
+    """
+
+    def __init__(self) -> None:
+        self._pool = ThreadPoolExecutor(1, "checksums")
+        self._found: dict[Path, Future[str]] = {}
+
+    def start(self, file: Path) -> None:
+        """Hash a file, unless that has begun."""
+        if file not in self._found:
+            self._found[file] = self._pool.submit(checksum, file)
+
+    def of(self, file: Path) -> str:
+        """Return the checksum of a file when it is known."""
+        self.start(file)
+        return self._found[file].result()
 
 
 @dataclass(frozen=True)
 class Opened:
-    """A file that is open: its format, the set that is used, and what its channels are taken for."""
+    """An open file: its format, the set that is used, and the roles of its channels."""
 
     file: Path
     format: str
-    one: LogSet
+    log: LogSet
     roles: RoleMap
-    blake2b: Checksum
 
     def input(self) -> Input:
-        """What the settings say of it."""
-        return Input(self.file, self.blake2b.known(), replace(self.roles, set_name=self.one.name))
+        """What the settings say of it; the checksum is filled in when the output is saved."""
+        return Input(self.file, "", self.log.name, tuple(role for role in self.roles if role.role != "none"))
+
+    def line(self) -> str:
+        """What was read, in one sentence."""
+        named = f"set {self.log.name!r}, " if self.log.name not in ("table", "arrays") else ""
+        return f"{self.file.name}: {self.format}, {named}{self.log.rows:,} rows"
 
 
-def opened(file: str | os.PathLike[str], nulls: tuple[float, ...], choose: Callable[[LogFile], RoleMap]) -> Opened:
-    """Open a file; ``choose`` says which set and roles. Its checksum is made meanwhile, in a thread of its own."""
-    path = Path(file)
-    blake2b = Checksum(path)
-    found = open_file(path, nulls)
+def open_input(
+    file: Path, nulls: tuple[float, ...], choose: Callable[[LogFile], RoleMap], checksums: Checksums
+) -> Opened:
+    """Open a file; ``choose`` says which set and which roles."""
+    checksums.start(file)
+    found = open_file(file, nulls)
     roles = choose(found)
-    return Opened(path, found.format, found.set(roles.set_name), roles, blake2b)
+    return Opened(file, found.format, found.set(roles.set_name), roles)
+
+
+@dataclass(frozen=True)
+class Files:
+    """The open files of a run, by their names in `RunSettings`."""
+
+    caliper: tuple[Opened, ...] = ()
+    average: Opened | None = None
+    track: Opened | None = None
+    survey: Opened | None = None
+
+    def inputs(self) -> dict[str, Any]:
+        """The same as fields of `RunSettings`."""
+        alone = {name: getattr(self, name) for name in ("average", "track", "survey")}
+        return {"caliper": tuple(each.input() for each in self.caliper)} | {
+            name: found.input() for name, found in alone.items() if found is not None
+        }
 
 
 @dataclass
 class Run:
-    """A run under way: what has been read, rebuilt and placed so far.
+    """A run: its settings, its files, and the wall.
 
     Attributes
     ----------
     settings
-        What it is made with. Checksums of inputs are filled in by ``save``.
-    caliper, survey_file, track_file
-        The open files.
+        What it is made with. ``save_settings`` fills in the checksums.
+    files, checksums
+        The open files, and the checksums of all that are read.
+    messages
+        (label, sentence) for what was read, left out and corrected, in order.
+    readings, prepared
+        What the caliper files hold, and the samples that preparation makes of it; () and None for other sources.
     survey, path
         The survey and its path; None without.
-    readings
-        What the caliper files hold.
-    prepared
-        Samples, and what was done to them.
-    wall, earlier
-        The wall, and that of the earlier passes.
-    surface
-        The wall along the path.
     """
 
     settings: RunSettings
-    caliper: tuple[Opened, ...]
-    survey_file: Opened | None
-    track_file: Opened | None
-    readings: tuple[Readings, ...]
+    files: Files
+    checksums: Checksums = field(default_factory=Checksums)
+    messages: list[tuple[str, str]] = field(default_factory=list)
+    readings: tuple[Readings, ...] = ()
+    prepared: Prepared | None = None
     survey: Survey | None = None
     path: WellPath | None = None
-    track: Track | None = None
-    prepared: Prepared | None = None
-    wall: Wall | None = None
-    earlier: Wall | None = None
-    surface: Surface | None = None
+    built: Wall | None = None
+
+    @property
+    def wall(self) -> Wall:
+        """The wall, once it is built."""
+        if self.built is None:
+            raise RuntimeError("the wall is not built yet; this is a bug in helibore")
+        return self.built
+
+    @property
+    def name(self) -> str:
+        """The name of the source, without endings."""
+        source = self.settings.archive or self.settings.average or next(iter(self.settings.caliper), None)
+        return source.file.name.split(".")[0] if source is not None else "Gauge hole"
 
 
-def read(
-    settings: RunSettings, caliper: tuple[Opened, ...], survey_file: Opened | None, track_file: Opened | None
-) -> Run:
-    """Read what the open files hold."""
-    bit = settings.wall.bit_diameter if settings.wall.bit_diameter > 0 else None  # Wall says what is wrong with it
-    found = tuple(readings(each.one, each.roles, bit, settings.echo, track_file is not None) for each in caliper)
-    run = Run(settings, caliper, survey_file, track_file, found)
-    if survey_file is not None:
-        run.survey = survey_file.one.survey(survey_file.roles)
-        way = settings.path
-        north, east, down = way.head
-        run.path = run.survey.path(way.method, way.reference, (north, east, down), way.extend)  # type: ignore[arg-type]
-    if track_file is not None:
-        run.track = _track(track_file)
+def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
+    """Repeat a run from its settings, or from the file they are in, up to the wall.
+
+    Raises
+    ------
+    InputError
+        If an input has changed, naming it and both checksums; and as the run itself.
+    """
+    if not isinstance(settings, RunSettings):
+        settings = read_settings(settings)
+    return make_wall(reopen(settings), threads)
+
+
+def reopen(settings: RunSettings) -> Run:
+    """Open the files that settings name, if they are unchanged."""
+    checksums = Checksums()
+    for each in settings.inputs:
+        checksums.start(each.file)
+    for each in settings.inputs:
+        now = checksums.of(each.file)
+        if now != each.blake2b:
+            rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats it"
+            raise InputError(str(each.file), f"has changed since the run: {rule}")
+
+    def again(one: Input) -> Opened:
+        return open_input(one.file, settings.nulls, lambda file: _known(file, one), checksums)
+
+    alone = {name: again(one) for name in ("average", "track", "survey") if (one := getattr(settings, name))}
+    return Run(settings, Files(tuple(map(again, settings.caliper)), **alone), checksums)
+
+
+def _known(file: LogFile, one: Input) -> RoleMap:
+    log = file.set(one.set)
+    for role in one.channel:
+        if role.channel not in log:
+            raise InputError(log.path.name, f"no channel {role.channel!r}; it holds {', '.join(log.names)}")
+    return one.roles
+
+
+def _no_stage(name: str, text: str) -> AbstractContextManager[None]:  # noqa: ARG001
+    return nullcontext()
+
+
+def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) -> Run:
+    """Read the files of a run and build its wall, with its path and its images."""
+    settings = run.settings
+    for each in settings.inputs:
+        run.checksums.start(each.file)
+    with stage("read", f"Reading {', '.join(one.file.name for one in settings.inputs) or 'nothing'}"):
+        _read_path(run)
+        if settings.archive is not None:
+            run.built = load(settings.archive.file)
+            if run.path is not None and run.built.path is not None:
+                raise InputError("survey", f"{settings.archive.file.name} has a path of its own")
+            run.path = run.path or run.built.path
+            run.messages.append(("wall", f"{settings.archive.file.name}: archive of a wall"))
+        images = [_read_image(run, one) for one in settings.image]
+        name, caliper = ("", None) if settings.caliper or settings.archive else _read_round(run, images)
+        bit = settings.wall.bit_diameter if settings.wall and settings.wall.bit_diameter > 0 else None
+        track = _track(run.files.track) if run.files.track is not None else None
+        run.readings = tuple(
+            readings(each.log, each.roles, bit, settings.echo, track is not None) for each in run.files.caliper
+        )
+        run.messages += [*_read_lines(run), *_survey_lines(run)]
+    with stage("rebuild", "Rebuilding the wall"):
+        if settings.wall is not None:
+            made: Caliper | Prepared
+            if caliper is not None:
+                made = caliper
+                _check_interval(name, caliper.depth, settings.wall)
+            else:
+                made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track)
+                run.messages += run.prepared.report or ([] if _missing(run) else [("dropped", "nothing")])
+                _check_interval(run.readings[0].name, run.prepared.caliper.depth, settings.wall)
+            run.built = reconstruct(made, threads=threads, **vars(settings.wall))
+            made_from = [one for one in (*settings.caliper, settings.average) if one is not None]
+            if made_from:
+                sums = [{"name": one.file.name, "blake2b": run.checksums.of(one.file)} for one in made_from]
+                run.built.made_from = {"files": sums}
+    run.wall.path = run.path
+    run.wall.images.update({image.name: image for image in images})
     return run
+
+
+def _missing(run: Run) -> bool:
+    return any(found.missing for found in run.readings)
+
+
+def _read_path(run: Run) -> None:
+    file, how = run.files.survey, run.settings.path
+    if file is None:
+        return
+    run.survey = file.log.survey(file.roles)
+    north, east, down = how.head
+    reference: Any = how.reference or "high-side"
+    method: Any = how.method
+    run.path = run.survey.path(method, reference, (north, east, down), how.extend)
 
 
 def _track(file: Opened) -> Track:
     """Depth and toolface by time."""
-    from helibore.channels.columns import column, needed
-
-    when = column(file.one, needed(file.one, file.roles, "time"))
-    depth = column(file.one, needed(file.one, file.roles, "depth"))
+    when = column(file.log, needed(file.log, file.roles, "time"))
+    depth = column(file.log, needed(file.log, file.roles, "depth"))
     role = file.roles.one("toolface")
     known = np.isfinite(when)
-    turning = TimeSeries(when[known], column(file.one, role)[known], angle=True) if role else None
+    turning = TimeSeries(when[known], column(file.log, role)[known], angle=True) if role else None
     return Track(TimeSeries(when[known], depth[known]), turning)
 
 
-def rebuild(run: Run, threads: int | None = None) -> Wall:
-    """Prepare the readings and rebuild the wall, and the earlier one where there is one."""
-    run.prepared = prepare(list(run.readings), run.settings.preparation, run.path, run.track)
-    check_some(run.readings[0].name, run.prepared.caliper.depth, run.settings.wall)
-    run.wall = reconstruct(run.prepared.caliper, threads=threads, **vars(run.settings.wall))
-    if run.prepared.earlier is not None:
-        run.earlier = reconstruct(run.prepared.earlier, threads=threads, **vars(run.settings.wall))
-    return run.wall
+def _read_image(run: Run, one: ImageInput) -> SectorImage:
+    """A sector image, and what its toolfaces count from."""
+    stated = one.reference or run.settings.path.reference
+    reference: Any = stated or (run.path.reference if run.path else "high-side")
+    if reference not in ("north", "high-side"):
+        rule = f"the wall counts toolfaces from {reference}, but no image does: end it with :north or :high-side"
+        raise InputError(f"image {one.name}", rule)
+    with open_file(one.file, run.settings.nulls) as opened:
+        try:
+            origin: Any = one.origin
+            image = opened.image(one.name).sector_image(origin, reference)
+        except KeyError as error:
+            names = ", ".join(opened.set().names)
+            raise InputError(one.file.name, f"no channel {one.name!r}; it holds {names}") from error
+        except InputError:
+            raise
+        except ValueError as error:
+            raise InputError(one.file.name, str(error)) from error
+    size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
+    assumed = "" if stated or run.path else ", as nothing says otherwise (:north or --reference north would)"
+    run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
+    return image
 
 
-def check_some(name: str, depth: Floats, settings: Settings) -> None:
+def _read_round(run: Run, images: list[SectorImage]) -> tuple[str, Caliper]:
+    """A caliper without directions, and its name: an average one, or a gauge hole."""
+    wall, file = run.settings.wall, run.files.average
+    if wall is None:
+        raise RuntimeError("a round hole without settings; this is a bug in helibore")
+    if file is not None:
+        return _read_average(run, file)
+    run.messages.insert(0, ("wall", "gauge hole: not measured"))
+    top, bottom = interval(wall)
+    if not np.isfinite([top, bottom]).all() and not images:
+        raise InputError("gauge", "needs a top and a bottom (--from and --to), or an image that has its depths")
+    top = top if np.isfinite(top) else min(float(image.depth[0]) for image in images)
+    bottom = bottom if np.isfinite(bottom) else max(float(image.depth[-1]) for image in images)
+    return "gauge hole", Caliper.gauge(top, bottom, wall.bit_diameter)
+
+
+def _read_average(run: Run, file: Opened) -> tuple[str, Caliper]:
+    """The diameters of an average caliper; rows without one are left out and counted."""
+    role, at = needed(file.log, file.roles, "mean-diameter"), needed(file.log, file.roles, "depth")
+    depth, size = column(file.log, at), column(file.log, role)
+    there = np.isfinite(depth) & np.isfinite(size)
+    usable = there & (size > 0) & (size <= 2 * LARGEST_RADIUS)
+    if not usable.any():
+        place = f"{file.file.name}, column {role.channel}"
+        raise InputError(place, f"no row has a depth and the diameter of a hole, in {role.unit}")
+    text = f"{role.channel} is the diameter, in {role.unit}; {at.channel} is the depth"
+    lines = [("caliper", f"{file.file.name}: {file.log.rows:,} rows; {text}")]
+    for count, what in (((~there).sum(), "without a depth or diameter"), ((there & ~usable).sum(), "too large")):
+        if count:
+            lines.append(("dropped", f"{count:,} rows: {what}"))
+    run.messages[:0] = lines
+    return f"{file.file.name}:{role.channel}", Caliper.from_average(depth[usable], size[usable])
+
+
+def _check_interval(name: str, depth: Floats, settings: Settings) -> None:
     """Refuse samples, from a file of this name, of which none lies where the wall is asked for."""
     top, bottom = interval(settings)
     if (depth.min() >= top and depth.max() <= bottom) or ((depth >= top) & (depth <= bottom)).any():
@@ -181,7 +345,7 @@ def check_some(name: str, depth: Floats, settings: Settings) -> None:
     asked = f"between {top:g} and {bottom:g} m"
     if np.isinf(top) or np.isinf(bottom):
         asked = f"below {top:g} m" if np.isfinite(top) else f"above {bottom:g} m"
-    raise ValueError(f"{name}: no samples {asked}; it has {depth.min():g} to {depth.max():g} m")
+    raise InputError(name, f"no samples {asked}; it has {depth.min():g} to {depth.max():g} m")
 
 
 def interval(settings: Settings) -> tuple[float, float]:
@@ -191,143 +355,73 @@ def interval(settings: Settings) -> tuple[float, float]:
     return -np.inf if top is None else top, np.inf if bottom is None else bottom
 
 
-def place(run: Run) -> Surface:
-    """Place the wall along the path, with the difference to the earlier one as an attribute.
-
-    The wall takes over path, attribute and the names and checksums of its files, so that its archive has them, too.
-    """
-    if run.wall is None:
-        raise RuntimeError("place before rebuild; this is a bug in helibore")
-    run.wall.path = run.path
-    run.wall.made_from = {"files": [{"name": each.file.name, "blake2b": each.blake2b.known()} for each in run.caliper]}
-    if run.earlier is not None:
-        compare(run.wall, run.earlier)
-    with placing(run.wall, run.survey_file.file if run.survey_file else None):
-        run.surface = run.wall.surface()
-    if not len(run.surface.quads):
-        low, high = run.wall.depth.min(initial=np.inf), run.wall.depth.max(initial=-np.inf)
-        pitch = abs(run.settings.wall.pitch)
-        rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
-        raise ValueError(f"{run.readings[0].name}: no quads: {rule}")
-    return run.surface
-
-
 @contextmanager
-def placing(wall: Wall, survey: Path | None) -> Iterator[None]:
+def placing(run: Run) -> Iterator[None]:
     """Name the file of the survey in the error of a path that does not reach all of the wall."""
     try:
         yield
     except ValueError as error:
-        path, depth = wall.path, wall.depth
+        path, depth, survey = run.wall.path, run.wall.depth, run.files.survey
         if survey is None or path is None or not depth.size:
             raise
         if path.start_depth <= depth.min() and depth.max() <= path.stop_depth:
             raise
-        raise ValueError(f"{survey.name}: {error}") from error
+        if isinstance(error, InputError):
+            raise error.within(survey.file.name) from error
+        raise InputError(survey.file.name, str(error)) from error
 
 
-def save(run: Run, output: str | os.PathLike[str]) -> RunSettings:
-    """Write the mesh, or the archive, and beside it the settings that repeat it; each whole or not at all.
+def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) -> RunSettings:
+    """Write the settings that repeat ``output`` beside it, with the checksums of what was read and of the output."""
 
-    Returns
-    -------
-    RunSettings
-        As written: with the checksums of what was read and of the mesh.
-    """
-    output = Path(output)
-    if run.surface is None or run.wall is None:
-        raise RuntimeError("save before place; this is a bug in helibore")
-    inputs = [each.input() for each in run.caliper]
-    if output.suffix.lower() == ARCHIVE:
-        run.wall.save(output)
-    else:
-        run.surface.save(output, color_by=run.settings.color_by)
-    settings = replace(
-        run.settings, caliper=tuple(inputs), output=output, output_blake2b=checksum(output),
-        survey=run.survey_file.input() if run.survey_file else None,
-        track=run.track_file.input() if run.track_file else None,
+    def known(one: Any) -> Any:
+        return None if one is None else replace(one, blake2b=run.checksums.of(one.file))
+
+    settings = run.settings
+    run.settings = replace(
+        settings, verb=verb, options=options, output=Output(output, checksum(output)),
+        caliper=tuple(map(known, settings.caliper)), image=tuple(map(known, settings.image)),
+        **{name: known(getattr(settings, name)) for name in ("average", "archive", "track", "survey")},
     )  # fmt: skip
-    write_settings(settings_file(output), settings)
-    run.settings = settings
-    return settings
+    write_settings(settings_file(output), run.settings)
+    return run.settings
 
 
-def reopened(settings: RunSettings) -> tuple[tuple[Opened, ...], Opened | None, Opened | None]:
-    """Open the files that settings name, as they were.
-
-    Raises
-    ------
-    ValueError
-        If a file has changed since, naming it and both checksums.
-    """
-
-    def again(one: Input | None) -> Opened | None:
-        if one is None:
-            return None
-        require_unchanged(one.file, one.blake2b)
-        return opened(one.file, settings.nulls, lambda file: _known(file.set(one.roles.set_name), one.roles))
-
-    calipers = tuple(found for one in settings.caliper if (found := again(one)) is not None)
-    return calipers, again(settings.survey), again(settings.track)
-
-
-def _known(log: LogSet, roles: RoleMap) -> RoleMap:
-    for role in roles:
-        if role.channel not in log:
-            raise ValueError(f"{log.path.name}: no channel {role.channel!r}; it holds {', '.join(log.names)}")
-    return roles
-
-
-def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
-    """Repeat a run from its settings, or from the file they are in, up to the placed surface.
-
-    Raises
-    ------
-    ValueError
-        If an input has changed, and as the run itself.
-    """
-    if not isinstance(settings, RunSettings):
-        settings = read_settings(settings)
-    run = read(settings, *reopened(settings))
-    rebuild(run, threads)
-    place(run)
-    return run
-
-
-def told(run: Run) -> Iterator[tuple[str, str]]:
-    """Yield (label, sentence) for every file: what was read, what each channel was taken for, what was left out."""
-    for each, found in zip(run.caliper, run.readings, strict=True):
-        yield "caliper", f"{each.file.name}: {each.format}, {_set(each)}{found.rows:,} rows"
-        for sentence in (*each.one.remarks, *found.notes):
-            yield "", sentence
-        for sentence in depth_remarks(each.one, each.roles):
+def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
+    """What was read of the caliper files, and what each channel was taken for."""
+    for each, found in zip(run.files.caliper, run.readings, strict=True):
+        yield "caliper", each.line()
+        for sentence in (*each.log.remarks, *found.notes, *depth_remarks(each.log, each.roles)):
             yield "", sentence
         for name, count in found.missing.items():
             yield "missing", f"{count:,} values of {name}"
+
+
+def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
+    """What was read of the survey and of the track."""
     for label, file, roles in (
-        ("survey", run.survey_file, ("depth", "inclination", "azimuth")),
-        ("track", run.track_file, ("time", "depth", "toolface")),
+        ("survey", run.files.survey, ("depth", "inclination", "azimuth")),
+        ("track", run.files.track, ("time", "depth", "toolface")),
     ):
-        if file is not None:
-            yield label, f"{file.file.name}: {file.format}, {_set(file)}{file.one.rows:,} rows"
-            for sentence in (*file.one.remarks, *(note(role) for role in file.roles.all(*roles))):
-                yield "", sentence
-            if label == "survey" and run.survey is not None:
-                origin = first_station(file, run.survey, run.settings.path.head)
-                if origin:
-                    yield "", origin
+        if file is None:
+            continue
+        yield label, file.line()
+        for sentence in (*file.log.remarks, *(note(role) for role in file.roles.all(*roles))):
+            yield "", sentence
+        if label == "survey" and run.survey is not None:
+            origin = _first_station(file, run.survey, run.settings.path.head)
+            if origin:
+                yield "", origin
 
 
-def first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> str:
+def _first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> str:
     """Say what positions and TVD count from where no head is given; "" where the first station is the origin."""
-    from helibore.channels.columns import column, needed
-
     if any(head):
         return ""
     top = float(survey.depth[0])
-    row = int(np.flatnonzero(column(file.one, needed(file.one, file.roles, "depth")) == top)[0])
+    row = int(np.flatnonzero(column(file.log, needed(file.log, file.roles, "depth")) == top)[0])
     found = [file.roles.one(name) for name in ("north", "east", "tvd")]
-    stated = [float(column(file.one, role)[row]) for role in found if role is not None and role.unit]
+    stated = [float(column(file.log, role)[row]) for role in found if role is not None and role.unit]
     if len(stated) == 3 and np.isfinite(stated).all():
         if np.abs(stated).max() <= 0.001:
             return ""
@@ -338,7 +432,3 @@ def first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> str:
     else:
         place = "--head says where it lies"
     return f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"
-
-
-def _set(each: Opened) -> str:
-    return f"set {each.one.name!r}, " if each.one.name not in ("table", "arrays") else ""

@@ -102,8 +102,8 @@ def test_the_summary_says_what_a_driller_asks(folder: Path, tmp_path: Path) -> N
     words = " ".join(done.output.split())
     size = np.nanmax(logs.c1)
     assert (
-        f"largest across {size / 0.0254:.3f} in ({size * 1e3:.1f} mm) at {logs.depth[np.nanargmax(logs.c1)]:.2f} m"
-        in words
+        f"greatest {size / 0.0254:.3f} in ({size * 1e3:6.1f} mm), {(size - 0.216) / 0.0254:+.3f} in against the bit, "
+        f"at {logs.depth[np.nanargmax(logs.c1)]:.2f} m" in words
     )
     volume = np.nansum(logs.volume)
     assert (
@@ -135,20 +135,20 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
     assert "zones" not in done.output
     done = run(tmp_path / "a.wall", "-o", tmp_path / "b.csv", "--zones", tmp_path / "z.csv")
     assert done.exit_code == 2
-    assert "zones need a shape that was measured" in done.output
+    assert "zones: need a shape that was measured" in done.output
 
 
 @pytest.mark.parametrize(
     ("options", "text"),
     [
         (["-o", "w.xls"], "w.xls: the ending must be one of .las, .csv, .parquet, .dlis"),
-        (["-o", "gone/w.las"], "gone/w.las: the folder gone must be there"),
+        (["-o", "gone/w.las"], "gone/w.las: the folder gone must exist"),
         (["-o", "w.csv", "--zones", "w.csv"], "--output, --zones and --breakouts: the files must differ"),
         (["-o", "w.csv", "--step", "0.01"], "step = 0.01: must be at least the pitch, 0.1 m"),
         (["-o", "w.csv", "--from", "2003.2", "--to", "2003.9", "--step", "5"],
          "step = 5: no whole step among the turns, 2003.25 to 2003.85 m"),
         (["-o", "w.csv", "--from", "3000"],
-         "no full turns of the wall between --from and --to: they reach from 2000.05 to 2019.95 m"),
+         "--from and --to: no full turns of the wall between them: they reach from 2000.05 to 2019.95 m"),
         (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
         (["-o", "w.csv", "--casing", "20in"],
          "outer_diameter = 0.508: a casing of 20 in is larger than the hole at 2000.05"),

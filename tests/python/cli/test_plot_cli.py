@@ -38,7 +38,7 @@ def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, endi
     assert result.exit_code == 0, result.output
     content = output.read_bytes()
     assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending])
-    assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", "well.wall"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", f"log.{ending}.toml", "well.wall"]
     again = tmp_path / f"again.{ending}"
     assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200).exit_code == 0
     assert again.read_bytes() == content
@@ -48,13 +48,16 @@ def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, endi
     ("arguments", "message"),
     [
         (["-o", "log.jpg"], "log.jpg: the ending must be one of .png, .svg, .pdf"),
-        (["-o", "no/log.png"], "no/log.png: the folder no must be there"),
+        (["-o", "no/log.png"], "no/log.png: the folder no must exist"),
         (["-o", "log.png", "--scale", "1:x"], "--scale 1:x: must be a whole number, as 200 or 1:200"),
         (["-o", "log.png", "--limits", "GR=9,1"], "--limits GR=9,1: LOW must be below HIGH"),
         (["-o", "log.png", "--limits", "9,1"], "--limits 9,1: must be NAME=..."),
         (["-o", "log.png", "--color-map", "GR=jet"], "color_map = 'jet': must be one of image, viridis"),
-        (["-o", "log.png", "--gauge"], "one of SOURCE, --average and --gauge must say what the wall is made from"),
-        (["-o", "log.png", "--image", "x.las"], "--image x.las: must be FILE:CHANNEL:ORIGIN, ORIGIN centre or edge"),
+        (["-o", "log.png", "--gauge"], "exactly one of SOURCE, --average, --gauge and --from-settings must say what"),
+        (
+            ["-o", "log.png", "--image", "x.las"],
+            "--image x.las: must be FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:",
+        ),
         (["-o", "log.png", "--image", "x.las:GR:edge"], "x.las: No such file or directory"),
         (["-o", "log.png", "--from", "9000", "--to", "9001"], "interval 9000 to 9001 m: the wall reaches from 2000"),
     ],

@@ -111,11 +111,12 @@ def test_the_head_says_where_the_first_station_lies(
     caliper: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     import helibore as hb
+    from helibore import viewer
 
     def seen(_: hb.Wall, path: hb.Path, **__: object) -> None:
         raise ValueError(f"first station at {path.position([500.0]).tolist()}")
 
-    monkeypatch.setattr(hb, "view", seen)
+    monkeypatch.setattr(viewer, "view", seen)
     survey = tmp_path / "survey.csv"
     survey.write_text("md_m,incl_deg,azim_deg\n500,8,10\n600,9,10\n")
     given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
@@ -149,7 +150,7 @@ def test_a_saved_wall_is_shown_with_its_values(tmp_path: Path) -> None:
         assert shown.wait(20) == 0
     done = run(str(file), "--sectors", "32")
     assert done.exit_code == 2
-    assert "--sectors: a saved wall has its own settings" in done.stderr
+    assert "--sectors: does not go with hole.wall, which has its own settings" in done.stderr
     torn = tmp_path / "torn.wall"
     torn.write_bytes(file.read_bytes()[:2000])
     done = run(str(torn))
@@ -187,7 +188,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
             shown.send_signal(signal.SIGINT)
         assert shown.wait(20) == 0
     for arguments, text in (
-        ((str(settings), "--sectors", "64"), "--sectors: the settings of a run have their own settings"),
+        ((str(settings), "--sectors", "64"), "--sectors: does not go with hole.glb.toml, which repeats a run"),
         ((str(mesh),), "hole.glb: a mesh has no samples to go with it; view the settings beside it: helibore view"),
     ):
         done = run(*arguments)
@@ -210,11 +211,11 @@ def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch,
     monkeypatch.setattr(web_app, "page", lambda _: None)
     monkeypatch.setattr(web_app.resources, "files", lambda _: tmp_path)
     with pytest.raises(
-        ValueError, match=r"^This helibore was built without its page: its files are missing\. .* npm, "
+        ValueError, match=r"^viewer: This helibore was built without its page: its files are missing\. .* npm, "
     ):
         command.check_page()
     (tmp_path / "no-page.txt").write_text("Node.js 18 or newer and npm were not there\n")
     with pytest.raises(
-        ValueError, match=r"^This helibore was built without its page: Node\.js 18 or newer and npm were "
+        ValueError, match=r"^viewer: This helibore was built without its page: Node\.js 18 or newer and npm were "
     ):
         command.check_page()

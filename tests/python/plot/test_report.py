@@ -171,7 +171,7 @@ def test_report_on_the_command_line(wall: hb.Wall, tmp_path: Path) -> None:
     refused = CliRunner().invoke(cli, [*arguments, str(tmp_path / "well.txt")])
     assert refused.exit_code == 2
     assert "the ending must be one of .html, .htm" in refused.stderr
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["well.html", "well.wall"]
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["well.html", "well.html.toml", "well.wall"]
 
 
 def test_an_old_report_outlives_an_error(wall: hb.Wall, tmp_path: Path) -> None:

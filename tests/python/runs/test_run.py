@@ -15,8 +15,8 @@ import helibore as hb
 from helibore.cli import cli
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
-from helibore.runs.run import repeat
-from helibore.runs.run_settings import checksum, read_settings, settings_file, write_settings
+from helibore.runs.run import checksum, repeat
+from helibore.runs.settings import Output, read_settings, settings_file, write_settings
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 
@@ -55,10 +55,11 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
         assert f"\n{label} " in first.output, label
     settings = read_settings(settings_file(mesh))
     third = repeat(settings)
-    assert third.surface is not None
-    third.surface.save(tmp_path / "third.glb", color_by="difference")
+    surface = third.wall.surface()
+    surface.save(tmp_path / "third.glb", color_by="difference")
     assert (tmp_path / "third.glb").read_bytes() == mesh.read_bytes()
-    assert settings.output_blake2b == checksum(mesh)
+    assert settings.output == Output(mesh, checksum(mesh))
+    assert settings.wall is not None
     assert (settings.wall.max_distance, settings.wall.sectors) == (None, 32)
     assert settings.preparation.earlier == (1,)
     centres = hb.open(tmp_path / "centres.csv").set()
@@ -66,11 +67,11 @@ def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None
     assert third.prepared.centres is not None
     np.testing.assert_allclose(centres["x_m"].values, third.prepared.centres.x, atol=1e-7)
     assert {"sigma_x_m", "inliers", "samples"} <= set(centres.names)
-    assert third.wall is not None
-    assert third.earlier is not None
-    larger, k = difference(third.earlier, third.wall), np.arange(len(third.surface.quads))
+    assert third.prepared.earlier is not None
+    earlier = hb.reconstruct(third.prepared.earlier, **vars(settings.wall))
+    larger, k = difference(earlier, third.wall), np.arange(len(surface.quads))
     expected = np.mean([larger[k], larger[k + 1], larger[k + 32], larger[k + 33]], axis=0)
-    np.testing.assert_allclose(third.surface.attributes["difference"], expected, rtol=0, atol=1e-15)
+    np.testing.assert_allclose(surface.attributes["difference"], expected, rtol=0, atol=1e-15)
 
 
 def test_settings_survive_and_stay_beside_their_files(folder: Path, tmp_path: Path) -> None:
@@ -122,8 +123,9 @@ def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
     for option in (["--sectors", "8"], [folder / "c.npz"], ["--recentre"]):
         result = run(*from_settings, *option)
         assert result.exit_code == 2
-        name = option[0] if str(option[0]).startswith("-") else "CALIPER"
-        assert f"{name}: does not go with --from-settings" in result.stderr
+        rule = f"{option[0]}: does not go with w.glb.toml, which repeats a run"
+        source = "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"
+        assert (rule if str(option[0]).startswith("-") else source) in result.stderr
     assert run(*from_settings, "--threads", 1, "-q").exit_code == 0
     assert (tmp_path / "x.glb").read_bytes() == (tmp_path / "w.glb").read_bytes()
 
@@ -135,11 +137,11 @@ def test_options_do_not_go_with_settings(folder: Path, tmp_path: Path) -> None:
         ("sectors = 64", "sektors = 64", "wall.sektors: must be one of"),
         ("recentre = false", "recentre = 0", "preparation.recentre = 0: must be true or false"),
         ('bias = "none"', 'bias = "tool"', "preparation: bias = 'tool': must be one of none, arm, side"),
-        ("head = [0.0, 0.0, 0.0]", "head = 3", "path.head = 3: must be a list"),
-        ("[wall]", "[wail]", "wail: must be one of helibore, nulls"),
+        ("head = [\n    0.0,\n    0.0,\n    0.0,\n]", "head = 3", "path.head = 3: must be a list"),
+        ("[wall]", "[wail]", "wail: must be one of helibore, verb, nulls"),
         ("[[caliper]]", "[caliper]", ""),
         ('role = "radius"', 'roll = "radius"', "caliper 1.channel 4.roll: must be one of"),
-        ("bit_diameter = 0.216", "", "wall: "),
+        ("bit_diameter = 0.216", "", "wall.bit_diameter: is missing"),
         ("nulls", "nulls = [1", "not TOML"),
     ],
 )
@@ -315,11 +317,12 @@ def test_the_settings_of_another_version_are_read(folder: Path, tmp_path: Path) 
     assert (
         run("reconstruct", folder / "c.npz", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm", "-q").exit_code == 0
     )
-    settings = replace(read_settings(tmp_path / "w.glb.toml"), version="99.0", output_blake2b="0" * 64)
+    settings = read_settings(tmp_path / "w.glb.toml")
+    settings = replace(settings, helibore="99.0", output=Output(tmp_path / "w.glb", "0" * 64))
     write_settings(tmp_path / "old.toml", settings)
     result = run("reconstruct", "--from-settings", tmp_path / "old.toml", "-o", tmp_path / "x.glb")
     assert result.exit_code == 0
-    assert re.search(r"repeated +with other bytes: another ending, version or machine", result.output)
+    assert re.search(r"repeated +with other bytes: another version or machine wrote it", result.output)
 
 
 SPOILED = {

@@ -1,4 +1,4 @@
-"""The settings beside what ``helibore mesh`` wrote: they repeat it to the last bit, or say what has changed."""
+"""The settings beside every output: they repeat it to the last bit, or say what has changed."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from click.testing import CliRunner, Result
 
 import helibore as hb
 from helibore.cli import cli
-from helibore.runs.run_settings import checksum
+from helibore.runs.run import checksum
 
 BIT = ("--bit-diameter", "216mm")
 
@@ -62,9 +62,12 @@ def test_a_mesh_is_repeated_to_the_last_bit_wherever_its_folder_is(
     assert f"{output}.toml" in made.output
     settings = tomllib.loads((folder / f"{output}.toml").read_text())
     assert settings["output"] == {"file": output, "blake2b": checksum(output)}
-    named = {each["name"]: each["blake2b"] for each in settings["file"]}
+    alone = [settings[key] for key in ("archive", "average", "survey") if key in settings]
+    named = {each["file"]: each["blake2b"] for key in ("caliper", "image") for each in settings.get(key, [])}
+    named |= {each["file"]: each["blake2b"] for each in alone}
     assert named == {name: checksum(name) for name in named}
-    assert len(named) == sum(any(text.split(":")[0] == name.name for text in arguments) for name in folder.iterdir())
+    used = {"c.csv" if text == "w.glb.toml" else text.split(":")[0] for text in arguments}
+    assert named.keys() == used & {path.name for path in folder.iterdir()}
     before = Path(output).read_bytes()
     monkeypatch.chdir(tmp_path)
     folder.rename(tmp_path / "moved")
@@ -77,19 +80,18 @@ def test_a_mesh_is_repeated_to_the_last_bit_wherever_its_folder_is(
     assert tomllib.loads((tmp_path / "moved" / f"{output}.toml").read_text()) == settings
 
 
-def test_defaults_that_have_a_say_are_written_and_others_are_not(folder: Path) -> None:
+def test_defaults_that_have_an_effect_are_written_and_others_are_not(folder: Path) -> None:
     assert run("mesh", "--gauge", "--from", "1000", "--to", "1002", *BIT, "-o", "g.stl", "-q").exit_code == 0
-    gauge = tomllib.loads((folder / "g.stl.toml").read_text())["mesh"]
-    assert gauge == {
-        "bit_diameter": 0.216, "gauge": True, "absent": [-999.25, -9999.0, -9999.25], "start_depth": 1000.0,
-        "stop_depth": 1002.0, "sectors": 64, "pitch": 0.1, "max_distance": 1.0, "extend": 0.0,
-        "head": [0.0, 0.0, 0.0],
-    }  # fmt: skip
+    gauge = tomllib.loads((folder / "g.stl.toml").read_text())
+    assert gauge.keys() == {"helibore", "verb", "nulls", "gauge", "output", "preparation", "path", "wall", "options"}
+    assert (gauge["verb"], gauge["gauge"], gauge["nulls"]) == ("mesh", True, [-999.25, -9999.0, -9999.25])
+    assert gauge["options"] == {"start_depth": 1000.0, "stop_depth": 1002.0}
+    assert gauge["wall"]["max_distance"] == 1.0
+    assert gauge["path"] == {"method": "minimum-curvature", "head": [0.0, 0.0, 0.0], "extend": 0.0}
     assert run("mesh", "w.wall", "-o", "w.stl", "-q").exit_code == 0
-    archive = tomllib.loads((folder / "w.stl.toml").read_text())["mesh"]
-    assert archive == {
-        "source": "w.wall", "absent": [-999.25, -9999.0, -9999.25], "extend": 0.0, "head": [0.0, 0.0, 0.0]
-    }  # fmt: skip
+    archive = tomllib.loads((folder / "w.stl.toml").read_text())
+    assert archive["archive"] == {"file": "w.wall", "blake2b": checksum("w.wall")}
+    assert "wall" not in archive, "the archive has its own settings"
 
 
 def test_a_changed_file_is_refused(folder: Path) -> None:
@@ -106,36 +108,44 @@ def test_a_changed_file_is_refused(folder: Path) -> None:
     assert not (folder / "again.glb").exists()
 
 
-@pytest.mark.parametrize("option", [("--sectors", "8"), ("--gauge",), ("w.wall",), ("--extend", "0m")])
+@pytest.mark.parametrize("option", [("--sectors", "8"), ("--gauge",), ("w.wall",), ("--extend", "0m"), ("--set", "x")])
 @pytest.mark.usefixtures("folder")
-def test_no_option_goes_beside_settings(option: tuple[str, ...]) -> None:
+def test_no_option_of_the_wall_goes_beside_settings(option: tuple[str, ...]) -> None:
     assert run("mesh", "w.wall", "-o", "m.stl", "-q").exit_code == 0
     again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl", *option)
-    name = option[0] if option[0].startswith("--") else "SOURCE"
-    assert again.exit_code == 2
-    assert f"{name}: does not go with --from-settings" in again.stderr
+    rule = f"{option[0]}: does not go with m.stl.toml, which repeats a run"
+    if option[0] in ("--gauge", "w.wall"):
+        rule = "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"
+    assert (again.exit_code, again.stderr) == (2, f"helibore: {rule} (see cli mesh --help)\n")
 
 
 @pytest.mark.parametrize(
     ("old", "new", "rule"),
     [
-        ("sectors = 64", "sektors = 64", "m.stl.toml: mesh.sektors: must be one of shells, "),
-        ("sectors = 64", "sectors = 6.5", "Invalid value for '--sectors': '6.5' is not a valid integer."),
-        ("sectors = 64", "sectors = 64\nradius = ['r']", "--radius: has no say in --gauge, which reads no caliper"),
-        ("gauge = true", 'source = "w.wall"', "m.stl.toml: mesh.source = 'w.wall': no [[file]] has its blake2b"),
-        ("[mesh]", "[mess]", "m.stl.toml: mesh: is missing: no settings of helibore mesh"),
-        ("[output]", "[[file]]\nname = 3\n[output]", "m.stl.toml: file 1: must have a name and its blake2b"),
-        ("gauge = true", "gauge", "m.stl.toml: not TOML: "),
+        ("sectors = 64", "sektors = 64", "wall.sektors: must be one of bit_diameter, sectors, "),
+        ("sectors = 64", "sectors = 6.5", "wall.sectors = 6.5: must be a whole number"),
+        ("sectors = 64", "sectors = true", "wall.sectors = True: must be a whole number"),
+        ("gauge = true", "gauge = false", "caliper, average, archive, gauge: exactly one of them must say what the "),
+        ("gauge = true", 'gauge = true\narchive = "w.wall"', "archive: must be a table"),
+        ("[wall]", "[[image]]\nfile = 'g.csv'\n[wall]", "image 1.name: is missing"),
+        ("[wall]", "[survey]\nfile = 3\n[wall]", "survey.file = 3: must be the name of a file"),
+        ("[wall]", "[archive]\nfile = 'w.wall'\n[wall]", "caliper, average, archive, gauge: exactly one of them must"),
+        ("[options]", "[optons]", "optons: must be one of helibore, verb, "),
+        ("[options]", "[options]\nsectors = 3", "options.sectors: must be one of shells, color_by, start_depth"),
+        ("[options]", "[options]\nshells = 5.0", "options.shells = 5.0: "),
+        ("[options]", "[options]\ncolor_by = 3", "options.color_by = 3: must be as '3'"),
+        ("helibore = ", "# ", "helibore: is missing"),
+        ("gauge = true", "gauge", "not TOML: "),
     ],
 )
 def test_bad_settings(folder: Path, old: str, new: str, rule: str) -> None:
     assert run("mesh", "--gauge", "--from", "1000", "--to", "1002", *BIT, "-o", "m.stl", "-q").exit_code == 0
     text = (folder / "m.stl.toml").read_text()
     assert old in text
-    (folder / "m.stl.toml").write_text(text.replace(old, new))
+    (folder / "m.stl.toml").write_text(text.replace(old, new, 1))
     again = run("mesh", "--from-settings", "m.stl.toml", "-o", "again.stl")
     assert (again.exit_code, again.stdout) == (2, "")
-    assert rule in again.stderr
+    assert again.stderr.startswith(f"helibore: m.stl.toml: {rule}"), again.stderr
     assert not (folder / "again.stl").exists()
 
 
@@ -152,13 +162,49 @@ def test_no_file_that_was_given_is_written_over(folder: Path, arguments: tuple[s
     assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
 
 
-@pytest.mark.parametrize("verb", [("reconstruct", "--from-settings"), ("plot",), ("mesh",)])
+ENDINGS = {"reconstruct": ".glb", "mesh": ".wall", "logs": ".csv", "plot": ".png", "report": ".html"}
+
+
+@pytest.mark.parametrize("verb", ENDINGS)
+@pytest.mark.parametrize("source", [("c.csv", *BIT, "--survey", "s.csv"), ("w.wall",), ("--gauge", *BIT)])
+def test_every_command_repeats_its_output_and_builds_the_wall_of_another(
+    folder: Path, verb: str, source: tuple[str, ...]
+) -> None:
+    more = ("--dpi", "40", "--no-body", "--no-polar", "--scale", "500") if verb in ("plot", "report") else ()
+    given = (*source, "--image", "g.csv:GR:edge:high-side", "--from", "1002", "--to", "1005")
+    made = run("reconstruct", *given, "-o", "m.glb", "-q")
+    assert made.exit_code == 0, made.output
+    ending = ENDINGS[verb]
+    given = given[: -4 if (verb, source) == ("mesh", ("w.wall",)) else None]  # an archive holds the whole wall
+    first = run(verb, *given, *more, "-o", f"first{ending}")
+    assert first.exit_code == 0, first.output
+    again = run(verb, "--from-settings", f"first{ending}.toml", "-o", f"again{ending}")
+    assert again.exit_code == 0, again.output
+    assert "to the last bit" in again.output
+    assert (folder / f"again{ending}").read_bytes() == (folder / f"first{ending}").read_bytes()
+    options = tomllib.loads((folder / f"first{ending}.toml").read_text()).get("options", {})
+    assert tomllib.loads((folder / f"again{ending}.toml").read_text()).get("options", {}) == options
+    other = run(verb, "m.glb.toml", *more, "-o", f"other{ending}")
+    assert other.exit_code == 0, other.output
+    if verb != "reconstruct":
+        assert "its bytes are not compared with those of another kind of output" in " ".join(other.output.split())
+
+
 @pytest.mark.usefixtures("folder")
-def test_verbs_for_other_settings_say_whose_they_are(verb: tuple[str, ...]) -> None:
-    assert run("mesh", "w.wall", "-o", "m.glb", "-q").exit_code == 0
-    output = "x.png" if verb == ("plot",) else "x.glb"
-    refused = run(*verb, "m.glb.toml", "-o", output)
-    rule = "m.glb.toml: settings of helibore mesh, which repeats them by --from-settings m.glb.toml"
+def test_another_ending_or_option_claims_nothing_about_bytes() -> None:
+    assert run("reconstruct", "c.csv", *BIT, "-o", "w.glb", "-q").exit_code == 0
+    for given in (("-o", "again.ply"), ("-o", "again.glb", "--color-by", "radius")):
+        again = run("reconstruct", "--from-settings", "w.glb.toml", *given)
+        assert again.exit_code == 0, again.output
+        words = " ".join(again.output.split())
+        assert "repeated the wall of w.glb; its bytes are not compared with those of another kind of output" in words
+
+
+@pytest.mark.usefixtures("folder")
+def test_an_archive_holds_the_whole_wall_of_settings() -> None:
+    assert run("reconstruct", "c.csv", *BIT, "-o", "w.glb", "-q").exit_code == 0
+    refused = run("mesh", "w.glb.toml", "-o", "m.wall", "--to", "1005")
+    rule = "--to: does not go with .wall, which holds the whole wall (see cli mesh --help)"
     assert (refused.exit_code, refused.stderr) == (2, f"helibore: {rule}\n")
 
 

@@ -1,0 +1,118 @@
+"""What the commands print of a wall, its logs, zones and images: labels and sentences."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from helibore.base.units import INCH, size_text
+from helibore.samples.caliper import BASIS_TEXT
+
+if TYPE_CHECKING:
+    from helibore.images.image_breakouts import ImageBreakouts
+    from helibore.logs.annulus import Annulus
+    from helibore.logs.summary import Extreme, WallSummary
+    from helibore.logs.turn_logs import Logs
+    from helibore.logs.zones import Classification
+
+BARREL = 0.158987294928
+"""Cubic metres in an oilfield barrel, 42 US gallons."""
+
+Lines = list[tuple[str, str]]
+
+
+def summary_lines(found: WallSummary, cells: str = "") -> Lines:
+    """The summary of a wall or an interval of it; ``cells`` says what of it was written."""
+    helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
+    samples = f", from {found.samples:,} samples" if found.samples else ""
+    lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
+    if found.basis != "azimuthal":
+        lines.append(("", BASIS_TEXT[found.basis]))
+    lines.append(("bit", size_text(found.bit_diameter)))
+    if math.isnan(found.mean_diameter):
+        lines.append(("diameter", "missing: no turn is measured all around"))
+    else:
+        lines += [
+            ("diameter", f"mean      {_size(found.mean_diameter, found)}, by volume"),
+            ("", f"least     {_extreme(found.least_diameter, found)}"),
+            ("", f"greatest  {_extreme(found.greatest_diameter, found)}"),
+            ("", f"inscribed {_extreme(found.inscribed_diameter, found)}: the largest that passes"),
+            ("shape", f"ovality, API: mean {found.ovality[0]:.4f}, greatest {found.ovality[1]:.4f} (DNV and ISO: twice "
+             "that)"),
+            ("", f"rugosity over {found.rugosity_window:g} m: " + (
+                "missing" if math.isnan(found.rugosity[0])
+                else f"mean {found.rugosity[0] * 1e3:.2f} mm, greatest {found.rugosity[1] * 1e3:.2f} mm")),
+            ("volume", f"{_volume(found.volume)} over {found.measured:,.1f} m measured, {100 * found.excess:+.1f} % "
+             "against the bit"),
+        ]  # fmt: skip
+    if found.not_measured:
+        lines.append(("", f"{found.not_measured:,.1f} m are not measured all around and not counted"))
+    lines.append(("support", f"{100 * found.without_radius:.2f} % of the vertices have no sample in reach"))
+    if not math.isnan(found.nearest_half):
+        half, most = found.nearest_half * 1e3, found.nearest_most * 1e3
+        lines.append(("", f"nearest sample: at most {half:.0f} mm for half of the vertices, {most:.0f} mm for 99 %"))
+    return lines
+
+
+def _size(size: float, found: WallSummary) -> str:
+    over = (size - found.bit_diameter) / INCH
+    return f"{size / INCH:7.3f} in ({size * 1e3:6.1f} mm), {over:+.3f} in against the bit"
+
+
+def _extreme(extreme: Extreme, found: WallSummary) -> str:
+    return f"{_size(extreme.value, found)}, at {extreme.depth:.2f} m"
+
+
+def _volume(cubic_metres: float) -> str:
+    return f"{cubic_metres:,.3f} m³ ({cubic_metres / BARREL:,.2f} bbl)"
+
+
+def row_line(rows: Logs) -> tuple[str, str]:
+    """The rows of a file of logs."""
+    each = "one a turn" if rows.step is None else f"one each {rows.step:g} m"
+    return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
+
+
+def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
+    """The volume around each casing, and where the least clearance is."""
+    lines: Lines = []
+    for each in annuli:
+        text = f"{size_text(each.outer_diameter)}: annulus {_volume(each.total)}"
+        lines.append(("casing", text + (f", without {each.unmeasured:,.1f} m not measured" if each.unmeasured else "")))
+        if np.isfinite(each.clearance).any():
+            row = int(np.nanargmin(each.clearance))
+            least = float(each.clearance[row])
+            passes = "" if least >= 0 else ": a straight gauge does not pass there"
+            size = f"{least / INCH:+.3f} in ({least * 1e3:+.1f} mm)"
+            lines.append(("", f"least clearance {size} at {each.depth[row]:.2f} m{passes}"))
+    return lines
+
+
+def zone_lines(zones: Classification, found: WallSummary) -> Lines:
+    """The zones that reach into the interval of a summary, and the criteria they were found with."""
+    lengths: dict[str, list[float]] = {}
+    for zone in zones.zones:
+        if zone.stop > found.start and zone.start < found.stop:
+            lengths.setdefault(zone.kind, []).append(zone.length)
+    kinds = [f"{len(each)} {kind}, {sum(each):,.1f} m" for kind, each in lengths.items()]
+    lines: Lines = [("zones", "; ".join(kinds) or "none by the criteria")]
+    axis = found.breakout_axis
+    if math.isfinite(axis.mean):
+        text = f"breakouts along {axis.mean:.0f} and {axis.mean + 180:.0f} deg, s.d. {axis.deviation:.1f} deg"
+        lines.append(("", f"{text}, of the whole wall"))
+    criteria = zones.criteria.facts().items()
+    return [*lines, ("", "; ".join(f"{name.removeprefix('criterion ')} {text}" for name, text in criteria))]
+
+
+def breakout_line(found: ImageBreakouts) -> tuple[str, str]:
+    """The breakouts that an image shows."""
+    name, axis = found.image.name, found.axis()
+    if not found.zones:
+        return "image", f"{name}: no dark sectors on opposite sides by the criteria"
+    count = f"{len(found.zones)} breakout{'s' * (len(found.zones) != 1)}"
+    length, ends = sum(zone.length for zone in found.zones), f"{axis.mean:.0f} and {axis.mean + 180:.0f} deg"
+    spread = f"s.d. {axis.deviation:.1f} deg from {found.image.reference}"
+    return "image", f"{name}: {count}, {length:,.2f} m, along {ends}, {spread}"

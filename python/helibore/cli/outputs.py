@@ -1,0 +1,104 @@
+"""What all commands that write have in common: their output, their own options in the settings, what was written."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+from click.core import ParameterSource
+
+from helibore.base.errors import InputError
+from helibore.cli.lines import Lines
+from helibore.cli.quantities import FILE
+from helibore.cli.source import SECTIONS, one
+
+if TYPE_CHECKING:
+    from helibore.runs.run import Run
+
+QUIET = one("-q --quiet", "Print nothing but errors.", is_flag=True)
+
+NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
+"""Own options that do not change the bytes of the output."""
+
+
+def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
+    """The option of the file to write."""
+    return one("-o --output", help, type=FILE, required=True)
+
+
+def check_file(file: Path, endings: Sequence[str]) -> None:
+    """Refuse an ending that is not one of these, a folder that does not exist, and a folder in a file's place."""
+    if not file.name.lower().endswith(tuple(endings)):
+        raise InputError(str(file), f"the ending must be one of {', '.join(endings)}")
+    check_folder(file)
+
+
+def check_folder(file: Path) -> None:
+    """Refuse a folder that does not exist, and a folder in a file's place."""
+    if not file.parent.is_dir():
+        raise InputError(str(file), f"the folder {file.parent} must exist")
+    if file.is_dir():
+        raise InputError(str(file), "is a folder")
+
+
+def _own(context: click.Context) -> dict[str, click.Parameter]:
+    """The command's own options that its settings record: all but those of the wall, but with the interval."""
+    shared = {names for options in SECTIONS.values() for names, _ in options}
+    found = {}
+    for parameter in context.command.params:
+        name = parameter.name or ""
+        wall = any(opt in names.split() for names in shared for opt in parameter.opts)
+        if name in ("start_depth", "stop_depth") or not (wall or name in NOT_RECORDED):
+            found[name] = parameter
+    return found
+
+
+def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
+    """Return the options; those of a run of the same command are repeated where the command line does not give them."""
+    if run.settings.output is None or run.settings.verb != verb:
+        return options
+    context, place = click.get_current_context(), f"{run.settings.output.file.name}.toml: options"
+    own, found = _own(context), dict(options)
+    for name, value in run.settings.options.items():
+        if name not in own:
+            raise InputError(f"{place}.{name}", f"must be one of {', '.join(own)}")
+        try:
+            wanted = _plain(own[name].type_cast_value(context, value))
+        except (click.BadParameter, TypeError, ValueError) as error:
+            rule = error.message if isinstance(error, click.BadParameter) else str(error)
+            raise InputError(f"{place}.{name}", rule, repr(value)) from error
+        if wanted != value or isinstance(wanted, bool) != isinstance(value, bool):
+            raise InputError(f"{place}.{name}", f"must be as {wanted!r}", repr(value))
+        if context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
+            found[name] = tuple(value) if isinstance(value, list) else value
+    return found
+
+
+def _plain(value: Any) -> Any:
+    """A value as TOML has it."""
+    return [_plain(each) for each in value] if isinstance(value, tuple | list) else value
+
+
+def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more: Sequence[Path] = ()) -> Lines:
+    """Write the settings of an output; say what was written, and whether a repeated run gave the same bytes."""
+    from helibore.runs.run import save_settings
+    from helibore.runs.settings import settings_file
+
+    before, context = run.settings, click.get_current_context()
+    recorded = {name: _plain(options[name]) for name in _own(context) if options[name] not in (None, (), False)}
+    images_added = bool(options["image"])
+    after = save_settings(run, output, verb, recorded)
+    files = ", ".join(f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file in (output, *more))
+    lines = [("wrote", f"{files}, {settings_file(output).name}")]
+    if before.output is None or after.output is None:
+        return lines
+    earlier = before.output
+    if (before.verb, before.options) != (verb, recorded) or images_added or earlier.file.suffix != output.suffix:
+        text = f"the wall of {earlier.file.name}; its bytes are not compared with those of another kind of output"
+    elif earlier.blake2b == after.output.blake2b:
+        text = "to the last bit"
+    else:
+        text = "with other bytes: another version or machine wrote it"
+    return [*lines, ("repeated", text)]

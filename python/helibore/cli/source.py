@@ -1,0 +1,390 @@
+"""The one set of options that turns files into a wall, the same in every command: `takes_a_wall` and `open_run`.
+
+    well.wall                                   an archive, as `Wall.save` wrote it
+    run1.csv run2.csv --bit-diameter 8.5in      caliper files, prepared and rebuilt
+    --average log.las:CALI --bit-diameter ...   size measured, shape assumed round
+    --gauge --bit-diameter ... --image ...      not measured: carries images only
+    wall.glb.toml, --from-settings wall.glb.toml    what an earlier run made its wall from
+
+What a channel means is guessed from names and units; ``--map`` overrules the guess, and the column options overrule
+both. A column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import fields
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, get_args
+
+import click
+from click.core import ParameterSource
+
+from helibore.base.errors import InputError
+from helibore.cli.quantities import ANGLE, BIT, FILE, LENGTH, LENGTH_OR_NONE, NUMBERS, SHIFT, TIME
+from helibore.trajectory.references import Reference
+from helibore.wall.archive import ENDING as ARCHIVE
+
+if TYPE_CHECKING:
+    from helibore.base.settings import Settings
+    from helibore.channels.log_set import LogFile
+    from helibore.channels.roles import RoleMap
+    from helibore.cli.terminal import Terminal
+    from helibore.runs.run import Files, Run
+    from helibore.runs.settings import ImageInput, RunSettings
+
+Command = Callable[..., Any]
+SETTINGS = ".toml"
+
+
+class Sectioned(click.Command):
+    """A command whose help lists its options in sections."""
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """Write the options under their headings, in the order they were given."""
+        rows: dict[str, list[tuple[str, str]]] = {"Options": []}
+        for parameter in (each for each in self.get_params(ctx) if isinstance(each, click.Option)):
+            record = parameter.get_help_record(ctx)
+            if record is not None:
+                rows.setdefault(getattr(parameter, "section", "Options"), []).append(record)
+        for title, records in rows.items():
+            with formatter.section(title):
+                formatter.write_dl(records)
+
+
+class SectionOption(click.Option):
+    """An option of a section of the help."""
+
+    section = "Options"
+
+
+def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Command], Command]:
+    """Give a command the options of a section: (names, what `click.option` takes)."""
+    kind = type(f"{name.title().replace(' ', '')}Option", (SectionOption,), {"section": name})
+
+    def add(command: Command) -> Command:
+        for names, settings in reversed(options):
+            command = click.option(*names.split(), cls=kind, **settings)(command)
+        return command
+
+    return add
+
+
+def one(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """An option; a default is shown in its help, unless it is None, (), a flag's or "none"."""
+    shown = settings.get("default") not in (None, ()) and "is_flag" not in settings
+    return names, {"help": help, "show_default": shown} | settings
+
+
+def many(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """An option that may be repeated."""
+    return one(names, f"{help} Repeatable.", multiple=True, **settings)
+
+
+SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
+    "Source": (
+        one("--bit-diameter", "Bit size, such as 8.5in, '8 1/2in' or 0.216m. Archives and settings have it.", type=BIT),
+        one("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
+        one("--gauge", "Gauge hole in place of SOURCE: not measured, carries images only.", is_flag=True),
+        one("--from-settings", "The same as a settings file as SOURCE: repeat the run that wrote it.", type=FILE),
+        many("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
+             "of sector 1. REFERENCE is what its toolface 0 is, if not the wall's: north or high-side.",
+             metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
+        one("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
+        one("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
+    ),
+    "Columns": (
+        many("--map maps", "Roles of the channels as TOML (see helibore inspect): one map, or one a file.", type=FILE),
+        one("--set set_name", "Set of the source file, if the file holds several.", metavar="NAME"),
+        one("--depth", "NAME[:UNIT] of the depth.", metavar="COLUMN"),
+        one("--toolface", "NAME[:UNIT] of the toolface or relative bearing.", metavar="COLUMN"),
+        many("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where the arm is mounted.", metavar="COLUMN"),
+        many("--diameter", "NAME[@ANGLE][:UNIT] of a diameter, which counts for both sides.", metavar="COLUMN"),
+        one("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
+        many("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
+        many("--absent", "Number that means no value.  [-999.25, -9999, -9999.25]", type=float),
+    ),
+    "Sensors": (
+        one("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
+        one("--track-map", "Roles of that file as TOML.", type=FILE),
+        one("--sensor-offset", "From the depth up to all sensors.", type=LENGTH, default="0m"),
+        one("--latency", "From measurement to time stamp, of all sensors.", type=TIME, default="0s"),
+        one("--mud-velocity", "Speed of sound in the mud, m/s, for travel times.", type=float),
+        one("--tool-radius", "From the tool's axis to the transducer, for travel times.", type=LENGTH),
+        one("--echo-window", "Time of the echo inside the tool.", type=TIME, default="0s"),
+        one("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
+            "else the wall's]", type=click.Choice(["north", "high-side", "automatic"])),
+        one("--switch", "Automatic: north until the second inclination, high side until the first.", type=ANGLE,
+            nargs=2, default=("4deg", "6deg")),
+    ),
+    "Conditioning": (
+        one("--samples-from shallowest", "Drop shallower samples.", type=LENGTH),
+        one("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
+        one("--drop-closed closed", "Drop rows where no arm reads more than the closed tool.", type=LENGTH,
+            metavar="RADIUS"),
+        one("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,
+            metavar="ROWS"),
+        one("--radius-range", "Drop radii outside.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
+        one("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
+        one("--drop-spikes spikes", "Drop samples that the turns around contradict by so many deviations; 6 is usual.",
+            type=float, metavar="DEVIATIONS"),
+        one("--turn-height", "Height of a turn, for a tool that does not turn.  [rotation, image row]", type=LENGTH),
+        one("--recentre", "Take the tool's offset out of every turn.", is_flag=True),
+    ),
+    "Passes": (
+        one("--split-passes reversal", "Start a pass where the tool went back by more.", type=LENGTH),
+        one("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
+        one("--latest", "In each 0.5 m, use the last pass that was there.  [merge them]", is_flag=True),
+        many("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
+        one("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
+        one("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
+            type=click.Choice(["none", "arm", "side"]), default="none"),
+        one("--compare-with earlier", "Earlier passes: the attribute 'difference' says how much larger the wall is.",
+            type=NUMBERS, default=()),
+    ),
+    "Path and toolface": (
+        one("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
+        one("--survey-map", "Roles of the survey file as TOML.", type=FILE),
+        one("--survey-set", "Set of the survey file, if it holds several.", metavar="NAME"),
+        one("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
+        one("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
+        one("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
+        one("--method", "Between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
+            default="minimum-curvature"),
+        one("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
+            type=click.Choice(get_args(Reference))),
+        one("--extend", "Continue straight so far past the last station.", type=LENGTH, default="0m"),
+        one("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
+    ),
+    "Wall": (
+        one("--sectors", "Vertices a turn.", type=int, default=64),
+        one("--pitch", "Of the helix; negative: logged upwards.", type=LENGTH, default="100mm"),
+        one("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
+        one("--neighbors", "Number of nearest samples that make a vertex.", type=int, default=8),
+        one("--window", "Search only so many samples around a vertex, as published.  [all]", type=int),
+        one("--power", "Weights are distance^-power.", type=float, default=1.0),
+        one("--max-distance", "Reach of a sample, or none.", type=LENGTH_OR_NONE, default="1m"),
+        one("--max-iterations", "Limit of the iteration.", type=int, default=4),
+        one("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
+        one("--angular-scale", "1: true arc; 2: as published; 4: neighbours from above and below first.", type=float,
+            default=1.0),
+        one("--threads", "Number of threads.  [all cores]", type=int),
+    ),
+}  # fmt: skip
+"""Every option of a wall, by section of the help."""
+
+ANYWHERE = ("from_settings", "image", "start_depth", "stop_depth", "threads")
+"""Options that go with a wall that has its own settings."""
+
+
+def takes_a_wall(command: Command) -> Command:
+    """Give a command SOURCE and the options that say how a wall is made of it."""
+    for name in reversed(SECTIONS):
+        command = section(name, *SECTIONS[name])(command)
+    return click.argument("source", type=FILE, nargs=-1)(command)
+
+
+def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path] = ()) -> Run:
+    """Take the options of `takes_a_wall`, open the files they name, and return the run, ready for `make_wall`.
+
+    A file that is read is never written over: ``outputs`` are refused if they are among the files, or the settings.
+    """
+    _check_source(options)
+    given = options["from_settings"] or next(iter(options["source"]), None)
+    with terminal.stage("import", "Loading helibore"):
+        from helibore.runs.run import Run, reopen
+        from helibore.runs.settings import read_settings, settings_file
+    repeated = given if given is not None and given.suffix.lower() == SETTINGS else None
+    with terminal.stage("read", "Opening files"):
+        if repeated is not None:
+            settings = read_settings(repeated)
+            _check_outputs(outputs, [repeated, *(each.file for each in settings.inputs)], settings_file)
+            run = reopen(settings)
+            _more_images(run, options)
+        else:
+            run = Run(*_opened(options))
+            _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
+    return run
+
+
+def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_file: Callable[[Path], Path]) -> None:
+
+    for output in outputs:
+        for file in inputs:
+            if file.resolve() in (output.resolve(), settings_file(output).resolve()):
+                raise InputError(str(output), f"would be written over {file}, which it is made from")
+
+
+def _check_source(options: dict[str, Any]) -> None:
+    """Refuse no source, several kinds of it, and options that would have no effect."""
+    source, settings = options["source"], options["from_settings"]
+    endings = {file.suffix.lower() for file in source}
+    if bool(source) + (options["average"] is not None) + options["gauge"] + (settings is not None) != 1:
+        raise click.UsageError(
+            "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"
+        )
+    if len(source) > 1 and endings & {ARCHIVE, SETTINGS}:
+        raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
+    if options["gauge"]:
+        _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent",), "--gauge, which reads no caliper")
+    elif options["average"] is not None:
+        why = "--average, which names its channel"
+        _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent", "set_name"), why)
+    elif ARCHIVE in endings:
+        sections = tuple(name for name in SECTIONS if name != "Path and toolface")
+        _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
+    elif settings is not None or SETTINGS in endings:
+        file = settings or source[0]
+        _refuse(tuple(SECTIONS), ("source", *ANYWHERE), f"{file.name}, which repeats a run")
+    if ARCHIVE not in endings and SETTINGS not in endings and settings is None:
+        _check_numbers(options)
+
+
+def _refuse(sections: Sequence[str], allowed: Sequence[str], source: str) -> None:
+    """Refuse options of sections that are given but would have no effect on the wall of this source."""
+    context = click.get_current_context()
+    for parameter in context.command.params:
+        given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
+        if given and getattr(parameter, "section", "") in sections and parameter.name not in allowed:
+            raise click.UsageError(f"{parameter.opts[0]}: does not go with {source}")
+
+
+def _check_numbers(options: dict[str, Any]) -> None:
+    if options["bit_diameter"] is None:
+        raise click.UsageError("Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it.")
+    start, stop = options["start_depth"], options["stop_depth"]
+    if start is not None and stop is not None and not start < stop:
+        raise InputError(f"--to {stop:g} m", f"must be deeper than --from {start:g} m")
+    if options["reference"] not in (None, "north", "high-side") and options["survey"] is None:
+        raise click.UsageError(f"--reference {options['reference']}: needs --survey")
+    if (options["mud_velocity"] is None) != (options["tool_radius"] is None):
+        raise click.UsageError("--mud-velocity and --tool-radius: travel times need both")
+    if len(options["maps"]) not in (0, 1, len(options["source"])):
+        raise click.UsageError(
+            f"{len(options['maps'])} maps for {len(options['source'])} caliper files: must be one, or one a file"
+        )
+    if options["track"] is not None and len(options["source"]) > 1:
+        raise click.UsageError("--track: goes with one caliper file only")
+
+
+def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
+    """Open every file that the options name; return the settings of the run, the files and their checksums."""
+    from helibore.base.nulls import NULLS
+    from helibore.runs.run import Checksums, Files, open_input
+    from helibore.runs.settings import Input, PathSettings, RunSettings
+
+    nulls, checksums = options["absent"] or NULLS, Checksums()
+
+    def opened(file: Path, choose: Callable[[LogFile], RoleMap]) -> Any:
+        return open_input(file, nulls, choose, checksums)
+
+    archive = next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
+    maps, calipers = options["maps"], []
+    columns = {name: options[name] for name in ("depth", "toolface", "time")}
+    arms = {name: options[name.replace("-", "_")] for name in ("radius", "diameter", "travel-time")}
+    if archive is None:
+        for number, file in enumerate(options["source"]):
+            own = maps[number % len(maps)] if maps else None
+            choose = partial(_roles, set_name=options["set_name"], map_file=own, columns=columns, arms=arms)
+            calipers.append(opened(file, choose))
+    average = survey = track = None
+    if options["average"] is not None:
+        text, _, channel = options["average"].rpartition(":")
+        if not text:
+            raise click.UsageError(f"--average {options['average']}: must be FILE:CHANNEL")
+        average = opened(Path(text), partial(_average_roles, set_name=options["set_name"], channel=channel))
+    if options["survey"] is not None:
+        stations = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
+        choose = partial(_roles, set_name=options["survey_set"], map_file=options["survey_map"], columns=stations)
+        survey = opened(options["survey"], choose)
+    if options["track"] is not None:
+        track = opened(options["track"], partial(_roles, set_name=None, map_file=options["track_map"], columns={}))
+    files = Files(tuple(calipers), average, track, survey)
+    settings = RunSettings(
+        nulls=tuple(nulls), gauge=options["gauge"], archive=Input(archive) if archive is not None else None,
+        image=tuple(_image(text) for text in options["image"]), echo=_echo(options), preparation=_preparation(options),
+        path=PathSettings(**{name: options[name] for name in ("method", "reference", "extend", "head")}),
+        wall=None if archive is not None else _wall(options), **files.inputs(),
+    )  # fmt: skip
+    return settings, files, checksums
+
+
+def _roles(
+    log: LogFile,
+    set_name: str | None,
+    map_file: Path | None,
+    columns: dict[str, Any],
+    arms: dict[str, Any] | None = None,
+) -> RoleMap:
+    """The roles of a set: guessed, overruled by a map, overruled by options."""
+    from helibore.channels.role_map import parse_options, read_map
+    from helibore.channels.roles import guess
+
+    roles = read_map(map_file, log) if map_file is not None else guess(log.set(set_name))
+    if set_name is not None and roles.set_name != set_name:
+        raise InputError(f"--set {set_name}", f"the map is for the set {roles.set_name}")
+    return parse_options(log.set(roles.set_name), roles, columns, arms or {})
+
+
+def _average_roles(log: LogFile, set_name: str | None, channel: str) -> RoleMap:
+    """The depth as it is guessed, and the channel that is the diameter."""
+    from helibore.channels.roles import Role, RoleMap, guess
+
+    found = log.set(set_name)
+    depth = guess(found).one("depth")
+    if depth is None:
+        raise InputError(log.path.name, "no channel is a depth")
+    if channel not in found:
+        raise InputError(log.path.name, f"no channel {channel!r}; it holds {', '.join(found.names)}")
+    mean = Role(channel, "mean-diameter", "named by --average", found[channel].unit)
+    return RoleMap(found.name, {depth.channel: depth, channel: mean})
+
+
+def _image(text: str) -> ImageInput:
+    """An image, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
+    from helibore.runs.settings import ImageInput
+
+    reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
+    parts = text.removesuffix(f":{reference}").rsplit(":", 2)
+    if len(parts) != 3 or parts[2] not in ("centre", "edge"):
+        raise click.UsageError(
+            f"--image {text}: must be FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:REFERENCE; ORIGIN is centre or edge, "
+            "REFERENCE north or high-side"
+        )
+    return ImageInput(Path(parts[0]), parts[1], parts[2], reference=reference)
+
+
+def _more_images(run: Run, options: dict[str, Any]) -> None:
+    """Add images to a run that is repeated."""
+    from dataclasses import replace
+
+    run.settings = replace(run.settings, image=(*run.settings.image, *(_image(text) for text in options["image"])))
+
+
+def _wall(options: dict[str, Any]) -> Settings:
+    """The settings of the wall; a helix that goes up starts at its deep end."""
+    from helibore.base.settings import Settings
+
+    found = {each.name: options[each.name] for each in fields(Settings) if each.name in options}
+    if options["pitch"] < 0:
+        found["start_depth"], found["stop_depth"] = options["stop_depth"], options["start_depth"]
+    return Settings(**found)
+
+
+def _echo(options: dict[str, Any]) -> Any:
+    from helibore.preparation.conditioning import Echo
+
+    if options["mud_velocity"] is None:
+        return None
+    return Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
+
+
+def _preparation(options: dict[str, Any]) -> Any:
+    from helibore.preparation.prepare import Preparation
+
+    found = {each.name: options[each.name] for each in fields(Preparation) if each.name in options}
+    if options["radius_range"]:
+        found["least_radius"], found["greatest_radius"] = options["radius_range"]
+    found["steep"], found["level"] = options["switch"]
+    return Preparation(**found)

@@ -1,0 +1,297 @@
+"""What an output was made from and how: a TOML file beside it, one format for every mesh, log and picture; and back.
+
+    helibore = "0.1.0"          verb = "mesh"         nulls = [-999.25, -9999.0, -9999.25]
+    [output]                    file = "wall.glb"     blake2b = "..."
+    [[caliper]]                 file = "run1.csv"     blake2b = "..."    set = "MAIN"
+    [[caliper.channel]]         channel = "md_m"      role = "depth"     unit = "m" ...
+    [average] [archive] [survey] [track]              one file each, like a caliper; or gauge = true
+    [[image]]                   file = "gr.las"       blake2b = "..."    name = "GR"    origin = "edge"
+    [preparation] [echo] [path] [wall]                settings by their names in Python
+    [options]                                         the verb's own options
+
+Files are named relative to the settings file. Defaults are written too, so that a later version with other defaults
+repeats the run. Not here: the run itself (``run``).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import os
+import types
+import typing
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, get_type_hints
+
+from helibore._core import __version__
+from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError
+from helibore.base.nulls import NULLS
+from helibore.base.settings import Settings
+from helibore.channels.roles import Role, RoleMap
+from helibore.preparation.conditioning import Echo
+from helibore.preparation.prepare import Preparation
+
+SOURCES = ("caliper", "average", "archive", "gauge")
+"""What a wall is made from: each run has exactly one."""
+
+
+@dataclass(frozen=True)
+class Input:
+    """A file that was read: its checksum, the set, and the role of every channel used.
+
+    Attributes
+    ----------
+    file
+        The file.
+    blake2b
+        Of its bytes, in hexadecimal; "" while not known.
+    set
+        Name of the set; None where the file has no sets.
+    channel
+        The roles.
+    """
+
+    file: Path
+    blake2b: str = ""
+    set: str | None = None
+    channel: tuple[Role, ...] = ()
+
+    @property
+    def roles(self) -> RoleMap:
+        """The roles by channel."""
+        return RoleMap(self.set, {role.channel: role for role in self.channel})
+
+
+@dataclass(frozen=True)
+class ImageInput:
+    """A sector image that was read; ``reference`` None: what toolface 0 of the wall is."""
+
+    file: Path
+    name: str
+    origin: str
+    blake2b: str = ""
+    reference: str | None = None
+
+
+@dataclass(frozen=True)
+class Output:
+    """The file that was written, and the checksum of its bytes."""
+
+    file: Path
+    blake2b: str
+
+
+@dataclass(frozen=True, kw_only=True)
+class PathSettings:
+    """How a survey becomes a path; see `helibore.Survey.path`.
+
+    Without a survey, ``reference`` says what toolface 0 of the wall is. None: high side on a path, else not known.
+    """
+
+    method: str = "minimum-curvature"
+    reference: str | None = None
+    head: tuple[float, ...] = (0.0, 0.0, 0.0)
+    extend: float = 0.0
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunSettings:
+    """Everything that decides the bytes of an output.
+
+    Attributes
+    ----------
+    helibore
+        The version that wrote them.
+    verb, options
+        The command, and its own options by name.
+    nulls
+        Numbers that mean no value.
+    output
+        What was written; None before that.
+    caliper
+        Caliper files of one hole, earliest first.
+    average
+        The file of an average caliper, with a channel of the role mean-diameter.
+    archive
+        The archive of a wall.
+    gauge
+        Whether the wall is a gauge hole, which nothing measured.
+    survey, track
+        The survey; and depth and toolface by time. None without.
+    image
+        Images on the wall.
+    echo
+        How travel times become radii; None without.
+    preparation, path
+        What is done to the readings, and how the survey becomes a path.
+    wall
+        What the wall is built with; None for an archive.
+    """
+
+    helibore: str = field(default_factory=lambda: __version__)
+    verb: str = field(default_factory=lambda: "reconstruct")
+    nulls: tuple[float, ...] = field(default_factory=lambda: NULLS)
+    gauge: bool = False
+    output: Output | None = None
+    caliper: tuple[Input, ...] = ()
+    average: Input | None = None
+    archive: Input | None = None
+    track: Input | None = None
+    survey: Input | None = None
+    image: tuple[ImageInput, ...] = ()
+    echo: Echo | None = None
+    preparation: Preparation = field(default_factory=Preparation)
+    path: PathSettings = field(default_factory=PathSettings)
+    wall: Settings | None = None
+    options: dict[str, Any] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if sum(bool(getattr(self, name)) for name in SOURCES) != 1:
+            raise InputError(", ".join(SOURCES), "exactly one of them must say what the wall is made from")
+        if (self.wall is None) != (self.archive is not None):
+            raise InputError("wall", "must not stand beside an archive" if self.archive else "is missing")
+
+    @property
+    def inputs(self) -> tuple[Input | ImageInput, ...]:
+        """Every file the run reads."""
+        alone = (self.average, self.archive, self.track, self.survey)
+        return (*self.caliper, *(one for one in alone if one is not None), *self.image)
+
+
+def settings_file(output: str | os.PathLike[str]) -> Path:
+    """Where the settings of an output stand: ``wall.glb.toml`` beside ``wall.glb``."""
+    output = Path(output)
+    return output.with_name(f"{output.name}.toml")
+
+
+def write_settings(path: str | os.PathLike[str], settings: RunSettings) -> None:
+    """Write settings as TOML, whole or not at all."""
+    import tomli_w
+
+    path = Path(path)
+    first = f"# To repeat this run: helibore {settings.verb} --from-settings {path.name} -o OUTPUT\n"
+    content = (first + tomli_w.dumps(_tree(settings, path.resolve().parent))).encode()
+    write_whole(path, lambda file: file.write(content))
+
+
+COMPLETE = (Settings, Preparation, PathSettings, Echo)
+"""Groups that are written with their defaults; in the others a default is left out."""
+
+
+def _tree(value: Any, folder: Path) -> Any:
+    """Return a value as TOML has it: tables, lists, file names relative to ``folder``; "none" for a None."""
+    if dataclasses.is_dataclass(value) and not isinstance(value, type):
+        tree = {}
+        for each in dataclasses.fields(value):
+            found = getattr(value, each.name)
+            usual = found == each.default if not isinstance(value, COMPLETE) else found is None and each.default is None
+            if not usual and found != {}:
+                tree[each.name] = _tree(found, folder)
+        return tree
+    if isinstance(value, dict):
+        return {name: _tree(one, folder) for name, one in value.items()}
+    if isinstance(value, tuple | list):
+        return [_tree(one, folder) for one in value]
+    if isinstance(value, Path):
+        try:
+            return Path(os.path.relpath(value.resolve(), folder)).as_posix()
+        except ValueError:  # another drive
+            return value.resolve().as_posix()
+    return "none" if value is None else value
+
+
+def read_settings(path: str | os.PathLike[str]) -> RunSettings:
+    """Read the settings of a run; no file that they name is opened.
+
+    Returns
+    -------
+    RunSettings
+        With files as paths that can be opened from here.
+
+    Raises
+    ------
+    InputError
+        Naming the file, the table, the key and the rule.
+    OSError
+        If it cannot be read.
+    """
+    import tomllib
+
+    path = Path(path)
+    try:
+        tree = tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(path.name, f"not TOML: {error}") from error
+    return typing.cast(RunSettings, _Reader(path).group("", RunSettings, tree))
+
+
+class _Reader:
+    """Turns a TOML tree into the types that the dataclasses state; every error names its place."""
+
+    def __init__(self, path: Path) -> None:
+        self.name, self.folder = path.name, path.parent
+
+    def error(self, place: str, rule: str, value: Any = dataclasses.MISSING) -> InputError:
+        shown = None if value is dataclasses.MISSING else repr(value)
+        return InputError(f"{self.name}: {place}" if place else self.name, rule, shown)
+
+    def group(self, place: str, kind: type[Any], tree: Any) -> Any:
+        """A dataclass from a table."""
+        if not isinstance(tree, dict):
+            raise self.error(place, "must be a table")
+        hints, dot = get_type_hints(kind), f"{place}." if place else ""
+        for key in tree:
+            if key not in hints:
+                raise self.error(f"{dot}{key}", f"must be one of {', '.join(hints)}")
+        for each in dataclasses.fields(kind):
+            needed = each.default is dataclasses.MISSING and each.default_factory is dataclasses.MISSING
+            if (needed and each.name not in tree) or (kind is RunSettings and "helibore" not in tree):
+                raise self.error(f"{dot}{each.name}", "is missing")
+        values = {key: self.value(f"{dot}{key}", hints[key], value) for key, value in tree.items()}
+        try:
+            return kind(**values)
+        except InputError as error:
+            raise error.within(f"{self.name}: {place}" if place else self.name) from error
+        except ValueError as error:
+            raise self.error(place, str(error)) from error
+
+    def value(self, place: str, hint: Any, value: Any) -> Any:
+        """One value as its type; "none" stands for None where that is allowed."""
+        options = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+        if type(None) in options and value == "none":
+            return None
+        (wanted,) = (one for one in options if one is not type(None))
+        if dataclasses.is_dataclass(wanted):
+            return self.group(place, typing.cast(type[Any], wanted), value)
+        if typing.get_origin(wanted) is tuple:
+            return self.tuple_of(place, typing.get_args(wanted), value)
+        if typing.get_origin(wanted) is dict and isinstance(value, dict):
+            return value
+        if typing.get_origin(wanted) is typing.Literal and value in typing.get_args(wanted):
+            return value
+        if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
+            return float(value)
+        if wanted is Path and isinstance(value, str):
+            return self.folder / value
+        if wanted in RULES and isinstance(value, wanted) and (wanted is bool or not isinstance(value, bool)):
+            return value
+        rule = RULES.get(wanted) or ("a table" if typing.get_origin(wanted) is dict else "a text that is known")
+        raise self.error(place, f"must be {rule}", value)
+
+    def tuple_of(self, place: str, parts: tuple[Any, ...], value: Any) -> tuple[Any, ...]:
+        """A list of values, or of tables, which are counted from 1."""
+        endless = parts[-1] is Ellipsis
+        if not isinstance(value, list) or not (endless or len(parts) == len(value)):
+            if endless and dataclasses.is_dataclass(parts[0]):
+                raise self.error(place, f"must be tables, [[{place}]]")
+            raise self.error(place, "must be a list" if endless else f"must be a list of {len(parts)}", value)
+        tables = dataclasses.is_dataclass(parts[0])
+        places = [f"{place} {at}" if tables else place for at in range(1, len(value) + 1)]
+        kinds = [parts[0]] * len(value) if endless else parts
+        return tuple(self.value(at, kind, one) for at, kind, one in zip(places, kinds, value, strict=True))
+
+
+RULES = {
+    float: "a number", int: "a whole number", str: "text", bool: "true or false", Path: "the name of a file"
+}  # fmt: skip
