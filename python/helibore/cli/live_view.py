@@ -11,20 +11,27 @@ loaded without ``--view``.
 
 from __future__ import annotations
 
+import contextlib
 import time
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+import numpy as np
+
+from helibore.base.errors import InputError
 from helibore.live.live import Live
 from helibore.live.update import Update
 from helibore.samples.helix import helix_of
 
 if TYPE_CHECKING:
+    from helibore.base.arrays import Floats
     from helibore.trajectory.survey import Path
     from helibore.viewer.feed import Feed
 
 AHEAD = 100.0
 """Metres the shown path goes on below the wall, for what is drilled next."""
+IMAGES_SECONDS = 1.0
+"""Images are mapped on the wall at most this often, and in a twentieth of the time."""
 
 
 class Window:
@@ -68,6 +75,8 @@ class Window:
         self._path_moved = True
         self._newest: float | None = None
         self._path_stop = float("inf")
+        self._images: dict[str, int] = {}  # rows of each image that the page shows
+        self._images_due = 0.0
 
     def follow(self, live: Live) -> None:
         """Say whose wall is to be shown."""
@@ -83,16 +92,20 @@ class Window:
                 self._feed.update(change)
 
     def refresh(self, states: Mapping[str, str]) -> None:
-        """Begin the wall when it has a vertex, follow the bit, the path and the sources.
+        """Begin the wall when it has a vertex; follow the bit, the path, the images and the sources.
 
         To be called a few times a second, with what each source is doing.
         """
         live = self._wanted()
+        if self._feed and live.model.layouts.keys() - self._images.keys():  # an image that no source announced
+            self._feed.close()
+            self._feed = None
         if self._feed is None and len(live.wall):
             self._begin()
         elif self._feed and (self._path_moved or self._path_stop < self._span()[1]):
             self._path_moved = False
             self._feed.set_path(self._path())
+        self._show_images()
         bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
         known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
         known = {name: value for name, value in known.items() if value is not None}
@@ -116,13 +129,35 @@ class Window:
         self.close()
 
     def _begin(self) -> None:
+        from helibore.viewer import Attribute
         from helibore.viewer.feed import Feed
 
         self._path_moved = False
-        feed = Feed(self._wanted().wall, path=self._path(), attributes={}, well=self._well, scene=self.scene)
+        live = self._wanted()
+        self._images = dict.fromkeys(live.model.layouts, 0)
+        configured = [image for source in live.configuration.sources.values() for image in source.images]
+        units = {image.name: image.unit for image in configured} | {name: of.unit for name, of in live.images.items()}
+        values = np.full(len(live.wall), np.nan)
+        attributes: dict[str | Attribute, Floats] = {
+            Attribute.usual(name, units.get(name, "")): values for name in self._images
+        }
+        feed = Feed(live.wall, path=self._path(), attributes=attributes, well=self._well, scene=self.scene)
         feed.start()
         self._feed = feed
         feed.update()  # what was drawn meanwhile
+
+    def _show_images(self) -> None:
+        """Map the images that have grown on the wall as it is now."""
+        if self._feed is None or time.monotonic() < self._images_due:
+            return
+        began, live = time.monotonic(), self._wanted()
+        for name, shown in self._images.items():
+            rows = len(live.images[name]) if name in live.images else 0
+            if rows > max(shown, 1):  # the reach of a single row is not known
+                with contextlib.suppress(InputError):  # no quad of the wall lies under the image yet
+                    self._feed.set_attribute(name, live.image(name).on(live.wall))
+                    self._images[name] = rows
+        self._images_due = time.monotonic() + max(IMAGES_SECONDS, 20 * (time.monotonic() - began))
 
     def _status_text(self, states: Mapping[str, str]) -> str:
         """What the sources are doing; before the wall begins, how far samples have come too."""

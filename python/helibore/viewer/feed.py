@@ -85,6 +85,8 @@ class Feed:
         self._closed = False
         self._thread: threading.Thread | None = None
         self._zones: Classification | None = None
+        self._chosen: set[str] = set()  # quantities whose colours are chosen for good
+        self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
         self.scene.summarize = self._summarize
         self._extend_path()
@@ -117,8 +119,8 @@ class Feed:
             self._changed.notify()
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
-        """Replace the values of a named attribute."""
-        column = self._column(name, values)
+        """Replace the values of a named attribute: one per quad, or fewer if the wall has grown since."""
+        column = self._column(name, values, shorter=True)
         with self._changed:
             self._values[name] = column
             self._ranges = [(0, len(self._wall))]
@@ -167,23 +169,24 @@ class Feed:
                 values = {name: column[first:last] for name, column in self._values.items()}
                 self.scene.write(first, Vertices(read.radius, read.nearest, read.support, read.provisional), values)
         self.scene.settle(settled)
-        if len(self.scene.state.ranges) < 3 + len(self._values):
-            self._choose_ranges()
+        self._choose_ranges()
 
     def _choose_ranges(self) -> None:
-        """Choose the ends of the colours from the whole wall, once for each quantity."""
-        bit, ranges = self._shape.bit_diameter / 2, dict(self.scene.state.ranges)
-        if "over" not in ranges:
-            read = self._wall.vertices(0, len(self._wall))
-            limit = symmetric_limit(read.radius - bit, MILLIMETRE)
-            if len(self._wall) < FEW_TURNS * self._shape.sectors:
-                limit = max(limit, USUAL_LIMIT)
+        """Choose the ends of the colours from the whole wall; from `FEW_TURNS` turns of it, they are final."""
+        few, ranges = FEW_TURNS * self._shape.sectors, dict(self.scene.state.ranges)
+        if "over" not in self._chosen:
+            read, bit = self._wall.vertices(0, len(self._wall)), self._shape.bit_diameter / 2
+            self._young |= len(read.radius) < few
+            limit = max(symmetric_limit(read.radius - bit, MILLIMETRE), USUAL_LIMIT if self._young else 0.0)
             nearest = symmetric_limit(numbers(read.nearest), MILLIMETRE)
             ranges |= {"over": (-limit, limit), "radius": (bit - limit, bit + limit), "nearest": (0.0, nearest)}
+            self._chosen |= {"over"} if len(read.radius) >= few else set()
         for attribute in self._shape.attributes:
             values = self._values[attribute.name]
-            if attribute.name not in ranges and (limits := _limits(attribute, values[np.isfinite(values)])):
+            values = values[np.isfinite(values)]
+            if attribute.name not in self._chosen and (limits := _limits(attribute, values)):
                 ranges[attribute.name] = limits
+                self._chosen |= {attribute.name} if values.size >= few else set()
         if ranges != self.scene.state.ranges:
             self.scene.update_state(ranges=ranges)
 
@@ -223,11 +226,12 @@ class Feed:
         if known != self.scene.state.true_depth:
             self.scene.update_state(true_depth=known)
 
-    def _column(self, name: str, values: npt.ArrayLike) -> npt.NDArray[np.float64]:
+    def _column(self, name: str, values: npt.ArrayLike, shorter: bool = False) -> npt.NDArray[np.float64]:
         if name not in self._values:
             raise InputError(f"attribute {name}", "was not named when the viewer was made")
         column = numbers(values)
-        self._check(name, column)
+        if not (shorter and column.ndim == 1 and len(column) <= len(self._wall)):
+            self._check(name, column)
         return column
 
     def _check(self, name: str, values: npt.NDArray[np.float64]) -> None:

@@ -17,6 +17,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, numbers
+from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
 from helibore.samples.caliper import Basis
 from helibore.viewer import messages
@@ -42,6 +43,12 @@ class Attribute:
     high: float | None = None
     log: bool = False
     color_map: str = ""
+
+    @classmethod
+    def usual(cls, name: str, unit: str = "") -> Attribute:
+        """Return an attribute with the usual colours of its name and unit, as `helibore.plot` draws an image."""
+        color_map = customary_map(name, unit)
+        return cls(name, unit, log=color_map == "resistivity", color_map=color_map)
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,37 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
     assert scene.state.ended
 
 
+@pytest.mark.usefixtures("needs_page")
+def test_images_of_the_rig_are_on_the_page() -> None:
+    from helibore.cli.live_view import Window
+
+    with Window("well-7") as window:
+        live = hb.Live(parse(HOST))
+        window.follow(live)
+        window.show(pushed(live, 100.0))
+        window.refresh({})
+        assert window.scene.shape.attributes == ()
+        depth = 100.0 + 0.1 * np.arange(9)
+        rows = np.add.outer(20.0 * np.arange(9), np.arange(8.0))
+        window.show(live.append_image("GR", depth, rows, "gAPI", origin="edge", reference="high-side"))
+        until(lambda: window.refresh({}) or (window.scene.levels[0].columns and shown(window, live)))
+        (attribute,) = window.scene.shape.attributes
+        assert (attribute.name, attribute.unit, attribute.color_map) == ("GR", "gAPI", "gamma")
+        low, high = window.scene.state.ranges["GR"]
+        assert 0 <= low < high <= 167
+        window.show(pushed(live, 101.0))
+        window.show(live.append_image("GR", depth + 0.9, rows, "gAPI"))
+        until(lambda: window.refresh({}) or shown(window, live))
+
+
+def shown(window: Any, live: hb.Live) -> bool:
+    """Whether the page's values are those of the image as it is now."""
+    wanted = live.image("GR").on(live.wall).astype(np.float32)
+    with window.scene.lock:
+        level = window.scene.levels[0]
+        return level.size == len(live.wall) and np.array_equal(level.columns[0][: wanted.size], wanted, equal_nan=True)
+
+
 def test_without_the_extra_nothing_starts_and_the_error_names_it(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "uvicorn", None)
     (tmp_path / "rig.toml").write_text(HOST)
@@ -128,6 +159,8 @@ def test_a_played_rig_grows_on_the_page(tmp_path, browser):
         screen = Screen(browser, reported[0])
         first = screen.stats()["size"]
         screen.until(f"window.__wall.stats.size > {first} + 200")
+        assert screen.evaluate("window.__wall.app.quantities.find(({ id }) => id === 'GR').map") == "gamma"
+        screen.until("[...__wall.app.store.levels[0].tiles.values()].some((t) => t.columns[0]?.some(Number.isFinite))")
         screen.close()
         played.terminate()
         running.terminate()

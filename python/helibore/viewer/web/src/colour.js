@@ -52,11 +52,11 @@ export function quantities(store) {
   return [...kept, ...own].map((quantity) => ({ dynamic: false, log: false, chosen: false, ...quantity }));
 }
 
-// Take the ends that the server chose, unless the user or the address has chosen others.
+// Take the ends that the server chose, unless the user or the address chose others.
 export function takeRanges(quantities, ranges) {
   for (const quantity of quantities) {
     const ends = ranges[quantity.id];
-    if (ends && !quantity.chosen) Object.assign(quantity, { low: ends[0], high: ends[1], chosen: true });
+    if (ends && !quantity.chosen) [quantity.low, quantity.high] = ends;
   }
 }
 

@@ -132,7 +132,7 @@ test('the ends of the colours are the server’s, until a user or an address cho
   takeRanges(made, { over: [-0.03, 0.03], radius: [5, 6] });
   assert.deepEqual([find('over').low, find('over').high, find('radius').low], [-0.03, 0.03, 1]);
   takeRanges(made, { over: [-0.1, 0.1], GR: [20, 140] });
-  assert.deepEqual([find('over').low, find('GR').high], [-0.03, 140], 'once');
+  assert.deepEqual([find('over').low, find('GR').high, find('radius').high], [-0.1, 140, 2]);
 });
 
 test('a gauge hole offers its attributes only', () => {
