@@ -71,13 +71,14 @@ def reference(
             last = min(first + window, n)
         turn = np.radians((toolface[first:last] - wall.toolface[k] + 180.0) % 360.0 - 180.0)
         along = depth[first:last] - wall.depth[k]
-        trial = bit_diameter / 2
+        trial, before = bit_diameter / 2, np.inf
         for iteration in range(1, max_iterations + 1):
             wall.iterations[k] = iteration
             distance = np.hypot(angular_scale * trial * turn, along)
-            order = np.argsort(distance if digits is None else np.round(distance, digits), kind="stable")[:neighbors]
-            if max_distance is not None:
-                order = order[distance[order] <= max_distance]
+            order = np.argsort(distance if digits is None else np.round(distance, digits), kind="stable")
+            if max_distance is not None:  # in metres on the wall, whatever the angular scale
+                order = order[np.hypot(trial * turn, along)[order] <= max_distance]
+            order = order[:neighbors]
             wall.support[k] = order.size
             if order.size == 0:
                 wall.radius[k] = wall.nearest[k] = np.nan
@@ -86,9 +87,13 @@ def reference(
             wall.nearest[k] = d.min()
             weight = (d == 0).astype(float) if d.min() == 0 else (d.min() / d) ** power
             wall.radius[k] = np.sum(weight * r) / np.sum(weight)
-            moved, trial = abs(wall.radius[k] - trial), wall.radius[k]
-            if moved <= tolerance:
+            estimate = wall.radius[k]
+            if abs(estimate - trial) <= tolerance:
                 break
+            if abs(estimate - before) <= tolerance:  # it would swing for ever
+                wall.radius[k] = (estimate + trial) / 2
+                break
+            before, trial = trial, estimate
     return wall
 
 

@@ -44,6 +44,7 @@ void Search::weigh(const kernel::Group& g, Index lane, const kernel::CandidateLi
         if (rules_.windowed && !(g.window_first[lane] <= rank && rank < g.window_last[lane])) continue;
         const double turn = std::abs(c.toolface - g.toolface[lane]);
         const double across = scale * std::min(turn, 360.0 - turn), along = c.depth - g.depth[lane];
+        if (across * across * rules_.unscale + along * along > rules_.max_square) continue;
         const double square = across * across + along * along;
         constexpr std::uint64_t low = (std::uint64_t{1} << kernel::position_bits) - 1;
         neighbours.push_back(
@@ -63,9 +64,7 @@ void Search::weigh(const kernel::Group& g, Index lane, const kernel::CandidateLi
                          })->square;
     const bool hit = least <= kernel::zero_square;
     for (Neighbour& n : neighbours) {
-        if (n.square > rules_.max_square)
-            n.weight = 0.0;
-        else if (hit)
+        if (hit)
             n.weight = n.square <= kernel::zero_square ? 1.0 : 0.0;
         else
             n.weight = std::pow(least / n.square, 0.5 * rules_.power);

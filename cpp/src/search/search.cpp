@@ -51,7 +51,11 @@ Search::Search(const Settings& settings)
     rules_.max_iterations = settings.max_iterations;
     rules_.tolerance = settings.tolerance;
     rules_.power = settings.power;
-    rules_.max_square = std::min(settings.max_distance * settings.max_distance, kernel::boundless_square);
+    const double stretch = settings.angular_scale * settings.angular_scale;
+    rules_.max_square = std::min(settings.max_distance * settings.max_distance, kernel::missing_square / 2);
+    rules_.reach_square = std::min(rules_.max_square * std::max(stretch, 1.0), kernel::missing_square / 2);
+    rules_.sure_square = rules_.max_square * std::min(stretch, 1.0) * (stretch == 1.0 ? 1.0 : 1.0 - 1e-12);
+    rules_.unscale = 1.0 / stretch;
     rules_.scale = settings.angular_scale * std::numbers::pi / 180.0;
     rules_.windowed = settings.window.has_value();
     const Helix helix{0.0, settings.start_toolface, settings.pitch, settings.sectors};
@@ -71,6 +75,7 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
         g.toolface[i] = toolface_[static_cast<std::size_t>(sector)];
         if (++sector == helix.sectors) sector = 0;
         g.trial[i] = settings_.bit_diameter / 2.0;
+        g.before[i] = kernel::boundless_square;
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
         g.iterations[i] = g.reach_square[i] = 0.0;
         g.window_first[i] = g.window_last[i] = 0.0;
@@ -88,13 +93,7 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
     kernel::Group g = start(samples, helix, group, vertex_count);
-    if (rules_.windowed) {
-        constexpr kernel::Box everything{no_limit, no_limit, 0.0, 0.0, false};
-        do fetch_window(samples, g, scratch);
-        while (functions_->estimate(g, scratch.list, rules_, everything) != kernel::Verdict::done);
-    } else {
-        search_box(samples, Span(g, helix), g, scratch);
-    }
+    search_box(samples, Span(g, helix), g, scratch);
     return g;
 }
 
@@ -148,16 +147,21 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         for (Index i = 0; i < lanes; ++i)
             if (g.active[i] > 0.0) least_trial = std::min(least_trial, g.trial[i]);
         const double width = half_height / (least_trial * rules_.scale);
-        const double low = span.shallow - half_height, high = span.deep + half_height;
-        const bool all_depths = samples.size() == 0 || (low <= samples.first_depth() && high >= samples.last_depth());
+        const double height = std::min(half_height, 1.001 * settings_.max_distance);
+        const double low = span.shallow - height, high = span.deep + height;
+        const bool all_depths = rules_.windowed || samples.size() == 0 ||
+                                (low <= samples.first_depth() && high >= samples.last_depth());
         const double across = span.half_width + width + 1e-9;
         const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
-        fetch_box(samples, low, high, filter, g, scratch);
+        kernel::Box box{all_depths ? no_limit : height, across < 180.0 ? width : no_limit, across, 0.5 * (high - low),
+                        false};
+        if (rules_.windowed)
+            fetch_window(samples, filter, box, g, scratch);
+        else
+            fetch_box(samples, low, high, filter, box, g, scratch);
         const std::int64_t count = scratch.list.count;
-        const bool narrow = rules_.neighbors <= std::min<std::int64_t>(count, 8) && count <= kernel::narrow_capacity &&
-                            across + span.half_width < 180.0;
-        const kernel::Box box{all_depths ? no_limit : half_height, across < 180.0 ? width : no_limit, across,
-                              0.5 * (high - low), narrow};
+        box.narrow = !rules_.windowed && rules_.neighbors <= std::min<std::int64_t>(count, 8) &&
+                     count <= kernel::narrow_capacity && across + span.half_width < 180.0;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;
@@ -180,8 +184,8 @@ double Search::first_guess(const Samples& samples) const {
     return std::min(guess, 1.001 * settings_.max_distance);
 }
 
-void Search::fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter, kernel::Group& g,
-                       Scratch& scratch) const {
+void Search::fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter,
+                       const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
     scratch.list.count = 0;
     std::fill_n(g.discarded, lanes, kernel::boundless_square);
     scratch.place = samples.step_to(low, scratch.place, stride);
@@ -191,23 +195,25 @@ void Search::fetch_box(const Samples& samples, double low, double high, const ke
         Index stop = place.offset;
         while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
         stop = std::min(stop, chunk.count);
-        gather(chunk, place.offset, stop, samples.rank(place), filter, g, scratch);
+        gather(chunk, place.offset, stop, samples.rank(place), filter, box, g, scratch);
         if (stop < chunk.count) break;
     }
     scratch.pad();
 }
 
-void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scratch) const {
+// The samples of the group's windows, as far as they pass the filter.
+void Search::fetch_window(const Samples& samples, const kernel::Filter& filter, kernel::Box& box, kernel::Group& g,
+                          Scratch& scratch) const {
     scratch.list.count = 0;
     std::fill_n(g.discarded, lanes, kernel::boundless_square);
     if (samples.size() == 0) return scratch.pad();
-    constexpr kernel::Filter everything{360.0, true};
     const auto rank = static_cast<Index>(*std::min_element(g.window_first, g.window_first + lanes));
     const auto last = static_cast<Index>(*std::max_element(g.window_last, g.window_last + lanes));
+    box.along = std::max(std::abs(samples.depth(rank) - g.middle), std::abs(samples.depth(last - 1) - g.middle));
     for (Samples::Place place = samples.place(rank);; ++place.chunk, place.offset = 0) {
         const Chunk& chunk = *samples.chunks()[place.chunk];
         const Index stop = std::min(chunk.count, place.offset + last - samples.rank(place));
-        gather(chunk, place.offset, stop, samples.rank(place), everything, g, scratch);
+        gather(chunk, place.offset, stop, samples.rank(place), filter, box, g, scratch);
         if (samples.rank(place) + stop - place.offset >= last) break;
     }
     scratch.pad();
@@ -216,20 +222,20 @@ void Search::fetch_window(const Samples& samples, kernel::Group& g, Scratch& scr
 // Adds rows [start, stop) of a chunk to the list; `rank` is that of the first. When the list is full, all but the
 // nearest so far are removed.
 void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
-                    kernel::Group& g, Scratch& scratch) const {
+                    const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
     while (start < stop) {
         const Index read = functions_->gather(scratch.list, g, chunk.depth() + start, chunk.toolface() + start,
                                               chunk.radius() + start, stop - start, rank, filter);
         start += read;
         rank += read;
-        if (start < stop) shrink(g, scratch);
+        if (start < stop) shrink(box, g, scratch);
     }
 }
 
-void Search::shrink(kernel::Group& g, Scratch& scratch) const {
+void Search::shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
     scratch.pad();
     std::fill(scratch.keep.begin(), scratch.keep.end(), static_cast<unsigned char>(0));
-    functions_->nominate(g, scratch.list, rules_, scratch.keep.data());
+    functions_->nominate(g, scratch.list, rules_, box, scratch.keep.data());
     kernel::CandidateList& list = scratch.list;
     std::int64_t kept = 0;
     for (std::int64_t i = 0; i < list.count; ++i) {

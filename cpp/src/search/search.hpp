@@ -78,12 +78,13 @@ class Search {
                std::vector<Neighbour>& neighbours) const;
     kernel::Group start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const;
     void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
-    void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter, kernel::Group& g,
-                   Scratch& scratch) const;
-    void fetch_window(const Samples& samples, kernel::Group& g, Scratch& scratch) const;
-    void gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter, kernel::Group& g,
-                Scratch& scratch) const;
-    void shrink(kernel::Group& g, Scratch& scratch) const;
+    void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter,
+                   const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
+    void fetch_window(const Samples& samples, const kernel::Filter& filter, kernel::Box& box, kernel::Group& g,
+                      Scratch& scratch) const;
+    void gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
+                const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
+    void shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
     void window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const;
     double first_guess(const Samples& samples) const;
 

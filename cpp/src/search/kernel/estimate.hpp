@@ -45,13 +45,16 @@ inline double fractional_power(double x, double exponent) {
 
 // Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power.
 template <class P>
-inline P relative_weight(P square, P least, double power) {
-    const P ratio = least / square;
-    if (power == 2.0) return ratio;
-    double x[lanes];
-    ratio.store(x);
-    for (int i = 0; i < lanes; ++i) x[i] = x[i] > 1e-300 ? fractional_power(x[i], 0.5 * power) : 0.0;
-    return P::load(x);
+inline void relative_weights(const P* squares, P least, int neighbors, double power, P* weight) {
+    for (int i = 0; i < neighbors; ++i) {
+        const P ratio = least / squares[i];
+        weight[i] = ratio;
+        if (power == 2.0) continue;
+        double x[lanes];
+        ratio.store(x);
+        for (double& one : x) one = one > 1e-300 ? fractional_power(one, 0.5 * power) : 0.0;
+        weight[i] = P::load(x);
+    }
 }
 
 // The neighbours of one pack of vertices, in canonical order, as the estimate needs them.
@@ -62,21 +65,14 @@ struct Neighbours {
     P radius[max_neighbors];
 };
 
-// What the list says of the selected candidates; `best` holds their keys.
-template <class P, class Keys>
-inline void read_neighbours(const Group& g, const CandidateList& list, int neighbors, Keys* best,
+// What the list says of the selected candidates, whose positions are at[0], at[lanes], ... for each vertex.
+template <class P>
+inline void read_neighbours(const Group& g, const CandidateList& list, int neighbors, const std::int32_t* at,
                             Neighbours<P>& found) {
-    for (int i = 0; i < (neighbors <= 8 ? 8 : neighbors); ++i) best[i] = Keys::position_key(best[i]);
-    if (neighbors <= 8)
-        sort_eight(best);
-    else
-        sort_any(best, neighbors);
     const P depth = P::load(g.depth), toolface = P::load(g.toolface);
     for (int i = 0; i < neighbors; ++i) {
-        std::int32_t at[lanes];
-        best[i].store_positions(at);
         P at_depth, at_toolface;
-        P::read([&](int lane) -> const Candidate& { return list.rows[at[lane]]; }, at_depth, at_toolface,
+        P::read([&](int lane) -> const Candidate& { return list.rows[at[i * lanes + lane]]; }, at_depth, at_toolface,
                 found.radius[i]);
         const P turn = P::abs(at_toolface - toolface), along = at_depth - depth;
         found.turn[i] = P::min(turn, P(360.0) - turn);
@@ -84,23 +80,14 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
     }
 }
 
-// Returns the least squared distance among the candidates that are not neighbours.
-template <class P, bool windowed>
-inline P find_neighbours(const Group& g, P scale, const CandidateList& list, int neighbors, Neighbours<P>& found) {
-    P best[max_neighbors];
-    const P rejected = select<P>(Eye<P, windowed>(g, scale, list), neighbors, best);
-    read_neighbours(g, list, neighbors, best, found);
-    return rejected;
-}
-
-// The same by floats. The bound it returns is below the true one by what their rounding may have done, u = 2^-24: each
+// The 8 nearest, or fewer, of each vertex by floats. The bound it returns on the squared distances of the others is below the true one by what their rounding may have done, u = 2^-24: each
 // coordinate errs by u of the list's extent, their difference by as much again and, once scaled, by 2 u more; a float
 // square k, cut to 15 bits of fraction, stands for at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
 template <class P>
-inline P find_neighbours_narrow(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
-                                Neighbours<P>& found) {
+inline P find_eight(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
+                    std::int32_t* at) {
     using Narrow = typename P::Narrow;
     using Single = typename Narrow::Single;
     Narrow found_best[8];
@@ -117,7 +104,9 @@ inline P find_neighbours_narrow(const Group& g, P scale, const CandidateList& li
     const Single none = Single::tag(Single(narrow_none_square), Single(list.narrow_position[last]));
     rejected = keep_first(best, neighbors, rejected, none);
     const P least(rejected);
-    read_neighbours(g, list, neighbors, best, found);
+    for (Single& key : best) key = Single::position_key(key);
+    sort_eight(best);
+    for (int i = 0; i < neighbors; ++i) best[i].store_positions(at + i * lanes);
     constexpr double u = 1.0 / (1 << 24);
     const P error = scale * P(8.0 * u * box.across) + P(4.0 * u * box.along);
     return least * P(1.0 - 1.0 / (1 << 13)) - error * error * P(1 << 14);
@@ -129,11 +118,11 @@ struct Estimate {
 };
 
 // Weights proportional to 1 / d without a division: the product of the other seven distances, each the product of those
-// before it and those behind it. A neighbour that is not used stands as 1 and changes no bit of the others.
+// before it and those behind it. A neighbour that stands as 1 changes no bit of the others.
 template <class P>
-inline void products_of_others(const P* squares, P limit, P* weight) {
+inline void products_of_others(const P* squares, P* weight) {
     P distance[8];
-    for (int i = 0; i < 8; ++i) distance[i] = P::blend(P::less_equal(squares[i], limit), P::sqrt(squares[i]), P(1.0));
+    for (int i = 0; i < 8; ++i) distance[i] = P::sqrt(squares[i]);
     weight[0] = P(1.0);
     for (int i = 1; i < 8; ++i) weight[i] = weight[i - 1] * distance[i - 1];
     P behind = distance[7];
@@ -151,25 +140,29 @@ template <class P, int fixed>  // fixed: the number of neighbours where it is kn
 inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
     constexpr auto room = static_cast<std::uint64_t>(fixed > 0 ? fixed : max_neighbors);
-    P least(missing_square), farthest(0.0), squares[room];
+    P least(missing_square), farthest(0.0), squares[room], weight[room];
     for (int i = 0; i < neighbors; ++i) {
         const P across = scale * n.turn[i];
         squares[i] = across * across + n.along[i];
         least = P::min(least, squares[i]);
         farthest = P::max(farthest, squares[i]);
     }
-    P weights(0.0), weighted(0.0), support(0.0), low(missing_square), high(-missing_square);
-    const P limit(rules.max_square < missing_square ? rules.max_square : missing_square / 2);
     const auto hits = P::less_equal(least, P(zero_square));
     const bool any_hits = P::bits(hits) != 0;
-    P weight[room];
+    const bool all_used = !any_hits && P::bits(P::less_equal(farthest, P(rules.sure_square))) == every_lane;
+    const auto used = [&](int i) {
+        return P::less_equal(on_wall(scale * n.turn[i], n.along[i], rules), P(rules.max_square));
+    };
+    if (!all_used)  // a neighbour that is not used stands as 1 in the products
+        for (int i = 0; i < neighbors; ++i) squares[i] = P::blend(used(i), squares[i], P(1.0));
     if (fixed == 8 && rules.power == 1.0)
-        products_of_others(squares, limit, weight);
+        products_of_others(squares, weight);
+    else if (rules.power == 1.0)
+        for (int i = 0; i < neighbors; ++i) weight[i] = P(1.0) / P::sqrt(squares[i]);
     else
-        for (int i = 0; i < neighbors; ++i)
-            weight[i] =
-                rules.power == 1.0 ? P(1.0) / P::sqrt(squares[i]) : relative_weight(squares[i], least, rules.power);
-    if (!any_hits && P::bits(P::less_equal(farthest, limit)) == every_lane) {  // mostly: every neighbour is used
+        relative_weights(squares, least, neighbors, rules.power, weight);
+    P weights(0.0), weighted(0.0), support(0.0), low(missing_square), high(-missing_square);
+    if (all_used) {  // mostly
         for (int i = neighbors - 1; i >= 0; --i) {
             weights = weights + weight[i];
             weighted = weighted + weight[i] * n.radius[i];
@@ -182,27 +175,28 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
     for (int i = neighbors - 1; i >= 0; --i) {
         if (any_hits)
             weight[i] = P::blend(hits, P::blend(P::less_equal(squares[i], P(zero_square)), P(1.0), P(0.0)), weight[i]);
-        const auto used = P::less_equal(squares[i], limit);
-        weight[i] = P::blend(used, weight[i], P(0.0));
+        weight[i] = P::blend(used(i), weight[i], P(0.0));
         weights = weights + weight[i];
         weighted = weighted + weight[i] * n.radius[i];
-        support = support + P::blend(used, P(1.0), P(0.0));
-        low = P::blend(used, P::min(low, n.radius[i]), low);
-        high = P::blend(used, P::max(high, n.radius[i]), high);
+        support = support + P::blend(used(i), P(1.0), P(0.0));
+        low = P::blend(used(i), P::min(low, n.radius[i]), low);
+        high = P::blend(used(i), P::max(high, n.radius[i]), high);
     }
     return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
 }
 
-template <class P, bool windowed>
-Verdict estimate_group(Group& g, const CandidateList& list, const Rules& rules, const Box& box) {
+template <class P>
+Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const Box& box) {
     auto active = P::less(P(0.0), P::load(g.active));
-    const P scale(rules.scale), max_square(rules.max_square), trial = P::load(g.trial);
-    const P discarded = P::load(g.discarded);
-    P current = trial, selected_at = trial, iterations = P::load(g.iterations), rejected(0.0);
-    P reach = P::load(g.reach_square);
+    const P scale(rules.scale), trial = P::load(g.trial), discarded = P::load(g.discarded);
+    P current = trial, before = P::load(g.before), iterations = P::load(g.iterations);
+    P selected_at = trial, rejected(boundless_square), reach = P::load(g.reach_square);
     Neighbours<P> neighbours;
-    bool selected = false, narrow = box.narrow;
-    if (narrow) fill_narrow_columns<P>(list, g);
+    std::int32_t at[(max_neighbors + 1) * lanes];
+    for (int i = 0; i < rules.neighbors * lanes; ++i) at[i] = list_capacity;
+    Nearest<P> nearest(list, rules, box);
+    bool narrow = box.narrow;
+    fill_narrow_columns<P>(list, g);
 
     const auto any = [](auto mask) { return P::bits(mask) != 0; };
     // A squared distance found at one radius is at another at least this.
@@ -213,77 +207,75 @@ Verdict estimate_group(Group& g, const CandidateList& list, const Rules& rules, 
     const auto moved_since = [&](P then) { return P::both(active, P::less(P(0.0), P::abs(current - then))); };
     const auto stop = [&](Verdict verdict) {
         current.store(g.trial);
+        before.store(g.before);
         iterations.store(g.iterations);
         reach.store(g.reach_square);
         P::blend(active, P(1.0), P(0.0)).store(g.active);
         return verdict;
     };
 
+    auto wanted = active;  // whose neighbours are to be found
     for (;;) {
-        if (!selected) {
-            rejected = narrow ? find_neighbours_narrow<P>(g, current * scale, list, box, rules.neighbors, neighbours)
-                              : find_neighbours<P, windowed>(g, current * scale, list, rules.neighbors, neighbours);
-            selected_at = current;
-            selected = true;
+        if (any(wanted)) {
+            if (narrow) {
+                rejected = find_eight<P>(g, current * scale, list, box, rules.neighbors, at);
+                selected_at = current;
+            } else {
+                rejected = P::blend(wanted, nearest.find(g, current, P::bits(wanted), at), rejected);
+                selected_at = P::blend(wanted, current, selected_at);
+            }
+            read_neighbours(g, list, rules.neighbors, at, neighbours);
         }
         const Estimate<P> next = rules.neighbors == 8 ? inverse_distance<P, 8>(neighbours, current * scale, rules)
                                                       : inverse_distance<P, 0>(neighbours, current * scale, rules);
-        const P needed = P::min(next.farthest, max_square) * P(slack);
-        const auto doubtful = P::both(active, P::less_equal(at_least(rejected, selected_at), needed));
-        if (any(doubtful)) {
-            const bool moved = any(P::both(doubtful, moved_since(selected_at)));
-            if (moved || narrow) {
-                if (!moved) narrow = false;
-                selected = false;
-                continue;
-            }
+        const P needed = P::min(next.farthest, P(rules.reach_square)) * P(slack);
+        P others = at_least(rejected, selected_at);
+        if (narrow && rules.unscale != 1.0)  // the floats choose those beyond the limit, too
+            others = P::blend(P::less(next.support, P(static_cast<double>(rules.neighbors))), P(0.0), others);
+        const auto doubtful = P::both(active, P::less_equal(others, needed));
+        wanted = P::both(doubtful, moved_since(selected_at));
+        if (narrow && any(doubtful) && !any(wanted)) {
+            narrow = false;
+            wanted = doubtful;
         }
+        if (any(wanted)) continue;
         if (any(P::both(moved_since(trial), P::less_equal(at_least(discarded, trial), needed))))
             return stop(Verdict::refetch);
         const P width = current * scale * P(box.width), height(box.height);
-        if (any(P::both(active, P::less_equal(P::min(width * width, height * height), needed))))
+        const P deep = P::min(next.farthest, P(rules.max_square));
+        if (any(P::both(active, P::less_equal(width * width, needed))) ||
+            any(P::both(active, P::less_equal(height * height, deep * P(slack)))))
             return stop(Verdict::widen);
 
         iterations = P::blend(active, iterations + P(1.0), iterations);
-        reach = P::blend(active, P::max(reach, P::min(next.farthest, max_square)), reach);
+        reach = P::blend(active, P::max(reach, deep), reach);
         const auto found = P::less(P(0.0), next.support);
-        const P radius = P::blend(found, next.radius, P(__builtin_nan("")));
+        const P estimate = P::blend(found, next.radius, P(__builtin_nan("")));
+        const P tolerance(rules.tolerance);
+        // One that returns to the one before last, but not to the last, would swing for ever: the mean of the two.
+        const auto moves = P::less(tolerance, P::abs(estimate - current));
+        const auto apart = P::less(tolerance, P::abs(estimate - before));
+        const P mean = P::blend(apart, estimate, P(0.5) * (estimate + current));
+        const P radius = P::blend(moves, mean, estimate);
         P::blend(active, radius, P::load(g.radius)).store(g.radius);
         P::blend(active, P::blend(found, P::sqrt(next.least), P(__builtin_nan(""))), P::load(g.nearest))
             .store(g.nearest);
         P::blend(active, next.support, P::load(g.support)).store(g.support);
-        const auto goes_on =
-            P::both(P::both(active, found), P::both(P::less(P(rules.tolerance), P::abs(radius - current)),
-                                                    P::less(iterations, P(static_cast<double>(rules.max_iterations)))));
-        current = P::blend(goes_on, radius, current);
-        active = goes_on;
+        active = P::both(P::both(active, P::both(found, P::both(moves, apart))),
+                         P::less(iterations, P(static_cast<double>(rules.max_iterations))));
+        before = P::blend(active, current, before);
+        current = P::blend(active, radius, current);
         if (!any(active)) return stop(Verdict::done);
     }
 }
 
 template <class P>
-Verdict estimate(Group& group, const CandidateList& list, const Rules& rules, const Box& box) {
-    return rules.windowed ? estimate_group<P, true>(group, list, rules, box)
-                          : estimate_group<P, false>(group, list, rules, box);
-}
-
-template <class P, bool windowed>
-void nominate_group(Group& g, const CandidateList& list, const Rules& rules, unsigned char* keep) {
-    const P scale = P::load(g.trial) * P(rules.scale);
-    P best[max_neighbors];
-    const P rejected = select<P>(Eye<P, windowed>(g, scale, list), rules.neighbors, best);
+void nominate(Group& g, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep) {
+    std::int32_t at[(max_neighbors + 1) * lanes];
+    fill_narrow_columns<P>(list, g);
+    const P rejected = Nearest<P>(list, rules, box).find(g, P::load(g.trial), every_lane, at);
     P::min(P::load(g.discarded), rejected).store(g.discarded);
-    for (int i = 0; i < rules.neighbors; ++i) {
-        std::int32_t at[lanes];
-        best[i].store_positions(at);
-        for (const std::int32_t position : at) keep[position] = 1;
-    }
-}
-
-template <class P>
-void nominate(Group& group, const CandidateList& list, const Rules& rules, unsigned char* keep) {
-    rules.windowed ? nominate_group<P, true>(group, list, rules, keep)
-                   : nominate_group<P, false>(group, list, rules, keep);
+    for (int i = 0; i < rules.neighbors * lanes; ++i) keep[at[i]] = 1;
 }
 
 }  // namespace

@@ -69,8 +69,11 @@ struct Rules {
     int max_iterations;
     double tolerance;
     double power;
-    double max_square;  // max_distance squared, at most boundless_square
-    double scale;       // metres a degree at one metre of radius: angular_scale pi / 180
+    // max_distance squared, on the wall; the greatest squared distance of a sample that near; a squared distance that
+    // none beyond the limit is within. The three differ by angular_scale.
+    double max_square, reach_square, sure_square;
+    double scale;    // metres a degree at one metre of radius: angular_scale pi / 180
+    double unscale;  // 1 / angular_scale^2
     bool windowed;
 };
 
@@ -81,6 +84,7 @@ struct Group {
     double window_first[lanes];  // ranks, window mode only: candidates in [first, last) count
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
+    double before[lanes];     // the one before it
     double discarded[lanes];  // least squared distance, at `trial`, among candidates the list no longer holds
     double radius[lanes];
     double nearest[lanes];
@@ -135,7 +139,7 @@ struct Functions {
     Verdict (*estimate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box);
     // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the
     // nearest of the others.
-    void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, unsigned char* keep);
+    void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep);
 };
 
 const Functions& plain();

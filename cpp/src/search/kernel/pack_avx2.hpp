@@ -54,22 +54,9 @@ struct Avx2Pack {
     }
 
     static __m256d low() { return _mm256_castsi256_pd(_mm256_set1_epi64x((1LL << position_bits) - 1)); }
-    static Avx2Pack tag(Avx2Pack square, double position) {
-        const __m256d p = _mm256_set1_pd(position);
-        return {_mm256_or_pd(_mm256_andnot_pd(low(), square.a), p), _mm256_or_pd(_mm256_andnot_pd(low(), square.b), p)};
-    }
-    static Avx2Pack position_key(Avx2Pack key) {
-        const __m256d one = _mm256_set1_pd(1.0);
-        return {_mm256_or_pd(_mm256_and_pd(key.a, low()), one), _mm256_or_pd(_mm256_and_pd(key.b, low()), one)};
-    }
-    void store_positions(std::int32_t* at) const {
-        const __m256i even = _mm256_setr_epi32(0, 2, 4, 6, 0, 2, 4, 6);
-        const auto positions = [&](__m256d keys) {
-            const __m256i words = _mm256_castpd_si256(_mm256_and_pd(keys, low()));
-            return _mm256_castsi256_si128(_mm256_permutevar8x32_epi32(words, even));
-        };
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(at), positions(a));
-        _mm_storeu_si128(reinterpret_cast<__m128i*>(at + 4), positions(b));
+    static Avx2Pack tag(Avx2Pack square, Avx2Pack position) {
+        return {_mm256_or_pd(_mm256_andnot_pd(low(), square.a), position.a),
+                _mm256_or_pd(_mm256_andnot_pd(low(), square.b), position.b)};
     }
 
     // Rows loaded whole and transposed: the gather instruction is many times slower where processors are patched

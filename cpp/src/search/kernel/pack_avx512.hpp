@@ -38,16 +38,9 @@ struct Avx512Pack {
 
     static __m512i low() { return _mm512_set1_epi64((1LL << position_bits) - 1); }
     // (square & ~low) | position in one instruction; 0xBA is that truth table.
-    static Avx512Pack tag(Avx512Pack square, double position) {
-        const __m512i p = _mm512_castpd_si512(_mm512_set1_pd(position));
+    static Avx512Pack tag(Avx512Pack square, Avx512Pack position) {
+        const __m512i p = _mm512_castpd_si512(position.v);
         return _mm512_castsi512_pd(_mm512_ternarylogic_epi64(_mm512_castpd_si512(square.v), low(), p, 0xBA));
-    }
-    static Avx512Pack position_key(Avx512Pack key) {
-        return _mm512_or_pd(_mm512_and_pd(key.v, _mm512_castsi512_pd(low())), _mm512_set1_pd(1.0));
-    }
-    void store_positions(std::int32_t* at) const {
-        const __m512i positions = _mm512_and_si512(_mm512_castpd_si512(v), low());
-        _mm256_storeu_si256(reinterpret_cast<__m256i*>(at), _mm512_cvtepi64_epi32(positions));
     }
 
     // Eight rows loaded whole and transposed: the gather instruction is many times slower where processors are patched

@@ -26,6 +26,14 @@ struct PlainNarrow {
     void store(float* p) const {
         for (int i = 0; i < width; ++i) p[i] = v[i];
     }
+    static PlainNarrow load(const float* p) {
+        return each([&](int i) { return p[i]; });
+    }
+    unsigned at_most(float x) const {
+        unsigned all = 0;
+        for (int i = 0; i < width; ++i) all |= static_cast<unsigned>(v[i] <= x) << i;
+        return all;
+    }
     static PlainNarrow each_vertex(PlainNarrow x) { return x; }
     static PlainNarrow each_candidate(const float* p) { return PlainNarrow(*p); }
     Single candidate(int) const { return *this; }
@@ -56,6 +64,7 @@ struct PlainNarrow {
     static PlainNarrow tag(PlainNarrow square, PlainNarrow position) {
         return each([&](int i) { return bits_of<float>((bits(square.v[i]) & ~low) | bits(position.v[i])); });
     }
+    // 1 + position 2^-23: ordinary numbers in the order of the positions.
     static PlainNarrow position_key(PlainNarrow key) {
         return each([&](int i) { return bits_of<float>((bits(key.v[i]) & low) | bits(1.0f)); });
     }
@@ -146,15 +155,8 @@ struct PlainPack {
 
     static constexpr std::int64_t low = (std::int64_t{1} << position_bits) - 1;
     static std::int64_t bits(double x) { return bits_of<std::int64_t>(x); }
-    static PlainPack tag(PlainPack square, double position) {
-        return each([&](int i) { return bits_of<double>((bits(square.v[i]) & ~low) | bits(position)); });
-    }
-    // 1 + position 2^-52: ordinary numbers in the order of the positions.
-    static PlainPack position_key(PlainPack key) {
-        return each([&](int i) { return bits_of<double>((bits(key.v[i]) & low) | bits(1.0)); });
-    }
-    void store_positions(std::int32_t* at) const {
-        for (int i = 0; i < width; ++i) at[i] = static_cast<std::int32_t>(bits(v[i]) & low);
+    static PlainPack tag(PlainPack square, PlainPack position) {
+        return each([&](int i) { return bits_of<double>((bits(square.v[i]) & ~low) | bits(position.v[i])); });
     }
     template <class Row>
     static void read(const Row& row, PlainPack& depth, PlainPack& toolface, PlainPack& radius) {

@@ -10,7 +10,7 @@ namespace helibore::kernel {
 namespace {
 
 struct X86Narrow {
-    static constexpr int candidates = 1;
+    static constexpr int width = 8, candidates = 1;
     using Single = X86Narrow;
     __m256 v;
 
@@ -18,7 +18,11 @@ struct X86Narrow {
     X86Narrow(__m256 x) : v(x) {}
     explicit X86Narrow(float x) : v(_mm256_set1_ps(x)) {}
 
+    static X86Narrow load(const float* p) { return _mm256_loadu_ps(p); }
     void store(float* p) const { _mm256_storeu_ps(p, v); }
+    unsigned at_most(float x) const {
+        return static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(v, _mm256_set1_ps(x), _CMP_LE_OQ)));
+    }
     static X86Narrow each_vertex(X86Narrow x) { return x; }
     static X86Narrow each_candidate(const float* p) { return _mm256_broadcast_ss(p); }
     Single candidate(int) const { return v; }
@@ -43,7 +47,7 @@ struct X86Narrow {
 
 #ifdef __AVX512F__
 struct X86NarrowPair {
-    static constexpr int candidates = 2;
+    static constexpr int width = 16, candidates = 2;
     using Single = X86Narrow;
     __m512 v;  // vertex i in lanes 2 i and 2 i + 1, the former with the first candidate, the latter with the second
 
@@ -51,6 +55,9 @@ struct X86NarrowPair {
     X86NarrowPair(__m512 x) : v(x) {}
     explicit X86NarrowPair(float x) : v(_mm512_set1_ps(x)) {}
 
+    static X86NarrowPair load(const float* p) { return _mm512_loadu_ps(p); }
+    void store(float* p) const { _mm512_storeu_ps(p, v); }
+    unsigned at_most(float x) const { return _mm512_cmp_ps_mask(v, _mm512_set1_ps(x), _CMP_LE_OQ); }
     static X86NarrowPair each_vertex(X86Narrow x) {
         const __m512i twice = _mm512_setr_epi32(0, 0, 1, 1, 2, 2, 3, 3, 4, 4, 5, 5, 6, 6, 7, 7);
         return _mm512_permutexvar_ps(twice, _mm512_castps256_ps512(x.v));

@@ -1,12 +1,14 @@
-// Which candidates are a vertex's nearest.
+// Which candidates are a vertex's nearest, found in one of two ways.
 //
-// Selection of the 8 smallest keys: candidates come in batches of 8; a batch is sorted by a network of 19 comparators,
-// its lower half with the best so far is one step of a bitonic merge, which leaves the 8 smallest:
+// Short lists, up to 8 neighbours: lanes are vertices, keys are floats. Candidates come in batches of 8; a batch is
+// sorted by a network of 19 comparators, its lower half with the best so far is one step of a bitonic merge, which
+// leaves the 8 smallest:
 //
 //     best    b0 <= b1 <= ... <= b7          min(b0,a7) min(b1,a6) ... min(b7,a0)   the 8 smallest of the 16, bitonic
 //     batch   a0 <= a1 <= ... <= a7    ->    max(...)                               the others: only their least counts
 //
-// A key is a squared distance tagged with a position, in doubles (exact) or in floats (narrow, at half the cost).
+// All else: lanes are the candidates of one vertex. Float keys and a threshold that a few more than V of them pass, found
+// by counting; then the exact keys of those that pass, and a threshold that V of them pass.
 #pragma once
 
 #include "search/kernel/kernel.hpp"
@@ -49,48 +51,6 @@ inline void sort_bitonic(P* v) {
             if ((j & half) == 0) compare_exchange(v[j], v[j + half]);
 }
 
-// Batcher's odd-even merge sort for any n (Knuth, The Art of Computer Programming 3, algorithm 5.2.2 M).
-template <class P>
-inline void sort_any(P* v, int n) {
-    for (int p = 1; p < n; p *= 2)
-        for (int k = p; k >= 1; k /= 2)
-            for (int j = k % p; j + k < n; j += 2 * k)
-                for (int i = j; i < j + k && i + k < n; ++i)
-                    if (i / (2 * p) == (i + k) / (2 * p)) compare_exchange(v[i], v[i + k]);
-}
-
-// What a vertex sees of the list: its squared distance to a candidate, tagged with the candidate's position.
-template <class P, bool windowed>
-struct Eye {
-    using Pack = P;
-    static constexpr int candidates = 1;
-    P depth, toolface, scale, window_first, window_last;
-    const CandidateList& list;
-
-    Eye(const Group& g, P metres_a_degree, const CandidateList& of)
-        : depth(P::load(g.depth)),
-          toolface(P::load(g.toolface)),
-          scale(metres_a_degree),
-          window_first(P::load(g.window_first)),
-          window_last(P::load(g.window_last)),
-          list(of) {}
-
-    P key(std::int64_t i) const {
-        const Candidate& c = list.rows[i];
-        const P turn = P::abs(P(c.toolface) - toolface);
-        const P across = scale * P::min(turn, P(360.0) - turn);
-        const P along = P(c.depth) - depth;
-        const P key = P::tag(across * across + along * along, list.position[i]);
-        if constexpr (!windowed) return key;
-        const P rank(static_cast<double>(c.rank));
-        return P::blend(P::both(P::less_equal(window_first, rank), P::less(rank, window_last)), key, none());
-    }
-
-    // The key of no candidate, greater than that of any.
-    P none() const { return P::tag(P(missing_square), list.position[list_capacity]); }
-    P boundless() const { return P(boundless_square); }
-};
-
 // Toolface less center, in [-180, 180].
 template <class P>
 inline P turn_from(P center, P toolface) {
@@ -110,7 +70,8 @@ void fill_narrow_columns(const CandidateList& list, const Group& g) {
     }
 }
 
-// The same in floats, of a list that spans no more than half a turn, one or two candidates at a time.
+// What the vertices see of a list that spans no more than half a turn: their squared distances in floats, tagged with
+// the position, to one or two candidates at a time.
 template <class P>
 struct NarrowEye {
     using Pack = typename P::Narrow;
@@ -159,26 +120,203 @@ inline P keep_first(P* best, int neighbors, P rejected, P none) {
     return rejected;
 }
 
-template <class P, class Eye>
-inline P select_many(const Eye& eye, int neighbors, P* best) {
-    const P none = eye.none();
-    for (int i = 0; i < neighbors; ++i) best[i] = none;
-    P rejected(boundless_square);
-    for (std::int64_t i = 0; i < eye.list.count; ++i) {
-        P key = eye.key(i);
-        if (P::bits(P::less(key, best[neighbors - 1])) != 0)
-            for (int j = 0; j < neighbors; ++j) compare_exchange(best[j], key);
-        rejected = P::min(rejected, key);
-    }
-    return rejected;
+// A number halfway between two that are not negative, by their bits.
+template <class Bits, class Number>
+inline Number halfway(Number low, Number high) {
+    Bits a, b;
+    __builtin_memcpy(&a, &low, sizeof a);
+    __builtin_memcpy(&b, &high, sizeof b);
+    a += (b - a) / 2;
+    __builtin_memcpy(&low, &a, sizeof a);
+    return low;
 }
 
-template <class P, class Eye>
-inline P select(const Eye& eye, int neighbors, P* best) {
-    if (neighbors > 8) return select_many<P>(eye, neighbors, best);
-    const P rejected = select_eight(eye, best);
-    return keep_first(best, neighbors, rejected, eye.none());
+// A threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts those up to
+// a threshold: first where even spacing would have it, then by halves. All `all` keys are at most `high`.
+template <class Bits, class Number, class Count>
+inline Number threshold(Number guess, Number high, int all, int least, int most, const Count& passing) {
+    Number low = 0;
+    int below = 0, above = all;
+    bool bounded = false;
+    for (int tries = 0;; ++tries) {
+        const int passed = passing(guess);
+        if (passed < least) {
+            low = guess;
+            below = passed;
+        } else if (passed > most) {
+            high = guess;
+            above = passed;
+            bounded = true;
+        } else {
+            return guess;
+        }
+        const Number wanted = static_cast<Number>(least + most + 1) / 2;
+        Number next = bounded ? low + (high - low) * (wanted - static_cast<Number>(below)) /
+                                          static_cast<Number>(above - below)
+                              : guess * wanted / static_cast<Number>(passed > 0 ? passed : 1);
+        if (tries > 6 || !(low < next && next < high)) next = halfway<Bits>(low, high);
+        if (next == low || next == high) return high;
+        guess = next;
+    }
 }
+
+// The squared distance on the wall, whatever angular_scale is.
+template <class P>
+inline P on_wall(P across, P along_square, const Rules& rules) {
+    return across * across * P(rules.unscale) + along_square;
+}
+
+// The candidates of a list as one vertex sees them.
+template <class P>
+class Nearest {
+  public:
+    Nearest(const CandidateList& list, const Rules& rules, const Box& box) : list_(list), rules_(rules), box_(box) {}
+
+    // The neighbours of the vertices whose bits are set.
+    P find(const Group& g, P trial, unsigned vertices, std::int32_t* at) {
+        double trials[lanes], rejected[lanes] = {};
+        trial.store(trials);
+        for (; vertices != 0; vertices &= vertices - 1) {
+            const int lane = __builtin_ctz(vertices);
+            rejected[lane] = find_one(g, lane, trials[lane], at + lane);
+        }
+        return P::load(rejected);
+    }
+
+  private:
+    // Writes the positions of the vertex's neighbours in canonical order to at[0], at[lanes], ... (list_capacity behind
+    // them where there are fewer than V), and returns a bound below the squared distances of all other candidates.
+    double find_one(const Group& g, int lane, double trial, std::int32_t* at) {
+        const double scale = trial * rules_.scale;
+        std::int64_t first = 0, last = list_.count;
+        if (rules_.windowed) {
+            first = rank_at(g.window_first[lane]);
+            last = rank_at(g.window_last[lane]);
+        }
+        const int n = static_cast<int>(last - first), wanted = rules_.neighbors;
+        fill_keys(g, lane, scale, first, n);
+        const int least = wanted + 1 + wanted / 16, most = wanted + 6 + wanted / 8;
+        const auto passing = [&](float at_most) {
+            int count = 0;
+            for (int i = 0; i < n; i += 16) count += __builtin_popcount(passed(i, at_most));
+            return count;
+        };
+        if (!(guess_ > 0.0f)) {  // where they would lie if they were spread evenly in the box
+            const double area = scale * (box_.across < 180.0 ? box_.across : 180.0) * box_.along * 4.0;
+            const double square = area * most / (3.0 * static_cast<double>(list_.count + 1));
+            guess_ = square < 1e30 ? static_cast<float>(square + 1e-30) : 1.0f;
+        }
+        float limit = narrow_most;
+        if (n > most) limit = guess_ = threshold<std::int32_t>(guess_, narrow_most, n, least, most, passing);
+        for (;;) {
+            double farthest;
+            const double rejected = choose(g, lane, scale, first, n, limit, farthest, at);
+            // Floats err by less than `error` metres and 8 u; as find_neighbours_narrow, but across 180 degrees, too.
+            constexpr double u = 1.0 / (1 << 24);
+            const double error = scale * 12.0 * u * box_.across + 4.0 * u * box_.along;
+            const double needed = __builtin_sqrt(farthest) + error;
+            const double unseen = __builtin_sqrt(static_cast<double>(limit)) * (1.0 - 8.0 * u) - error;
+            if (limit == narrow_most) return rejected;
+            if (needed * needed * (1.0 + 1e-6) < unseen * unseen && unseen > 0.0)
+                return unseen * unseen < rejected ? unseen * unseen : rejected;
+            const double more = needed + 2.0 * error;
+            limit = more < 1e15 ? static_cast<float>(more * more * (1.0 + 1e-5)) : narrow_most;
+        }
+    }
+
+    static constexpr float narrow_most = 3e38f;
+    using Floats = typename P::Narrow;
+
+    // The first position whose rank is at least that.
+    std::int64_t rank_at(double rank) const {
+        std::int64_t low = 0, high = list_.count;
+        while (low < high) {
+            const std::int64_t middle = (low + high) / 2;
+            if (static_cast<double>(list_.rows[middle].rank) < rank)
+                low = middle + 1;
+            else
+                high = middle;
+        }
+        return low;
+    }
+
+    void fill_keys(const Group& g, int lane, double scale, std::int64_t first, int n) {
+        double turn[lanes], along[lanes];
+        turn_from(P(g.center), P::load(g.toolface)).store(turn);
+        (P::load(g.depth) - P(g.middle)).store(along);
+        const Floats a(static_cast<float>(turn[lane])), z(static_cast<float>(along[lane]));
+        const Floats metres(static_cast<float>(scale < 1e15 ? scale : 1e15)), zero(0.0f), circle(360.0f);
+        for (int i = 0; i < n; i += Floats::width) {
+            const Floats one_way = Floats::load(list_.across + first + i) - a;
+            const Floats turned = Floats::max(one_way, zero - one_way);
+            const Floats x = metres * Floats::min(turned, circle - turned), y = Floats::load(list_.along + first + i) - z;
+            (x * x + y * y).store(keys_ + i);
+        }
+        for (int i = n; i < (n + 15) / 16 * 16; ++i) keys_[i] = __builtin_inff();
+    }
+
+    // Which of the sixteen from i on.
+    unsigned passed(int i, float at_most) const {
+        unsigned bits = 0;
+        for (int j = 0; j < 16; j += Floats::width) bits |= Floats::load(keys_ + i + j).at_most(at_most) << j;
+        return bits;
+    }
+
+    // The V nearest by exact keys among those whose float key is at most `limit`.
+    double choose(const Group& g, int lane, double scale, std::int64_t first, int n, float limit, double& farthest,
+                  std::int32_t* at) {
+        int m = 0, within = 0;
+        for (int i = 0; i < n; i += 16)
+            m += P::store_indices(passed(i, limit), static_cast<std::int32_t>(first) + i, passed_ + m);
+        for (int i = m; i < m + lanes; ++i) passed_[i] = list_capacity;
+        P rejected(boundless_square);
+        for (int i = 0; i < m; i += lanes) {
+            P depth, toolface, radius;
+            P::read([&](int j) -> const Candidate& { return list_.rows[passed_[i + j]]; }, depth, toolface, radius);
+            const P turn = P::abs(toolface - P(g.toolface[lane]));
+            const P across = P(scale) * P::min(turn, P(360.0) - turn), along = depth - P(g.depth[lane]);
+            const P key = P::tag(across * across + along * along, P::load(list_.position + i));
+            const auto reached = P::less_equal(on_wall(across, along * along, rules_), P(rules_.max_square));
+            P::blend(reached, key, P(boundless_square)).store(exact_ + i);
+            rejected = P::min(rejected, P::blend(reached, P(boundless_square), key));
+            within += __builtin_popcount(P::bits(reached));
+        }
+        const int wanted = rules_.neighbors;
+        const auto passing = [&](double at_most) {
+            int count = 0;
+            for (int i = 0; i < m; i += lanes)
+                count += __builtin_popcount(P::bits(P::less_equal(P::load(exact_ + i), P(at_most))));
+            return count;
+        };
+        double cut = missing_square;
+        if (within > wanted)
+            cut = threshold<std::int64_t>(static_cast<double>(limit) * (wanted + 0.5) / m, missing_square, m, wanted,
+                                          wanted, passing);
+        farthest = within > wanted ? cut : rules_.reach_square;
+        for (int i = 0; i < m; i += lanes) {
+            const P key = P::load(exact_ + i);
+            rejected = P::min(rejected, P::blend(P::less_equal(key, P(cut)), P(boundless_square), key));
+        }
+        int chosen = 0;
+        for (int i = 0; i < m; ++i) {
+            at[chosen * lanes] = passed_[i];
+            chosen += exact_[i] <= cut;
+        }
+        for (; chosen < wanted; ++chosen) at[chosen * lanes] = list_capacity;
+        double least[lanes];
+        rejected.store(least);
+        for (const double square : least) least[0] = square < least[0] ? square : least[0];
+        return least[0];
+    }
+
+    const CandidateList& list_;
+    const Rules& rules_;
+    const Box& box_;
+    float guess_ = 0.0f;
+    alignas(64) float keys_[list_capacity + 17];
+    alignas(64) double exact_[list_capacity + lanes + 1];
+    std::int32_t passed_[list_capacity + 32];
+};
 
 }  // namespace
 }  // namespace helibore::kernel

@@ -1,0 +1,148 @@
+"""Settings and shapes of data beside a k-d tree: is there one on which helibore is slow?
+
+The peer is pykdtree on all cores with a vectorised NumPy estimate of the same neighbours, weighted once: one iteration
+where helibore makes up to four. Unless a case says otherwise: 1.2 M samples as recorded, 128 k vertices, 8 neighbours,
+power 1, no window. Each case runs on the instruction set in use and on AVX2.
+"""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+import helibore as hb
+from bench.measure import in_turn, milliseconds, ratio
+
+Floats = npt.NDArray[np.float64]
+Samples = tuple[Floats, Floats, Floats]
+BIT_DIAMETER, SECTORS, PITCH, VERTICES = 0.216, 64, 0.1, 131_072
+LENGTH = (VERTICES - 1) * PITCH / SECTORS
+
+
+def hole(count: int = 1_200_000, length: float = LENGTH, seed: int = 1) -> Samples:
+    """Samples spread evenly over the wall, by depth."""
+    random = np.random.default_rng(seed)
+    depth, toolface = np.sort(random.uniform(0, length, count)), random.uniform(0, 360, count)
+    return depth, toolface, _radius(depth, toolface)
+
+
+def _radius(depth: Floats, toolface: Floats) -> Floats:
+    noise = np.random.default_rng(2).normal(0, 0.0005, depth.size)
+    return BIT_DIAMETER / 2 + 0.004 * np.sin(np.radians(2 * toolface)) * np.sin(depth) + noise
+
+
+def arms(count: int, angles: int) -> Samples:
+    """A tool that does not turn: all samples at so many fixed toolfaces."""
+    depth, toolface, _ = hole(count)
+    toolface = np.floor(toolface * angles / 360) * (360 / angles) + 11.0
+    return depth, toolface, _radius(depth, toolface)
+
+
+def levels(count: int, depths: int) -> Samples:
+    """A tool that turns at so many depths and measures nothing between them."""
+    _, toolface, _ = hole(count)
+    depth = np.sort(np.floor(np.random.default_rng(3).uniform(0, depths, count))) * LENGTH / depths
+    return depth, toolface, _radius(depth, toolface)
+
+
+def crowd(count: int = 1_200_000) -> Samples:
+    """Half of all samples within 5 cm."""
+    depth, toolface, _ = hole(count)
+    depth[::2] = LENGTH / 2 + depth[::2] / LENGTH * 0.05
+    depth.sort()
+    return depth, toolface, _radius(depth, toolface)
+
+
+# Samples and settings of each case.
+CASES: dict[str, tuple[Callable[[], Samples], dict[str, Any]]] = {
+    "base": (hole, {}),
+    "2.4 M samples, 256 k vertices": (lambda: hole(2_400_000, 2 * LENGTH), {"stop_depth": 2 * LENGTH}),
+    "240 k samples, 64 k vertices": (lambda: hole(240_000, LENGTH / 2), {"stop_depth": LENGTH / 2}),
+    **{f"V = {v}": (hole, {"neighbors": v}) for v in (1, 4, 16, 32, 64, 128, 256)},
+    **{f"power {power}": (hole, {"power": power}) for power in (0.5, 0.7, 3.3)},
+    **{f"window {window}": (hole, {"window": window}) for window in (100, 1000)},
+    "max_iterations 20, tolerance 0": (hole, {"max_iterations": 20, "tolerance": 0.0}),
+    **{f"angular_scale {scale}": (hole, {"angular_scale": scale}) for scale in (0.25, 2.0, 32.0)},
+    "four fixed arms, 600 k samples": (lambda: arms(600_000, 4), {}),
+    "one fixed arm, 600 k samples": (lambda: arms(600_000, 1), {}),
+    "50 depths of 12,000 samples": (lambda: levels(600_000, 50), {}),
+    "half of all samples in 5 cm": (crowd, {}),
+    "500 samples": (lambda: hole(500), {}),
+}
+
+
+def reconstruct(data: Samples, **settings: Any) -> hb.Wall:
+    """Raw arrays to wall, on all cores."""
+    fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": LENGTH}
+    return hb.reconstruct(hb.Caliper(*data), **{**fixed, **settings})
+
+
+def peer(data: Samples, wall: hb.Wall, *, neighbors: int = 8, power: float = 1.0, angular_scale: float = 1.0) -> Floats:
+    """The same estimate, once, by a k-d tree on the unrolled cylinder, whose ends are copied beyond 0 and 360."""
+    from pykdtree.kdtree import KDTree
+
+    depth, toolface, radius = data
+    metres = np.radians(1) * BIT_DIAMETER / 2 * angular_scale
+    even = depth.size / (depth[-1] - depth[0]) / 360 / metres  # samples a square metre
+    margin = min(180.0, 3 * np.sqrt(neighbors / even / np.pi) / metres) if depth.size > 500 else 180.0
+    low, high = toolface < margin, toolface > 360 - margin
+    around = np.concatenate([toolface, toolface[low] + 360, toolface[high] - 360]) * metres
+    points = np.column_stack([around, np.concatenate([depth, depth[low], depth[high]])])
+    values = np.concatenate([radius, radius[low], radius[high]])
+    where = np.column_stack([wall.toolface * metres, wall.depth])
+    distance, index = KDTree(points).query(where, k=neighbors)
+    weight = distance**-power if power != 1.0 else 1 / distance
+    if neighbors == 1:
+        return np.asarray(values[index])
+    weighted: Floats = (weight * values[index]).sum(1) / weight.sum(1)
+    return weighted
+
+
+def case(name: str, rounds: int) -> dict[str, Any]:
+    """helibore beside the peer."""
+    make, settings = CASES[name]
+    data = make()
+    wall = reconstruct(data, **settings)
+    of_peer = {key: settings[key] for key in ("neighbors", "power", "angular_scale") if key in settings}
+    works: dict[str, Callable[[], object]] = {
+        "helibore": lambda: reconstruct(data, **settings).radius,
+        "helibore, AVX2": lambda: reconstruct(data, **settings, instruction_set="avx2").radius,
+        "pykdtree": lambda: peer(data, wall, **of_peer),
+    }
+    seconds = in_turn(works, rounds)
+    return {
+        "case": name,
+        "milliseconds": {work: milliseconds(times) for work, times in seconds.items()},
+        **{f"pykdtree / {work}": ratio(seconds["pykdtree"], seconds[work]) for work in works if work != "pykdtree"},
+    }
+
+
+def turning_at_one_depth(samples: int = 1_200_000, appends: int = 300, batch: int = 1000) -> dict[str, Any]:
+    """Appends of 1,000 while the tool turns off bottom, after so many samples at that depth."""
+    random = np.random.default_rng(5)
+    wall = hb.Wall(bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH, start_depth=0.0)
+    wall.append(*hole(100_000, 20.0))
+
+    def some(count: int) -> Samples:
+        depth, toolface = np.full(count, 20.0), random.uniform(0, 360, count)
+        return depth, toolface, _radius(depth, toolface)
+
+    for _ in range(samples // 100_000):
+        wall.append(*some(100_000))
+    seconds = []
+    for _ in range(appends):
+        more = some(batch)
+        start = time.perf_counter()
+        wall.append(*more)
+        seconds.append(time.perf_counter() - start)
+    p50, p99 = np.percentile(seconds, [50, 99]) * 1000
+    return {"case": f"append of 1,000 after {samples:,} at one depth", "p50 ms": p50, "p99 ms": p99}
+
+
+def cases(rounds: int = 3) -> list[dict[str, Any]]:
+    """All cases, and live appends at one depth."""
+    return [*(case(name, rounds) for name in CASES), turning_at_one_depth()]
