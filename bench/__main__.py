@@ -15,7 +15,7 @@ from typing import Any
 
 from bench.measure import machine
 
-NAMES = ("reconstruction", "scaling", "appends", "memory", "emission", "images", "logs", "mesh_writing")
+NAMES = ("reconstruction", "scaling", "appends", "memory", "emission", "images", "logs", "mesh_writing", "cliffs")
 
 
 def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:

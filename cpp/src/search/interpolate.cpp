@@ -1,7 +1,7 @@
 // Values measured with the samples, at the vertices: the weighted mean over the neighbours that give the radius.
 //
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
-//     radius
+//     radius; the mean of two such values where the radius is the mean of two estimates
 //
 // Not part of the kernel: it runs on demand, once for all channels, not in every append.
 #include <algorithm>
@@ -18,26 +18,34 @@ void Search::interpolate(const Samples& samples, const Helix& helix, Index group
     const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
     const Index used = std::min<Index>(kernel::lanes, vertex_count - group * kernel::lanes);
     std::vector<Neighbour> neighbours;
+    const auto value_of = [&](std::span<const double> channel) {
+        double weights = 0.0, weighted = 0.0;
+        for (const Neighbour& n : neighbours) {
+            const double value = channel[static_cast<std::size_t>(n.rank)];
+            if (std::isnan(value)) continue;
+            weights += n.weight;
+            weighted += n.weight * value;
+        }
+        return weights > 0.0 ? weighted / weights : std::numeric_limits<double>::quiet_NaN();
+    };
     for (Index lane = 0; lane < used; ++lane) {
-        weigh(g, lane, scratch.list, neighbours);
+        weigh(g, lane, g.trial[lane], scratch.list, neighbours);
+        for (std::size_t c = 0; c < channels.size(); ++c) out[c][lane] = value_of(channels[c]);
+        if (g.before[lane] == g.trial[lane]) continue;
+        weigh(g, lane, g.before[lane], scratch.list, neighbours);  // the radius is the mean of two estimates
         for (std::size_t c = 0; c < channels.size(); ++c) {
-            double weights = 0.0, weighted = 0.0;
-            for (const Neighbour& n : neighbours) {
-                const double value = channels[c][static_cast<std::size_t>(n.rank)];
-                if (std::isnan(value)) continue;
-                weights += n.weight;
-                weighted += n.weight * value;
-            }
-            out[c][lane] = weights > 0.0 ? weighted / weights : std::numeric_limits<double>::quiet_NaN();
+            const double value = value_of(channels[c]);
+            if (std::isnan(out[c][lane])) out[c][lane] = value;
+            if (!std::isnan(value)) out[c][lane] = 0.5 * (out[c][lane] + value);
         }
     }
 }
 
 // The neighbours of one vertex in canonical order, with their weights relative to the nearest.
-void Search::weigh(const kernel::Group& g, Index lane, const kernel::CandidateList& list,
+void Search::weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                    std::vector<Neighbour>& neighbours) const {
     neighbours.clear();
-    const double scale = g.trial[lane] * rules_.scale;
+    const double scale = trial * rules_.scale;
     for (Index i = 0; i < list.count; ++i) {
         const kernel::Candidate& c = list.rows[i];
         const auto rank = static_cast<double>(c.rank);

@@ -74,7 +74,7 @@ class Search {
 
     kernel::Group solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                         Scratch& scratch) const;
-    void weigh(const kernel::Group& g, Index lane, const kernel::CandidateList& list,
+    void weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                std::vector<Neighbour>& neighbours) const;
     kernel::Group start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const;
     void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;

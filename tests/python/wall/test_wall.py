@@ -52,6 +52,9 @@ CASES = [
     {"shape": "spiral", "n": 1200, "length": 5.0, "sectors": 20, "pitch": 0.2, "neighbors": 20, "power": 0.5},
     {"shape": "oval", "n": 1200, "length": 5.0, "sectors": 20, "pitch": 0.2, "neighbors": 12, "power": 3.7},
     {"shape": "washed", "n": 1200, "length": 5.0, "sectors": 20, "pitch": 0.2, "angular_scale": 2.0},
+    {"shape": "broken", "n": 600, "length": 30, "sectors": 12, "pitch": 0.2, "max_distance": 0.2, "angular_scale": 8},
+    {"shape": "round", "n": 400, "length": 6, "sectors": 24, "pitch": 0.5, "max_distance": 0.08, "angular_scale": 0.3},
+    {"shape": "oval", "n": 2500, "length": 4.0, "sectors": 20, "pitch": 0.2, "neighbors": 60, "angular_scale": 3.0},
     {"shape": "oval", "n": 1200, "length": 5.0, "sectors": 20, "pitch": 0.2, "max_iterations": 1},
     {"shape": "washed", "n": 1200, "length": 5.0, "sectors": 20, "pitch": 0.2, "max_iterations": 40, "tolerance": 1e-9},
     {"shape": "oval", "n": 800, "length": 4, "sectors": 3, "pitch": 0.01, "start_depth": 1001.0, "stop_depth": 1002.0},
@@ -128,6 +131,21 @@ def test_what_floats_cannot_tell_apart(apart: float, from_surface: float) -> Non
     radius = 0.1 + 0.02 * rng.random(4000)
     for neighbors in (1, 5, 8):
         agree((depth, toolface, radius), sectors=24, pitch=0.09, neighbors=neighbors, max_iterations=1)
+
+
+def test_an_estimate_that_swings_settles_on_the_mean() -> None:
+    """One sample beside the vertex and one above it: each radius makes the other the nearest."""
+    at = {"sectors": 4, "pitch": 0.4, "neighbors": 1, "start_depth": 1.0, "stop_depth": 1.0, "max_iterations": 50}
+    wall = rebuild(([1.0, 1.1], [60.0, 0.0], [0.12, 0.08]), **at)
+    assert wall.radius[0] == (0.12 + 0.08) / 2
+    assert wall.iterations[0] == 3
+
+
+def test_max_distance_is_measured_on_the_wall() -> None:
+    """At a quarter of a turn: 0.17 m on the wall, 5.4 m as angular_scale sees it."""
+    for reach, support in ((0.2, 1), (0.1, 0)):
+        wall = rebuild(([1.0], [90.0], [BIT / 2]), sectors=4, start_depth=1.0, max_distance=reach, angular_scale=32.0)
+        assert wall.support[0] == support
 
 
 def test_a_vertex_on_samples_is_their_mean() -> None:

@@ -261,9 +261,9 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         P::blend(active, P::blend(found, P::sqrt(next.least), P(__builtin_nan(""))), P::load(g.nearest))
             .store(g.nearest);
         P::blend(active, next.support, P::load(g.support)).store(g.support);
+        before = P::blend(active, P::blend(moves, P::blend(apart, current, before), current), before);
         active = P::both(P::both(active, P::both(found, P::both(moves, apart))),
                          P::less(iterations, P(static_cast<double>(rules.max_iterations))));
-        before = P::blend(active, current, before);
         current = P::blend(active, radius, current);
         if (!any(active)) return stop(Verdict::done);
     }

@@ -84,7 +84,7 @@ struct Group {
     double window_first[lanes];  // ranks, window mode only: candidates in [first, last) count
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
-    double before[lanes];     // the one before it
+    double before[lanes];     // the one before it; once done, `trial` again unless the radius is the mean of both
     double discarded[lanes];  // least squared distance, at `trial`, among candidates the list no longer holds
     double radius[lanes];
     double nearest[lanes];
