@@ -1,28 +1,72 @@
 """helibore: the wall of a borehole, rebuilt from scattered measurements on a uniform helix.
 
-The public names are those of ``__init__.pyi``; each is imported when it is first used.
+Each public name is imported when it is first used.
 """
 
 import logging
+import os
+from typing import TYPE_CHECKING
 
 import lazy_loader
 
 from helibore._core import __version__ as __version__
 from helibore.base.tables import LogTable
 
-__getattr__, _, __all__ = lazy_loader.attach_stub(__name__, __file__)
+if TYPE_CHECKING:  # the same names as below
+    from helibore import plot as plot
+    from helibore.base.errors import InputError as InputError
+    from helibore.base.errors import MissingExtraError as MissingExtraError
+    from helibore.base.settings import Settings as Settings
+    from helibore.channels.opening import open as open  # noqa: A004
+    from helibore.images.sector_image import SectorImage as SectorImage
+    from helibore.live.live import Live as Live
+    from helibore.mesh.surface import Surface as Surface
+    from helibore.mesh.volume import Volume as Volume
+    from helibore.preparation.prepare import Preparation as Preparation
+    from helibore.preparation.prepare import prepare as prepare
+    from helibore.runs.reconstruct import reconstruct as reconstruct
+    from helibore.samples.caliper import Caliper as Caliper
+    from helibore.trajectory.survey import Path as Path
+    from helibore.trajectory.survey import Survey as Survey
+    from helibore.viewer import view as view
+    from helibore.wall.append_result import Change as Change
+    from helibore.wall.load import load as load
+    from helibore.wall.wall import Wall as Wall
+
+__getattr__, _, __all__ = lazy_loader.attach(
+    __name__,
+    ["plot"],
+    {
+        "base.errors": ["InputError", "MissingExtraError"],
+        "base.settings": ["Settings"],
+        "channels.opening": ["open"],
+        "images.sector_image": ["SectorImage"],
+        "live.live": ["Live"],
+        "mesh.surface": ["Surface"],
+        "mesh.volume": ["Volume"],
+        "preparation.prepare": ["Preparation", "prepare"],
+        "runs.reconstruct": ["reconstruct"],
+        "samples.caliper": ["Caliper"],
+        "trajectory.survey": ["Path", "Survey"],
+        "viewer": ["view"],
+        "wall.append_result": ["Change"],
+        "wall.load": ["load"],
+        "wall.wall": ["Wall"],
+    },
+)
 __all__.remove("open")  # a star import must not replace the built-in function
 
 
-def __dir__():
-    return sorted({*globals(), *__all__, "open"})
+def __dir__() -> list[str]:
+    """Return the public names."""
+    return sorted([*__all__, "__version__", "open"])
 
 
-def _save_table(table, filename):
+def _save_table(table: LogTable, filename: str | os.PathLike[str]) -> None:
     from helibore.files.log_files import save_table
 
     save_table(table, filename)
 
 
-LogTable.writer = staticmethod(_save_table)  # tables lie below the formats of files and do not know them
+LogTable.writer = _save_table  # tables lie below the formats of files and do not know them
 logging.getLogger(__name__).addHandler(logging.NullHandler())

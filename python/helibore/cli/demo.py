@@ -24,7 +24,7 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
     \b
     helibore demo
     """
-    from helibore import plot
+    import helibore.plot as plot
     from helibore.plot.paper import require_matplotlib
     from helibore.simulation.demo import drill, error, rebuild
 

@@ -67,7 +67,7 @@ def plot(**options: Any) -> None:
     SOURCE is an archive (.wall), caliper files, or the settings beside an output, whose wall is then drawn. Beside
     well.pdf stands well.pdf.toml, which repeats the run.
     """
-    from helibore import plot as drawn
+    import helibore.plot as drawn
     from helibore.plot.paper import MM, require_matplotlib
     from helibore.plot.save import check_ending
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore import __version__
+from helibore._core import __version__
 from helibore.base.units import INCH
 from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text

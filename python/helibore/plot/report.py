@@ -20,7 +20,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from helibore import __version__
+from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
 from helibore.base.units import size_text
 from helibore.logs.turn_logs import TOOLFACE_0
