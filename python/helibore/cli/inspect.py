@@ -16,11 +16,13 @@ from rich.console import Console
 from rich.markup import escape
 from rich.table import Table
 
-import helibore
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.log_set import LogFile, LogSet
+from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map, write_map
 from helibore.channels.roles import NO_RULE, ROLES, Role, RoleMap, guess
+from helibore.cli.quantities import FILE
+from helibore.cli.source import set_names
 from helibore.files.raw_set import Channel
 
 WIDE = 120
@@ -29,53 +31,50 @@ WIDE = 120
 
 @click.command(short_help="What a file holds, and the map of it.")
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
-@click.option(
-    "--map", "map_file", type=click.Path(exists=True, dir_okay=False, path_type=Path), help="TOML map of roles."
-)
-@click.option("--set", "set_name", help="Look at this set only (a file may hold several).")
+@click.option("--map", "map_file", type=FILE, help="TOML map of roles.")
+@click.option("--set", "sets", multiple=True, metavar="SETS", help="Look at these sets only: NAME, 3, 2,5-8, with=GR.")
 @click.option("--toml", is_flag=True, help="Print the role map alone, for a file.")
-def inspect(file: Path, map_file: Path | None, set_name: str | None, toml: bool) -> None:
+def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], toml: bool) -> None:
     """List the channels of FILE, their units, ranges and gaps, and what each is taken for.
 
     \b
     helibore inspect well.las
     helibore inspect well.las --toml > map.toml      # change it, then: helibore reconstruct well.las --map map.toml
     """
-    with helibore.open(file) as opened:
-        mapped = read_map(map_file, opened) if map_file else None
-        if mapped:
-            set_name = _same_set(set_name, mapped)
+    with open_file(file) as opened:
+        names = set_names(opened, sets) if sets else [each.name for each in opened.sets]
+        mapped = None
+        if map_file:
+            alone = LogFile(opened.path, opened.format, [opened.set(names[0])]) if sets else opened
+            mapped = read_map(map_file, alone)
+            names = [each.name for each in opened.sets if each.name == mapped.set_name] or names[:1]
         if toml:
-            one = opened.set(set_name)
-            roles = mapped or guess(one)
-            click.echo(write_map(roles, len(opened.sets) > 1, refusal(one, roles)))
+            log_set = opened.set(names[0]) if len(names) == 1 else opened.set()
+            roles = mapped or guess(log_set)
+            click.echo(write_map(roles, len(opened.sets) > 1, refusal(log_set, roles)))
             return
-        chosen = [opened.set(set_name)] if set_name is not None else list(opened.sets)
-        show(Console(), opened, chosen, mapped)
+        show(Console(), opened, names, mapped)
 
 
-def _same_set(set_name: str | None, mapped: RoleMap) -> str | None:
-    if set_name not in (None, mapped.set_name):
-        raise ValueError(f"--set {set_name}: the map is for the set {mapped.set_name}")
-    return mapped.set_name
-
-
-def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap | None) -> None:
+def show(console: Console, opened: LogFile, names: list[str], mapped: RoleMap | None) -> None:
     """Print one table a set, the remarks, and the map."""
     console.print(f"[bold]{escape(opened.path.name)}[/]: {escape(opened.format)}, {len(opened.sets)} set(s)")
-    for one in sets:
-        roles = mapped or guess(one)
+    for number, log_set in enumerate(opened.sets, 1):
+        if log_set.name not in names:
+            continue
+        roles = mapped or guess(log_set)
         wide = console.width >= WIDE
-        console.print(table(one, roles, wide))
+        title = f"{number}. {log_set.name}" if len(opened.sets) > 1 else log_set.name
+        console.print(table(log_set, roles, wide, title))
         if not wide:
             for role in roles:
                 if role.role != "none" or role.reason != NO_RULE:
                     console.print(
                         f"  {escape(role.channel)}: [green]{role.role}[/], {escape(role.reason)}", highlight=False
                     )
-        for remark in [*one.remarks, *depth_remarks(one, roles)]:
+        for remark in [*log_set.remarks, *depth_remarks(log_set, roles)]:
             console.print(f"  - {escape(remark)}", highlight=False)
-        warning = refusal(one, roles)
+        warning = refusal(log_set, roles)
         if warning:
             console.print(f"  - [red]refused as it stands[/]: {escape(warning)}", highlight=False)
         console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
@@ -83,28 +82,28 @@ def show(console: Console, opened: LogFile, sets: list[LogSet], mapped: RoleMap 
         click.echo(write_map(roles, len(opened.sets) > 1, warning))
 
 
-def refusal(one: LogSet, roles: RoleMap) -> str:
-    """Why the samples or the survey of a set, taken for what they are taken for, would be refused; "" where not."""
+def refusal(log_set: LogSet, roles: RoleMap) -> str:
+    """Why the samples or the survey of a set would be refused with these roles; "" where they would not."""
     try:
         if roles.all("radius", "diameter", "radius-image"):
-            one.readings(roles)
+            log_set.readings(roles)
         elif roles.one("inclination") and roles.one("azimuth"):
-            one.survey(roles)
+            log_set.survey(roles)
     except ValueError as error:
         return str(error)
     return ""
 
 
-def table(one: LogSet, roles: RoleMap, reasons: bool) -> Table:
+def table(log_set: LogSet, roles: RoleMap, reasons: bool, title: str) -> Table:
     """Return the channels of a set as a table, with a column of reasons or without."""
-    drawn = Table(title=f"{one.name}: {one.rows:,} rows", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
-    images = any(len(channel.shape) == 2 for channel in one)
+    drawn = Table(title=f"{title}: {log_set.rows:,} rows", title_justify="left", box=SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    images = any(len(channel.shape) == 2 for channel in log_set)
     sectors = ["sectors"] if images else []
     for heading in ("channel", "unit", *sectors, "range", "missing", "role", *(["why"] if reasons else [])):
         justify: Literal["left", "right"] = "right" if heading in ("sectors", "missing") else "left"
         whole = heading in ("range", "missing", "role")
         drawn.add_column(heading, justify=justify, overflow="fold", no_wrap=whole)
-    for channel in one:
+    for channel in log_set:
         role = roles.roles.get(channel.name) or Role(channel.name, "none", "")
         drawn.add_row(
             escape(channel.name),

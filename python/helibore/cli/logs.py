@@ -25,6 +25,11 @@ if TYPE_CHECKING:
     from helibore.logs.zones import Classification, Criteria
     from helibore.wall.wall import Wall
 
+ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST")
+"""Columns of lengths along the hole, or on the wall."""
+
+DECIMALS = {"in": 4, "mm": 3}
+
 
 @click.command("logs", cls=Sectioned, short_help="A wall measured into logs: LAS, CSV, Parquet, DLIS.")
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
@@ -34,6 +39,12 @@ if TYPE_CHECKING:
     one("--rugosity-window", "Length of hole that rugosity is taken over.", type=LENGTH, default="1m"),
     many("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
     one("--well", "Name of the well, for the files.  [name of the source]"),
+    one(
+        "--unit",
+        "Unit of diameters, radii and other sizes across the hole; depths stay in metres.",
+        type=click.Choice(["m", "mm", "in"]),
+        default="m",
+    ),
 )
 @section(
     "Zones",
@@ -95,7 +106,7 @@ def logs(**options: Any) -> None:
     work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
     with terminal.stage("save", f"Writing {output.name}"):
         for file, table in work:
-            save_table(table, file, well)
+            save_table(_in_unit(table, options["unit"]), file, well)
         saved = save_lines(run, output, "logs", options, tables[1:])
     terminal.summary([
         *run.messages,
@@ -107,6 +118,20 @@ def logs(**options: Any) -> None:
         *saved,
         ("time", terminal.times()),
     ])  # fmt: skip
+
+
+def _in_unit(table: LogTable, unit: str) -> LogTable:
+    """The table with sizes across the hole in another unit."""
+    from helibore.base import units
+    from helibore.base.tables import LogTable
+
+    def changed(one: LogColumn) -> LogColumn:
+        if one.unit != "m" or one.mnemonic in ALONG:
+            return one
+        values = one.values / units.factor(unit, units.LENGTH)
+        return replace(one, unit=unit, values=values, decimals=DECIMALS[unit])
+
+    return table if unit == "m" else LogTable([changed(one) for one in table], table.facts)
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ both. A column is NAME[@ANGLE][:UNIT]: md_m, rb:deg, x_in@0, CAL1@90:in.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import fields
 from functools import partial
@@ -96,7 +97,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     ),
     "Columns": (
         many("--map maps", "Roles of the channels as TOML (see helibore inspect): one map, or one a file.", type=FILE),
-        one("--set set_name", "Set of the source file, if the file holds several.", metavar="NAME"),
+        many("--set sets", "Sets of a source file that holds several, each a pass: by name, by number as helibore "
+             "inspect lists them (3 or 2,5-8), or all sets that hold these columns (with=CALX,CALY).", metavar="SETS"),
         one("--depth", "NAME[:UNIT] of the depth.", metavar="COLUMN"),
         one("--toolface", "NAME[:UNIT] of the toolface or relative bearing.", metavar="COLUMN"),
         many("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where the arm is mounted.", metavar="COLUMN"),
@@ -230,7 +232,7 @@ def _check_source(options: dict[str, Any]) -> None:
         _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent",), "--gauge, which reads no caliper")
     elif options["average"] is not None:
         why = "--average, which names its channel"
-        _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent", "set_name"), why)
+        _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent", "sets"), why)
     elif ARCHIVE in endings:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
@@ -269,16 +271,13 @@ def _check_numbers(options: dict[str, Any]) -> None:
 
 
 def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
-    """Open every file that the options name; return the settings of the run, the files and their checksums."""
+    """Open every file that the options name; return the settings of the run, the files and what opened them."""
     from helibore.base.nulls import NULLS
-    from helibore.runs.run import Checksums, Files, open_input
+    from helibore.runs.run import Files, Opener
     from helibore.runs.settings import Input, PathSettings, RunSettings
 
-    nulls, checksums = options["absent"] or NULLS, Checksums()
-
-    def opened(file: Path, choose: Callable[[LogFile], RoleMap]) -> Any:
-        return open_input(file, nulls, choose, checksums)
-
+    nulls = tuple(options["absent"]) or NULLS
+    opener = Opener(nulls)
     archive = next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
     maps, calipers = options["maps"], []
     columns = {name: options[name] for name in ("depth", "toolface", "time")}
@@ -286,28 +285,64 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
     if archive is None:
         for number, file in enumerate(options["source"]):
             own = maps[number % len(maps)] if maps else None
-            choose = partial(_roles, set_name=options["set_name"], map_file=own, columns=columns, arms=arms)
-            calipers.append(opened(file, choose))
+            for name in set_names(opener.log(file), options["sets"]) if options["sets"] else [None]:
+                choose = partial(_roles, set_name=name, map_file=own, columns=columns, arms=arms)
+                calipers.append(opener.opened(file, choose))
     average = survey = track = None
     if options["average"] is not None:
         text, _, channel = options["average"].rpartition(":")
         if not text:
             raise click.UsageError(f"--average {options['average']}: must be FILE:CHANNEL")
-        average = opened(Path(text), partial(_average_roles, set_name=options["set_name"], channel=channel))
+        names = set_names(opener.log(Path(text)), options["sets"]) if options["sets"] else [None]
+        if len(names) > 1:
+            raise click.UsageError(f"--average: needs one set, not {len(names)}")
+        average = opener.opened(Path(text), partial(_average_roles, set_name=names[0], channel=channel))
     if options["survey"] is not None:
         stations = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
         choose = partial(_roles, set_name=options["survey_set"], map_file=options["survey_map"], columns=stations)
-        survey = opened(options["survey"], choose)
+        survey = opener.opened(options["survey"], choose)
     if options["track"] is not None:
-        track = opened(options["track"], partial(_roles, set_name=None, map_file=options["track_map"], columns={}))
+        choose = partial(_roles, set_name=None, map_file=options["track_map"], columns={})
+        track = opener.opened(options["track"], choose)
     files = Files(tuple(calipers), average, track, survey)
     settings = RunSettings(
-        nulls=tuple(nulls), gauge=options["gauge"], archive=Input(archive) if archive is not None else None,
+        nulls=nulls, gauge=options["gauge"], archive=Input(archive) if archive is not None else None,
         image=tuple(_image(text) for text in options["image"]), echo=_echo(options), preparation=_preparation(options),
         path=PathSettings(**{name: options[name] for name in ("method", "reference", "extend", "head")}),
         wall=None if archive is not None else _wall(options), **files.inputs(),
     )  # fmt: skip
-    return settings, files, checksums
+    return settings, files, opener
+
+
+def set_names(log: LogFile, texts: Sequence[str]) -> list[str]:
+    """The names of the sets that ``--set`` chooses, in the order of the file."""
+    chosen: set[str] = set()
+    for text in texts:
+        chosen |= _sets_of(log, text)
+    return [each.name for each in log.sets if each.name in chosen]
+
+
+def _sets_of(log: LogFile, text: str) -> set[str]:
+    """The sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
+    names = [each.name for each in log.sets]
+    if text in names:
+        return {text}
+    columns = text.removeprefix("with=").split(",")
+    if text.startswith("with="):
+        found = {each.name for each in log.sets if all(column in each for column in columns)}
+        if not found:
+            raise InputError(f"--set {text}", f"no set of {log.path.name} holds {' and '.join(columns)}")
+        return found
+    if not re.fullmatch(r"\d+(-\d+)?(,\d+(-\d+)?)*", text):
+        return {log.set(text).name}
+    found = set()
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        numbers = range(int(first), int(last or first) + 1)
+        if not numbers or not 1 <= numbers[0] <= numbers[-1] <= len(names):
+            raise InputError(f"--set {text}", f"{log.path.name} has the sets 1 to {len(names)}")
+        found |= {names[number - 1] for number in numbers}
+    return found
 
 
 def _roles(
@@ -318,12 +353,12 @@ def _roles(
     arms: dict[str, Any] | None = None,
 ) -> RoleMap:
     """The roles of a set: guessed, overruled by a map, overruled by options."""
+    from helibore.channels.log_set import LogFile
     from helibore.channels.role_map import parse_options, read_map
     from helibore.channels.roles import guess
 
-    roles = read_map(map_file, log) if map_file is not None else guess(log.set(set_name))
-    if set_name is not None and roles.set_name != set_name:
-        raise InputError(f"--set {set_name}", f"the map is for the set {roles.set_name}")
+    alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
+    roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
     return parse_options(log.set(roles.set_name), roles, columns, arms or {})
 
 

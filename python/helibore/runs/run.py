@@ -18,7 +18,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -61,30 +61,9 @@ def checksum(path: str | os.PathLike[str]) -> str:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 
 
-class Checksums:
-    """Checksums of the files of a run: each file is hashed once, in a thread, while its reader parses it.
-
-    The hash reads the bytes that the reader brings into memory (the page cache), so that the disk is read once.
-    """
-
-    def __init__(self) -> None:
-        self._pool = ThreadPoolExecutor(1, "checksums")
-        self._found: dict[Path, Future[str]] = {}
-
-    def start(self, file: Path) -> None:
-        """Hash a file, unless that has begun."""
-        if file not in self._found:
-            self._found[file] = self._pool.submit(checksum, file)
-
-    def of(self, file: Path) -> str:
-        """Return the checksum of a file when it is known."""
-        self.start(file)
-        return self._found[file].result()
-
-
 @dataclass(frozen=True)
 class Opened:
-    """An open file: its format, the set that is used, and the roles of its channels."""
+    """A set of an open file, and the roles of its channels."""
 
     file: Path
     format: str
@@ -101,14 +80,40 @@ class Opened:
         return f"{self.file.name}: {self.format}, {named}{self.log.rows:,} rows"
 
 
-def open_input(
-    file: Path, nulls: tuple[float, ...], choose: Callable[[LogFile], RoleMap], checksums: Checksums
-) -> Opened:
-    """Open a file; ``choose`` says which set and which roles."""
-    checksums.start(file)
-    found = open_file(file, nulls)
-    roles = choose(found)
-    return Opened(file, found.format, found.set(roles.set_name), roles)
+class Opener:
+    """Opens the files of a run: each is parsed once, and hashed once, in a thread, while it is parsed.
+
+    The hash reads the bytes that the parser brings into memory (the page cache), so that the disk is read once.
+    """
+
+    def __init__(self, nulls: tuple[float, ...]) -> None:
+        self._nulls = nulls
+        self._pool = ThreadPoolExecutor(1, "checksums")
+        self._sums: dict[Path, Future[str]] = {}
+        self._logs: dict[Path, LogFile] = {}
+
+    def start_checksum(self, file: Path) -> None:
+        """Hash a file, unless that has begun."""
+        if file not in self._sums:
+            self._sums[file] = self._pool.submit(checksum, file)
+
+    def checksum(self, file: Path) -> str:
+        """Return the checksum of a file when it is known."""
+        self.start_checksum(file)
+        return self._sums[file].result()
+
+    def log(self, file: Path) -> LogFile:
+        """Return an open file."""
+        if file not in self._logs:
+            self.start_checksum(file)
+            self._logs[file] = open_file(file, self._nulls)
+        return self._logs[file]
+
+    def opened(self, file: Path, choose: Callable[[LogFile], RoleMap]) -> Opened:
+        """Open a set of a file; ``choose`` says which set and which roles."""
+        log = self.log(file)
+        roles = choose(log)
+        return Opened(file, log.format, log.set(roles.set_name), roles)
 
 
 @dataclass(frozen=True)
@@ -136,8 +141,8 @@ class Run:
     ----------
     settings
         What it is made with. ``save_settings`` fills in the checksums.
-    files, checksums
-        The open files, and the checksums of all that are read.
+    files, opener
+        The open files, and what opened them.
     messages
         (label, sentence) for what was read, left out and corrected, in order.
     readings, prepared
@@ -148,7 +153,7 @@ class Run:
 
     settings: RunSettings
     files: Files
-    checksums: Checksums = field(default_factory=Checksums)
+    opener: Opener
     messages: list[tuple[str, str]] = field(default_factory=list)
     readings: tuple[Readings, ...] = ()
     prepared: Prepared | None = None
@@ -185,20 +190,20 @@ def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None =
 
 def reopen(settings: RunSettings) -> Run:
     """Open the files that settings name, if they are unchanged."""
-    checksums = Checksums()
+    opener = Opener(settings.nulls)
     for each in settings.inputs:
-        checksums.start(each.file)
+        opener.start_checksum(each.file)
     for each in settings.inputs:
-        now = checksums.of(each.file)
+        now = opener.checksum(each.file)
         if now != each.blake2b:
             rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats it"
             raise InputError(str(each.file), f"has changed since the run: {rule}")
 
     def again(one: Input) -> Opened:
-        return open_input(one.file, settings.nulls, lambda file: _known(file, one), checksums)
+        return opener.opened(one.file, lambda file: _known(file, one))
 
     alone = {name: again(one) for name in ("average", "track", "survey") if (one := getattr(settings, name))}
-    return Run(settings, Files(tuple(map(again, settings.caliper)), **alone), checksums)
+    return Run(settings, Files(tuple(map(again, settings.caliper)), **alone), opener)
 
 
 def _known(file: LogFile, one: Input) -> RoleMap:
@@ -217,7 +222,7 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
     """Read the files of a run and build its wall, with its path and its images."""
     settings = run.settings
     for each in settings.inputs:
-        run.checksums.start(each.file)
+        run.opener.start_checksum(each.file)
     with stage("read", f"Reading {', '.join(one.file.name for one in settings.inputs) or 'nothing'}"):
         _read_path(run)
         if settings.archive is not None:
@@ -247,7 +252,7 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
             run.built = reconstruct(made, threads=threads, **vars(settings.wall))
             made_from = [one for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
-                sums = [{"name": one.file.name, "blake2b": run.checksums.of(one.file)} for one in made_from]
+                sums = [{"name": one.file.name, "blake2b": run.opener.checksum(one.file)} for one in made_from]
                 run.built.made_from = {"files": sums}
     run.wall.path = run.path
     run.wall.images.update({image.name: image for image in images})
@@ -286,17 +291,16 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     if reference not in ("north", "high-side"):
         rule = f"the wall counts toolfaces from {reference}, but no image does: end it with :north or :high-side"
         raise InputError(f"image {one.name}", rule)
-    with open_file(one.file, run.settings.nulls) as opened:
-        try:
-            origin: Any = one.origin
-            image = opened.image(one.name).sector_image(origin, reference)
-        except KeyError as error:
-            names = ", ".join(opened.set().names)
-            raise InputError(one.file.name, f"no channel {one.name!r}; it holds {names}") from error
-        except InputError:
-            raise
-        except ValueError as error:
-            raise InputError(one.file.name, str(error)) from error
+    opened, origin = run.opener.log(one.file), cast(Any, one.origin)
+    try:
+        image = opened.image(one.name).sector_image(origin, reference)
+    except KeyError as error:
+        names = ", ".join(opened.set().names)
+        raise InputError(one.file.name, f"no channel {one.name!r}; it holds {names}") from error
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(one.file.name, str(error)) from error
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
     assumed = "" if stated or run.path else ", as nothing says otherwise (:north or --reference north would)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
@@ -375,7 +379,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
     """Write the settings that repeat ``output`` beside it, with the checksums of what was read and of the output."""
 
     def known(one: Any) -> Any:
-        return None if one is None else replace(one, blake2b=run.checksums.of(one.file))
+        return None if one is None else replace(one, blake2b=run.opener.checksum(one.file))
 
     settings = run.settings
     run.settings = replace(
@@ -388,11 +392,14 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """What was read of the caliper files, and what each channel was taken for."""
+    """What was read of the caliper files, and what each channel was taken for; the same of several sets once."""
+    before: tuple[str, ...] = ()
     for each, found in zip(run.files.caliper, run.readings, strict=True):
         yield "caliper", each.line()
-        for sentence in (*each.log.remarks, *found.notes, *depth_remarks(each.log, each.roles)):
+        notes = tuple(found.notes)
+        for sentence in (*each.log.remarks, *(notes if notes != before else ()), *depth_remarks(each.log, each.roles)):
             yield "", sentence
+        before = notes
         for name, count in found.missing.items():
             yield "missing", f"{count:,} values of {name}"
 

@@ -148,7 +148,7 @@ def test_inspect(tmp_path: Path) -> None:
     assert isinstance(bad.exception, ValueError)  # the group of verbs turns it into one line and exit code 2
     assert str(bad.exception) == "empty: empty: 0 bytes"
     wrong = CliRunner().invoke(inspect, [str(path), "--map", str(tmp_path / "m.toml"), "--set", "x"])
-    assert str(wrong.exception) == "--set x: the map is for the set table"
+    assert str(wrong.exception) == "xy.csv: no set 'x'; it holds 'table'"
 
 
 def test_inspect_in_a_narrow_terminal_and_in_the_group(tmp_path: Path) -> None:

@@ -115,6 +115,21 @@ def test_the_summary_says_what_a_driller_asks(folder: Path, tmp_path: Path) -> N
     assert run(folder / "w.wall", "-o", tmp_path / "w.las", "-q").output == ""
 
 
+@pytest.mark.parametrize(("unit", "metres"), [("in", 0.0254), ("mm", 0.001), ("m", 1.0)])
+def test_sizes_in_another_unit(folder: Path, tmp_path: Path, unit: str, metres: float) -> None:
+    output, zones = tmp_path / "w.csv", tmp_path / "z.csv"
+    done = run(folder / "w.wall", "-o", output, "--unit", unit, "--zones", zones, "--casing", "7in")
+    assert done.exit_code == 0, done.output
+    wall = hb.load(folder / "w.wall")
+    assert column(output, "C1") * metres == pytest.approx(wall.logs().c1, abs=2e-6)
+    assert column(output, "DEPT") == pytest.approx(wall.logs().depth, abs=2e-6)
+    assert column(output, "VOL") == pytest.approx(wall.logs().volume, abs=2e-7)
+    found = wall.zones().zones
+    assert column(zones, "TOP") == pytest.approx([zone.start for zone in found], abs=2e-6)
+    assert column(zones, "ENLARGE") * metres == pytest.approx([zone.enlargement for zone in found], abs=2e-6)
+    assert f"C1 ({unit})" in output.read_text()
+
+
 def test_zones_without_zones_are_an_empty_table(folder: Path, tmp_path: Path) -> None:
     zones = tmp_path / "zones.csv"
     zones.write_text("old")

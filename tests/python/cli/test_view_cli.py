@@ -73,7 +73,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
     }.items():
         (tmp_path / name).write_bytes(held)
     for arguments, text in (
-        (("picture.png", *BIT), "picture.png: binary, and none of the formats read (DLIS, Parquet, NPZ)"),
+        (("picture.png", *BIT), "picture.png: binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)"),
         (("empty.csv", *BIT), "empty.csv: empty: 0 bytes"),
         (
             ("nocaliper.csv", *BIT),

@@ -1,0 +1,137 @@
+"""The options that all commands share: sets of a file by name, number or columns; what goes with which source."""
+
+from __future__ import annotations
+
+import json
+import tomllib
+from pathlib import Path
+
+import numpy as np
+import pytest
+from click.testing import CliRunner, Result
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.cli.source import SECTIONS
+
+WALLS = ("reconstruct", "mesh", "logs", "plot", "report", "view")
+
+
+def run(*arguments: object) -> Result:
+    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
+
+
+@pytest.fixture
+def passes(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """Five sets: four passes of an X-Y caliper, each 0.1 in wider than the one before, and one of gamma."""
+    monkeypatch.chdir(tmp_path)
+    sets = []
+    depth, bearing = 1000 + np.arange(300) * 0.02, np.arange(300) * 37.0 % 360
+    for number in range(5):
+        curves = {"MD": ("m", depth), "RB": ("deg", bearing)}
+        curves |= dict.fromkeys(("CALX", "CALY"), ("in", 8.5 + 0.1 * number + 0 * depth))
+        if number == 2:
+            curves = {"MD": ("m", depth), "GR": ("gAPI", 50 + 0 * depth)}
+        heads = [{"name": n, "unit": unit, "valueType": "float", "dimensions": 1} for n, (unit, _) in curves.items()]
+        rows = np.column_stack([values for _, values in curves.values()]).tolist()
+        sets.append({"header": {"name": f"pass {number}"}, "curves": heads, "data": rows})
+    (tmp_path / "p.json").write_text(json.dumps(sets))
+    return tmp_path / "p.json"
+
+
+COLUMNS = ("--diameter", "CALX@0", "--diameter", "CALY@90", "--bit-diameter", "8.5in")
+
+
+@pytest.mark.parametrize(
+    ("sets", "chosen"),
+    [
+        (("pass 1",), [1]),
+        (("2",), [1]),
+        (("1,4-5",), [0, 3, 4]),
+        (("4", "pass 0"), [0, 3]),
+        (("with=CALX,CALY",), [0, 1, 3, 4]),
+    ],
+)
+@pytest.mark.usefixtures("passes")
+def test_sets_are_chosen_by_name_number_or_columns_and_are_passes(sets: tuple[str, ...], chosen: list[int]) -> None:
+    given = [word for text in sets for word in ("--set", text)]
+    result = run("reconstruct", "p.json", *given, *COLUMNS, "-o", "w.ply")
+    assert result.exit_code == 0, result.output
+    read = tomllib.loads(Path("w.ply.toml").read_text())["caliper"]
+    assert [each["set"] for each in read] == [f"pass {number}" for number in chosen]
+    mean = np.mean([8.5 + 0.1 * number for number in chosen]) * 0.0254 / 2
+    again = run("reconstruct", "w.ply.toml", "-o", "w.wall")
+    assert again.exit_code == 0, again.output
+    assert hb.load("w.wall").radius.mean() == pytest.approx(mean, abs=2e-4)
+    assert result.output.count("CALX is diameter") == 1, "the roles of several sets are printed once"
+
+
+@pytest.mark.parametrize(
+    ("sets", "rule"),
+    [
+        (("6",), "--set 6: p.json has the sets 1 to 5"),
+        (("5-4",), "--set 5-4: p.json has the sets 1 to 5"),
+        (("1-",), "p.json: no set '1-'; it holds 'pass 0', 'pass 1', 'pass 2', 'pass 3', 'pass 4'"),
+        (("with=CALX,RT",), "--set with=CALX,RT: no set of p.json holds CALX and RT"),
+        (("pass 9",), "p.json: no set 'pass 9'; it holds 'pass 0', 'pass 1', 'pass 2', 'pass 3', 'pass 4'"),
+    ],
+)
+@pytest.mark.usefixtures("passes")
+def test_sets_that_are_not_there(sets: tuple[str, ...], rule: str) -> None:
+    result = run("reconstruct", "p.json", "--set", *sets, *COLUMNS, "-o", "w.ply")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"helibore: {rule}\n"
+
+
+@pytest.mark.usefixtures("passes")
+def test_inspect_numbers_the_sets_and_takes_the_same_choice() -> None:
+    assert "4. pass 3: 300 rows" in run("inspect", "p.json").output
+    found = run("inspect", "p.json", "--set", "with=GR").output
+    assert "3. pass 2: 300 rows" in found
+    assert "pass 1" not in found
+    assert 'set = "pass 2"' in run("inspect", "p.json", "--set", "3", "--toml").output
+
+
+@pytest.mark.usefixtures("passes")
+def test_a_map_without_a_set_is_for_every_set_that_is_chosen() -> None:
+    roles = {"RB": "toolface", "CALX": "diameter", "CALY": "diameter"}
+    units = {"RB": "deg", "CALX": "in", "CALY": "in"}
+    more = {"CALX": "angle = 0.0\n", "CALY": "angle = 90.0\n"}
+    lines = [f'[channels.{n}]\nrole = "{role}"\nunit = "{units[n]}"\n{more.get(n, "")}' for n, role in roles.items()]
+    Path("m.toml").write_text("".join(lines))
+    given = ("reconstruct", "p.json", "--set", "1,2", "--map", "m.toml", "--bit-diameter", "8.5in", "-o", "w.ply")
+    result = run(*given)
+    assert result.exit_code == 0, result.output
+    assert "set 'pass 0', 300 rows" in result.output
+    assert "set 'pass 1', 300 rows" in result.output
+
+
+@pytest.mark.parametrize("verb", WALLS)
+def test_every_command_has_every_option_of_a_wall(verb: str) -> None:
+    text = run(verb, "--help").output
+    for name, options in SECTIONS.items():
+        assert f"\n{name}:\n" in text
+        for names, _ in options:
+            assert names.split()[0] in text
+
+
+@pytest.mark.parametrize(
+    ("options", "rule"),
+    [
+        ((), "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"),
+        (("p.json", "w.wall"), "several SOURCE files must all be caliper files, not archives or settings"),
+        (("p.json",), "Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it."),
+        (("--gauge", "--bit-diameter", "8in", "--recentre"), "--recentre: does not go with --gauge, which reads no "
+         "caliper"),
+        (("--average", "p.json:CALX", "--bit-diameter", "8in", "--passes", "1"), "--passes: does not go with "
+         "--average, which names its channel"),
+        (("p.json", "--bit-diameter", "8in", "--tool-radius", "4cm"), "--mud-velocity and --tool-radius: travel times "
+         "need both"),
+    ],
+)  # fmt: skip
+@pytest.mark.parametrize("verb", ["reconstruct", "logs"])
+@pytest.mark.usefixtures("passes")
+def test_options_that_do_not_go_together(verb: str, options: tuple[str, ...], rule: str) -> None:
+    result = run(verb, *options, "-o", "w.glb" if verb == "reconstruct" else "w.csv")
+    assert (result.exit_code, result.stdout) == (2, "")
+    assert result.stderr == f"helibore: {rule} (see cli {verb} --help)\n"
