@@ -36,6 +36,10 @@ MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
 """Red, green, blue of a value that is missing: a grey that no map comes near."""
 
 
+ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
+"""Colours of the kinds of zones on a light ground; the page takes the second of each in dark mode."""
+
+
 @dataclass(frozen=True)
 class ColorMap:
     """A colour map: evenly spaced stops, linear between.

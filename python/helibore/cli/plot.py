@@ -109,7 +109,7 @@ def report(**options: Any) -> None:
     require_matplotlib()
     terminal = Terminal(options["quiet"])
     run, options, drawing = _drawing("report", options, terminal)
-    from helibore.plot.report import report as write
+    from helibore.plot.html_report import report as write
 
     with terminal.stage("report", "Writing the report"):
         write(run.wall, output, told=run.messages, **drawing)

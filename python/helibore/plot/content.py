@@ -2,8 +2,8 @@
 
     Drawing (options, checked)  +  Wall  ->  Content (tracks with their colours, limits shared by every page)
 
-A track's colour scale comes from the values in the interval: percentiles 2 to 98 (static), logarithms for
-resistivity, or a sliding window (dynamic). A scale that cannot be made is an error that names the image.
+The colours of an image come from all of it, as on the viewer's page: percentiles 2 to 98, logarithms for resistivity,
+or a sliding window (dynamic). Those of the radius are centred on bit size and come from the whole wall.
 """
 
 from __future__ import annotations
@@ -18,19 +18,22 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.colors import ColorScale, check_map, customary_map
-from helibore.images.normalization import percentile_limits, sliding_window
+from helibore.base.units import MILLIMETRE
+from helibore.images.normalization import percentile_limits, sliding_window, symmetric_limit
 from helibore.images.sector_image import SectorImage
-from helibore.plot.calipers import diameters
+from helibore.logs.summary import WallSummary, summarize
+from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
+from helibore.plot.diameters import diameters
 from helibore.plot.raster import at_points
-from helibore.plot.scales import NEARLY_ALL, Lines, nice_limits, usual_scale
-from helibore.plot.sections import Section, sections_at, telling_depths
+from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
 from helibore.samples.helix import helix_of
 from helibore.trajectory.true_depth import true_depth
 
 if TYPE_CHECKING:
-    from helibore.plot.calipers import Diameters
+    from helibore.logs.zones import Classification
+    from helibore.plot.diameters import Diameters
     from helibore.trajectory.references import Reference
     from helibore.trajectory.survey import Path
     from helibore.wall.wall import Wall
@@ -164,10 +167,16 @@ class Content:
     lines: Lines
     tracks: list[DepthTrack | CaliperTrack | ImageTrack]
     turns: Diameters
-    sections: list[Section]
+    zones: Classification
+    sections: list[CrossSection]
     stretched: Stretched | None
     bodies: list[Body]
     reference: str
+
+    def summary(self, start: float | None = None, stop: float | None = None) -> WallSummary:
+        """Return the summary of the interval, or of a part of it."""
+        ends = (self.top if start is None else start, self.bottom if stop is None else stop)
+        return summarize(self.wall, *ends, zones=self.zones)
 
     @property
     def letters(self) -> str:
@@ -185,17 +194,20 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         raise ValueError(f"a picture needs a full turn of the wall: it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_scale(bottom - top)
-    turns = diameters(wall, wall.settings.bit_diameter)
+    zones = wall.zones()
+    turns = diameters(wall, zones.logs, zones.kind.astype(np.float64))
     reference = _reference(wall, drawing)
     images = _images(wall, drawing, reference)
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
     turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
     pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
-    tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [DepthTrack(scale, true_depth(wall.path, drawing.elevation))]
+    tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [
+        DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones)
+    ]
     tracks.append(_caliper(wall, turns, top, bottom, drawing, reference))
     count = len(images) + (wall.basis == "azimuthal")
     width = min(130.0, max(24.0, (190.0 - 14.0 - 40.0 - 2.0 * (count + 1)) / max(count, 1)))
-    radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom)
+    radius = _radius(wall, drawing.looks.get(RADIUS, Look()))
     helix = (wall.settings, wall.start_depth)
     if wall.basis == "azimuthal":
         tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width))
@@ -210,7 +222,9 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         polar = telling_depths(turns, top, bottom) if wall.basis == "azimuthal" else []
     sections = sections_at(wall, sorted(polar)) if polar else []
     lines = Lines.of(scale)
-    return Content(wall, drawing, top, bottom, scale, lines, tracks, turns, sections, stretched, bodies, reference)
+    return Content(
+        wall, drawing, top, bottom, scale, lines, tracks, turns, zones, sections, stretched, bodies, reference
+    )
 
 
 def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
@@ -277,11 +291,11 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
             cut = _beyond(values[rows], math.nextafter(0.0, 1.0), math.nextafter(1.0, 0.0))
             return Shown(image.name, image.unit, scale, remark, True, *cut), values
         values = image.values[rows]
-        if look.limits is None:
-            scale = ColorScale(*percentile_limits(values, log=log), color_map, log)
-        else:
-            scale = ColorScale(*look.limits, color_map, log)
-            scale.share(values)
+        if not np.isfinite(values).any():
+            raise ValueError(f"values: all {values.size} are missing")
+        limits = look.limits or percentile_limits(image.values, log=log)
+        scale = ColorScale(*limits, color_map, log)
+        scale.share(values)
     except ValueError as error:
         raise ValueError(f"image {image.name!r}, {top:g} to {bottom:g} m: {error}") from error
     cut = _beyond(values, scale.low, scale.high)
@@ -293,22 +307,15 @@ def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
     return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
 
-def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
-    """Radius beyond half the bit size, millimetres, one a vertex."""
-    over = (wall.radius - 0.5 * wall.settings.bit_diameter) * 1000.0
-    depth = wall.depth
-    there = over[(depth >= top) & (depth <= bottom) & np.isfinite(over)]
-    limits = look.limits
-    if limits is None:
-        low, high = np.percentile(there, NEARLY_ALL).tolist() if there.size else (0.0, 1.0)
-        step = 1.0 if high - low < 10 else 5.0
-        low = math.floor(low / step) * step
-        limits = (low, max(math.ceil(high / step) * step, low + step))
+def _radius(wall: Wall, look: Look) -> tuple[Shown, Floats]:
+    """Radius over half the bit size, millimetres, one a vertex; bit size in the middle of the colours."""
     if look.log or look.window is not None:
-        raise ValueError("Radius: is drawn beyond bit size, on a plain scale: log and window are not for it")
-    scale = ColorScale(*limits, look.color_map or "caliper")
+        raise ValueError("Radius: is drawn over bit size, on a plain scale: log and window are not for it")
+    over = (wall.radius - 0.5 * wall.settings.bit_diameter) / MILLIMETRE
+    limit = symmetric_limit(over, 1.0)
+    scale = ColorScale(*(look.limits or (-limit, limit)), look.color_map or "over-bit")
     remark = f"wall, {wall.settings.sectors} sectors"
-    return Shown("Radius − bit/2", "mm", scale, remark, False, *_beyond(there, scale.low, scale.high)), over
+    return Shown("Radius − bit/2", "mm", scale, remark, False, *_beyond(over, scale.low, scale.high)), over
 
 
 def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing, reference: str) -> CaliperTrack:

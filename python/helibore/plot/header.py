@@ -7,8 +7,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from helibore._core import __version__
 from helibore.base.units import INCH
 from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
@@ -40,7 +38,6 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     """Return label, text and whether it is a warning, for everything a reader must know."""
     wall, settings = content.wall, content.wall.settings
     bit = settings.bit_diameter
-    without = float(np.mean(wall.support == 0))
     made = BASIS_TEXT[wall.basis]
     ends = f"{content.top:,.2f} to {content.bottom:,.2f} m MD"
     elevation = content.drawing.elevation
@@ -53,7 +50,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Wall made from", made, wall.basis != "azimuthal"),
         ("Samples", f"{wall.sample_count:,}", False),
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {len(wall):,} vertices", False),
-        ("No sample in reach", f"{100 * without:.2f} % of the wall", False),
+        ("No sample in reach", f"{100 * content.summary().without_radius:.2f} % of the interval", False),
     ]
 
 

@@ -12,9 +12,9 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from helibore.plot.content import Content, Drawing, content_of
+from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.header import HEADER, draw_footer, draw_header
 from helibore.plot.paper import INK, SMALL, USUAL, Sheet
-from helibore.plot.sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.solid import draw_solid
 from helibore.plot.tracks import HEAD, Stretch
 

@@ -18,11 +18,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import MISSING, ColorScale
+from helibore.base.colors import MISSING, ZONE_COLORS, ColorScale
 from helibore.base.settings import Settings
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
-from helibore.plot.calipers import Diameters, thinned
+from helibore.logs.zones import KINDS, Zone
+from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
 from helibore.plot.scales import Lines, length_text
@@ -42,7 +43,9 @@ SIDES = {
 }
 """Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""
 GREY = tuple(part / 255.0 for part in MISSING)
-WASHOUT, UNDERGAUGE, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
+OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
+LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
+"""Of the kinds of zones, beside their colours."""
 CURVES: dict[str, dict[str, Any]] = {
     "C1": {"color": "#0b4f8a"},
     "C2": {"color": "#0b4f8a", "dashes": (2.0, 1.0)},
@@ -88,12 +91,12 @@ class Shown:
 
 
 class DepthTrack:
-    """Measured depth in metres, and under each number the true depth, where it is known."""
+    """Measured depth in metres, the true depth under it if it is known, and the zones at the left."""
 
     width = 14.0
 
-    def __init__(self, scale: int, true_depth: TrueDepth | None = None) -> None:
-        self.scale, self.true_depth = scale, true_depth
+    def __init__(self, scale: int, true_depth: TrueDepth | None = None, zones: Sequence[Zone] = ()) -> None:
+        self.scale, self.true_depth, self.zones = scale, true_depth, zones
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write what the numbers are, and the scale of the paper."""
@@ -114,6 +117,13 @@ class DepthTrack:
                     self._true(axes, depth, depth + 2.1 * room)
         axes.set_xlim(0, 1)
         major, minor = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.major, stretch.lines.minor))
+        for zone in self.zones:
+            ends = (max(zone.start, stretch.top), min(zone.stop, stretch.bottom))
+            if ends[1] > ends[0]:
+                axes.axhspan(*ends, 0.0, 0.17, color=ZONE_COLORS[zone.kind], linewidth=0)
+                if ends[1] - ends[0] > 2.2 * (stretch.bottom - stretch.top) / stretch.height:
+                    letter: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
+                    axes.text(0.085, sum(ends) / 2, LETTERS[zone.kind], color="white", weight="bold", **letter)
         for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.88, 0.94)):
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)
@@ -128,7 +138,7 @@ class DepthTrack:
 
 
 class CaliperTrack:
-    """Diameters against bit size, with the trade's shading: amber where the hole is larger, green where it is smaller.
+    """Diameters against bit size: amber over bit, the zone's colour in a washout, green under bit.
 
     Parameters
     ----------
@@ -187,9 +197,13 @@ class CaliperTrack:
                 sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
         if self.basis != "gauge":
             row += 3.5
-            for at, color, text in ((1.0, WASHOUT, "washout"), (15.5, UNDERGAUGE, "cake, undergauge")):
+            for at, color, text in (
+                (1.0, OVER, "over bit"),
+                (14.0, ZONE_COLORS["washout"], "washout"),
+                (27.0, UNDER, "under bit"),
+            ):
                 sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
-                sheet.text(x + at + 3.8, row, text, 5.2, within=self.width - at - 4 if at > 10 else 10)
+                sheet.text(x + at + 3.6, row, text, 5.2, within=9.2)
         low, high = (f"{limit:g}" for limit in self.limits)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
@@ -212,10 +226,14 @@ class CaliperTrack:
             if self.basis == "azimuthal":
                 least, greatest = turns.least / scale, turns.greatest / scale
                 axes.fill_betweenx(turns.depth, least, greatest, facecolor=BAND, edgecolor=RULE, linewidth=0.35)
-            larger = {"where": area >= bit, "facecolor": WASHOUT, "interpolate": True}
-            smaller = {"where": area <= bit, "facecolor": UNDERGAUGE, "interpolate": True}
-            for look in (larger, smaller):
-                axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)  # type: ignore[arg-type]
+            washed = turns.kind == KINDS.index("washout")
+            for where, color in ((area >= bit, OVER), (area <= bit, UNDER), (washed, ZONE_COLORS["washout"])):
+                look: dict[str, Any] = {
+                    "where": where,
+                    "facecolor": color,
+                    "interpolate": color != ZONE_COLORS["washout"],
+                }
+                axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)
             for name in self.curves:
                 axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
             axes.plot(area, turns.depth, color=AREA, linewidth=0.8)

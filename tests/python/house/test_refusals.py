@@ -19,7 +19,7 @@ import pytest
 import helibore as hb
 from helibore import plot
 from helibore.channels.columns import RawSectorImage
-from helibore.plot.report import report
+from helibore.plot.html_report import report
 
 BIT = 0.216
 DEPTH = np.arange(1000.0, 1006.0, 0.1)

@@ -16,12 +16,12 @@ from plotted_wall import BIT, image_of, plotted_wall
 import helibore as hb
 from helibore import plot
 from helibore.base.colors import MISSING
-from helibore.plot.calipers import diameters, thinned
 from helibore.plot.content import content_of
+from helibore.plot.cross_sections import sections_at
+from helibore.plot.diameters import Diameters, diameters, thinned
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
 from helibore.plot.scales import Lines, nice_limits, usual_scale
-from helibore.plot.sections import sections_at
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
 from helibore.plot.tracks import HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -53,6 +53,11 @@ def assert_readable(figure: Any) -> None:
         assert apart, (one, two)
 
 
+def measured(wall: hb.Wall) -> Diameters:
+    zones = wall.zones()
+    return diameters(wall, zones.logs, zones.kind.astype(float))
+
+
 def tracks_of(figure: Any) -> list[Any]:
     """The axes of the tracks: those whose depth grows downwards over many metres."""
     return [axes for axes in figure.axes if axes.get_ylim()[0] > 1000 > 400 and axes.get_xlim()[0] >= 0]
@@ -64,7 +69,8 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
     for needed in (
         "A well", "A run", "2,000.00 to 2,022.00 m MD (22.0 m)", "8.504 in (216.0 mm)", "1:40, 25 mm on paper a metre",
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
-        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "washout", "cake, undergauge",
+        "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "over bit", "washout",
+        "under bit",
         "Radius − bit/2 [mm]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or no sample in reach", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
@@ -121,7 +127,7 @@ def test_the_caliper_track_draws_the_pairs_that_are_asked_for(
     names = ["c1", "c2", "d0", "d90"] if names is None else names
     figure = plot.log(wall, curves=curves, unit="mm", dpi=150, polar=(), body=())
     axes = tracks_of(figure)[1]
-    turns = diameters(wall, BIT)
+    turns = measured(wall)
     lines = [line for line in axes.lines if len(line.get_xdata()) == turns.depth.size]
     assert len(lines) == len(names) + 1
     for name, line in zip([*names, "area"], lines, strict=True):
@@ -210,7 +216,7 @@ def test_a_gap_is_grey_in_every_track(wall: hb.Wall) -> None:
 
 
 def test_diameters_against_a_loop(wall: hb.Wall) -> None:
-    turns = diameters(wall, BIT)
+    turns = measured(wall)
     K, radius = wall.settings.sectors, wall.radius
     for turn in range(turns.depth.size):
         one = radius[turn * K : (turn + 1) * K]

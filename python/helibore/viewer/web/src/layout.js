@@ -3,6 +3,8 @@
 //   | map | depth | image | caliper | dips, where some are picked |  3-D  |
 //   heads above, bodies below                   narrow stages give the 3-D view what the tracks leave
 
+import definition from '../../../base/color_maps.json' with { type: 'json' };
+
 export const HEAD = 66;
 const FOOT = 8;
 
@@ -29,16 +31,16 @@ export const inside = ({ left, top, width, height }, x, y) => x >= left && x < l
 export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
 
+const zones = (dark) => Object.fromEntries(Object.entries(definition.zones).map(([kind, pair]) => [kind, `#${pair[dark]}`]));
+
 export const PALETTES = {
   light: {
     background: 0xf4f5f6, paper: '#f4f5f6', panel: '#ffffff', ink: '#1b2126', soft: '#5c6770', line: '#cfd5da', grid: '#0000001a',
-    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', fill: '#3b7dd81f', over: '#f2a33a66', tight: '#d3222299', hatch: '#9aa3aa',
-    zones: { washout: '#b03408', breakout: '#bb64d7', 'key seat': '#09997d', undergauge: '#082361' },
+    cursor: '#e8410d', pin: '#8a3ffc', min: '#14833b', max: '#1557b0', fill: '#3b7dd81f', over: '#f2a33a66', tight: '#d3222299', hatch: '#9aa3aa', zones: zones(0),
   },
   dark: {
     background: 0x14181c, paper: '#14181c', panel: '#1d2328', ink: '#e6eaed', soft: '#98a4ad', line: '#36404a', grid: '#ffffff20',
-    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', over: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d',
-    zones: { washout: '#fd621e', breakout: '#e3adf8', 'key seat': '#3ddaae', undergauge: '#2667da' },
+    cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', over: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d', zones: zones(1),
   },
 };
 

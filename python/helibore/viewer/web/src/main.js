@@ -301,7 +301,7 @@ class App {
     byId('sectionTitle').textContent = `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
     this.summarize();
     write('section', sectionText(store, this.summary));
-    listZones(this.zones, view.units, (zone) => this.showZone(zone));
+    listZones(this.zones, view, (zone) => this.showZone(zone));
     this.histogram.draw(look);
     reflect(view, quantity);
     links(this, toAddress(this));

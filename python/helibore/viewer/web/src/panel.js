@@ -157,9 +157,9 @@ export function sectionText(store, summary) {
 }
 
 // The zones, worst first; a click shows one.
-export function listZones(zones, units, show) {
+export function listZones(zones, { units, theme }, show) {
   const card = byId('zones');
-  const key = JSON.stringify([zones, units]);
+  const key = JSON.stringify([zones, units, theme]);
   if (card.dataset.key === key) return;
   card.dataset.key = key;
   card.parentElement.hidden = zones.length === 0;
@@ -168,7 +168,7 @@ export function listZones(zones, units, show) {
     const button = document.createElement('button');
     button.type = 'button';
     button.title = `${zone.kind} (N, Shift N: next, previous)`;
-    button.dataset.kind = zone.kind;
+    button.style.borderColor = PALETTES[theme].zones[zone.kind];
     button.textContent = `${LETTERS[zone.kind]}  ${zone.start.toFixed(1)}–${zone.stop.toFixed(1)} m  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
     button.addEventListener('click', () => show(zone));
     return button;

@@ -1,6 +1,6 @@
 """A report of a wall as one HTML page that needs nothing else: no request leaves it, every picture is inside.
 
-    from helibore.plot.report import report
+    from helibore.plot.html_report import report
     report(wall, "well.html", title="F-12")         # opens in any browser, prints on A4 at the scale it says
 
 Summary, pictures, diameters by interval, zones, data quality, settings. Plain text templates, every word escaped: six
@@ -15,7 +15,7 @@ import html
 import math
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import asdict, dataclass
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -23,9 +23,10 @@ import numpy as np
 from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
 from helibore.base.units import size_text
+from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
-from helibore.plot.calipers import Diameters
 from helibore.plot.content import Drawing, content_of
+from helibore.plot.diameters import Diameters
 from helibore.plot.header import facts
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
@@ -65,20 +66,6 @@ nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-siz
 """
 
 
-@dataclass(frozen=True)
-class Row:
-    """An interval: ends (m), mean, least and greatest diameter (m), volume (m3), excess, share of turns measured."""
-
-    top: float
-    bottom: float
-    mean: float
-    least: float
-    greatest: float
-    volume: float
-    excess: float
-    measured: float
-
-
 def report(
     wall: Wall, filename: str | os.PathLike[str], *, told: Sequence[tuple[str, str]] = (), **options: Any
 ) -> None:
@@ -111,11 +98,11 @@ def report(
 def page(wall: Wall, told: Sequence[tuple[str, str]] = (), **options: Any) -> str:
     """Return the report as HTML: `report` without the file."""
     content = content_of(wall, Drawing(**options))
-    zones = wall.zones() if wall.basis == "azimuthal" else None
+    zones = content.zones if wall.basis == "azimuthal" else None
     title = html.escape(content.drawing.title or "Borehole wall")
     warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{html.escape(BASIS_TEXT[wall.basis])}.</p>'
     parts = [
-        ("summary", "Summary", warned + _summary(content, zones)),
+        ("summary", "Summary", warned + _summary(content)),
         ("pictures", "Pictures", _pictures(wall, content, options)),
         ("diameters", "Diameters and volumes", _diameters(content)),
         ("zones", "Zones", _zones(zones, content)),
@@ -167,67 +154,35 @@ def in_unit(length: float, content: Content, inch_decimals: int = 3) -> str:
     return number(length / LENGTHS[unit], inch_decimals if unit == "in" else 1)
 
 
-def intervals(turns: Diameters, content: Content) -> list[Row]:
-    """Measure the interval in steps of a round length; turns that are not whole have no volume."""
+def intervals(content: Content) -> list[WallSummary]:
+    """Summarize the interval in steps of a round length."""
     length = content.bottom - content.top
     steps = (mantissa * 10.0**power for power in range(-1, 5) for mantissa in (1, 2, 5))
     step = next(step for step in steps if length / step <= ROWS)
     cuts = [content.top, *np.arange(math.floor(content.top / step + 1) * step, content.bottom - 1e-6, step)]
-    bit, pitch = content.wall.settings.bit_diameter, abs(content.wall.settings.pitch)
-    rows = []
-    for top, bottom in zip(cuts, [*cuts[1:], content.bottom], strict=True):
-        inside = (turns.depth >= top) & (turns.depth < bottom)
-        area = turns.area[inside]
-        there = np.isfinite(area)
-        square = float(np.sum(area[there] ** 2))
-        count = int(there.sum())
-        volume = square * math.pi / 4 * pitch if count else math.nan
-        rows.append(
-            Row(
-                float(top), float(bottom), float(area[there].mean()) if count else math.nan,
-                _reduced(np.fmin, turns.least[inside]), _reduced(np.fmax, turns.greatest[inside]), volume,
-                square / (count * bit**2) - 1 if count else math.nan, float(there.mean()) if there.size else 0.0,
-            )
-        )  # fmt: skip
-    return rows
+    return [content.summary(float(a), float(b)) for a, b in zip(cuts, [*cuts[1:], content.bottom], strict=True)]
 
 
-def _reduced(least_or_most: np.ufunc, values: Any) -> float:
-    return float(least_or_most.reduce(values)) if values.size else math.nan
-
-
-def _summary(content: Content, zones: Classification | None) -> str:
-    turns = content.turns
-    inside = (turns.depth >= content.top) & (turns.depth <= content.bottom)
-    area = turns.area[inside]
+def _summary(content: Content) -> str:
+    summary, wall = content.summary(), content.wall
     rows = [(label, text) for label, text, _ in facts(content)]
-    if np.isfinite(area).any() and content.wall.basis != "gauge":
-        there = area[np.isfinite(area)]
-        unit, (least, most) = content.drawing.unit, (in_unit(there.min(), content), in_unit(there.max(), content))
-        sizes = f"{size_text(there.mean())} mean, {least} to {most} {unit} by turn"
-        rows.append(("Diameter by area", sizes))
-        pitch, bit = abs(content.wall.settings.pitch), content.wall.settings.bit_diameter
-        volume = math.pi / 4 * float((there**2).sum()) * pitch
-        excess = 100 * float((there**2).mean() / bit**2 - 1)
-        measured = f"{volume:,.3f} m³ over {there.size * pitch:,.1f} m measured"
-        rows.append(("Hole volume", f"{measured}; {excess:+.1f} % against bit size"))
-    if zones is not None:
-        counts = {zone.kind: 0.0 for zone in zones.zones}
-        for zone in zones.zones:
-            counts[zone.kind] += zone.length
-        rows.append(
-            (
-                "Zones of the whole wall",
-                ", ".join(f"{kind} {length:,.1f} m" for kind, length in counts.items()) or "none",
-            )
-        )
-        axis = zones.breakout_axis()
+    if summary.measured and wall.basis != "gauge":
+        ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
+        sizes = f"{size_text(summary.mean_diameter)} mean, {ends[0]} to {ends[1]} {content.drawing.unit} across"
+        volume = f"{summary.volume:,.3f} m³ over {summary.measured:,.1f} m measured"
+        rows += [
+            ("Diameter", sizes),
+            ("Hole volume", f"{volume}; {100 * summary.excess:+.1f} % against bit size"),
+        ]
+    if wall.basis == "azimuthal":
+        kinds = ", ".join(f"{kind} {length:,.1f} m" for kind, length in summary.kinds.items())
+        rows.append(("Zones", kinds or "none"))
+        axis = summary.breakout_axis
         if math.isfinite(axis.mean):
             spread = number(axis.deviation, 0)
             rows.append(("Breakout axis", f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"))
-    images = [f"{name} ({image.unit or 'no unit'})" for name, image in content.wall.images.items()]
-    rows.append(("Images", ", ".join(images) or "none"))
-    return pairs(rows)
+    images = [f"{name} ({image.unit or 'no unit'})" for name, image in wall.images.items()]
+    return pairs([*rows, ("Images", ", ".join(images) or "none")])
 
 
 def _pictures(wall: Wall, content: Content, options: dict[str, Any]) -> str:
@@ -250,16 +205,18 @@ def _diameters(content: Content) -> str:
     if content.wall.basis == "gauge":
         return "<p>The hole was not measured.</p>"
     unit = content.drawing.unit
-    head = ("From [m]", "To [m]", f"By area [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]", "Volume [m³]",
+    head = ("From [m]", "To [m]", f"Mean [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]", "Volume [m³]",
             "Excess [%]", "Measured [%]")  # fmt: skip
     rows = []
-    for row in intervals(content.turns, content):
-        sizes = [in_unit(size, content) for size in (row.mean, row.least, row.greatest)]
-        rest = [number(row.volume, 4), number(100 * row.excess, 1), number(100 * row.measured, 1)]
-        rows.append([number(row.top, 2), number(row.bottom, 2), *sizes, *rest])
+    for row in intervals(content):
+        lengths = (row.mean_diameter, row.least_diameter.value, row.greatest_diameter.value)
+        volume = row.volume if row.measured else math.nan
+        share = 100 * row.measured / max(row.measured + row.not_measured, 1e-9)
+        rest = [number(volume, 4), number(100 * row.excess, 1), number(share, 1)]
+        rows.append([number(row.start, 2), number(row.stop, 2), *(in_unit(size, content) for size in lengths), *rest])
     note = (
-        "By area: mean of the diameters of circles of each turn's area. Least and greatest: across the hole. Volume, "
-        "excess over the bit's: of whole turns only; measured: share of turns that are whole."
+        "Mean: of the cylinder with the same volume. Least and greatest: across the hole. All of whole turns only; "
+        "measured: share of turns that are whole."
     )
     return table(head, rows) + f"<p>{note}</p>"
 
@@ -284,15 +241,11 @@ def _zones(zones: Classification | None, content: Content) -> str:
 
 def _quality(content: Content, told: Sequence[tuple[str, str]]) -> str:
     wall = content.wall
-    inside = (wall.depth >= content.top) & (wall.depth <= content.bottom)
-    nearest = wall.nearest[inside]
-    there = nearest[np.isfinite(nearest)]
-    without = 100 * (1 - there.size / max(nearest.size, 1))
-    rows = [("Without support", f"{without:.2f} % of the vertices: no sample in reach")]
-    if there.size:
-        half, most = np.percentile(there, [50, 99])
-        away = f"{half * 1e3:.0f} mm away for half of the vertices, {most * 1e3:.0f} mm for 99 %"
-        rows.append(("Nearest sample", away))
+    summary = content.summary()
+    rows = [("Without support", f"{100 * summary.without_radius:.2f} % of the vertices: no sample in reach")]
+    if math.isfinite(summary.nearest_half):
+        away = f"{summary.nearest_half * 1e3:.0f} mm away for half of the vertices, {summary.nearest_most * 1e3:.0f} mm"
+        rows.append(("Nearest sample", f"{away} for 99 %"))
     coverage = content.turns.coverage
     broken = int((coverage < 1).sum())
     rows.append(("Coverage", f"{100 * float(coverage.mean()):.2f} % of the wall, {broken:,} turns not whole"))

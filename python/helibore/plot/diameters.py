@@ -1,40 +1,36 @@
-"""Diameters along the hole, as the caliper track draws them: by area, least and greatest, pairs, one row a turn.
+"""Diameters along the hole for the caliper track, one row a turn, or fewer rows than turns.
 
-    across(toolface) = r(toolface) + r(toolface + 180)      by area = 2 sqrt(mean(r^2))
-
-Of more turns than a picture has rows, a row shows the mean, the least and the greatest of its turns, so that no
-washout of one turn is lost. Derived logs for files are in ``helibore.logs.turn_logs``.
+A row of several turns holds their mean, least and greatest diameter, so that a washout of a single turn stays visible.
+Logs for files are in ``helibore.logs.turn_logs``.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.logs.turn_logs import turn_logs
+from helibore.logs.turn_logs import Logs
 from helibore.samples.helix import WallLike
 
 
 @dataclass(frozen=True)
 class Diameters:
-    """One row a turn, from the shallowest to the deepest, each (rows,) float64, metres; NaN where missing.
+    """One row a turn from the shallowest to the deepest, each (rows,) float64, metres; NaN where missing.
 
     Attributes
     ----------
     depth
         Of the middle of the turn.
-    area
-        Diameter of the circle of the same area; NaN unless the turn is whole.
-    c1, c2
-        Largest diameter of the turn and the one at right angles to it; NaN unless the turn is whole.
-    d0, d90
-        Diameters across toolfaces 0 and 180, and 90 and 270; NaN unless the turn is whole.
+    area, c1, c2, d0, d90
+        As `Logs.equivalent_diameter`, ``c1``, ``c2``, ``diameter_0`` and ``diameter_90``: NaN unless the turn is whole.
     least, greatest
-        Across the hole, through the axis; of what is there.
+        Across the hole, of what is there.
     coverage
         Share of the turn that has a radius.
+    kind
+        Of hole, as in `Classification.kind`.
     """
 
     depth: Floats
@@ -46,14 +42,11 @@ class Diameters:
     least: Floats
     greatest: Floats
     coverage: Floats
+    kind: Floats
 
 
-NAMES = tuple(field.name for field in fields(Diameters))
-
-
-def diameters(wall: WallLike, bit_diameter: float) -> Diameters:
-    """Measure every full turn of a wall."""
-    logs = turn_logs(wall, bit_diameter)
+def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
+    """Return the diameters of every full turn, from the turns' logs and kinds."""
     K = wall.settings.sectors
     by_turn = wall.radius[: logs.depth.size * K].reshape(-1, K)
     half = K // 2  # with an odd number the far side is the mean of the two vertices next to it
@@ -69,27 +62,26 @@ def diameters(wall: WallLike, bit_diameter: float) -> Diameters:
         "least": np.fmin.reduce(across, axis=1),
         "greatest": np.fmax.reduce(across, axis=1),
         "coverage": logs.coverage,
+        "kind": kind,
     }
     order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)
     return Diameters(**{name: column[order] for name, column in columns.items()})
 
 
 def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters:
-    """Return the turns between two depths, at most about ``rows`` rows of them."""
+    """Return the turns between two depths in at most about ``rows`` rows."""
     inside = slice(np.searchsorted(turns.depth, top), np.searchsorted(turns.depth, bottom, side="right"))
-    columns = {name: getattr(turns, name)[inside] for name in NAMES}
+    columns = {name: column[inside] for name, column in vars(turns).items()}
     count = columns["depth"].size
     if count <= rows:
         return Diameters(**columns)
     first = np.unique(np.arange(rows) * count // rows)
     sizes = np.diff(np.append(first, count))
-    found = {
-        "least": np.fmin.reduceat(columns["least"], first),
-        "greatest": np.fmax.reduceat(columns["greatest"], first),
-    }
-    for name in ("depth", "coverage"):
-        found[name] = np.add.reduceat(columns[name], first) / sizes
-    for name in ("area", "c1", "c2", "d0", "d90"):  # of a row at least half of whose turns are whole
+    found = {name: np.add.reduceat(columns[name], first) / sizes for name in ("depth", "coverage")}
+    found["least"] = np.fmin.reduceat(columns["least"], first)
+    found["greatest"] = np.fmax.reduceat(columns["greatest"], first)
+    found["kind"] = np.maximum.reduceat(columns["kind"], first)
+    for name in ("area", "c1", "c2", "d0", "d90"):  # of rows at least half of whose turns are whole
         there = np.isfinite(columns[name])
         total = np.add.reduceat(np.where(there, columns[name], 0.0), first)
         known = np.add.reduceat(there.astype(np.float64), first)

@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.plot.calipers import Diameters
+from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
-from helibore.plot.tracks import GREY, LENGTHS, SIDES, UNDERGAUGE, WASHOUT
+from helibore.plot.tracks import GREY, LENGTHS, OVER, SIDES, UNDER
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -30,7 +30,7 @@ WIDTH, HEIGHT = 47.0, 54.0
 
 
 @dataclass(frozen=True)
-class Section:
+class CrossSection:
     """The wall at a depth: radius (m) by toolface (deg, from the wall's first), NaN where missing, and the samples."""
 
     depth: float
@@ -40,7 +40,7 @@ class Section:
     sample_radius: Floats
 
 
-def sections_at(wall: Wall, depths: list[float]) -> list[Section]:
+def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
     """Cut the wall.
 
     Raises
@@ -66,7 +66,7 @@ def sections_at(wall: Wall, depths: list[float]) -> list[Section]:
             np.searchsorted(samples.depth, depth - 0.5 * abs(pitch)),
             np.searchsorted(samples.depth, depth + 0.5 * abs(pitch), side="right"),
         )
-        cut.append(Section(depth, toolface, across, samples.toolface[near], samples.radius[near]))
+        cut.append(CrossSection(depth, toolface, across, samples.toolface[near], samples.radius[near]))
     return cut
 
 
@@ -86,14 +86,14 @@ def telling_depths(turns: Diameters, top: float, bottom: float) -> list[float]:
     return sorted(chosen)
 
 
-def largest_shown(sections: list[Section], bit_diameter: float) -> float:
+def largest_shown(sections: list[CrossSection], bit_diameter: float) -> float:
     """Return the radius of the outer ring of all sections, metres."""
     radii = [one.radius[np.isfinite(one.radius)].max(initial=0.5 * bit_diameter) for one in sections]
     return 1.08 * max(float(radius) for radius in radii)
 
 
 def draw_section(
-    sheet: Sheet, x: float, y: float, section: Section, name: str, look: tuple[float, float, str, str]
+    sheet: Sheet, x: float, y: float, section: CrossSection, name: str, look: tuple[float, float, str, str]
 ) -> Axes:
     """Draw a section with its caption; ``look``: bit diameter and outer radius (m), unit, reference."""
     bit, outer, unit, reference = look
@@ -137,8 +137,8 @@ def key_text(bit_diameter: float, unit: str, pitch: float) -> str:
     )
 
 
-def _fill(axes: Axes, section: Section, bit: float, outer: float) -> None:
-    """Amber beyond the bit, green within it, grey wedges where the radius is missing."""
+def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
+    """Amber over bit, green under bit, grey wedges where the radius is missing."""
     K = section.radius.size
     finer = max(720 // K, 1)
     fine = section.toolface[0] + np.linspace(0.0, 360.0, finer * K + 1)
@@ -147,7 +147,7 @@ def _fill(axes: Axes, section: Section, bit: float, outer: float) -> None:
     r = section.radius
     radius = r[left % K] + (place - left) * (r[(left + 1) % K] - r[left % K])
     shown = np.where(np.isnan(radius), bit, radius)
-    for other, color in ((np.maximum(shown, bit), WASHOUT), (np.minimum(shown, bit), UNDERGAUGE)):
+    for other, color in ((np.maximum(shown, bit), OVER), (np.minimum(shown, bit), UNDER)):
         inner = _xy(fine, np.full(fine.size, bit))
         ring = [np.append(a, b[::-1]) for a, b in zip(_xy(fine, other), inner, strict=True)]
         _patch(axes, ring, color, 0.85)
