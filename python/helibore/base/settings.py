@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import operator
 from dataclasses import dataclass
 from typing import Any
@@ -44,6 +45,9 @@ class Settings:
         1: distances along the wall are true arc lengths; 2: twice that, as the published Eq. 4 has it. Beyond 1 the
         neighbours lie above and below rather than around: 4 halves the error of many holes, whose shapes go on along
         them (``bench/accuracy/angular_scale.py``).
+    gap_reach, largest_gap
+        A part of the turn counts as measured where the angle between the nearest samples on its two sides, within
+        ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these.
     direct
         Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
         (half a sector to either side, half a pitch up and down), the last of them in canonical order stands for it,
@@ -64,6 +68,8 @@ class Settings:
     tolerance: float = 1e-6
     angular_scale: float = 1.0
     direct: bool = False
+    gap_reach: float = 0.5
+    largest_gap: float = 60.0
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -72,6 +78,10 @@ class Settings:
             made = _KINDS.get(name, _number)(name, value)
             if made is not value:
                 object.__setattr__(self, name, made)
+        if not (math.isfinite(self.gap_reach) and self.gap_reach > 0):
+            raise InputError("gap_reach", "must be finite and above 0", str(self.gap_reach))
+        if not 0 < self.largest_gap <= 360:
+            raise InputError("largest_gap", "must be above 0 and at most 360", str(self.largest_gap))
 
 
 def _integer(name: str, value: Any) -> int:

@@ -49,3 +49,20 @@ def lobes_of(
     sides = [toolface, toolface + 180] if both else [toolface]
     lobes = tuple(lobe_of(mean, side, start, None, level) for side in sides)
     return toolface, spread.deviation * 2 / fold, lobes
+
+
+def lobes_of_arms(
+    logs: Logs, turns: Integers, radius: Floats, start: float, both: bool
+) -> tuple[float, float, tuple[BreakoutLobe, ...]]:
+    """Return the same from the diameters of few arms, which do not show how wide a lobe opens."""
+    axes = logs.c1_toolface[turns]
+    spread = axial_mean(axes)
+    half, uneven = (logs.c1 - logs.c2)[turns] / 2, logs.uneven[turns] / 2
+    if both:
+        low, high = float(np.median(half - uneven)), float(np.median(half + uneven))
+        sides = (BreakoutLobe(spread.mean, np.nan, high), BreakoutLobe(spread.mean + 180, np.nan, low))
+        return spread.mean, spread.deviation, sides
+    number = np.rint((axes - start) * (logs.sectors / 360)).astype(np.int64)
+    ends = [radius[turns, (number + add) % logs.sectors] for add in (0, logs.sectors // 2)]
+    toolface = spread.mean if np.nanmean(ends[0]) >= np.nanmean(ends[1]) else spread.mean + 180
+    return toolface, spread.deviation, (BreakoutLobe(toolface, np.nan, float(np.median(half + uneven))),)

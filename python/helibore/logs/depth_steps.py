@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from helibore.logs.log_columns import COLUMNS
 _EXTREMES = {"least": np.minimum, "greatest": np.maximum, "least there": np.fmin, "greatest there": np.fmax}
 
 
-def by_step(columns: Mapping[str, Floats], pitch: float, bit_diameter: float, step: float) -> dict[str, Floats]:
+def by_step(columns: Mapping[str, Any], pitch: float, bit_diameter: float, step: float) -> dict[str, Any]:
     """Gather the turns of each step: `Logs.by_step`, whose columns these are by name."""
     if not (math.isfinite(step) and step >= abs(pitch) * (1 - 1e-9)):
         raise InputError("step", f"must be at least the pitch, {abs(pitch):g} m", f"{step:g}")
@@ -35,6 +36,7 @@ def by_step(columns: Mapping[str, Floats], pitch: float, bit_diameter: float, st
     square = gather((columns["equivalent_diameter"] / 2) ** 2, "mean")
     return {
         **{of.name: gather(columns[of.name], of.by_step) for of in COLUMNS if of.by_step != "own"},
+        "arm_diameter": tuple(gather(of, "mean") for of in columns["arm_diameter"]),
         "depth": (number.astype(np.float64) + 0.5) * float(step),
         "equivalent_diameter": 2 * np.sqrt(square),
         "c1_toolface": _axis(columns["c1_toolface"][order][turns], starts),

@@ -43,6 +43,8 @@ COLUMNS = tuple(
         ("ovality_api", "OVAL_API", "", "Ovality after API, (max - min)/(max + min)", "mean"),
         ("ovality_dnv", "OVAL_DNV", "", "Ovality after DNV and ISO, 2 (max - min)/(max + min)", "mean"),
         ("out_of_roundness", "OOR", "m", "Out of roundness, largest less smallest diameter", "mean"),
+        ("wall_out_of_roundness", "OOR_WALL", "m", "Out of roundness of the wall as interpolated", "mean"),
+        ("uneven", "UNEVEN", "m", "Difference between the two ends of the arms' largest diameter", "mean"),
         ("centre_0", "CEN0", "m", "Centre of the area from the axis towards toolface 0", "mean"),
         ("centre_90", "CEN90", "m", "Centre of the area from the axis towards toolface 90", "mean"),
         ("inscribed_diameter", "DINSC", "m", "Largest inscribed circle, diameter", "least"),
@@ -52,7 +54,7 @@ COLUMNS = tuple(
         ("rugosity", "RUGO", "m", "Rugosity, detrended rms of the radius over the window", "mean"),
         ("volume", "VOL", "m3", "Volume of the hole in this row", "own"),
         ("excess", "EXCESS", "", "Volume over that of gauge hole, less 1", "own"),
-        ("coverage", "COVER", "", "Share of vertices with a radius", "mean"),
+        ("coverage", "COVER", "", "Share of the turn that is measured, not interpolated between arms", "mean"),
         ("nearest", "NEAREST", "m", "Largest distance to the nearest sample", "greatest there"),
         ("age", "AGE", "s", "Newest sample here, before the newest of the wall", "least there"),
     )

@@ -19,7 +19,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.axial import Axes
-from helibore.logs.turn_logs import Logs
+from helibore.logs.turn_logs import Logs, Shape
 from helibore.logs.zones import KINDS, Classification, Criteria, classify
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import WallLike, helix_of
@@ -62,6 +62,14 @@ class WallSummary:
         Metres of hole by kind, for the kinds that occur, without gauge hole.
     breakout_axis
         Mean axis of the whole wall's breakouts, weighted by length.
+    shape, arms
+        What ovality, least and greatest diameter and kinds come from (`Logs.shape`); how many diameters arms measured.
+    coverage
+        Mean share of the turns that is measured, not interpolated between arms, 0 to 1.
+    shape_kept
+        The wall's out-of-roundness over the arms'; NaN for tools that see all around.
+    warnings
+        One sentence for each thing that a reader of these numbers must know.
     without_radius
         Share of the vertices that no sample reaches, 0 to 1.
     nearest_half, nearest_most
@@ -90,6 +98,11 @@ class WallSummary:
     washed_out: float
     kinds: Mapping[str, float]
     breakout_axis: Axes
+    shape: Shape
+    arms: int
+    coverage: float
+    shape_kept: float
+    warnings: tuple[str, ...]
     without_radius: float
     nearest_half: float
     nearest_most: float
@@ -153,6 +166,11 @@ def summarize(
         washed_out=math.nan if turns.basis == "gauge" else metres["washout"],
         kinds=MappingProxyType({kind: length for kind, length in metres.items() if length}),
         breakout_axis=zones.breakout_axis(),
+        shape=turns.shape,
+        arms=len(turns.arm_diameter),
+        coverage=float(logs.coverage.mean()) if len(logs) else math.nan,
+        shape_kept=logs.shape_kept,
+        warnings=tuple(logs.warnings()) if len(logs) else (),
         without_radius=float(np.isnan(radius[inside]).mean()) if inside.any() else math.nan,
         nearest_half=half,
         nearest_most=most,

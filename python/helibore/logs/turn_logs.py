@@ -18,7 +18,7 @@ import math
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, fields, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 
@@ -27,12 +27,22 @@ from helibore.base.arrays import Floats, Mask, column
 from helibore.base.errors import InputError
 from helibore.base.tables import LogColumn, LogTable
 from helibore.base.threads import thread_count
+from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of
 from helibore.trajectory.survey import Path
 
+Shape = Literal["wall", "arms"]
+SHAPE_TEXT: dict[Shape, str] = {
+    "wall": "C1, C2, DMIN, ovality and class of hole come from the wall",
+    "arms": "C1, C2, DMIN, ovality and class of hole come from the tool's arms; the wall between arms is interpolated",
+}
+SEES_ALL_AROUND = 0.9
+"""Mean coverage from which on the wall shows the shape better than the arms alone."""
+SHAPE_KEPT = 0.7
+"""Least share of the arms' out-of-roundness that the wall must have to be called true to shape."""
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
@@ -63,6 +73,10 @@ class Logs:
         (max - min) / (max + min) of the diameters (API RP 1111, 17B), and twice that (DNV-ST-F101, ISO 13623).
     out_of_roundness
         Largest less smallest diameter (API 5L, 7-1).
+    wall_out_of_roundness
+        The same of the wall, whatever `shape` is.
+    uneven
+        With ``shape = "arms"``: difference between the two ends of the largest diameter; 0 for measured diameters.
     centre_0, centre_90
         The centre of the area, from the axis towards toolfaces 0 and 90.
     inscribed_diameter, inscribed_0, inscribed_90
@@ -77,7 +91,10 @@ class Logs:
     excess
         That volume over the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
     coverage
-        Vertices with a radius, as a fraction of all.
+        Share of the turn that is measured: vertices with a radius whose angular gap is at most the wall's
+        ``largest_gap`` (`helibore.samples.angular_gap`). Without samples: vertices with a radius.
+    arm_diameter
+        The diameters that each arm of a tool with few arms measured, one array an arm; () for other tools.
     nearest
         Largest distance from a vertex to the nearest sample used; NaN where no vertex has any or the wall does not say.
     age
@@ -89,6 +106,9 @@ class Logs:
         Metres.
     basis
         What the wall is made from, as in `Caliper`.
+    shape
+        What `c1`, `c1_toolface`, `c2`, `least_diameter`, ovality, `out_of_roundness` and zones come from: ``"wall"``,
+        or ``"arms"`` for a tool with few arms, which measures less than 0.9 of the turns.
     reference
         What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"parallel-transport"``; "": the
         wall has no path.
@@ -108,6 +128,8 @@ class Logs:
     ovality_api: Floats
     ovality_dnv: Floats
     out_of_roundness: Floats
+    wall_out_of_roundness: Floats
+    uneven: Floats
     centre_0: Floats
     centre_90: Floats
     inscribed_diameter: Floats
@@ -127,6 +149,8 @@ class Logs:
     basis: Basis
     step: float | None = None
     reference: str = ""
+    shape: Shape = "wall"
+    arm_diameter: tuple[Floats, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -153,13 +177,32 @@ class Logs:
         if self.step is not None:
             raise InputError("step", f"these logs are by steps of {self.step:g} m already: gather those of turns")
         columns = by_step(vars(self), self.pitch, self.bit_diameter, step)
-        return replace(self, step=float(step), **columns)  # type: ignore[arg-type]
+        return replace(self, step=float(step), **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
         """Return the rows whose depth lies in [top, bottom]; None: no end."""
         inside = self.rows_between(top, bottom)
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
-        return replace(self, **columns)
+        return replace(self, arm_diameter=tuple(of[inside] for of in self.arm_diameter), **columns)
+
+    @property
+    def shape_kept(self) -> float:
+        """The wall's mean out-of-roundness over the arms'; NaN for tools that see all around."""
+        both = np.isfinite(self.wall_out_of_roundness) & np.isfinite(self.out_of_roundness)
+        if self.shape == "wall" or not both.any():
+            return math.nan
+        return float(self.wall_out_of_roundness[both].mean() / self.out_of_roundness[both].mean())
+
+    def warnings(self) -> list[str]:
+        """Return a sentence for each thing that a reader of the numbers must know."""
+        if self.shape == "wall":
+            return []
+        few = f"a tool with few arms measured {100 * float(self.coverage.mean()):.0f} % of the turns"
+        found = [f"{few}; the wall between its arms is interpolated, and C1, C2, ovality and zones are the arms'"]
+        if self.shape_kept < SHAPE_KEPT:
+            share = f"{self.shape_kept:.2f} of the out-of-roundness that the arms measured"
+            found.append(f"the wall has {share}: its sections are rounder than the hole")
+        return found
 
     def rows_between(self, top: float | None, bottom: float | None) -> Mask:
         """(rows,) which rows `between` keeps."""
@@ -177,6 +220,7 @@ class Logs:
             "toolface 0": TOOLFACE_0[self.reference],
             "row": "one full turn" if self.step is None else f"{self.step:.6g} m of depth",
             "rugosity window": f"{self.rugosity_window:.6g} m",
+            "shape": SHAPE_TEXT[self.shape],
             "ovality": "OVAL_API = (max - min)/(max + min); OVAL_DNV = twice that",
             "missing": "a value is missing where a radius of its turn or step is",
         }
@@ -185,7 +229,16 @@ class Logs:
         """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
         if not len(self):
             raise InputError("logs", "the wall has no full turn")
-        own = [LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name)) for of in COLUMNS]
+        skipped = () if self.arm_diameter else ("wall_out_of_roundness", "uneven")
+        own = [
+            LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name))
+            for of in COLUMNS
+            if of.name not in skipped
+        ]
+        own += [
+            LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured", values)
+            for number, values in enumerate(self.arm_diameter, 1)
+        ]
         return LogTable([*own, *more], {**self.facts(), **(facts or {})})
 
     def save(
@@ -250,6 +303,11 @@ def turn_logs(
     square, turns = found.pop("mean_square"), radius.size // K
     depth = wall.start_depth + (np.arange(turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
     path: Path | None = getattr(wall, "path", None)
+    found["coverage"] = _coverage(wall, radius, found["coverage"])
+    found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
+    found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
+    if getattr(wall, "arms", None) is not None and found["coverage"].mean() < SEES_ALL_AROUND:
+        found |= _from_arms(wall, depth)
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
     return Logs(
@@ -270,6 +328,28 @@ def turn_logs(
         reference=path.reference if path is not None else "",
         **found,
     )
+
+
+def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
+    """Share of each turn with a radius and a small angular gap, where the wall has samples."""
+    gap: Floats | None = getattr(wall, "angular_gap", None)
+    if gap is None or not with_radius.size:
+        return with_radius
+    K, most = wall.settings.sectors, getattr(wall.settings, "largest_gap", 360.0)
+    whole = with_radius.size * K
+    seen: Floats = (np.isfinite(radius[:whole]) & (gap[:whole] <= most)).reshape(-1, K).mean(axis=1)
+    return seen
+
+
+def _from_arms(wall: Any, depth: Floats) -> dict[str, Any]:
+    """The columns that a tool with few arms measures itself."""
+    reach = wall.settings.max_distance
+    arms = arm_diameters(wall.arms, depth, abs(wall.settings.pitch), math.inf if reach is None else reach)
+    if arms is None:
+        return {}
+    c1, axis, uneven, c2, least = arms.sizes()
+    sizes = {"c1": c1, "c1_toolface": axis, "c2": c2, "least_diameter": least, "uneven": uneven}
+    return {**sizes, "shape": "arms", "arm_diameter": tuple(arms.diameter)}
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:

@@ -8,7 +8,8 @@ With C1 the largest diameter, C2 the one at right angles to it and the bit, each
     key seat     one end of C1 is 0.25 in high, and the other does not share in it     one lobe
     gauge        all else
 
-An end of C1 is as high as it stands out of the circle of C2 around the centre of the area.
+An end of C1 is as high as it stands out of the circle of C2 around the centre of the area. For a tool with few arms C1
+and C2 are diameters of arms, and the centre is the tool's (``arms``).
 
 These are the four-arm criteria of the trade (JewelSuite's defaults; the undergauge limit is ours), read from the whole
 section instead of four pads; `Criteria` sets them and every output states them. Turns of a kind become a zone when they
@@ -32,7 +33,7 @@ from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.tables import LogColumn, LogTable, columns_of
 from helibore.base.units import INCH
-from helibore.logs.breakouts import lobes_of
+from helibore.logs.breakouts import lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
 from helibore.samples.helix import WallLike
 
@@ -303,7 +304,7 @@ def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> Kind
     """The kind that each turn fits by itself."""
     bit = logs.bit_diameter
     elongation = logs.c1 - logs.c2
-    missing = np.isnan(logs.mean)
+    missing = np.isnan(logs.c1) if logs.shape == "arms" else np.isnan(logs.mean)
     under = ~missing & (logs.least_diameter < bit - criteria.undergauge)
     lower, higher = _ends(logs, radius, start)
     total = lower + higher
@@ -319,6 +320,9 @@ def _kinds(logs: Logs, criteria: Criteria, radius: Floats, start: float) -> Kind
 
 def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
     """How far the two ends of C1 stand out of the circle of C2 around the centre of the area, the lower first."""
+    if logs.shape == "arms":
+        half = (logs.c1 - logs.c2) / 2
+        return half - logs.uneven / 2, half + logs.uneven / 2
     K = logs.sectors
     rows = np.arange(len(logs))
     number = np.rint((np.nan_to_num(logs.c1_toolface) - start) * (K / 360)).astype(np.int64)
@@ -360,7 +364,9 @@ def _zone(
     size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
     toolface = deviation = math.nan
     lobes: tuple[BreakoutLobe, ...] = ()
-    if code in (BREAKOUT, KEY_SEAT):
+    if code in (BREAKOUT, KEY_SEAT) and logs.shape == "arms":
+        toolface, deviation, lobes = lobes_of_arms(logs, inside, radius, start, code == BREAKOUT)
+    elif code in (BREAKOUT, KEY_SEAT):
         toolface, deviation, lobes = lobes_of(logs, inside, radius, start, criteria.opening_level, code == BREAKOUT)
     return Zone(
         kind=KINDS[code],

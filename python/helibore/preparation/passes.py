@@ -10,7 +10,6 @@ A tool that goes over a stretch more than once sees one wall, through three erro
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -18,9 +17,8 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers, finite_column, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.conditioning import Step
-
-if TYPE_CHECKING:
-    from helibore.wall.wall import Wall
+from helibore.wall.points import evaluate
+from helibore.wall.wall import Wall
 
 __all__ = ["choose", "difference", "evaluate", "number_passes"]
 
@@ -137,54 +135,6 @@ def choose(
     counts = {"not chosen": int(np.count_nonzero(other)), "replaced": int(np.count_nonzero(replaced))}
     settings = {"passes": order.size, "latest": int(latest), "cell": cell}
     return Step("passes", settings, other | replaced, counts)
-
-
-def evaluate(wall: Wall, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Floats:
-    """Radius of a wall at any point of it, bilinear in the cell of the helix that holds the point.
-
-    With s = toolface in sectors, s in [0, K), the vertices of one toolface lie at depths start + (s + m K) pitch / K,
-    so the turn of a point is m = (depth - start) / pitch - s / K. Vertices without support, or beyond the ends of the
-    helix, have no weight; the others share it.
-
-    Parameters
-    ----------
-    wall
-        Any wall.
-    depth, toolface
-        Metres and degrees, (n,), finite.
-
-    Returns
-    -------
-    ndarray
-        (n,) m, new; NaN where no vertex of the cell has a radius.
-    """
-    where = finite_column("depth", depth)
-    angle = finite_column("toolface", toolface, where.size, "depth")
-    setting, radius = wall.settings, wall.radius
-    if radius.size == 0:
-        return np.full(where.size, np.nan)
-    around = setting.sectors
-    sector = ((angle - setting.start_toolface) % 360.0) * (around / 360.0)
-    turn = (where - wall.depth[0]) / setting.pitch - sector / around
-    low_sector, low_turn = np.floor(sector), np.floor(turn)
-    part_sector, part_turn = sector - low_sector, turn - low_turn
-    corner = np.clip(low_sector + around * low_turn, -2.0 * around, radius.size).astype(np.int64)
-    total, weights = np.zeros(where.size), np.zeros(where.size)
-    for step, weight in (
-        (0, (1 - part_sector) * (1 - part_turn)),
-        (1, part_sector * (1 - part_turn)),
-        (around, (1 - part_sector) * part_turn),
-        (around + 1, part_sector * part_turn),
-    ):
-        vertex = corner + step
-        value = radius[np.clip(vertex, 0, radius.size - 1)]
-        there = (vertex >= 0) & (vertex < radius.size) & np.isfinite(value)
-        total += np.where(there, weight * value, 0.0)
-        weights += np.where(there, weight, 0.0)
-    known = weights > 0
-    result = np.full(where.size, np.nan)
-    result[known] = total[known] / weights[known]
-    return result
 
 
 def difference(before: Wall, after: Wall) -> Floats:

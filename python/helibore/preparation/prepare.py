@@ -528,4 +528,5 @@ class _Pipeline:
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
             rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
-        return Caliper(samples.depth, samples.toolface, samples.radius, samples.time)
+        few = all(1 < len(one.sensors) < IMAGE_ROW for one in self.readings) and not self.settings.recentre
+        return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)

@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, column, require, sample_columns
+from helibore.base.arrays import Floats, Integers, column, require, sample_columns, whole_column
 from helibore.base.errors import InputError
 from helibore.base.threads import available_threads
 
@@ -54,6 +54,10 @@ class Caliper:
     time
         (n,) seconds or any other clock, finite; or None. With a time, the order in which samples arrive does not
         matter, and rows equal in all four columns count once.
+    arm
+        (n,) which arm of the tool each sample is from, whole numbers; None: not known, or a tool that sees all around.
+        The two ends of a measured diameter have one number, or each end its own. Logs of a tool with few arms take
+        their diameters from the arms (`helibore.logs.arms`).
     basis
         What the radii are: ``"azimuthal"``, measured around the hole; ``"average"`` or ``"gauge"``, as
         `from_average` and `gauge` make them.
@@ -75,7 +79,7 @@ class Caliper:
     2
     """
 
-    __slots__ = ("_basis", "_depth", "_radius", "_time", "_toolface")
+    __slots__ = ("_arm", "_basis", "_depth", "_radius", "_time", "_toolface")
 
     def __init__(
         self,
@@ -84,9 +88,13 @@ class Caliper:
         radius: npt.ArrayLike,
         time: npt.ArrayLike | None = None,
         *,
+        arm: npt.ArrayLike | None = None,
         basis: Basis = "azimuthal",
     ) -> None:
         check_basis(basis)
+        self._arm = None if arm is None else whole_column("arm", arm, np.size(depth), "depth")
+        if self._arm is not None:
+            self._arm.setflags(write=False)
         self._basis = basis
         columns = sample_columns(depth, toolface, radius, time)
         self._depth, self._toolface, self._radius = (_frozen(values) for values in columns[:3])
@@ -189,6 +197,11 @@ class Caliper:
     def time(self) -> Floats | None:
         """(n,) or None; read-only."""
         return self._time
+
+    @property
+    def arm(self) -> Integers | None:
+        """(n,) int64 arm numbers or None; read-only."""
+        return self._arm
 
     def __len__(self) -> int:
         return self._depth.size

@@ -4,6 +4,7 @@ A zip file of uncompressed NumPy arrays, so ``np.load`` and any zip program open
 
     helibore.json               format, version, settings, basis, start_depth, path, images, made_from
     samples/depth.npy ...       toolface, radius, and time where samples carry one: canonical order
+    arms/depth.npy ...          toolface, radius, time, arm        samples of a tool with few arms, as appended
     vertices/radius.npy ...     nearest, support, iterations
     survey/depth.npy ...        inclination, azimuth               where the wall has a path
     images/0/depth.npy          images/0/values.npy ...            where it has images
@@ -48,6 +49,7 @@ _CONTENTS = "helibore.json"
 _LARGEST_CONTENTS = 1 << 26  # bytes of JSON
 _CHUNK = 1 << 20  # bytes; stays in the cache between checksum and copy
 SAMPLES = ("depth", "toolface", "radius", "time")
+ARMS = {**dict.fromkeys(SAMPLES, "<f8"), "arm": "<i8"}
 VERTICES = {"radius": "<f8", "nearest": "<f8", "support": "<i4", "iterations": "<i4"}
 STATIONS = ("depth", "inclination", "azimuth")
 _IMAGE = ("name", "unit", "origin", "reference", "direction", "offset", "reach")
@@ -98,6 +100,9 @@ def _contents(wall: WallState) -> tuple[Arrays, dict[str, Any]]:
     """The arrays of a wall by name, and all that is not an array."""
     arrays: Arrays = {f"samples/{name}": of for name, of in zip(SAMPLES, wall.sample_columns, strict=False)}
     arrays |= {f"vertices/{name}": getattr(wall, name) for name in VERTICES}
+    if wall.arms is not None:
+        columns = {name: getattr(wall.arms, name) for name in ARMS}
+        arrays |= {f"arms/{name}": of for name, of in columns.items() if of is not None}
     placing: dict[str, Any] | None = None
     if wall.path is not None:
         path = wall.path
@@ -121,6 +126,7 @@ def _contents(wall: WallState) -> tuple[Arrays, dict[str, Any]]:
         "basis": wall.basis,
         "start_depth": _or_null(wall.start_depth),
         "samples": [name for name in SAMPLES if f"samples/{name}" in arrays],
+        "arms": [name for name in ARMS if f"arms/{name}" in arrays],
         "path": placing,
         "images": images,
         "attributes": attributes,

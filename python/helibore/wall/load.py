@@ -18,8 +18,9 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
+from helibore.samples.caliper import Caliper
 from helibore.trajectory.survey import Survey
-from helibore.wall.archive import STATIONS, VERTICES, Arrays, Members, opened
+from helibore.wall.archive import ARMS, STATIONS, VERTICES, Arrays, Members, opened
 from helibore.wall.wall import Wall
 
 
@@ -63,6 +64,9 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
     samples = {name: members.array(f"samples/{name}") for name in contents["samples"]}
     if samples:
         wall.append(**samples)
+    if arms := contents.get("arms"):
+        columns: dict[str, Any] = {name: members.array(f"arms/{name}", ARMS[name]) for name in arms}
+        wall._keep_arms(Caliper(**columns))
     saved = {name: members.array(f"vertices/{name}", dtype) for name, dtype in VERTICES.items()}
     if not recompute:
         _require_same(wall, saved, contents)

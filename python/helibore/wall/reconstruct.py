@@ -14,6 +14,6 @@ def reconstruct(
 ) -> Wall:
     """Rebuild the wall of a hole from its samples; parameters as in `helibore.reconstruct`."""
     wall = Wall(bit_diameter=bit_diameter, threads=threads, basis=caliper.basis, **settings)
-    wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time)
+    wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time, arm=caliper.arm)
     wall.path = path
     return wall

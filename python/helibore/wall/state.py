@@ -9,8 +9,9 @@ from helibore.base.arrays import Floats, Integers32
 from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
 from helibore.mesh.attributes import WallAttributes
+from helibore.samples.angular_gap import angular_gap
 from helibore.samples.caliper import Basis, Caliper
-from helibore.samples.helix import quad_room
+from helibore.samples.helix import helix_of, quad_room
 from helibore.trajectory.survey import Path
 
 
@@ -29,6 +30,13 @@ class WallState(NamedTuple):
     images: Mapping[str, SectorImage]
     attributes: WallAttributes
     made_from: dict[str, Any]
+    arms: Caliper | None = None
+
+    @property
+    def angular_gap(self) -> Floats:
+        """As `Wall.angular_gap`."""
+        depth, toolface, *_ = self.sample_columns
+        return angular_gap(helix_of(self), self.radius.size, depth, toolface, self.settings.gap_reach)
 
     @property
     def samples(self) -> Caliper:

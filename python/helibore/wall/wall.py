@@ -31,6 +31,7 @@ from helibore.trajectory.survey import Path, checked_path
 from helibore.wall import archive
 from helibore.wall.append_result import Change, VertexColumns
 from helibore.wall.interpolation import in_canonical_order, on_quads
+from helibore.wall.points import PointValues, values_at
 from helibore.wall.state import WallState
 
 if TYPE_CHECKING:
@@ -91,6 +92,7 @@ class Wall:
         self._threads = thread_count(threads)
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
         self._growing = threading.Lock()  # between an append and what must see all columns of one moment
+        self._arms: list[Caliper] = []
         self._path: Path | None = None
         self.images: dict[str, SectorImage] = SectorImages()
         # Of the core, not of self: a wall that refers to itself would keep its memory until the garbage collector runs.
@@ -114,12 +116,14 @@ class Wall:
         toolface: npt.ArrayLike,
         radius: npt.ArrayLike,
         time: npt.ArrayLike | None = None,
+        *,
+        arm: npt.ArrayLike | None = None,
     ) -> Change:
         """Take samples from anywhere in the hole and recompute the vertices they can change.
 
         Parameters
         ----------
-        depth, toolface, radius, time
+        depth, toolface, radius, time, arm
             As in `Caliper`. Either all samples of a wall carry a time or none does.
 
         Returns
@@ -133,8 +137,12 @@ class Wall:
             As `Caliper`. The wall is then as it was, to the last bit.
         """
         columns = sample_columns(depth, toolface, radius, time)
+        own: list[Any] = [] if arm is None else [None if of is None else of.copy() for of in columns]
+        arms = Caliper(*own, arm=arm) if own else None
         with self._growing:
-            return Change(*self._core.append(*columns))
+            change = Change(*self._core.append(*columns))
+            self._keep_arms(arms)
+        return change
 
     def __len__(self) -> int:
         """Return the number of vertices."""
@@ -189,6 +197,41 @@ class Wall:
     def provisional(self) -> npt.NDArray[np.bool_]:
         """(n,) bool: is the radius that of a sample, until the vertex is settled? Only with ``direct``; a copy."""
         return self._core.provisional()
+
+    @property
+    def angular_gap(self) -> Floats:
+        """(n,) float64 degrees between the samples next to each vertex on its two sides; `Settings.gap_reach`."""
+        return self._state().angular_gap
+
+    @property
+    def arms(self) -> Caliper | None:
+        """The samples that were appended with the number of their arm, in that order; None where none were."""
+        if len(self._arms) < 2:
+            return self._arms[0] if self._arms else None
+        names = ("depth", "toolface", "radius", "time", "arm")
+        columns: dict[str, Any] = {name: [getattr(each, name) for each in self._arms] for name in names}
+        joined: dict[str, Any] = {name: None if of[0] is None else np.concatenate(of) for name, of in columns.items()}
+        return Caliper(**joined)
+
+    def _keep_arms(self, arms: Caliper | None) -> None:
+        if arms is not None:
+            self._arms.append(arms)
+
+    def at(self, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> PointValues:
+        """Return radius, nearest, support and gap at points of the wall: `helibore.wall.points.values_at`.
+
+        Parameters
+        ----------
+        depth, toolface
+            Metres and degrees, numbers or (m,), finite.
+
+        Examples
+        --------
+        >>> wall = reconstruct(Caliper([0, 0.1, 0.2], [0, 90, 180], [0.1] * 3), bit_diameter=0.2, sectors=4)
+        >>> wall.at(0.1, 45).radius
+        array([0.1])
+        """
+        return values_at(self._state(), depth, toolface)
 
     def vertices(self, start: int = 0, stop: int | None = None) -> VertexColumns:
         """Return the vertices [start, stop), as those of a `Change`: what a viewer or a host's store copies after it.
@@ -337,9 +380,9 @@ class Wall:
         with self._growing:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
             columns = core.samples() if samples else ()
-            start_depth = core.start_depth
+            start_depth, arms = core.start_depth, self.arms if samples else None
         placing = (self.path, self.images, self.attributes, self.made_from)
-        return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing)
+        return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing, arms)
 
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter."""

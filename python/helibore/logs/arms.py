@@ -1,0 +1,126 @@
+"""The diameters that the arms of a tool measured: what a tool with few arms knows about the shape of the hole.
+
+    arm 1     r(toolface) + r(toolface + 180)  at each depth, linear between readings, averaged over each turn
+
+Between few arms the wall is interpolated, and its eight nearest samples mix the arms: an oval hole comes out rounder
+than it is. So where a tool does not see all around, the largest and smallest diameters, ovality and zones are the
+arms' own, and only what needs the whole section (area, volume, centre, circles) comes from the wall.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.base.angles import wrapped
+from helibore.base.arrays import Floats, Integers
+from helibore.samples.caliper import Caliper
+
+FEW_ARMS = 8
+"""Diameters: a tool with more sees all around."""
+_SAME_AXIS = 1e-3  # degrees
+
+
+@dataclass(frozen=True, eq=False)
+class ArmDiameters:
+    """What the arms measured in each turn; made by `arm_diameters`.
+
+    Attributes
+    ----------
+    diameter, toolface
+        (arms, turns) metres, and the axis of each, degrees in [0, 180); NaN where no reading is near.
+    uneven
+        (arms, turns) how much farther one end is from the tool's axis than the other, metres; 0 for measured diameters.
+    """
+
+    diameter: Floats
+    toolface: Floats
+    uneven: Floats
+
+    def sizes(self) -> tuple[Floats, Floats, Floats, Floats, Floats]:
+        """Return largest diameter, its axis and unevenness, the diameter nearest to right angles, and the smallest."""
+        turns = np.arange(self.diameter.shape[1])
+        largest = np.argmax(np.nan_to_num(self.diameter, nan=-np.inf), axis=0)
+        axis = self.toolface[largest, turns]
+        across = np.abs((self.toolface - axis + 90) % 180 - 90)
+        second = np.argmax(np.nan_to_num(across, nan=-np.inf), axis=0)
+        whole = np.where(np.isnan(self.diameter).any(axis=0), np.nan, 0.0)
+        c1, c2 = self.diameter[largest, turns] + whole, self.diameter[second, turns] + whole
+        return c1, axis + whole, self.uneven[largest, turns], c2, self.diameter.min(axis=0)
+
+
+def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> ArmDiameters | None:
+    """Return the diameters of the arms at turns.
+
+    Parameters
+    ----------
+    arms
+        Samples with their arm numbers.
+    depth, height
+        Middles of the turns, and metres of hole in one.
+    reach
+        Metres: a turn farther from every reading of an arm has no diameter of it.
+
+    Returns
+    -------
+    ArmDiameters or None
+        None where samples have no opposite ones, or there are fewer than two or more than `FEW_ARMS` diameters.
+    """
+    number, at, diameter, axis, uneven = _pairs(arms)
+    names = np.unique(number)
+    if not 2 <= names.size <= FEW_ARMS:
+        return None
+    rows: list[list[Floats]] = [[], [], []]
+    for name in names:
+        mine = number == name
+        doubled = np.exp(2j * np.radians(axis[mine]))
+        columns = np.stack([diameter[mine], uneven[mine], doubled.real, doubled.imag])
+        size, off, x, y = _means(at[mine], columns, depth, height, reach)
+        for row, values in zip(rows, (size, wrapped(np.degrees(np.arctan2(y, x)) / 2, 180.0), off), strict=True):
+            row.append(values)
+    return ArmDiameters(*(np.stack(row) for row in rows))
+
+
+def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
+    """Pairs of samples half a turn apart at one depth: arm, depth, diameter, axis in [0, 180), difference of radii."""
+    assert arms.arm is not None
+    toolface = np.mod(arms.toolface, 360.0)
+    axis = np.rint(toolface / _SAME_AXIS).astype(np.int64) % round(180 / _SAME_AXIS)
+    time = np.zeros(len(arms)) if arms.time is None else arms.time
+    order = np.lexsort((toolface, axis, time, arms.depth))
+    first, second = order[:-1], order[1:]
+    apart = np.abs(toolface[second] - toolface[first] - 180.0) <= 2 * _SAME_AXIS
+    same = (arms.depth[first] == arms.depth[second]) & (time[first] == time[second]) & apart
+    first, second = first[same], second[same]
+    return (
+        np.minimum(arms.arm[first], arms.arm[second]),
+        arms.depth[first],
+        arms.radius[first] + arms.radius[second],
+        axis[first] * _SAME_AXIS,
+        np.abs(arms.radius[first] - arms.radius[second]),
+    )
+
+
+def _means(at: Floats, columns: Floats, depth: Floats, height: float, reach: float) -> Floats:
+    """Means of columns, linear between readings, over ``height`` around each depth; (columns, depths)."""
+    known, inverse, count = np.unique(at, return_inverse=True, return_counts=True)
+    values = np.stack([np.bincount(inverse, column) / count for column in columns])
+    low = np.clip(depth - height / 2, known[0], known[-1])
+    high = np.clip(depth + height / 2, known[0], known[-1])
+    steps = np.diff(known) * (values[:, 1:] + values[:, :-1]) / 2
+    whole = np.concatenate([np.zeros((len(values), 1)), np.cumsum(steps, axis=1)], axis=1)
+
+    def integral(to: Floats) -> Floats:
+        row = np.clip(np.searchsorted(known, to, "right") - 1, 0, known.size - 1)
+        there = np.stack([np.interp(to, known, column) for column in values])
+        area: Floats = whole[:, row] + (to - known[row]) * (values[:, row] + there) / 2
+        return area
+
+    middle = np.stack([np.interp(depth, known, column) for column in values])
+    wide = high - low > 1e-3 * height
+    means: Floats = np.divide(integral(high) - integral(low), high - low, out=middle, where=wide)
+    after = np.clip(np.searchsorted(known, depth), 0, known.size - 1)
+    nearest = np.minimum(np.abs(known[after] - depth), np.abs(known[np.maximum(after - 1, 0)] - depth))
+    means[:, nearest > reach] = np.nan
+    return means

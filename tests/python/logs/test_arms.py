@@ -1,0 +1,156 @@
+"""Tools with few arms: diameters, shape and zones are the arms' own, and every output says so."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.simulation.hole import Breakout, Hole, Washout
+
+BIT = 0.216
+
+
+def four_arms(
+    radius: Any, turn: float = 30.0, step: float = 0.05, length: float = 60.0, top: float = 0.0
+) -> hb.Caliper:
+    """Samples of four arms that turn once in ``turn`` metres; ``radius`` of depth and toolface."""
+    depth = np.repeat(np.arange(top, top + length, step), 4)
+    arm = np.tile([0, 1, 2, 3], depth.size // 4)
+    toolface = (depth * 360 / turn + arm * 90) % 360
+    return hb.Caliper(depth, toolface, radius(depth, toolface), arm=arm)
+
+
+def ellipse(_depth: np.ndarray, toolface: np.ndarray) -> np.ndarray:
+    """216 x 240 mm, the long axis at 30 degrees."""
+    angle = np.radians(toolface - 30)
+    return 0.120 * 0.108 / np.hypot(0.108 * np.cos(angle), 0.120 * np.sin(angle))
+
+
+def test_four_arms_in_an_ellipse() -> None:
+    wall = hb.reconstruct(four_arms(ellipse), bit_diameter=BIT)
+    logs = wall.logs()
+    assert logs.shape == "arms"
+    true = [2 * ellipse(logs.depth, 12 * logs.depth + 90 * arm) for arm in (0, 1)]
+    for arm in (0, 1):
+        np.testing.assert_allclose(logs.arm_diameter[arm], true[arm], atol=1e-4, rtol=0)
+    np.testing.assert_allclose(logs.c1, np.maximum(*true), atol=1e-4, rtol=0)
+    np.testing.assert_allclose(logs.c1 - logs.c2, np.abs(true[0] - true[1]), atol=2e-4, rtol=0)
+    np.testing.assert_array_equal(logs.least_diameter, np.minimum(*logs.arm_diameter))
+    larger = np.where(true[0] > true[1], 0, 90)
+    apart = (logs.c1_toolface - 12 * logs.depth - larger + 90) % 180 - 90
+    assert np.abs(apart[np.abs(true[0] - true[1]) > 1e-3]).max() < 0.5
+    assert logs.coverage.mean() == pytest.approx(12 / 90, abs=0.01)
+
+
+def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path) -> None:
+    logs = hb.reconstruct(four_arms(ellipse, length=10.0), bit_diameter=BIT).logs()
+    table = logs.table()
+    assert "come from the tool's arms" in table.facts["shape"]
+    np.testing.assert_array_equal(table["ARM_DIAMETER_2"].values, logs.arm_diameter[1])
+    logs.by_step(0.5).save(tmp_path / "a.csv")
+    text = (tmp_path / "a.csv").read_text()
+    assert "ARM_DIAMETER_1" in text
+    assert "come from the tool's arms" in text
+    few, metres = logs.between(2, 4), logs.by_step(1.0)
+    assert few.arm_diameter[0].size == len(few)
+    inside = (logs.depth >= 2) & (logs.depth < 3)
+    assert metres.arm_diameter[0][2] == pytest.approx(logs.arm_diameter[0][inside].mean(), abs=1e-12)
+
+
+def test_an_imaging_tool_has_the_walls_shape_whether_its_arms_are_known_or_not() -> None:
+    caliper = four_arms(ellipse, turn=0.05 / 20.3)
+    logs = hb.reconstruct(caliper, bit_diameter=BIT).logs()
+    assert (logs.shape, logs.arm_diameter) == ("wall", ())
+    assert "ARM_DIAMETER_1" not in [column.mnemonic for column in logs.table()]
+    assert np.isnan(logs.shape_kept)
+    assert logs.warnings() == []
+
+
+def test_a_wall_that_is_rounder_than_the_arms_is_reported() -> None:
+    """Both arms of a tool that hardly turns miss the short axis in most of the section: the wall mixes them."""
+    wall = hb.reconstruct(four_arms(ellipse, turn=1e9, step=0.15), bit_diameter=BIT, max_distance=2.0)
+    summary = wall.summary()
+    assert (summary.shape, summary.arms) == ("arms", 2)
+    true = abs(2 * ellipse(np.zeros(1), np.zeros(1))[0] - 2 * ellipse(np.zeros(1), np.full(1, 90.0))[0])
+    logs = wall.logs()
+    np.testing.assert_allclose(logs.out_of_roundness, true, atol=1e-7)
+    kept = logs.wall_out_of_roundness.mean() / true
+    assert summary.shape_kept == pytest.approx(kept, rel=1e-5)
+    assert summary.coverage < 0.1
+    assert summary.warnings[0].startswith("a tool with few arms measured ")
+    assert (len(summary.warnings) == 2) == (kept < 0.7)
+
+
+@pytest.mark.parametrize("seed", range(10))
+@pytest.mark.parametrize("kind", ["breakout", "washout"])
+def test_an_x_y_log_knows_a_breakout_from_a_washout(kind: str, seed: int) -> None:
+    """A lobe of 20 mm on both sides, seen by two diameters half a foot apart; the tool stands in it, as it does."""
+    random = np.random.default_rng(seed)
+    axis = random.uniform(0, 180)
+    shape = {
+        "breakout": Hole(start=1000, stop=1030, breakouts=(Breakout(1010, 1020, axis, 60.0, 0.020),), seed=seed),
+        "washout": Hole(start=1000, stop=1030, washouts=(Washout(1010, 1020, 0.020),), seed=seed),
+    }[kind]
+    depth = np.repeat(np.arange(1000, 1030, 0.1524), 4)
+    bearing = axis + random.uniform(-8, 8) + 2 * np.sin(depth)  # arms lock into lobes
+    toolface = (bearing + np.tile([0, 90, 180, 270], depth.size // 4)) % 360
+    radius = shape.radius(depth, toolface) + random.normal(0, 0.0003, depth.size // 4).repeat(4)
+    arm = np.tile([0, 1, 0, 1], depth.size // 4)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT)
+    found = wall.zones()
+    assert found.logs.shape == "arms"
+    assert [zone.kind for zone in found.zones] == [kind]
+    assert found.zones[0].start == pytest.approx(1010, abs=2.5)  # it tapers
+    assert found.zones[0].stop == pytest.approx(1020, abs=2.5)
+    if kind == "breakout":
+        assert abs((found.zones[0].toolface - axis + 90) % 180 - 90) < 10
+        assert np.isnan(found.zones[0].lobes[0].opening)
+
+
+def test_one_arm_that_reaches_out_is_a_key_seat_on_its_side() -> None:
+    caliper = four_arms(lambda _depth, tf: np.where(np.abs(tf - 90) < 20, 0.125, 0.108), turn=1e9)
+    (zone,) = hb.reconstruct(caliper, bit_diameter=BIT).zones().zones
+    assert (zone.kind, zone.toolface) == ("key seat", 90.0)
+
+
+def test_an_arm_without_readings_has_no_diameter_there() -> None:
+    caliper = four_arms(ellipse, length=20.0)
+    keep = (caliper.depth < 5) | (caliper.depth > 15) | np.isin(caliper.arm, (0, 2))
+    some = hb.Caliper(caliper.depth[keep], caliper.toolface[keep], caliper.radius[keep], arm=caliper.arm[keep])
+    logs = hb.reconstruct(some, bit_diameter=BIT).logs()
+    middle = (logs.depth > 6.1) & (logs.depth < 13.9)
+    assert np.isfinite(logs.arm_diameter[0]).all()
+    assert np.isnan(logs.arm_diameter[1][middle]).all()
+    assert np.isnan(logs.c1[middle]).all()
+    assert np.isfinite(logs.c1[~middle & ((logs.depth < 5.9) | (logs.depth > 14.1))]).all()
+
+
+def test_arms_without_opposite_arms_leave_the_shape_to_the_wall() -> None:
+    depth = np.repeat(np.arange(0, 10, 0.05), 3)
+    arm = np.tile([0, 1, 2], depth.size // 3)
+    caliper = hb.Caliper(depth, 12 * depth + 120 * arm, np.full(depth.size, 0.11), arm=arm)
+    assert hb.reconstruct(caliper, bit_diameter=BIT).logs().shape == "wall"
+
+
+def test_arms_survive_the_archive_and_further_appends(tmp_path: Path) -> None:
+    first, more = four_arms(ellipse, length=10.0), four_arms(ellipse, length=5.0, top=10.0)
+    wall = hb.reconstruct(first, bit_diameter=BIT)
+    wall.append(more.depth, more.toolface, more.radius, arm=more.arm)
+    wall.save(tmp_path / "a.wall")
+    again = hb.load(tmp_path / "a.wall")
+    for name in ("c1", "c2", "uneven"):
+        np.testing.assert_array_equal(getattr(again.logs(), name), getattr(wall.logs(), name))
+    assert again.logs().shape == "arms"
+    whole = hb.reconstruct(four_arms(ellipse, length=15.0), bit_diameter=BIT)
+    np.testing.assert_allclose(wall.logs().c1, whole.logs().c1, atol=1e-12)
+
+
+def test_bad_arm_numbers_are_refused() -> None:
+    with pytest.raises(hb.InputError, match=r"^arm has 1 values, depth has 2: must be equal$"):
+        hb.Caliper([1, 2], [0, 90], [0.1, 0.1], arm=[0])
+    with pytest.raises(hb.InputError, match=r"^arm\[1\] = 0\.5: must be a whole number$"):
+        hb.Caliper([1, 2], [0, 90], [0.1, 0.1], arm=[0, 0.5])
