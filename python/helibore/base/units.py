@@ -91,6 +91,12 @@ def factor(unit: str, kind: str) -> float:
     return value
 
 
+def measures(unit: str) -> str:
+    """Return what a unit measures: length, angle, time or rotation; ``""`` for a unit that is not in the table."""
+    known = _NAMES.get(unit.lower().replace(" ", ""))
+    return _TABLE[known][0] if known else ""
+
+
 def split(name: str, kind: str) -> tuple[str, str | None]:
     """Split the unit off a column's name: ``md_m``, ``Depth (ft)`` and ``CAL[in]`` give ``("md", "m")`` and so on.
 

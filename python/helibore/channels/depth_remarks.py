@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from helibore.base import units
-from helibore.channels.roles import RoleMap, measures
+from helibore.channels.roles import RoleMap
 from helibore.files.raw_set import RawSet
 
 
@@ -19,7 +19,7 @@ def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
     if not steps.size:
         return []
     found = []
-    metre = units.factor(role.unit, units.LENGTH) if measures(role.unit) == units.LENGTH else 1.0
+    metre = units.factor(role.unit, units.LENGTH) if units.measures(role.unit) == units.LENGTH else 1.0
     if metre != 1.0:
         found.append(f"{role.channel}: {metre * np.nanmin(depth):.2f} to {metre * np.nanmax(depth):.2f} m")
     rising, falling, level = (int(np.count_nonzero(mask)) for mask in (steps > 0, steps < 0, steps == 0))

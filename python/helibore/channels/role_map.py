@@ -24,9 +24,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from helibore.base import units
 from helibore.base.errors import InputError
 from helibore.channels.log_set import LogFile
-from helibore.channels.roles import REFERENCES, ROLES, SINGLE, WALL, Role, RoleMap, guess, measures
+from helibore.channels.roles import REFERENCES, ROLES, SINGLE, WALL, Role, RoleMap, guess, toolface_reference
 from helibore.files.raw_set import RawSet
 
 KEYS = {
@@ -115,7 +116,7 @@ def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str
         if name not in log_set:
             raise InputError(place, f"no channel {name!r}; the set holds {', '.join(log_set.names)}")
         base = changed.get(name) or Role(name, "none", "", log_set[name].unit)
-        changed[name] = _entry(base, entry, f"{place}: {name}", why)
+        changed[name] = _entry(base, entry, f"{place}: {name}", why, toolface_reference(log_set[name]))
     for role in SINGLE:
         stated = [each for each in changed.values() if each.role == role and each.confirmed]
         if len(stated) > 1:
@@ -127,7 +128,7 @@ def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str
     return RoleMap(roles.set_name, changed)
 
 
-def _entry(base: Role, entry: Any, place: str, why: str) -> Role:
+def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> Role:
     if not isinstance(entry, dict):
         raise InputError(place, "must be a table")
     for key, value in entry.items():
@@ -140,9 +141,10 @@ def _entry(base: Role, entry: Any, place: str, why: str) -> Role:
     if role not in ROLES:
         raise InputError(f"{place}: role", f"must be one of {', '.join(ROLES)}", repr(role))
     unit = entry.get("unit", base.unit)
-    if unit and ROLES[role] and measures(unit) != ROLES[role]:
+    if unit and ROLES[role] and units.measures(unit) != ROLES[role]:
         raise InputError(f"{place}: unit", f"must be a unit of {ROLES[role]} for a {role}", repr(unit))
-    reference = entry.get("reference", base.reference)
+    own_reference = base.reference if role == base.role else own_reference if role == "toolface" else ""
+    reference = entry.get("reference", own_reference)
     if "reference" in entry and (role != "toolface" or reference not in REFERENCES):
         rule = f"must be one of {', '.join(REFERENCES)}, of a toolface"
         raise InputError(f"{place}: reference", rule, repr(reference))

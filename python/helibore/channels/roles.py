@@ -60,7 +60,12 @@ PATTERNS: tuple[tuple[str, str, str], ...] = (
     ("depth", r"tdep|bdep|index", r"\bframe \d+ depth\b"),
     ("time", r"time|t|etim|elapsed|elapsed[_ ]?time|timestamp|utc|date[_ ]?time|dtimstn", r"^(elapsed )?time$"),
     ("toolface", r"toolface|tool[_ ]face|tf|tfo|gtf|mtf|hstf|sgtf|smtf", r"\btool ?face\b"),
-    ("toolface", r"rb|hsrb|rbof|p1az|p1no|relative[_ ]bearing", r"\brelative bearing\b"),
+    ("toolface", r"rb|hsrb|rbof|relative[_ ]bearing", r"\brelative bearing\b"),
+    (
+        "toolface",
+        r"(p1|pad_?1_?)(az|azim|azimuth|no)(_\w+)?",
+        r"\b(pad|arm|caliper|electrode) ?(1|one) (azimuth|north)",
+    ),
     ("toolface", r"(at\d?)?[gm]tfm?", r"^$ never"),
     ("inclination", r"incl?|inclination|incdeg|innm|inclm?", r"\binclination\b"),
     ("inclination", r"devi?(_.*)?|deviation|hdev|drift", r"\bhole deviation\b"),
@@ -73,6 +78,10 @@ PATTERNS: tuple[tuple[str, str, str], ...] = (
     ("toolface-reference", r"(toolface|tf)[_ ]?(ref(erence)?|type)", r"^toolface (reference|type)$"),
 )
 NO_RULE = "no rule fits"
+
+NORTH = re.compile(r"(p1|pad_?1_?)(az|azim|azimuth|no)(_\w+)?|s?mtfm?|at\d?mtfm?")
+"""Names of toolfaces that count from north: the azimuth of pad 1, and magnetic toolfaces."""
+NORTH_TEXT = re.compile(r"(1|one) (azimuth|north)|\bmagnetic tool ?face\b|\bfrom (magnetic |true |grid )?north\b", re.I)
 
 RADIUS = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?(radius|radi)|r")
 DIAMETER = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?diam(eter)?|dia|d")
@@ -217,25 +226,14 @@ def stem(channel: Channel) -> str:
     return re.sub(r"\s*[\[(][^\])]*[\])]\s*$", "", name).strip()
 
 
-def measures(unit: str) -> str:
-    """Return what a unit measures: length, angle, time, or ``""`` when ``helibore.base.units`` does not know it."""
-    for kind in (units.LENGTH, units.ANGLE, units.TIME):
-        try:
-            units.factor(unit, kind)
-        except ValueError:
-            continue
-        return kind
-    return ""
-
-
 def _fits(channel: Channel, kind: str) -> bool:
     """Whether a channel's unit allows a role: of the right kind, or not stated."""
-    return not kind or not channel.unit or measures(channel.unit) == kind
+    return not kind or not channel.unit or units.measures(channel.unit) == kind
 
 
 def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
     """Give depth, time, toolface ... to the channel that fits best; tell the others who took it."""
-    inclined = False
+    inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
     for role, name, described in PATTERNS:
         for channel in log_set:
             if (
@@ -259,14 +257,20 @@ def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
                 roles[channel.name] = _none(channel, reason)
             else:
                 index = " and it is the index" if channel.name == log_set.index else ""
-                roles[channel.name] = Role(channel.name, role, how + index, channel.unit)
+                reference = toolface_reference(channel) if role == "toolface" else ""
+                roles[channel.name] = Role(channel.name, role, how + index, channel.unit, reference=reference)
                 inclined = inclined or role == "inclination"
     first = log_set[log_set.index] if log_set.index else None
     placed = any(each.role == "depth" for each in roles.values())
     if first is None or placed or first.is_text or roles[first.name].role != "none":
         return
-    if measures(first.unit) == units.LENGTH:
+    if units.measures(first.unit) == units.LENGTH:
         roles[first.name] = Role(first.name, "depth", "it is the index and a length", first.unit)
+
+
+def toolface_reference(channel: Channel) -> str:
+    """Return "north" for a toolface whose name or description says that it counts from north, else ""."""
+    return "north" if NORTH.fullmatch(stem(channel)) or NORTH_TEXT.search(channel.description) else ""
 
 
 def _match(channel: Channel, name: str, described: str) -> str:
@@ -285,13 +289,13 @@ def _image_role(channel: Channel) -> Role:
     else:
         reason = f"stored as an array of {sectors}"
     role = "image"
-    if measures(channel.unit) == units.LENGTH:
+    if units.measures(channel.unit) == units.LENGTH:
         role, reason = "radius-image", f"{reason}, in a unit of length"
     elif _is_echo(channel):
         role, reason = "travel-time", f"{reason}, in a unit of time, named or described as a travel time"
     first = step = None
     axis = channel.axis
-    if axis is not None and measures(axis.unit) == units.ANGLE:
+    if axis is not None and units.measures(axis.unit) == units.ANGLE:
         scale = units.factor(axis.unit, units.ANGLE)
         first = axis.first * scale if axis.first == axis.first else None
         step = axis.step * scale if axis.step == axis.step else None
@@ -304,7 +308,7 @@ def _image_role(channel: Channel) -> Role:
 def _is_echo(channel: Channel) -> bool:
     """Whether a channel is named or described as a travel time, in a unit of time."""
     named = ECHO.fullmatch(stem(channel)) or re.search(r"\btravel ?time\b", channel.description, re.IGNORECASE)
-    return bool(named) and measures(channel.unit) == units.TIME
+    return bool(named) and units.measures(channel.unit) == units.TIME
 
 
 def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:

@@ -1,9 +1,11 @@
 """Sector columns become one image: ABDC1M..ABDC16M, GRAS0M..7M, GRIM[1].., GRIM:1.., GRIM1.. -> (n, K).
 
-    stem  number  suffix            joined when: numbers run without a gap from 0 or 1, at least four of them,
-    ABDC    16      M               one unit, plain columns of numbers
+    stem  number  suffix            joined if the numbers run without a gap from 0 or 1, at least four of them, with
+    ABDC    16      M               one unit, and the columns are those of one tool around the hole
 
-A series with a gap is left as columns and remarked on. Whether an image is what it looks like is for the roles.
+Other series stay single columns, with a remark: a series with a gap; the pads of a dip meter and the probes of a
+production tool, by their names; and four to seven columns without stated angles whose unit is neither a length nor one
+of gamma or density, because the pads of a dip meter look the same.
 """
 
 from __future__ import annotations
@@ -13,11 +15,25 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from helibore.base import units
 from helibore.files.delimited import FEWEST_SECTORS
 from helibore.files.raw_set import Array, Channel, SectorAxis
 
 NAMELESS = "column"
-"""Columns without a name are called ``column 1``, ``column 2`` ...: that they are numbered says nothing of them."""
+"""Columns without a name are called ``column 1``, ``column 2`` ...: those numbers do not count sectors."""
+
+SURE = 8
+"""So many numbered columns are an image, even without stated angles."""
+
+IMAGE_UNITS = frozenset(["gapi", "api", "aapi", "g/cc", "g/cm3", "g/c3", "kg/m3", "k/m3", "cps", "b/e"])
+"""Units, in lower case, of gamma and density images; dip meters measure neither."""
+
+NOT_AROUND = re.compile(
+    r"(p|pad|fc|dip|db|sb|button|elec(trode)?|probe|cat|rat|sat|cap|dfh|dfb|ghh|ghost|spin(ner)?|hold_?up)[\W_]*",
+    re.IGNORECASE,
+)
+"""Stems of the pads and buttons of dip meters, and of the probes and spinners of production tools."""
+NOT_AROUND_TEXT = re.compile(r"\b(dip ?meter|pad|probe|spinner|hold-?up|capacitance)\b", re.IGNORECASE)
 
 # The last run of digits counts the sector: GRIM[12], GRIM_12, GRIM:12, GRIM(12), ABDC12M.
 NUMBERED = re.compile(r"^(?P<stem>.*?\D)[\[_:(. -]?(?P<number>\d{1,4})[\])]?(?P<suffix>\D{0,8})$")
@@ -43,6 +59,10 @@ def join_sectors(channels: Sequence[Channel], index: str | None) -> tuple[list[C
             remarks.append(f"{stem}{numbers[0]}{suffix} ...: {_gap(numbers)}; left as single columns")
             continue
         members = [channel for _, channel in found]
+        doubt = _doubt(stem, members)
+        if doubt:
+            remarks.append(f"{stem}{numbers[0]}{suffix} ...: {doubt}; left as single columns")
+            continue
         name = next(each for each in (stem, stem + suffix, f"{stem}#{suffix}", f"{stem}##") if each not in taken)
         taken.add(name)
         images[members[0].name] = _image(name, members)
@@ -60,6 +80,19 @@ def _gap(numbers: list[int]) -> str:
     if lacking:
         return f"number {lacking[0]} of {numbers[0]}..{max(numbers)} is not in the file"
     return "the numbers do not rise one by one"
+
+
+def _doubt(stem: str, members: list[Channel]) -> str:
+    """Why numbered columns may not lie around the hole; "" where they do."""
+    if units.measures(members[0].unit) == units.LENGTH or _axis(members) is not None:
+        return ""
+    if NOT_AROUND.fullmatch(stem) or NOT_AROUND_TEXT.search(members[0].description):
+        return "named or described as the pads of a dip meter or the probes of a production tool"
+    known = members[0].unit.lower() in IMAGE_UNITS or stem.lower().startswith("gr")
+    if len(members) < SURE and not known:
+        unit = members[0].unit or "no unit"
+        return f"{len(members)} columns of {unit} without stated angles may be the pads of a dip meter"
+    return ""
 
 
 def _image(name: str, members: list[Channel]) -> Channel:

@@ -118,15 +118,20 @@ def _las2(
         last = sections[-1]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
     header = _lasio_header(source, sections, data)
-    names = unique([item.original_mnemonic.strip() or "UNKNOWN" for item in header.curves])
-    curves = [Curve(name, item.unit or "", item.descr or "") for name, item in zip(names, header.curves, strict=True)]
+    names = [item.original_mnemonic.strip() for item in header.curves]
+    remarks += [
+        f"curve {number} has no name: it is called column {number}" for number, n in enumerate(names, 1) if not n
+    ]
+    names = unique([name or f"column {number}" for number, name in enumerate(names, 1)])
+    curves = [
+        Curve(name, _unit_and_value(item)[0], item.descr or "") for name, item in zip(names, header.curves, strict=True)
+    ]
     if not curves:
         raise file_error(source.path, "the ~Curve section defines no curve", _section(source, sections, "C").line)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
     labels = [curve.name for curve in curves]
     rows = read_rows(source.path, data.lines, data.line + 1, labels, None, comments=True, wrapped=wrapped)
-    well = {item.mnemonic: str(item.value) for item in header.well}
-    units_of = {item.mnemonic: item.unit for item in header.well}
+    units_of, well = ({item.mnemonic: _unit_and_value(item)[part] for item in header.well} for part in (0, 1))
     declared = _null(well.get("NULL"))
     one = _set(source, "log", curves, rows, nulls + declared, well, remarks)
     _check_range(one, well, units_of)
@@ -146,6 +151,15 @@ def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any
         return lasio.read(io.StringIO("\n".join([*lines, "~ASCII", ""])), ignore_data=True)
     except Exception as error:  # lasio has no error class of its own: KeyError, LASHeaderError, IndexError ...
         raise file_error(source.path, f"the header is damaged ({type(error).__name__}: {error})") from error
+
+
+def _unit_and_value(item: Any) -> tuple[str, str]:
+    """The unit and the value of a header line; in ``STRT.0.1 in 1023720`` the unit has a blank, which LAS forbids."""
+    unit, value = item.unit or "", str(item.value)
+    first, _, rest = value.partition(" ")
+    if re.fullmatch(r"[\d./]+", unit) and units.measures(f"{unit} {first}"):
+        return f"{unit} {first}", rest.strip()
+    return unit, value
 
 
 def _null(text: str | None) -> tuple[float, ...]:
@@ -213,7 +227,7 @@ def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]
         described = FORMAT.sub("", rest).partition("|")[0].partition(":")[2]
         name = match["name"] or f"column {len(curves) + 1}"
         if not match["name"]:
-            remarks.append(f"line {number}: the column has no name: it is called {name}")
+            remarks.append(f"curve {len(curves) + 1} has no name: it is called {name}")
         curves.append(Curve(name, match["unit"], described, axis))
     if not curves:
         raise file_error(source.path, f"~{section.kind} defines no column", section.line)
@@ -257,10 +271,10 @@ def _check_range(one: RawSet, well: dict[str, str], units_of: dict[str, str]) ->
         scale = units.factor(unit, units.LENGTH) / units.factor(index.unit, units.LENGTH)
     except ValueError:
         scale = 1.0
+        if unit and index.unit and unit.lower() != index.unit.lower():
+            one.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")
     for name, row in (("STRT", 0), ("STOP", -1)):
         declared = _null(well.get(name))
         found = float(index.values[row])
         if declared and not np.isclose(scale * declared[0], found, rtol=0, atol=1e-3 * max(1.0, abs(found) * 1e-3)):
             one.remarks.append(f"{name} = {declared[0]:g} in the header, {found:g} in the rows: truncated or edited?")
-    if unit and index.unit and unit.lower() != index.unit.lower() and scale == 1.0:
-        one.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")

@@ -1,6 +1,6 @@
 """LIS79 tapes through dlisio: one RawSet for each data format specification (a pass) of each logical file.
 
-The channels that are sampled as often as the index are read; faster ones are left out with a remark.
+The channels with the fewest samples a row are read; faster ones are left out with a remark.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ def _pass(source: Source, name: str, logical: Any, spec: Any, nulls: tuple[float
         rate = min(spec.sample_rates()) if spec.sample_rates() else 1
         rows = lis.curves(logical, spec, sample_rate=rate, strict=False)
     if not len(rows):
-        raise file_error(source.path, f"log {name}: no rows")
+        raise file_error(source.path, "no rows", f"log {name}")
     blocks = {text_of(block.mnemonic).strip(): block for block in spec.specs}
     units = {label: text_of(block.units).strip() for label, block in blocks.items()}
     index = text_of(spec.index_mnem).strip()

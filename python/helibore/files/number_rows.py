@@ -171,7 +171,8 @@ def split_cells(line: str, delimiter: str | None) -> list[str]:
     if '"' in line:
         text = line.strip() if delimiter is None else line
         with suppress(csv.Error):  # a cell of more than 128 KiB
-            cells = next(csv.reader([text], delimiter=delimiter or " ", skipinitialspace=True))
+            blanks = delimiter is None or f'{delimiter} "' in text
+            cells = next(csv.reader([text], delimiter=delimiter or " ", skipinitialspace=blanks))
             return [cell for cell in cells if cell or delimiter]
     return line.split(delimiter)
 

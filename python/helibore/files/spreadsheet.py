@@ -30,7 +30,9 @@ def read(source: Source, nulls: tuple[float, ...], header_line: int | None = Non
     try:
         book = python_calamine.CalamineWorkbook.from_path(source.path)
         sheets = {name: book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names}
-    except Exception as error:  # calamine has an error class for each part of a workbook, and panics
+    except BaseException as error:  # a panic of calamine's Rust is no Exception
+        if isinstance(error, KeyboardInterrupt | SystemExit):
+            raise
         raise file_error(source.path, f"truncated or damaged workbook ({str(error).splitlines()[0]})") from error
     readers = [partial(_sheet, source, name, rows, nulls, header_line) for name, rows in sheets.items()]
     return RawFile("xlsx", readable_sets(readers))
@@ -53,7 +55,7 @@ def _sheet(source: Source, name: str, sheet: list[list[Any]], nulls: tuple[float
         start += 1
     stop = next((at for at in range(start, len(rows)) if not any(rows[at][:width])), len(rows))
     if stop == start:
-        raise file_error(source.path, "a header and no rows", f"sheet {name}, line {start}")
+        raise file_error(source.path, "no rows below the header", f"sheet {name}, line {start}")
     remarks = []
     if any(any(row[:width]) for row in rows[stop:]):
         remarks.append(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out")

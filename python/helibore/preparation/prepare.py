@@ -427,6 +427,10 @@ class _Pipeline:
             raise InputError(self.readings[0].name, rule)
         if not any(t or s not in ("", target) for t, s in zip(tagged, stated, strict=True)):
             return
+        if path is None and set(stated) in ({"north"}, {"high-side"}) and not any(tagged):
+            text = f"no survey: the wall's toolfaces count from {stated[0].replace('-', ' ')}, as the samples do"
+            self.report.append(("toolface", text))
+            return
         if path is None:
             source = stated[0] or "north and the high side"
             rule = f"toolfaces that count from {source} need a survey to be turned into the wall's"

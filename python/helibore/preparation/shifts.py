@@ -168,7 +168,7 @@ def _mean(profiles: Floats) -> Floats:
 def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> Floats:
     """Pearson's correlation at shifts of -most ... most grid steps, (2 most + 1,); NaN where too little overlaps."""
     curve = np.full(2 * most + 1, np.nan)
-    for lag in range(-most, most + 1):
+    for lag in range(max(-most, 1 - profile.size), min(most, profile.size - 1) + 1):
         mine = profile[max(0, -lag) : profile.size - max(0, lag)]
         theirs = others[max(0, lag) : others.size - max(0, -lag)]
         both = np.isfinite(mine) & np.isfinite(theirs)

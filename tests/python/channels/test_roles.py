@@ -14,6 +14,7 @@ from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.log_set import LogSet
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import ROLES, guess
+from helibore.channels.sectors import join_sectors
 from helibore.files.raw_set import Channel, SectorAxis
 
 
@@ -83,6 +84,71 @@ def test_reasons_are_sentences_about_this_channel() -> None:
     }
     roles = guess(log_set(channel("IDX", "m"), channel("GR", "gAPI"), index="IDX"))
     assert (roles["IDX"].role, roles["IDX"].reason) == ("depth", "it is the index and a length")
+
+
+@pytest.mark.parametrize(
+    ("name", "described"),
+    [
+        ("P1AZ", ""), ("P1AZ_MEST", ""), ("P1NO", ""), ("PAD1_AZIMUTH_deg", ""), ("MTF", ""), ("SMTF", ""),
+        ("AT2MTFM", ""), ("X", "Pad 1 azimuth"), ("TF", "Tool face from true north"), ("TF", "Magnetic toolface"),
+    ],
+)  # fmt: skip
+def test_a_bearing_from_north_is_one_by_itself(name: str, described: str) -> None:
+    one = log_set(DEPTH, channel(name, "deg", np.arange(40.0) * 9.0, described), radius(0.1))
+    role = guess(one)[name]
+    assert (role.role, role.reference) == ("toolface", "north")
+    assert one.readings().reference == "north"
+    confirmed = overlay(guess(one), one, {name: {"unit": "deg"}}, "map")
+    assert confirmed[name].reference == "north"
+    assert overlay(guess(one), one, {name: {"reference": "high-side"}}, "map")[name].reference == "high-side"
+    assert overlay(guess(one), one, {name: {"role": "none"}}, "map")[name].reference == ""
+    path = hb.Survey([0.0, 50.0], [30.0, 30.0], [70.0, 70.0]).path()  # counts from the high side
+    turned = hb.prepare(one.readings(), path=path).caliper
+    off = np.degrees(np.arctan2(-np.sin(np.radians(70.0)), np.cos(np.radians(30.0)) * np.cos(np.radians(70.0))))
+    np.testing.assert_allclose((turned.toolface - np.arange(40.0) * 9.0 - off + 180) % 360 - 180, 0, atol=1e-9)
+
+
+@pytest.mark.parametrize("name", ["RB", "TF", "GTF", "toolface_deg"])
+def test_other_toolfaces_count_from_what_the_wall_counts_from(name: str) -> None:
+    assert guess(log_set(DEPTH, channel(name, "deg"), radius(0.1)))[name].reference == ""
+
+
+def columns_of(stem: str, count: int, unit: str, described: str = "", **more: object) -> list[Channel]:
+    return [channel(f"{stem}{n}", unit, described=described, **more) for n in range(1, count + 1)]
+
+
+@pytest.mark.parametrize(
+    ("columns", "said"),
+    [
+        (columns_of("P", 4, "ohmm"), "P1 ...: named or described as the pads of a dip meter or the probes of"),
+        (columns_of("PAD", 8, "mmho"), "PAD1 ...: named or described as the pads of a dip meter"),
+        (columns_of("FC", 4, ""), "FC1 ...: named or described as the pads of a dip meter"),
+        (columns_of("RAT", 12, ""), "RAT1 ...: named or described as the pads of a dip meter or the probes of"),
+        (columns_of("SPIN", 6, "rps"), "SPIN1 ...: named or described as"),
+        (columns_of("H", 8, "", "Water hold-up, probe"), "H1 ...: named or described as"),
+        (columns_of("XY", 4, "ohmm"), "XY1 ...: 4 columns of ohmm without stated angles may be the pads of a dip"),
+        (columns_of("XY", 6, ""), "XY1 ...: 6 columns of no unit without stated angles may be the pads of a dip meter"),
+    ],
+)
+def test_pads_and_probes_are_no_image(columns: list[Channel], said: str) -> None:
+    joined, remarks = join_sectors(columns, None)
+    assert joined == columns
+    assert len(remarks) == 1
+    assert remarks[0].startswith(said)
+    assert remarks[0].endswith("; left as single columns")
+
+
+@pytest.mark.parametrize(
+    "columns",
+    [
+        columns_of("ABDC", 16, "g/cc"), columns_of("GRAS", 4, ""), columns_of("X", 4, "gAPI"),
+        columns_of("X", 8, "ohm.m"), columns_of("R", 6, "in"), columns_of("P", 4, "mm"),
+        [channel(f"P{n}", "ohmm", axis=SectorAxis(90.0 * n, np.nan, "deg")) for n in range(4)],
+    ],
+)  # fmt: skip
+def test_columns_around_the_hole_are_an_image(columns: list[Channel]) -> None:
+    (image,), remarks = join_sectors(columns, None)
+    assert (image.shape, image.member_names, remarks) == ((3, len(columns)), tuple(c.name for c in columns), [])
 
 
 def test_arms_go_in_pairs() -> None:

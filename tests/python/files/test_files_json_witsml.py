@@ -91,6 +91,28 @@ def test_large_json_is_refused_unread(tmp_path: Path, monkeypatch: pytest.Monkey
     refused(json_file(tmp_path, "[" + " " * 2000 + "]"), "JSON of more than")
 
 
+def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path) -> None:
+    good = {"header": {"name": "A"}, "curves": [curve("MD"), curve("R")], "data": [[1, 2], [3, None]]}
+    bad = {"header": {"name": "B"}, "curves": [curve("MD")], "data": [[1], [1, 2]]}
+    one = hb.open(json_file(tmp_path, [bad, good, good | {"header": {"name": "C"}, "data": []}])).set()
+    np.testing.assert_array_equal(one["R"].values, [2, np.nan])
+    assert (one.name, one.remarks) == (
+        "A",
+        [
+            "another set is left out: log.json: B, row 1: 2 values where 1 curves are defined",
+            'another set is left out: log.json: C: "data" has no rows',
+        ],
+    )
+    wells = {"wells": {"W": 3, "V": {"header": {"depth_unit": "ft"}, "MD": [1, 2]}}}
+    one = hb.open(json_file(tmp_path, wells)).set()
+    assert (one["MD"].unit, one.remarks) == (
+        "ft", ["another set is left out: log.json: well 'W': must be an object of columns"],
+    )  # fmt: skip
+    empty = LOG.replace("</logs>", '<log uid="M"><name>run 2</name></log></logs>')
+    one = hb.open(xml_file(tmp_path, empty)).set()
+    assert one.remarks == ["another set is left out: w.xml: log 'run 2': no curves"]
+
+
 LOG = f"""<?xml version="1.0" encoding="UTF-8"?>
 <logs {NAMESPACE} version="1.4.1.1"><log uid="L"><nameWell>W</nameWell><name>run 1</name>
 <indexType>measured depth</indexType><indexCurve>DEPT</indexCurve><nullValue>-77</nullValue>

@@ -209,6 +209,83 @@ def test_las3_repeated_sections_quotes_and_empty_cells(tmp_path: Path) -> None:
         file.set("x")
 
 
+def test_curves_without_a_name_are_numbered(tmp_path: Path) -> None:
+    one = hb.open(las2(tmp_path, "1 2 3\n2 3 4\n3 4 5\n", HEAD2.replace(" GR.GAPI", " .GAPI"))).set()
+    assert one.names == ("DEPT", "column 2", "CAL")
+    assert (one["column 2"].unit, one.remarks) == ("GAPI", ["curve 2 has no name: it is called column 2"])
+    text = "~Version\nVERS. 3.0 :\n~Well\nNULL. -1 :\n~Curve\nDEPT.M :\n.IN :\n~A\n1 2\n"
+    (tmp_path / "w.las").write_text(text)
+    one = hb.open(tmp_path / "w.las").set()
+    assert (one.names, one.remarks) == (("DEPT", "column 2"), ["curve 2 has no name: it is called column 2"])
+
+
+def test_rows_cut_by_commas_that_no_header_states(tmp_path: Path) -> None:
+    said = "the rows are cut by commas, not by blanks as the header says"
+    one = hb.open(las2(tmp_path, "1,50, 8.5\n2,,-999.25\n3,52,9\n")).set()
+    np.testing.assert_array_equal(one["GR"].values, [50, np.nan, 52])
+    np.testing.assert_array_equal(one["CAL"].values, [8.5, np.nan, 9])
+    assert one.remarks == [said]
+    text = las3(np.full((3, 4), 100.0), "COMMA").replace("DLM. COMMA :\n", "")
+    (tmp_path / "w.las").write_text(text)
+    one = hb.open(tmp_path / "w.las").set()
+    assert (one["RADI"].values.tolist(), one.remarks) == ([[100.0] * 4] * 3, [said])
+    refused(las2(tmp_path, "1,2,3\n4,5\n"), "w.las, line 16: truncated: 2 values where 3 columns are defined")
+
+
+def test_the_depths_of_the_header_are_compared_in_the_unit_of_the_rows(tmp_path: Path) -> None:
+    rows = "1 2 3\n2 3 4\n3 4 5\n"
+    for unit in ("0.1IN", "0.1 in", ".1IN"):
+        head = HEAD2.replace("STRT.M 1 ", f"STRT.{unit} 393.7008 ").replace("STOP.M {stop}", f"STOP.{unit} 1181.102")
+        assert hb.open(las2(tmp_path, rows, head)).set().remarks == []
+        said = "STOP = 393.701 in the header, 3 in the rows: truncated or edited?"
+        assert hb.open(las2(tmp_path, rows, head.replace("1181.102", "393.701"))).set().remarks == [said]
+    tenths = HEAD2.replace("DEPT.M", "DEPT.0.1 in").replace("STRT.M", "STRT.0.1IN").replace("STOP.M", "STOP.0.1IN")
+    one = hb.open(las2(tmp_path, rows, tenths)).set()
+    assert (one["DEPT"].unit, one.remarks) == ("0.1 in", [])
+    strange = HEAD2.replace("STRT.M", "STRT.FURLONG")
+    said = "STRT is in FURLONG, the index DEPT in M"
+    assert hb.open(las2(tmp_path, rows, strange)).set().remarks == [said]
+
+
+SETS = """~Version
+VERS. 3.0 :
+DLM. COMMA :
+~Well
+NULL. -999.25 :
+~Tops_Definition
+TOPN. : name {S}
+TOPT.M : top {F}
+~Tops_Data | Tops_Definition
+10,1500
+Upper, 1600
+"Lower, x", 1700
+~Log_Definition
+DEPT.M :
+GR.GAPI :
+~Log_Data | Log_Definition
+~Inclinometry_Definition
+MD.M :
+INC.DEG :
+~Inclinometry_Data | Inclinometry_Definition
+1,2
+2
+"""
+
+
+def test_a_damaged_or_empty_set_does_not_block_the_others(tmp_path: Path) -> None:
+    (tmp_path / "w.las").write_text(SETS)
+    one = hb.open(tmp_path / "w.las").set()
+    assert one.name == "Tops_Data"
+    assert one["TOPN"].values.tolist() == ["10", "Upper", "Lower, x"]
+    assert one["TOPT"].values.tolist() == [1500, 1600, 1700]
+    damage = "w.las, line 22: truncated: 1 values where 2 columns are defined"
+    empty = "w.las, line 16: no rows below the header"
+    assert one.remarks == [f"another set is left out: {empty}", f"another set is left out: {damage}"]
+    (tmp_path / "w.las").write_text(SETS.replace("10,1500\n", "1\n"))
+    with pytest.raises(hb.InputError, match=r"^w.las, line 10: 1 values where 2 columns are defined$"):
+        hb.open(tmp_path / "w.las")
+
+
 @settings(max_examples=60, deadline=None)
 @given(
     cells=st.lists(st.lists(st.floats(-1e9, 1e9), min_size=3, max_size=3), min_size=1, max_size=8),

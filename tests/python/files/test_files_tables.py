@@ -105,6 +105,23 @@ def test_walls_and_meshes_are_sent_to_where_they_are_read(tmp_path: Path) -> Non
     refused(tmp_path / "well.glb", "a mesh (GLB) holds no samples: take the settings beside it")
 
 
+def test_the_header_line_may_be_given(tmp_path: Path) -> None:
+    path = write(tmp_path, "run,7\nby,me\n1,2\n\n2016,2017\nm,in\n3,4\n5,\n")
+    one = hb.open(path, header_line=5).set()
+    assert [(channel.name, channel.unit) for channel in one] == [("2016", "m"), ("2017", "in")]
+    np.testing.assert_array_equal(one["2017"].values, [4, np.nan])
+    assert one.place(1) == "line 8"
+    rule = "must be the line of the column names, within the first 500"
+    for line in (0, 4, 9, 501):
+        with pytest.raises(hb.InputError, match=rf"^t.csv: header_line = {line}: {rule}$"):
+            hb.open(path, header_line=line)
+    with pytest.raises(hb.InputError, match=r"^t.csv, line 8: no rows below the header$"):
+        hb.open(path, header_line=8)
+    (tmp_path / "t.json").write_text("[]")
+    with pytest.raises(hb.InputError, match=r"^t.json: header_line = 2: is for tables, and this is json$"):
+        hb.open(tmp_path / "t.json", header_line=2)
+
+
 def test_missing_first_cells_are_no_units_row(tmp_path: Path) -> None:
     one = hb.open(write(tmp_path, "a,b\n-,-\n1,2\n")).set()
     assert one["a"].missing == 1

@@ -258,8 +258,11 @@ def test_toolface_references() -> None:
         one.readings(mapped), None, hb.Survey([0, 100.0], [0.0, 9.0], [0.0, 0.0]).path(reference="parallel-transport")
     )
     assert beyond.report[0] == ("dropped", "200 samples beyond the survey: their toolface has no reference there")
-    with pytest.raises(ValueError, match="toolfaces that count from north need a survey"):
-        prepare(one.readings(mapped))
+    alone = prepare(one.readings(mapped))
+    assert alone.report == (("toolface", "no survey: the wall's toolfaces count from north, as the samples do"),)
+    np.testing.assert_array_equal(alone.caliper.toolface, turn)
+    with pytest.raises(ValueError, match="toolfaces that count from automatic need a survey"):
+        prepare(one.readings(mapped), Preparation(toolface_from="automatic"))
     with pytest.raises(
         ValueError, match="the wall's toolfaces count from a parallel-transport reference, a tool's never do"
     ):

@@ -1,0 +1,132 @@
+"""XLSX workbooks, written here as the smallest packages that the format allows, and bad ones."""
+
+from __future__ import annotations
+
+import re
+import zipfile
+from pathlib import Path
+from typing import Any
+from xml.sax.saxutils import escape
+
+import numpy as np
+import pytest
+
+import helibore as hb
+
+pytest.importorskip("python_calamine")
+
+MAIN = "http://schemas.openxmlformats.org/spreadsheetml/2006/main"
+OFFICE = "http://schemas.openxmlformats.org/officeDocument/2006/relationships"
+PACKAGE = "http://schemas.openxmlformats.org/package/2006"
+
+
+def sheet(rows: list[list[Any]]) -> str:
+    lines = []
+    for number, row in enumerate(rows, 1):
+        cells = []
+        for column, value in enumerate(row):
+            at = f'r="{chr(65 + column)}{number}"'
+            if isinstance(value, str) and value:
+                cells.append(f'<c {at} t="inlineStr"><is><t>{escape(value)}</t></is></c>')
+            elif value is not None and value != "":
+                cells.append(f"<c {at}><v>{value!r}</v></c>")
+        lines.append(f'<row r="{number}">{"".join(cells)}</row>')
+    return f'<worksheet xmlns="{MAIN}"><sheetData>{"".join(lines)}</sheetData></worksheet>'
+
+
+def workbook(path: Path, **sheets: list[list[Any]]) -> Path:
+    types = f"{PACKAGE}/content-types"
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
+        book.writestr("[Content_Types].xml", f'<Types xmlns="{types}"/>')
+        root = f'<Relationship Id="r1" Type="{OFFICE}/officeDocument" Target="xl/workbook.xml"/>'
+        book.writestr("_rels/.rels", f'<Relationships xmlns="{PACKAGE}/relationships">{root}</Relationships>')
+        names = enumerate(sheets, 1)
+        entries = "".join(f'<sheet name="{name}" sheetId="{n}" r:id="r{n}"/>' for n, name in names)
+        book.writestr(
+            "xl/workbook.xml", f'<workbook xmlns="{MAIN}" xmlns:r="{OFFICE}"><sheets>{entries}</sheets></workbook>'
+        )
+        links = "".join(
+            f'<Relationship Id="r{n}" Type="{OFFICE}/worksheet" Target="worksheets/sheet{n}.xml"/>'
+            for n in range(1, len(sheets) + 1)
+        )
+        book.writestr(
+            "xl/_rels/workbook.xml.rels", f'<Relationships xmlns="{PACKAGE}/relationships">{links}</Relationships>'
+        )
+        for number, rows in enumerate(sheets.values(), 1):
+            book.writestr(f"xl/worksheets/sheet{number}.xml", sheet(rows))
+    return path
+
+
+STATIONS = [[0, 0.0, 0.0], [100.5, 1.25, 31.0], [200.0, 2.5, 31.5]]
+SURVEY = [["Well", "15/9-F-12"], [], ["MD (m)", "Incl (deg)", "Azim (deg)"], *STATIONS]
+
+
+def test_a_survey_below_other_lines(tmp_path: Path) -> None:
+    file = hb.open(workbook(tmp_path / "s.xlsx", Survey=SURVEY))
+    survey = file.survey()
+    assert (file.format, file.set().name) == ("xlsx", "Survey")
+    np.testing.assert_array_equal(np.column_stack([survey.depth, survey.inclination, survey.azimuth]), STATIONS)
+    assert file.set().place(1) == "line 5"
+
+
+def test_units_row_empty_cells_text_and_a_note_below(tmp_path: Path) -> None:
+    rows = [["MD", "INC", "AZI", "Tool"], ["ft", "deg", "deg", ""], [100, 1.5, 20, "MWD"], [200, "", 21, ""]]
+    one = hb.open(workbook(tmp_path / "s.xlsx", S=[*rows, [], ["Surveyed by X"]])).set()
+    assert [(c.name, c.unit) for c in one] == [("MD", "ft"), ("INC", "deg"), ("AZI", "deg"), ("Tool", "")]
+    np.testing.assert_array_equal(one["INC"].values, [1.5, np.nan])
+    assert (one["INC"].missing, one["Tool"].values.tolist()) == (1, ["MWD", ""])
+    assert one.remarks == ["sheet S: line 5 is empty: the rows below it are left out"]
+
+
+def test_a_sheet_that_is_no_table_does_not_block_the_others(tmp_path: Path) -> None:
+    file = hb.open(workbook(tmp_path / "s.xlsx", Notes=[["hello"], ["world"]], Survey=SURVEY))
+    assert [one.name for one in file.sets] == ["Survey"]
+    rule = "no row of column names with numbers below it within 500 rows"
+    assert file.set().remarks == [f"another set is left out: s.xlsx, sheet Notes: {rule}"]
+    with pytest.raises(ValueError, match=rf"^s.xlsx, sheet Notes: {rule}$"):
+        hb.open(workbook(tmp_path / "s.xlsx", Notes=[["hello"], ["world"]]))
+
+
+def test_the_header_line_may_be_given(tmp_path: Path) -> None:
+    rows = [["a", "b"], [1, 2], ["MD (m)", "Incl (deg)", "Azim (deg)"], *STATIONS]
+    path = workbook(tmp_path / "s.xlsx", S=rows)
+    assert hb.open(path).set().names == ("a", "b")
+    assert hb.open(path, header_line=3).survey().depth.tolist() == [0.0, 100.5, 200.0]
+    for line in (0, 99):
+        with pytest.raises(hb.InputError, match=rf"^s.xlsx: sheet S: header_line = {line}: the row holds no names$"):
+            hb.open(path, header_line=line)
+    with pytest.raises(hb.InputError, match=r"^s.xlsx, sheet S, line 6: no rows below the header$"):
+        hb.open(path, header_line=6)
+
+
+def test_a_word_among_numbers_is_named_with_its_row(tmp_path: Path) -> None:
+    one = hb.open(workbook(tmp_path / "s.xlsx", S=[*SURVEY, [300.0, "n.a.", 30.0]])).set()
+    with pytest.raises(ValueError, match=re.escape("s.xlsx, line 7, column Incl (deg) = 'n.a.': is not a number")):
+        one.survey()
+
+
+def test_damaged_packages_are_refused(tmp_path: Path) -> None:
+    path = workbook(tmp_path / "s.xlsx", S=SURVEY)
+    whole = path.read_bytes()
+    path.write_bytes(whole[: len(whole) // 2])
+    with pytest.raises(hb.InputError, match=r"^s.xlsx: truncated or damaged zip archive"):
+        hb.open(path)
+    with zipfile.ZipFile(path, "w") as book:
+        book.writestr("xl/workbook.xml", "<workbook")
+    with pytest.raises(hb.InputError, match=r"^s.xlsx: truncated or damaged workbook"):
+        hb.open(path)
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as book:
+        book.writestr("xl/workbook.xml", b" " * (1 << 27))
+    with pytest.raises(
+        hb.InputError, match=r"^s.xlsx: unpacks to more than 200 times its size: refused as a zip bomb$"
+    ):
+        hb.open(path)
+
+
+def test_a_missing_library_is_named_with_its_extra(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    import sys
+
+    path = workbook(tmp_path / "s.xlsx", S=SURVEY)
+    monkeypatch.setitem(sys.modules, "python_calamine", None)
+    with pytest.raises(hb.MissingExtraError, match=re.escape('needs python-calamine: pip install "helibore[xlsx]"')):
+        hb.open(path)
