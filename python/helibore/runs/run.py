@@ -255,8 +255,22 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
                 sums = [{"name": one.file.name, "blake2b": run.opener.checksum(one.file)} for one in made_from]
                 run.built.made_from = {"files": sums}
     run.wall.path = run.path
-    run.wall.images.update({image.name: image for image in images})
+    run.messages += add_images(run.wall, images)
     return run
+
+
+def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
+    """Give images to a wall; one whose name is taken gets a number, and a message says so."""
+    messages = []
+    for image in images:
+        own, number = image.name, 1
+        while image.name in wall.images:
+            number += 1
+            image.name = f"{own}:{number}"
+        if number > 1:
+            messages.append(("image", f"{image.name} is the image {own} of another file"))
+        wall.images[image.name] = image
+    return messages
 
 
 def _missing(run: Run) -> bool:

@@ -15,7 +15,7 @@ import helibore as hb
 from helibore.cli import cli
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
-from helibore.runs.run import checksum, repeat
+from helibore.runs.run import add_images, checksum, repeat
 from helibore.runs.settings import Output, read_settings, settings_file, write_settings
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
@@ -35,6 +35,18 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     np.savez(folder / "c.npz", **columns)
     (folder / "s.csv").write_text("md_m,incl_deg,azim_deg\n1990,5,40\n2010,7,50\n")
     return folder
+
+
+def test_two_images_of_one_name_are_both_kept() -> None:
+    wall = hb.reconstruct(hb.Caliper([1.0, 2.0], [0.0, 90.0], [0.1, 0.1]), bit_diameter=0.2, sectors=4)
+    images = [
+        hb.SectorImage([1.0, 2.0], [[value] * 4] * 2, "GR", origin="edge", reference="north")
+        for value in (1.0, 2.0, 3.0)
+    ]
+    assert add_images(wall, images) == [
+        ("image", "GR:2 is the image GR of another file"), ("image", "GR:3 is the image GR of another file"),
+    ]  # fmt: skip
+    assert {name: image.values[0, 0] for name, image in wall.images.items()} == {"GR": 1.0, "GR:2": 2.0, "GR:3": 3.0}
 
 
 def test_a_run_is_repeated_to_the_last_bit(folder: Path, tmp_path: Path) -> None:
