@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import click
 
@@ -11,11 +11,6 @@ from helibore.base.errors import InputError
 from helibore.cli.outputs import QUIET
 from helibore.cli.source import SETTINGS, Sectioned, one, open_run, section, takes_a_wall
 from helibore.cli.terminal import Terminal
-
-if TYPE_CHECKING:
-    from helibore.base.arrays import Floats
-    from helibore.viewer import Attribute
-    from helibore.wall.wall import Wall
 
 
 @click.command(cls=Sectioned, short_help="A wall in the browser.")
@@ -46,12 +41,13 @@ def view(**options: Any) -> None:
             raise InputError(file.name, f"a mesh has no samples to go with it; {_instead(file)}")
     run = open_run(options, terminal)
     from helibore.runs.run import make_wall, placing
+    from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
 
     wall = make_wall(run, options["threads"], terminal.stage).wall
     terminal.summary(run.messages)
     with terminal.stage("images", "Mapping images"):
-        attributes = _attributes(wall)
+        attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "token", "browser")}
     with placing(run):
         viewer = serve(wall, path=wall.path, attributes=attributes, well=options["well"] or run.name, **serving)
@@ -73,20 +69,6 @@ def _instead(mesh: Path) -> str:
     if settings.is_file():
         return f"view the settings beside it: helibore view {settings.name}"
     return f"view its settings ({settings.name}), a saved .wall, or the caliper file"
-
-
-def _attributes(wall: Wall) -> dict[str | Attribute, Floats]:
-    """The images and attributes of a wall as values that colour it."""
-    from helibore.viewer import Attribute
-
-    quads = max(len(wall) - wall.settings.sectors - 1, 0)
-    values: dict[str | Attribute, Floats] = {
-        Attribute(name, image.unit): image.on(wall) for name, image in wall.images.items()
-    }
-    for name in wall.attributes:
-        unit = wall.attributes.units.get(name, "")
-        values[Attribute(name, unit)] = wall.attributes.whole(name, wall.start_depth, quads)
-    return values
 
 
 def check_page() -> None:

@@ -17,6 +17,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.colors import ColorScale, check_positive, customary_map
 from helibore.base.errors import InputError
+from helibore.images.sector_image import SectorImage
 
 PERCENTILES = (2.0, 98.0)
 NEARLY_ALL = 99.8
@@ -60,17 +61,29 @@ def percentile_limits(
     return float(ends[0]), float(ends[1])
 
 
-def image_scale(values: npt.ArrayLike, name: str, unit: str = "") -> ColorScale:
-    """Return the usual colours of a whole image: `customary_map` between `percentile_limits`, the same everywhere.
+def image_scale(
+    image: SectorImage,
+    color_map: str | None = None,
+    log: bool | None = None,
+    limits: tuple[float, float] | None = None,
+) -> ColorScale:
+    """Return the colours of a whole image, the same on paper and on the viewer's page.
+
+    Parameters
+    ----------
+    image
+        Its name and unit choose the map (`customary_map`), its values the limits (`percentile_limits`).
+    color_map, log, limits
+        What is to be otherwise. By default a resistivity has a log scale.
 
     Raises
     ------
     ValueError
-        As `percentile_limits`.
+        As `percentile_limits` and `ColorScale`.
     """
-    color_map = customary_map(name, unit)
-    log = color_map == "resistivity"
-    return ColorScale(*percentile_limits(values, log=log), color_map, log)
+    color_map = color_map or customary_map(image.name, image.unit)
+    log = color_map == "resistivity" if log is None else log
+    return ColorScale(*(limits or percentile_limits(image.values, log=log)), color_map, log)
 
 
 def symmetric_limit(values: Floats, unit: float) -> float:

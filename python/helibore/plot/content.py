@@ -19,7 +19,7 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.colors import ColorScale, check_map, customary_map
 from helibore.base.units import MILLIMETRE
-from helibore.images.normalization import percentile_limits, sliding_window, symmetric_limit
+from helibore.images.normalization import image_scale, sliding_window, symmetric_limit
 from helibore.images.sector_image import SectorImage
 from helibore.logs.summary import WallSummary, summarize
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
@@ -293,8 +293,7 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
         values = image.values[rows]
         if not np.isfinite(values).any():
             raise ValueError(f"values: all {values.size} are missing")
-        limits = look.limits or percentile_limits(image.values, log=log)
-        scale = ColorScale(*limits, color_map, log)
+        scale = image_scale(image, color_map, log, look.limits)
         scale.share(values)
     except ValueError as error:
         raise ValueError(f"image {image.name!r}, {top:g} to {bottom:g} m: {error}") from error

@@ -11,11 +11,14 @@ module itself imports NumPy only.
 
 from __future__ import annotations
 
+import contextlib
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from helibore.base.errors import InputError
+from helibore.images.normalization import image_scale
 from helibore.trajectory.survey import Path
 from helibore.viewer.feed import Feed, ViewedWall
 from helibore.viewer.scene import Attribute
@@ -23,7 +26,7 @@ from helibore.viewer.scene import Attribute
 if TYPE_CHECKING:
     from helibore.viewer.page_server import PageServer
 
-__all__ = ["Attribute", "Viewer", "view"]
+__all__ = ["Attribute", "Viewer", "attributes_of", "view"]
 
 
 class Viewer:
@@ -105,7 +108,8 @@ def view(
     path
         Its `helibore.Path`; None is a straight vertical hole.
     attributes
-        Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`.
+        Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`. None:
+        `attributes_of` the wall.
     well
         The well's name, for the page.
     host, port
@@ -132,7 +136,8 @@ def view(
     """
     from helibore.viewer.page_server import PageServer
 
-    feed = Feed(wall, path=path, attributes=attributes or {}, well=well)
+    values = attributes_of(wall) if attributes is None else attributes
+    feed = Feed(wall, path=path, attributes=values, well=well)
     server = PageServer(feed.scene, host=host, port=port, token=token)
     feed.start()
     if browser:
@@ -140,3 +145,19 @@ def view(
 
         webbrowser.open(server.url)
     return Viewer(feed, server)
+
+
+def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
+    """Return the images and attributes of a wall, one value a quad; images in the colours of `helibore.plot`."""
+    values: dict[str | Attribute, npt.ArrayLike] = {}
+    for name, image in getattr(wall, "images", {}).items():
+        attribute = Attribute.usual(name, image.unit)
+        with contextlib.suppress(InputError):  # constant, or without a value: the feed finds limits
+            scale = image_scale(image)
+            attribute = Attribute(name, image.unit, scale.low, scale.high, scale.log, scale.color_map)
+        values[attribute] = image.on(wall)
+    others: Any = getattr(wall, "attributes", {})
+    for name in others:
+        quads = max(len(wall) - wall.settings.sectors - 1, 0)
+        values[Attribute(name, others.units.get(name, ""))] = others.whole(name, wall.start_depth, quads)
+    return values

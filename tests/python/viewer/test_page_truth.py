@@ -1,0 +1,180 @@
+"""The page shows nothing as measured, known or dipping that is not: each point in a real browser."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from made_wall import BIT, MadeWall, gamma
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+from helibore.plot.content import Drawing, content_of
+
+pytestmark = NEEDS_BROWSER
+
+ENDS = "Object.fromEntries(window.__wall.app.quantities.map(({ id, low, high }) => [id, [low, high]]))"
+
+
+def ink_texts(screen: Screen) -> list[str]:
+    return [label["text"] for label in screen.evaluate("document.getElementById('ink').labels")]
+
+
+def with_gamma(caliper: hb.Caliper) -> hb.Wall:
+    """A wall of a caliper with a gamma image."""
+    wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=32)
+    depth = np.arange(2000.0, 2040.0, 0.1)
+    rows = gamma(depth[:, None], np.arange(16.0)[None] * 22.5)
+    wall.images["GR"] = hb.SectorImage(depth, rows, "GR", "gAPI", origin="edge", reference="high-side")
+    return wall
+
+
+def point_at(screen: Screen) -> None:
+    """Move the pointer to the middle of the image track."""
+    place = screen.evaluate(
+        "(({ left, top }, { image }) => [left + image.left + image.width / 2, top + image.top + image.height / 2])"
+        "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.rects)"
+    )
+    screen.mouse.move(*place)
+    screen.until("window.__wall.app.view.cursor")
+    screen.settle()
+
+
+def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> None:
+    with hb.view(with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2020&sec=30")
+        point_at(screen)
+        assert screen.inner_text("#basis") == "Gauge hole at bit size: not measured."
+        assert screen.is_visible("#basis")
+        assert not screen.is_visible("#crossSection")
+        assert not screen.is_visible("#zonesCard")
+        texts = ink_texts(screen)
+        assert "GR [gAPI]" in texts
+        assert not [text for text in texts if text.startswith(("Caliper", "Cmin", "Cmax", "bit", "Over bit"))]
+        assert screen.evaluate("window.__wall.app.rects.caliper.width") == 0
+        assert screen.evaluate("window.__wall.app.quantities.map(({ id }) => id)") == ["GR"]
+        section = screen.inner_text("#section")
+        assert section.split() == ["Hole", "size,", "volume,", "washout", "not", "measured"]
+        values = screen.readout()
+        assert (values["Radius"], values["Over bit radius"], values["Samples used"]) == ("not measured", "–", "–")
+        assert values["GR"].endswith("gAPI")
+        screen.close()
+
+
+def test_an_average_caliper_has_a_size_and_no_shape(browser: Any) -> None:
+    depth = np.arange(2000.0, 2040.0, 0.1)
+    wall = with_gamma(hb.Caliper.from_average(depth, BIT + 0.03 * (np.abs(depth - 2020) < 3)))
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2020&sec=38")
+        screen.until("window.__wall.app.zones.length")
+        screen.settle()
+        assert screen.inner_text("#basis") == "Average caliper: size measured, shape assumed round."
+        assert not screen.is_visible("#crossSection")
+        texts = ink_texts(screen)
+        assert "mean, shape not measured" in texts
+        assert not {"Cmin", "Cmax"} & set(texts)
+        screen.close()
+
+
+def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: Any) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
+    depth, toolface = wall.depth, wall.toolface
+    measured = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + 0.02 * (np.abs(depth - 2020) < 3)))
+    with hb.view(measured) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2020&sec=20")
+        screen.until("window.__wall.app.summary && window.__wall.app.zones.length")
+        screen.settle()
+        assert not screen.is_visible("#basis")
+        summary = measured.summary(2010.0, 2030.0)
+        text = screen.inner_text("#section")
+        assert summary.washed_out == pytest.approx(6, abs=0.5)
+        assert f"{summary.washed_out:.1f} m" in text
+        assert f"{summary.volume:.3f} m³" in text
+        assert f"Washed out ({100 * summary.washed_out / (summary.measured + summary.not_measured):.1f} %)" in text
+        (zone,) = measured.zones().zones
+        shown = screen.evaluate("window.__wall.app.zones")
+        assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
+        assert screen.inner_text("#zones").startswith(f"W {zone.start:.1f}–{zone.stop:.1f} m")
+        screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
+        screen.keyboard.press("n")
+        cursor = screen.evaluate("window.__wall.app.view.cursor.depth")
+        assert cursor == pytest.approx((zone.start + zone.stop) / 2, abs=1e-3)
+        assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(cursor)
+        screen.close()
+
+
+@pytest.mark.parametrize(
+    ("survey", "head", "known"),
+    [
+        (([1970.0, 2100.0], [60.0, 60.0]), (0.0, 0.0, 0.0), None),
+        (([1970.0, 2100.0], [60.0, 60.0]), (0.0, 0.0, 1500.0), 1525.0),
+        (([0.0, 1000.0, 1000.001, 2100.0], [0.0, 0.0, 60.0, 60.0]), (0.0, 0.0, -54.9), 1510.0),
+    ],
+)
+def test_true_depth_is_that_of_the_survey_or_none(
+    browser: Any, survey: tuple[list[float], list[float]], head: tuple[float, float, float], known: float | None
+) -> None:
+    path = hb.Survey(survey[0], survey[1], [30.0] * len(survey[0])).path(head=head)
+    with hb.view(MadeWall(20_000, start=2000.0), path=path) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2020&sec=20&at=2020_0")
+        screen.settle()
+        texts = ink_texts(screen)
+        assert ("TVD m" in texts, "no TVD" in texts) == (known is not None, known is None)
+        assert screen.readout()["TVD"] == ("–" if known is None else f"{known:.2f} m")
+        assert np.isnan(screen.evaluate("window.__wall.app.path.tvd(2101)")), "beyond the survey"
+        screen.close()
+
+
+def test_colours_come_from_the_whole_wall_and_are_those_of_the_print(browser: Any) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
+    depth, toolface = wall.depth, wall.toolface
+    wall = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + 0.017 * (np.abs(depth - 2035) < 2)))
+    content = content_of(wall, Drawing(polar=(), body=(), start=2000.0, stop=2010.0))
+    over, gr = (track.shown.scale for track in content.tracks[2:])  # type: ignore[union-attr]
+    assert (over.low, over.high, over.color_map) == (-20.0, 20.0, "over-bit")
+    with hb.view(wall) as viewer:
+        found = []
+        for size, address in (((1366, 768), "#md=2005&sec=8"), ((900, 600), "#md=2035&sec=3"), ((1000, 640), "")):
+            screen = Screen(browser, viewer.url, address, size, drawn=False)
+            screen.settle()
+            found.append(screen.evaluate(ENDS))
+            screen.close()
+    assert found[0] == found[1] == found[2]
+    assert found[0]["over"] == pytest.approx([over.low / 1000, over.high / 1000])
+    assert found[0]["GR"] == pytest.approx([gr.low, gr.high])
+
+
+def test_bit_size_is_in_the_middle_of_the_colours_in_light_and_dark(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    wall.radius[:] = BIT / 2
+    wall.radius[wall.depth > 1015] += 0.003
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=20")
+        middles = []
+        for theme in ("light", "dark"):
+            screen.evaluate(f"window.__wall.app.view.set({{ theme: '{theme}' }})")
+            screen.settle()
+            image = screen.pixels("image")[..., :3].astype(int)
+            middles.append(image[len(image) // 4, 40])
+            wide = image[-10, 40]
+            assert wide[0] - wide[2] > 40, "over bit is orange"
+        assert abs(middles[0] - [0xF4, 0xF3, 0xF0]).max() <= 3
+        assert abs(middles[1] - [0x1F, 0x28, 0x30]).max() <= 3
+        screen.close()
+
+
+def test_what_goes_straight_around_the_hole_is_level_from_afar(browser: Any) -> None:
+    wall = MadeWall(64 * 10 * 2000, start=1000.0)
+    wall.radius[:] = BIT / 2
+    wall.radius[(wall.depth > 2000) & (wall.depth < 2016)] += 0.02
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2000&sec=1990")
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.look().imagePieces.every(({ tile }) => tile.level.rings)")
+        image = screen.pixels("image")[2:-2, 2:-2, :3].astype(int)
+        washed = image[..., 0] - image[..., 2] > 40
+        tops = np.argmax(washed, axis=0)
+        assert washed.any(axis=0).all()
+        assert np.ptp(tops) == 0, "its top is at one height all around"
+        screen.close()
