@@ -214,13 +214,17 @@ Samples::Place Samples::place(Index rank) const {
     return {chunk, rank - first_rank_[chunk]};
 }
 
-Index Samples::count_to(double depth) const {
-    const auto chunk =
-        std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return c->last_depth() <= depth; });
-    if (chunk == chunks_.end()) return count_;
-    const double* first = (*chunk)->depth();
-    const auto within = std::upper_bound(first, first + (*chunk)->count, depth) - first;
-    return first_rank_[static_cast<std::size_t>(chunk - chunks_.begin())] + within;
+Index Samples::count_to(double depth, std::size_t& near) const {
+    const bool is_near = near < chunks_.size() && chunks_[near]->first_depth() <= depth &&
+                         depth < chunks_[near]->last_depth();
+    if (!is_near) {
+        const auto chunk = std::partition_point(chunks_.begin(), chunks_.end(),
+                                                [&](const auto& c) { return c->last_depth() <= depth; });
+        near = static_cast<std::size_t>(chunk - chunks_.begin());
+    }
+    if (near == chunks_.size()) return count_;
+    const double* first = chunks_[near]->depth();
+    return first_rank_[near] + (std::upper_bound(first, first + chunks_[near]->count, depth) - first);
 }
 
 double Samples::depth(Index rank) const {

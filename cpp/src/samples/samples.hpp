@@ -128,8 +128,8 @@ class Samples {
     // Rank of a place and place of a rank, in canonical order.
     Index rank(Place place) const { return first_rank_[place.chunk] + place.offset; }
     Place place(Index rank) const;
-    // Samples with depth <= the given one.
-    Index count_to(double depth) const;
+    // Samples with depth <= the given one; `near`: the chunk where it lies, looked at first.
+    Index count_to(double depth, std::size_t& near) const;
     double depth(Index rank) const;
     // A place at the first sample with depth >= low, or less than `stride` samples before it in its chunk. Found in
     // steps from a hint that is near, by bisection otherwise.

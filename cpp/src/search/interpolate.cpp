@@ -48,8 +48,8 @@ void Search::weigh(const kernel::Group& g, Index lane, double trial, const kerne
     const double scale = trial * rules_.scale;
     for (Index i = 0; i < list.count; ++i) {
         const kernel::Candidate& c = list.rows[i];
-        const auto rank = static_cast<double>(c.rank);
-        if (rules_.windowed && !(g.window_first[lane] <= rank && rank < g.window_last[lane])) continue;
+        const auto position = static_cast<double>(i);
+        if (rules_.windowed && !(g.window_first[lane] <= position && position < g.window_last[lane])) continue;
         const double turn = std::abs(c.toolface - g.toolface[lane]);
         const double across = scale * std::min(turn, 360.0 - turn), along = c.depth - g.depth[lane];
         if (across * across * rules_.unscale + along * along > rules_.max_square) continue;

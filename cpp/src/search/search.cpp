@@ -63,7 +63,7 @@ Search::Search(const Settings& settings)
     for (Index k = 0; k < settings.sectors; ++k) toolface_[static_cast<std::size_t>(k)] = helix.toolface(k);
 }
 
-kernel::Group Search::start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const {
+kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count) const {
     kernel::Group g;  // results are set by the kernel
     g.middle = 0.5 * (helix.depth(group * lanes) + helix.depth(group * lanes + lanes - 1));
     g.center =
@@ -79,12 +79,6 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
         g.iterations[i] = g.reach_square[i] = 0.0;
         g.window_first[i] = g.window_last[i] = 0.0;
-        if (rules_.windowed) {
-            const Index n = samples.size(), window = std::min(*settings_.window, n);
-            const Index first = std::clamp<Index>(samples.count_to(g.depth[i]) - *settings_.window / 2, 0, n - window);
-            g.window_first[i] = static_cast<double>(first);
-            g.window_last[i] = static_cast<double>(first + window);
-        }
     }
     return g;
 }
@@ -92,7 +86,15 @@ kernel::Group Search::start(const Samples& samples, const Helix& helix, Index gr
 // Estimates the group. The list then holds the neighbours of every vertex at its last trial radius.
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
-    kernel::Group g = start(samples, helix, group, vertex_count);
+    kernel::Group g = start(helix, group, vertex_count);
+    Windows& windows = scratch.windows;
+    if (rules_.windowed) {
+        find_windows(samples, g, std::min(lanes, vertex_count - group * lanes), windows);
+    } else {
+        windows.all = {0, samples.size()};
+        windows.shallow = samples.size() == 0 ? 0.0 : samples.first_depth();
+        windows.deep = samples.size() == 0 ? 0.0 : samples.last_depth();
+    }
     search_box(samples, Span(g, helix), g, scratch);
     return g;
 }
@@ -109,34 +111,57 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
         result.iterations[i] = static_cast<std::uint8_t>(g.iterations[i]);
         reach = std::max(reach, g.reach_square[i]);
     }
+    const Span span(g, helix);
     if (rules_.windowed)
-        window_reach(samples, g, used, result);
+        window_reach(samples, scratch.windows, span, result);
     else {
         // Rounded outwards; missing_square (too few samples, no limit) is longer than any hole.
         reach = std::sqrt(reach) * (1.0 + 1e-6);
-        const Span span(g, helix);
         result.shallow = span.shallow - reach;
         result.deep = span.deep + reach;
     }
 }
 
+// The ranks of the samples in the windows of a group's vertices.
+void Search::find_windows(const Samples& samples, const kernel::Group& g, Index used, Windows& windows) const {
+    const Index n = samples.size();
+    windows.length = std::min(*settings_.window, n);
+    for (Index i = 0; i < lanes; ++i) {
+        windows.centered[i] = i < used ? samples.count_to(g.depth[i], windows.chunk) - *settings_.window / 2
+                                       : windows.centered[used - 1];
+        windows.first[i] = std::clamp<Index>(windows.centered[i], 0, n - windows.length);
+    }
+    const auto [first, last] = std::minmax(windows.first[0], windows.first[lanes - 1]);
+    windows.all = {first, last + windows.length};
+    windows.shallow = n == 0 ? 0.0 : samples.depth(windows.all.start);
+    windows.deep = n == 0 ? 0.0 : samples.depth(windows.all.stop - 1);
+}
+
+// Where the windows lie in the list. Returns the least number of candidates that an active vertex has.
+Index Search::place_windows(const Windows& windows, const kernel::CandidateList& list, kernel::Group& g) const {
+    if (!rules_.windowed) return list.count;
+    Index least = list.count, first = 0, last = 0;
+    const auto walk = [&](Index& at, Index rank) {
+        while (at > 0 && list.rows[at - 1].rank >= rank) --at;
+        while (at < list.count && list.rows[at].rank < rank) ++at;
+        return static_cast<double>(at);
+    };
+    for (Index i = 0; i < lanes; ++i) {
+        g.window_first[i] = walk(first, windows.first[i]);
+        g.window_last[i] = walk(last, windows.first[i] + windows.length);
+        if (g.active[i] > 0.0) least = std::min(least, last - first);
+    }
+    return least;
+}
+
 // A window changes if a new sample lies in it, or between it and the vertex, or on a side where the window is cut short
 // by the end of the samples.
-void Search::window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const {
-    result.shallow = no_limit;
-    result.deep = -no_limit;
+void Search::window_reach(const Samples& samples, const Windows& windows, const Span& span, GroupResult& result) const {
     const Index n = samples.size();
-    for (Index i = 0; i < used; ++i) {
-        const Index centered = samples.count_to(g.depth[i]) - *settings_.window / 2;
-        const auto first = static_cast<Index>(g.window_first[i]), last = static_cast<Index>(g.window_last[i]);
-        const bool all = n < *settings_.window;
-        const bool cut_above = all || centered < 0;
-        const bool cut_below = all || centered + *settings_.window > n;
-        result.shallow =
-            std::min(result.shallow, cut_above || n == 0 ? -no_limit : std::min(samples.depth(first), g.depth[i]));
-        result.deep =
-            std::max(result.deep, cut_below || n == 0 ? no_limit : std::max(samples.depth(last - 1), g.depth[i]));
-    }
+    const auto [least, greatest] = std::minmax(windows.centered[0], windows.centered[lanes - 1]);
+    const bool all = n < *settings_.window;
+    result.shallow = all || least < 0 ? -no_limit : std::min(windows.shallow, span.shallow);
+    result.deep = all || greatest + *settings_.window > n ? no_limit : std::max(windows.deep, span.deep);
 }
 
 void Search::search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const {
@@ -149,19 +174,16 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         const double width = half_height / (least_trial * rules_.scale);
         const double height = std::min(half_height, 1.001 * settings_.max_distance);
         const double low = span.shallow - height, high = span.deep + height;
-        const bool all_depths = rules_.windowed || samples.size() == 0 ||
-                                (low <= samples.first_depth() && high >= samples.last_depth());
+        const bool all_depths =
+            samples.size() == 0 || (low <= scratch.windows.shallow && high >= scratch.windows.deep);
         const double across = span.half_width + width + 1e-9;
         const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
         kernel::Box box{all_depths ? no_limit : height, across < 180.0 ? width : no_limit, across, 0.5 * (high - low),
                         false};
-        if (rules_.windowed)
-            fetch_window(samples, filter, box, g, scratch);
-        else
-            fetch_box(samples, low, high, filter, box, g, scratch);
-        const std::int64_t count = scratch.list.count;
-        box.narrow = !rules_.windowed && rules_.neighbors <= std::min<std::int64_t>(count, 8) &&
-                     count <= kernel::narrow_capacity && across + span.half_width < 180.0;
+        fetch_box(samples, low, high, filter, box, g, scratch);
+        const Index fewest = place_windows(scratch.windows, scratch.list, g);
+        box.narrow = rules_.neighbors <= std::min<Index>(fewest, 8) &&
+                     scratch.list.count <= kernel::narrow_capacity && across + span.half_width < 180.0;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;
@@ -188,6 +210,7 @@ void Search::fetch_box(const Samples& samples, double low, double high, const ke
                        const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
     scratch.list.count = 0;
     std::fill_n(g.discarded, lanes, kernel::boundless_square);
+    const Windows& windows = scratch.windows;
     scratch.place = samples.step_to(low, scratch.place, stride);
     Samples::Place place = scratch.place;
     for (; place.chunk < samples.chunks().size(); ++place.chunk, place.offset = 0) {
@@ -195,26 +218,9 @@ void Search::fetch_box(const Samples& samples, double low, double high, const ke
         Index stop = place.offset;
         while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
         stop = std::min(stop, chunk.count);
-        gather(chunk, place.offset, stop, samples.rank(place), filter, box, g, scratch);
+        const Index rank = samples.rank({place.chunk, 0}), from = std::max(place.offset, windows.all.start - rank);
+        gather(chunk, from, std::min(stop, windows.all.stop - rank), rank + from, filter, box, g, scratch);
         if (stop < chunk.count) break;
-    }
-    scratch.pad();
-}
-
-// The samples of the group's windows, as far as they pass the filter.
-void Search::fetch_window(const Samples& samples, const kernel::Filter& filter, kernel::Box& box, kernel::Group& g,
-                          Scratch& scratch) const {
-    scratch.list.count = 0;
-    std::fill_n(g.discarded, lanes, kernel::boundless_square);
-    if (samples.size() == 0) return scratch.pad();
-    const auto rank = static_cast<Index>(*std::min_element(g.window_first, g.window_first + lanes));
-    const auto last = static_cast<Index>(*std::max_element(g.window_last, g.window_last + lanes));
-    box.along = std::max(std::abs(samples.depth(rank) - g.middle), std::abs(samples.depth(last - 1) - g.middle));
-    for (Samples::Place place = samples.place(rank);; ++place.chunk, place.offset = 0) {
-        const Chunk& chunk = *samples.chunks()[place.chunk];
-        const Index stop = std::min(chunk.count, place.offset + last - samples.rank(place));
-        gather(chunk, place.offset, stop, samples.rank(place), filter, box, g, scratch);
-        if (samples.rank(place) + stop - place.offset >= last) break;
     }
     scratch.pad();
 }
@@ -234,6 +240,7 @@ void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, con
 
 void Search::shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
     scratch.pad();
+    place_windows(scratch.windows, scratch.list, g);
     std::fill(scratch.keep.begin(), scratch.keep.end(), static_cast<unsigned char>(0));
     functions_->nominate(g, scratch.list, rules_, box, scratch.keep.data());
     kernel::CandidateList& list = scratch.list;

@@ -30,6 +30,14 @@ class Search {
   public:
     explicit Search(const Settings& settings);
 
+    // Which samples a group may use: all, or those in the windows of its vertices.
+    struct Windows {
+        Index centered[kernel::lanes], first[kernel::lanes], length;  // ranks; first: moved to where samples are
+        Range all;                                                     // ranks of all windows together
+        double shallow, deep;                                          // depths of the first and last of them
+        std::size_t chunk = 0;                                         // near the last vertex
+    };
+
     // Memory of one worker: the list of candidates and the place of the previous group. Every group writes to it, so it
     // is aligned to the two cache lines that processors fetch together: shared lines cost each worker a tenth of its
     // time.
@@ -47,6 +55,7 @@ class Search {
         kernel::CandidateList list;
         std::vector<unsigned char> keep;
         Samples::Place place;
+        Windows windows;
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
     };
@@ -76,16 +85,16 @@ class Search {
                         Scratch& scratch) const;
     void weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                std::vector<Neighbour>& neighbours) const;
-    kernel::Group start(const Samples& samples, const Helix& helix, Index group, Index vertex_count) const;
+    kernel::Group start(const Helix& helix, Index group, Index vertex_count) const;
     void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
     void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter,
                    const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
-    void fetch_window(const Samples& samples, const kernel::Filter& filter, kernel::Box& box, kernel::Group& g,
-                      Scratch& scratch) const;
     void gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
                 const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
     void shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
-    void window_reach(const Samples& samples, const kernel::Group& g, Index used, GroupResult& result) const;
+    void find_windows(const Samples& samples, const kernel::Group& g, Index used, Windows& windows) const;
+    Index place_windows(const Windows& windows, const kernel::CandidateList& list, kernel::Group& g) const;
+    void window_reach(const Samples& samples, const Windows& windows, const Span& span, GroupResult& result) const;
     double first_guess(const Samples& samples) const;
 
     Settings settings_;

@@ -14,46 +14,48 @@ constexpr unsigned every_lane = (1u << lanes) - 1;
 // A bound must hold although squares, ratios and truncated keys are rounded: they err by less than these.
 constexpr double slack = 1.0 + 1e-9;
 
-// x^exponent for 0 < x <= 1, by the series of atanh and exp, in plain arithmetic (relative error below 1e-14 for
-// results that matter): the library's pow may differ between machines.
-inline double fractional_power(double x, double exponent) {
-    std::int64_t bits;
-    __builtin_memcpy(&bits, &x, sizeof bits);
-    std::int64_t two = ((bits >> 52) & 0x7ff) - 1023;
-    bits = (bits & 0x000fffffffffffff) | 0x3ff0000000000000;
-    double m;
-    __builtin_memcpy(&m, &bits, sizeof m);
-    if (m > 1.4142135623730951) {
-        m *= 0.5;
-        ++two;
-    }
-    const double s = (m - 1.0) / (m + 1.0);
-    double series = 0.0;
-    for (int odd = 23; odd >= 1; odd -= 2) series = series * (s * s) + 1.0 / odd;
-    constexpr double log2_e = 1.4426950408889634, ln_2 = 0.6931471805599453;
-    const double y = exponent * (static_cast<double>(two) + 2.0 * s * series * log2_e);
-    if (y < -1000.0) return 0.0;
-    const std::int64_t whole = static_cast<std::int64_t>(y - 0.5);  // y <= 0: rounds to the nearest
-    const double f = (y - static_cast<double>(whole)) * ln_2;
-    double result = 1.0;
-    for (int i = 16; i >= 1; --i) result = result * f / i + 1.0;
-    const std::int64_t scale_bits = (whole + 1023) << 52;
-    double scale;
-    __builtin_memcpy(&scale, &scale_bits, sizeof scale);
-    return result * scale;
+// log2(x) = whole + rest, by the series of atanh, of ordinary numbers above 0.
+template <class P>
+inline void log2_parts(P x, P& whole, P& rest) {
+    whole = P::exponent(x);
+    P m = P::mantissa(x);
+    const auto upper = P::less(P(1.4142135623730951), m);
+    whole = P::blend(upper, whole + P(1.0), whole);
+    m = P::blend(upper, m * P(0.5), m);
+    const P s = (m - P(1.0)) / (m + P(1.0)), square = s * s;
+    P series(0.0);
+#pragma GCC unroll 10
+    for (int odd = 19; odd >= 1; odd -= 2) series = series * square + P(2.885390081777927 / odd);  // 2 / ln 2
+    rest = s * series;
 }
 
-// Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power.
+// 2^y for y <= 0, by the series of exp.
+template <class P>
+inline P exp2_of(P y) {
+    y = P::max(y, P(-1000.0));
+    const P round(0x1.8p52), whole = (y + round) - round, f = (y - whole) * P(0.6931471805599453);
+    constexpr double inverse_factorials[] = {
+        1.0,         1.0,          1.0 / 2,       1.0 / 6,        1.0 / 24,        1.0 / 120,        1.0 / 720,
+        1.0 / 5040,  1.0 / 40320,  1.0 / 362880,  1.0 / 3628800,  1.0 / 39916800,  1.0 / 479001600,  1.0 / 6227020800};
+    P result(0.0);
+#pragma GCC unroll 14
+    for (int i = 13; i >= 0; --i) result = result * f + P(inverse_factorials[i]);
+    return result * P::power_of_two(whole);
+}
+
+// Weights for any power, relative to the nearest neighbour so that none overflows: (d_min / d)^power. In plain
+// arithmetic, to some 1e-15: a library's pow may differ between machines.
 template <class P>
 inline void relative_weights(const P* squares, P least, int neighbors, double power, P* weight) {
+    P least_whole, least_rest, whole, rest;
+    log2_parts(least, least_whole, least_rest);
     for (int i = 0; i < neighbors; ++i) {
-        const P ratio = least / squares[i];
-        weight[i] = ratio;
-        if (power == 2.0) continue;
-        double x[lanes];
-        ratio.store(x);
-        for (double& one : x) one = one > 1e-300 ? fractional_power(one, 0.5 * power) : 0.0;
-        weight[i] = P::load(x);
+        if (power == 2.0) {
+            weight[i] = least / squares[i];
+            continue;
+        }
+        log2_parts(squares[i], whole, rest);
+        weight[i] = exp2_of(P(0.5 * power) * ((least_whole - whole) + (least_rest - rest)));
     }
 }
 
@@ -85,13 +87,13 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
 // square k, cut to 15 bits of fraction, stands for at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
-template <class P>
+template <class P, bool windowed>
 inline P find_eight(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
                     std::int32_t* at) {
     using Narrow = typename P::Narrow;
     using Single = typename Narrow::Single;
     Narrow found_best[8];
-    const Narrow found_rejected = select_eight(NarrowEye<P>(g, scale, list), found_best);
+    const Narrow found_rejected = select_eight(NarrowEye<P, windowed>(g, scale, list), found_best);
     Single best[8], rejected = found_rejected.candidate(0);
     for (int j = 0; j < 8; ++j) best[j] = found_best[j].candidate(0);
     if constexpr (Narrow::candidates == 2) {
@@ -218,7 +220,9 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     for (;;) {
         if (any(wanted)) {
             if (narrow) {
-                rejected = find_eight<P>(g, current * scale, list, box, rules.neighbors, at);
+                rejected = rules.windowed
+                               ? find_eight<P, true>(g, current * scale, list, box, rules.neighbors, at)
+                               : find_eight<P, false>(g, current * scale, list, box, rules.neighbors, at);
                 selected_at = current;
             } else {
                 rejected = P::blend(wanted, nearest.find(g, current, P::bits(wanted), at), rejected);

@@ -81,7 +81,7 @@ struct Group {
     double center, middle;  // toolface and depth half way between the first vertex and the last
     double depth[lanes];
     double toolface[lanes];
-    double window_first[lanes];  // ranks, window mode only: candidates in [first, last) count
+    double window_first[lanes];  // window mode only: positions in [first, last) of the list count
     double window_last[lanes];
     double trial[lanes];      // the radius the next estimate starts from
     double before[lanes];     // the one before it; once done, `trial` again unless the radius is the mean of both

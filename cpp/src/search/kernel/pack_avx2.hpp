@@ -53,6 +53,26 @@ struct Avx2Pack {
         return {_mm256_blendv_pd(no.a, yes.a, m.a), _mm256_blendv_pd(no.b, yes.b, m.b)};
     }
 
+    // As in Avx512Pack. 2^52 + n has the integer n in its low bits.
+    static Avx2Pack exponent(Avx2Pack x) {
+        const auto shifted = [](__m256d y) {
+            const __m256d n = _mm256_castsi256_pd(_mm256_srli_epi64(_mm256_castpd_si256(y), 52));
+            return _mm256_sub_pd(_mm256_or_pd(n, _mm256_set1_pd(0x1p52)), _mm256_set1_pd(0x1p52 + 1023.0));
+        };
+        return {shifted(x.a), shifted(x.b)};
+    }
+    static Avx2Pack mantissa(Avx2Pack x) {
+        const __m256d bits = _mm256_castsi256_pd(_mm256_set1_epi64x(0xfffffffffffff)), one = _mm256_set1_pd(1.0);
+        return {_mm256_or_pd(_mm256_and_pd(x.a, bits), one), _mm256_or_pd(_mm256_and_pd(x.b, bits), one)};
+    }
+    static Avx2Pack power_of_two(Avx2Pack n) {
+        const auto shifted = [](__m256d y) {
+            const __m256d biased = _mm256_add_pd(y, _mm256_set1_pd(0x1p52 + 1023.0));
+            return _mm256_castsi256_pd(_mm256_slli_epi64(_mm256_castpd_si256(biased), 52));
+        };
+        return {shifted(n.a), shifted(n.b)};
+    }
+
     static __m256d low() { return _mm256_castsi256_pd(_mm256_set1_epi64x((1LL << position_bits) - 1)); }
     static Avx2Pack tag(Avx2Pack square, Avx2Pack position) {
         return {_mm256_or_pd(_mm256_andnot_pd(low(), square.a), position.a),

@@ -36,6 +36,11 @@ struct Avx512Pack {
     static unsigned bits(Mask a) { return a; }
     static Avx512Pack blend(Mask m, Avx512Pack yes, Avx512Pack no) { return _mm512_mask_blend_pd(m, no.v, yes.v); }
 
+    // x = mantissa 2^exponent, the mantissa in [1, 2), of an ordinary number; and 2^n.
+    static Avx512Pack exponent(Avx512Pack x) { return _mm512_getexp_pd(x.v); }
+    static Avx512Pack mantissa(Avx512Pack x) { return _mm512_getmant_pd(x.v, _MM_MANT_NORM_1_2, _MM_MANT_SIGN_zero); }
+    static Avx512Pack power_of_two(Avx512Pack n) { return _mm512_scalef_pd(_mm512_set1_pd(1.0), n.v); }
+
     static __m512i low() { return _mm512_set1_epi64((1LL << position_bits) - 1); }
     // (square & ~low) | position in one instruction; 0xBA is that truth table.
     static Avx512Pack tag(Avx512Pack square, Avx512Pack position) {

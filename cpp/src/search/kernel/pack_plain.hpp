@@ -153,6 +153,17 @@ struct PlainPack {
         return each([&](int i) { return m.m[i] ? yes.v[i] : no.v[i]; });
     }
 
+    // As in Avx512Pack.
+    static PlainPack exponent(PlainPack x) {
+        return each([&](int i) { return static_cast<double>((bits(x.v[i]) >> 52) - 1023); });
+    }
+    static PlainPack mantissa(PlainPack x) {
+        return each([&](int i) { return bits_of<double>((bits(x.v[i]) & 0xfffffffffffff) | bits(1.0)); });
+    }
+    static PlainPack power_of_two(PlainPack n) {
+        return each([&](int i) { return bits_of<double>((static_cast<std::int64_t>(n.v[i]) + 1023) << 52); });
+    }
+
     static constexpr std::int64_t low = (std::int64_t{1} << position_bits) - 1;
     static std::int64_t bits(double x) { return bits_of<std::int64_t>(x); }
     static PlainPack tag(PlainPack square, PlainPack position) {

@@ -70,13 +70,21 @@ void fill_narrow_columns(const CandidateList& list, const Group& g) {
     }
 }
 
+struct Numbers {
+    float of[narrow_capacity + 16] = {};
+    constexpr Numbers() {
+        for (int i = 0; i < narrow_capacity + 16; ++i) of[i] = static_cast<float>(i);
+    }
+};
+inline constexpr Numbers numbers;
+
 // What the vertices see of a list that spans no more than half a turn: their squared distances in floats, tagged with
 // the position, to one or two candidates at a time.
-template <class P>
+template <class P, bool windowed>
 struct NarrowEye {
     using Pack = typename P::Narrow;
     static constexpr int candidates = Pack::candidates;
-    Pack across, along, scale;
+    Pack across, along, scale, window_middle, window_square;  // half the window's length squared
     const CandidateList& list;
 
     NarrowEye(const Group& g, P metres_a_degree, const CandidateList& of)
@@ -84,12 +92,20 @@ struct NarrowEye {
           scale(Pack::each_vertex(metres_a_degree.narrow())),
           list(of) {
         across = Pack::each_vertex(turn_from(P(g.center), P::load(g.toolface)).narrow());
+        const P first = P::load(g.window_first), last = P::load(g.window_last), half = (last - first) * P(0.5);
+        window_middle = Pack::each_vertex((first + half - P(0.5)).narrow());
+        window_square = Pack::each_vertex((half * half).narrow());
     }
 
     Pack key(std::int64_t i) const {
         const Pack x = scale * (Pack::each_candidate(list.across + i) - across);
         const Pack y = Pack::each_candidate(list.along + i) - along;
-        return Pack::tag(x * x + y * y, Pack::each_candidate(list.narrow_position + i));
+        Pack square = x * x + y * y;
+        if constexpr (windowed) {  // outside the window: more than any real square
+            const Pack from_middle = Pack::each_candidate(numbers.of + i) - window_middle;
+            square = Pack::max(square, (from_middle * from_middle - window_square) * Pack(1e32f));
+        }
+        return Pack::tag(square, Pack::each_candidate(list.narrow_position + i));
     }
     Pack none() const { return Pack(narrow_none_square); }
     Pack boundless() const { return none(); }
@@ -190,8 +206,8 @@ class Nearest {
         const double scale = trial * rules_.scale;
         std::int64_t first = 0, last = list_.count;
         if (rules_.windowed) {
-            first = rank_at(g.window_first[lane]);
-            last = rank_at(g.window_last[lane]);
+            first = static_cast<std::int64_t>(g.window_first[lane]);
+            last = static_cast<std::int64_t>(g.window_last[lane]);
         }
         const int n = static_cast<int>(last - first), wanted = rules_.neighbors;
         fill_keys(g, lane, scale, first, n);
@@ -226,19 +242,6 @@ class Nearest {
 
     static constexpr float narrow_most = 3e38f;
     using Floats = typename P::Narrow;
-
-    // The first position whose rank is at least that.
-    std::int64_t rank_at(double rank) const {
-        std::int64_t low = 0, high = list_.count;
-        while (low < high) {
-            const std::int64_t middle = (low + high) / 2;
-            if (static_cast<double>(list_.rows[middle].rank) < rank)
-                low = middle + 1;
-            else
-                high = middle;
-        }
-        return low;
-    }
 
     void fill_keys(const Group& g, int lane, double scale, std::int64_t first, int n) {
         double turn[lanes], along[lanes];
