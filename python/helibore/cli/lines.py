@@ -32,6 +32,8 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
     if found.basis != "azimuthal":
         lines.append(("", BASIS_TEXT[found.basis]))
     lines.append(("bit", size_text(found.bit_diameter)))
+    if found.basis == "gauge":  # nothing was measured, so that there is nothing to report
+        return lines
     if math.isnan(found.mean_diameter):
         lines.append(("diameter", "missing: no turn is measured all around"))
     else:
@@ -39,12 +41,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
             ("diameter", f"mean      {_size(found.mean_diameter, found)}, by volume"),
             ("", f"least     {_extreme(found.least_diameter, found)}"),
             ("", f"greatest  {_extreme(found.greatest_diameter, found)}"),
-            ("", f"inscribed {_extreme(found.inscribed_diameter, found)}: the largest that passes"),
-            ("shape", f"ovality, API: mean {found.ovality[0]:.4f}, greatest {found.ovality[1]:.4f} (DNV and ISO: twice "
-             "that)"),
-            ("", f"rugosity over {found.rugosity_window:g} m: " + (
-                "missing" if math.isnan(found.rugosity[0])
-                else f"mean {found.rugosity[0] * 1e3:.2f} mm, greatest {found.rugosity[1] * 1e3:.2f} mm")),
+            *(_shape_lines(found) if found.basis == "azimuthal" else []),
             ("volume", f"{_volume(found.volume)} over {found.measured:,.1f} m measured, {100 * found.excess:+.1f} % "
              "against the bit"),
         ]  # fmt: skip
@@ -55,6 +52,17 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
         half, most = found.nearest_half * 1e3, found.nearest_most * 1e3
         lines.append(("", f"nearest sample: at most {half:.0f} mm for half of the vertices, {most:.0f} mm for 99 %"))
     return lines
+
+
+def _shape_lines(found: WallSummary) -> Lines:
+    mean, greatest = found.ovality
+    rough = [f"{name} {size * 1e3:.2f} mm" for name, size in zip(("mean", "greatest"), found.rugosity, strict=True)]
+    return [
+        ("", f"inscribed {_extreme(found.inscribed_diameter, found)}: the largest that passes"),
+        ("shape", f"ovality, API: mean {mean:.4f}, greatest {greatest:.4f} (DNV and ISO: twice that)"),
+        ("", f"rugosity over {found.rugosity_window:g} m: " + (
+            "missing" if math.isnan(found.rugosity[0]) else ", ".join(rough))),
+    ]  # fmt: skip
 
 
 def _size(size: float, found: WallSummary) -> str:

@@ -24,6 +24,7 @@ from click.core import ParameterSource
 
 from helibore.base.errors import InputError
 from helibore.cli.quantities import ANGLE, BIT, FILE, LENGTH, LENGTH_OR_NONE, NUMBERS, SHIFT, TIME
+from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.trajectory.references import Reference
 from helibore.wall.archive import ENDING as ARCHIVE
 
@@ -222,6 +223,12 @@ def _check_source(options: dict[str, Any]) -> None:
     """Refuse no source, several kinds of it, and options that would have no effect."""
     source, settings = options["source"], options["from_settings"]
     endings = {file.suffix.lower() for file in source}
+    for file in source:
+        if file.suffix.lower() in (*SURFACE_ENDINGS, *VOLUME_ENDINGS):
+            settings_beside = file.with_name(f"{file.name}{SETTINGS}")
+            instead = f"its settings, {settings_beside.name}, a saved .wall, or the caliper file"
+            instead = f"the settings beside it, {settings_beside.name}" if settings_beside.is_file() else instead
+            raise InputError(file.name, f"a mesh has no samples; use {instead}")
     if bool(source) + (options["average"] is not None) + options["gauge"] + (settings is not None) != 1:
         raise click.UsageError(
             "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any
 
 import click
 
 from helibore.base.errors import InputError
 from helibore.cli.outputs import QUIET
-from helibore.cli.source import SETTINGS, Sectioned, one, open_run, section, takes_a_wall
+from helibore.cli.source import Sectioned, one, open_run, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 
@@ -36,9 +35,6 @@ def view(**options: Any) -> None:
     """
     terminal = Terminal(options["quiet"])
     check_page()
-    for file in options["source"]:
-        if file.suffix.lower() in _mesh_endings():
-            raise InputError(file.name, f"a mesh has no samples to go with it; {_instead(file)}")
     run = open_run(options, terminal)
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
@@ -55,20 +51,6 @@ def view(**options: Any) -> None:
     click.echo(f"{viewer.url}   (Ctrl-C ends it)")
     viewer.wait()
     viewer.close()
-
-
-def _mesh_endings() -> tuple[str, ...]:
-    from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
-
-    return (*SURFACE_ENDINGS, *VOLUME_ENDINGS)
-
-
-def _instead(mesh: Path) -> str:
-    """What to view in place of a mesh."""
-    settings = mesh.with_name(f"{mesh.name}{SETTINGS}")
-    if settings.is_file():
-        return f"view the settings beside it: helibore view {settings.name}"
-    return f"view its settings ({settings.name}), a saved .wall, or the caliper file"
 
 
 def check_page() -> None:

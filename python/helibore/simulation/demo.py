@@ -44,7 +44,7 @@ def drill(seed: int = 0) -> Simulation:
 
 
 def rebuild(simulation: Simulation) -> Demonstration:
-    """Rebuild the wall of a simulated hole with 64 sectors a turn and a pitch of 0.1 m; it carries the gamma image."""
+    """Rebuild the wall of a simulated hole with 64 sectors a turn and a pitch of 0.1 m, with the gamma image on it."""
     caliper = Caliper(simulation.depth, simulation.toolface, simulation.radius, simulation.time)
     wall = reconstruct(caliper, bit_diameter=simulation.hole.bit_diameter)
     wall.images["Gamma ray"] = SectorImage(

@@ -18,6 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 
 BLOCK = 1 << 15
 """Points evaluated at once: few enough that every temporary stays in the cache."""
@@ -25,7 +26,7 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True)
 class Washout:
-    """A stretch [start, stop) (m), its radius up to ``enlargement`` m larger, its wall ``roughness`` times rougher."""
+    """From ``start`` to ``stop`` (m): a radius up to ``enlargement`` m larger, a wall ``roughness`` times rougher."""
 
     start: float
     stop: float
@@ -65,7 +66,7 @@ class Bed:
 
 @dataclass(frozen=True)
 class Section:
-    """A stretch of ``length`` m of the well path with constant ``build`` and ``turn``, in deg per 30 m."""
+    """A section of ``length`` m of the well path with constant ``build`` and ``turn``, in deg per 30 m."""
 
     length: float
     build: float = 0.0
@@ -122,11 +123,11 @@ class Hole:
 
     def __post_init__(self) -> None:
         if not self.stop > self.start:
-            raise ValueError(f"stop = {self.stop:g}: must be deeper than start = {self.start:g}")
+            raise InputError("stop", f"must be deeper than start = {self.start:g}", f"{self.stop:g}")
         if not self.bit_diameter > 0:
-            raise ValueError(f"bit_diameter = {self.bit_diameter:g}: must be larger than 0")
+            raise InputError("bit_diameter", "must be larger than 0", f"{self.bit_diameter:g}")
         if self.rugosity and not self.rugosity_length > 0:
-            raise ValueError(f"rugosity_length = {self.rugosity_length:g}: must be larger than 0")
+            raise InputError("rugosity_length", "must be larger than 0", f"{self.rugosity_length:g}")
         object.__setattr__(self, "_modes", self._roughness_modes())
 
     @classmethod

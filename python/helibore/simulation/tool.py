@@ -1,6 +1,6 @@
 """An imaging-while-drilling tool in a known hole: samples, survey and gamma image whose truth can be asked anywhere.
 
-A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan a stretch again, and adds noise;
+A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan an interval again, and adds noise;
 :func:`simulate` runs it through a :class:`~helibore.simulation.hole.Hole`::
 
     speed of turning  = rotation (1 + stick_slip cos(2 pi t / period + phase) + a slow wander)
@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 from helibore.simulation.hole import Bed, Breakout, Hole, Section, Washout
 
 __all__ = ["Bed", "Breakout", "Hole", "Lift", "Section", "Simulation", "Tool", "Washout", "simulate"]
@@ -70,15 +71,15 @@ class Tool:
     def __post_init__(self) -> None:
         for name in ("rotation", "stick_slip_period", "advance", "sample_rate", "image_step"):
             if not getattr(self, name) > 0:
-                raise ValueError(f"{name} = {getattr(self, name):g}: must be larger than 0")
+                raise InputError(name, "must be larger than 0", f"{getattr(self, name):g}")
         for name in ("stick_slip", "noise", "toolface_noise", "gamma_noise"):
             if not getattr(self, name) >= 0:
-                raise ValueError(f"{name} = {getattr(self, name):g}: must not be negative")
+                raise InputError(name, "must not be negative", f"{getattr(self, name):g}")
         for name in ("advance_variation", "missing"):
             if not 0 <= getattr(self, name) < 1:
-                raise ValueError(f"{name} = {getattr(self, name):g}: must be in [0, 1)")
+                raise InputError(name, "must be in [0, 1)", f"{getattr(self, name):g}")
         if self.sectors < 1:
-            raise ValueError(f"sectors = {self.sectors}: must be at least 1")
+            raise InputError("sectors", "must be at least 1", f"{self.sectors}")
 
 
 @dataclass(frozen=True)
@@ -133,7 +134,7 @@ def simulate(
 
     Raises
     ------
-    ValueError
+    InputError
         If there are fewer than 2 samples, or a lift leaves the hole or the order of depth.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
@@ -143,7 +144,7 @@ def simulate(
     duration = travel / (tool.advance / 3600.0)
     count = int(duration * tool.sample_rate) + 1 if samples is None else samples
     if count < 2:
-        raise ValueError(f"samples = {count}: must be at least 2")
+        raise InputError("samples", "must be at least 2", f"{count}")
 
     rng = np.random.default_rng([seed, 3])
     time = np.linspace(0.0, duration, count)
@@ -170,11 +171,10 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
     deepest = hole.start
     for index, lift in enumerate(tool.lifts):
         if not (deepest <= lift.depth <= hole.stop):
-            raise ValueError(f"lifts[{index}].depth = {lift.depth:g}: must be in [{deepest:g}, {hole.stop:g}]")
+            raise InputError(f"lifts[{index}].depth", f"must be in [{deepest:g}, {hole.stop:g}]", f"{lift.depth:g}")
         if not (0 < lift.length <= lift.depth - hole.start):
-            raise ValueError(
-                f"lifts[{index}].length = {lift.length:g}: must be larger than 0 and stay below {hole.start:g}"
-            )
+            rule = f"must be larger than 0 and stay below {hole.start:g}"
+            raise InputError(f"lifts[{index}].length", rule, f"{lift.length:g}")
         deepest = lift.depth
 
 

@@ -90,8 +90,7 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         ),
         (
             ("hole.glb",),
-            "hole.glb: a mesh has no samples to go with it; view its settings (hole.glb.toml), a saved .wall, or the "
-            "caliper file",
+            "hole.glb: a mesh has no samples; use its settings, hole.glb.toml, a saved .wall, or the caliper file",
         ),
         (
             (str(caliper), *BIT, "--survey", "survey.csv"),
@@ -189,7 +188,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
         assert shown.wait(20) == 0
     for arguments, text in (
         ((str(settings), "--sectors", "64"), "--sectors: does not go with hole.glb.toml, which repeats a run"),
-        ((str(mesh),), "hole.glb: a mesh has no samples to go with it; view the settings beside it: helibore view"),
+        ((str(mesh),), "hole.glb: a mesh has no samples; use the settings beside it, hole.glb.toml"),
     ):
         done = run(*arguments)
         assert done.exit_code == 2

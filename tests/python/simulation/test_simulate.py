@@ -6,7 +6,7 @@ import dataclasses
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from helibore.simulation.tool import Bed, Breakout, Hole, Lift, Section, Tool, Washout, simulate
@@ -78,6 +78,7 @@ def test_stations_build_hold_and_turn() -> None:
     assert azimuth.tolist() == [350, 350, 350, 350, 5, 20]
 
 
+@settings(deadline=None)
 @given(seed=st.integers(0, 2**32), samples=st.integers(2, 3000))
 def test_same_seed_same_bits(seed: int, samples: int) -> None:
     one, two = (simulate(samples=samples, seed=seed) for _ in range(2))
