@@ -30,8 +30,11 @@ Where the wall steps out and back, harmonics do not follow: 32 samples a turn in
 So a rough turn is fitted twice more, as an oval with two opposite lobes and with one, their edges found by trying all,
 and the models are mixed by their evidence (``turn_fits``).
 
-What no model can tell: a smooth washout on one side, 120 to 150 deg wide, has hardly a third harmonic; its first and
-second are those of a tool off centre in an oval hole. The axis found is then that of the washed-out wall.
+What no model can tell: a smooth washout on one side, 120 deg wide or more, has hardly a third harmonic; its first and
+second are those of a tool off centre in an oval hole. The axis found is then that of the washed-out wall. With the bit
+size known the covariance owns this: a wall that lies nowhere inside the bit has a first harmonic of at most twice the
+excess of its mean radius. And a tool that whirls moves during a turn: with the position of every sample along the turns
+the centre is interpolated between them, and the fit repeated in the frame that moves with it.
 
 Not here: which samples make a turn of a tool that does not rotate (any integers will do), and the wall itself.
 """
@@ -44,13 +47,15 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Floats, Integers, column, finite_column, require, whole_column
+from helibore.base.arrays import Complexes, Floats, Integers, column, finite_column, require, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.turn_fits import Shape, TurnFits, estimate
 
-__all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_numbers"]
+__all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_numbers", "turn_positions"]
 
 _SAMPLES_AT_ONCE = 1 << 16
+_EXCESS = 0.8  # 2/3 makes the bound three deviations; the mean about an axis that is off is a little less, and noisy
+_MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
 
 
 @dataclass(frozen=True)
@@ -137,11 +142,19 @@ class Centres:
         return share
 
 
-def turn_numbers(toolface: npt.ArrayLike) -> Integers:
-    """Turn of every sample of a rotating tool, from its toolfaces in order of time.
+def turn_positions(toolface: npt.ArrayLike) -> Floats:
+    """Turns made at every sample of a rotating tool, from its toolfaces in order of time, (n,).
 
-    The steps between samples are taken the short way round and summed; a turn is 360 degrees of that sum, counted from
-    toolface 0 of the first turn. A tool that turns back (stick-slip) returns into the turn it came from.
+    The steps between samples are taken the short way round and summed, from toolface 0 of the first turn on.
+    """
+    positions: Floats = np.unwrap(finite_column("toolface", toolface) % 360.0, period=360.0) / 360.0
+    return positions
+
+
+def turn_numbers(toolface: npt.ArrayLike) -> Integers:
+    """Turn of every sample of a rotating tool: its whole turns, as by :func:`turn_positions`.
+
+    A tool that turns back (stick-slip) returns into the turn it came from.
 
     Parameters
     ----------
@@ -153,12 +166,17 @@ def turn_numbers(toolface: npt.ArrayLike) -> Integers:
     ndarray
         (n,) int64, new; 0 for the first sample.
     """
-    angle = finite_column("toolface", toolface)
-    return np.floor(np.unwrap(angle % 360.0, period=360.0) / 360.0).astype(np.int64)
+    return np.floor(turn_positions(toolface)).astype(np.int64)
 
 
 def find_centres(
-    toolface: npt.ArrayLike, radius: npt.ArrayLike, turn: npt.ArrayLike, shape: Shape | None = None
+    toolface: npt.ArrayLike,
+    radius: npt.ArrayLike,
+    turn: npt.ArrayLike,
+    shape: Shape | None = None,
+    *,
+    bit_diameter: float | None = None,
+    position: npt.ArrayLike | None = None,
 ) -> Centres:
     """Find the tool's centre in every turn, with its covariance.
 
@@ -170,11 +188,19 @@ def find_centres(
         Whole numbers, (n,): samples of one number share one centre.
     shape
         What to expect; ``Shape()`` when not given.
+    bit_diameter
+        Metres. The wall lies nowhere inside the bit, so its first harmonic is at most twice the excess of its mean
+        radius over the bit's: that bound becomes three standard deviations of the centre. Without a bit size a smooth
+        washout on one side, in which the tool is centred, goes unnoticed.
+    position
+        Of each sample along the turns, (n,): turn + 0.5 is the middle of a turn (:func:`turn_positions`). The centre
+        then moves from turn to turn while the samples are taken, and what is found is the centre in the middle of the
+        turn. None: the centre rests during a turn.
 
     Returns
     -------
     Centres
-        Sorted by turn. Each turn depends on its own samples only.
+        Sorted by turn. Without ``position`` each turn depends on its own samples only.
 
     Raises
     ------
@@ -184,6 +210,9 @@ def find_centres(
     """
     shape = Shape() if shape is None else shape
     angle, distance, number = _samples(toolface, radius, turn)
+    if bit_diameter is not None and not 0 < bit_diameter < np.inf:
+        raise InputError("bit_diameter", "must be finite and larger than 0", f"{bit_diameter:g}")
+    place = None if position is None else finite_column("position", position, angle.size, "toolface")
     turns, row = np.unique(number, return_inverse=True)
     known = np.flatnonzero(np.isfinite(distance))
     order = known[np.argsort(row[known], kind="stable")]
@@ -191,31 +220,101 @@ def find_centres(
     x, y, mean_radius, noise, inliers, one_sided = np.full((6, turns.size), np.nan)
     covariance, within = np.full((2, turns.size, 2, 2), np.nan)
     result = Centres(turns, x, y, covariance, mean_radius, noise, inliers, count, one_sided, within)
-    filled = np.flatnonzero(count)
-    ends = np.cumsum(count[filled])
     seen = np.radians(angle[order])
     reach = distance[order] * (np.cos(seen) + 1j * np.sin(seen))
-    first = 0
-    while first < filled.size:
-        begin = ends[first] - count[filled[first]]
-        last = max(first + 1, int(np.searchsorted(ends, begin + _SAMPLES_AT_ONCE, side="right")))
-        rows = filled[first:last]
-        found = estimate(TurnFits(reach[begin : ends[last - 1]], count[rows], shape))
-        x[rows], y[rows] = found.centre.real, found.centre.imag
-        for name in ("covariance", "within", "one_sided", "mean_radius", "noise", "inliers"):
-            getattr(result, name)[rows] = getattr(found, name)
-        first = last
+    smooth_radius = _fit(result, reach, shape)
+    if place is not None:
+        for _ in range(_MOTION_ROUNDS):
+            centre = x + 1j * y
+            moved = _moving(turns, centre, place[order], row[order])
+            smooth_radius = _fit(result, reach + moved - centre[row[order]], shape)
+        motion = _motion_deviation(turns, x + 1j * y)
+        _widen(covariance, motion)
+        _widen(within, motion)
+    if bit_diameter is not None:
+        _widen(covariance, _EXCESS * np.maximum(mean_radius - 0.5 * bit_diameter, 0.0))
+        _widen(within, _EXCESS * np.maximum(smooth_radius - 0.5 * bit_diameter, 0.0))
     return result
 
 
+def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
+    """Fit all turns, some thousands at once; ``reach`` are their samples, turn by turn.
+
+    Returns the mean radius of each without its lobes, (t,) m.
+    """
+    smooth_radius = np.full(result.turn.size, np.nan)
+    filled = np.flatnonzero(result.samples)
+    ends = np.cumsum(result.samples[filled])
+    first = 0
+    while first < filled.size:
+        begin = ends[first] - result.samples[filled[first]]
+        last = max(first + 1, int(np.searchsorted(ends, begin + _SAMPLES_AT_ONCE, side="right")))
+        rows = filled[first:last]
+        found = estimate(TurnFits(reach[begin : ends[last - 1]], result.samples[rows], shape))
+        result.x[rows], result.y[rows] = found.centre.real, found.centre.imag
+        for name in ("covariance", "within", "one_sided", "mean_radius", "noise", "inliers"):
+            getattr(result, name)[rows] = getattr(found, name)
+        smooth_radius[rows] = found.smooth_radius
+        first = last
+    return smooth_radius
+
+
+def _widen(covariance: Floats, deviation: Floats) -> None:
+    """Add an uncertainty of the same deviation in all directions, (t,) m."""
+    covariance[:, [0, 1], [0, 1]] += np.square(deviation)[:, None]
+
+
+def _moving(turns: Integers, centre: Complexes, place: Floats, row: Integers) -> Complexes:
+    """The tool's centre at places along the turns: the cubic through the middles of the four turns around each.
+
+    Beside a gap it is the line through two turns, or the centre of the sample's own turn, ``row``, where a turn is
+    missing.
+    """
+    line, bend = _line_and_bend(turns, centre, place)
+    curve = np.where(np.isfinite(bend), line + bend, line)
+    moved: Complexes = np.where(np.isfinite(curve), curve, centre[row])
+    return moved
+
+
+def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
+    """How far the centre may be off because it moves during the turn, (t,) m.
+
+    Half of what the cubic departs from the line halfway to the next turn, the largest of the turns around.
+    """
+    bend = np.abs(_line_and_bend(turns, centre, turns + 1.0)[1])
+    around = np.pad(np.nan_to_num(0.5 * bend), 2)
+    largest: Floats = np.max([around[shift : shift + turns.size] for shift in range(5)], axis=0)
+    return largest
+
+
+def _line_and_bend(turns: Integers, centre: Complexes, place: npt.NDArray[np.floating]) -> tuple[Complexes, Complexes]:
+    """The line through the turns before and after each place, and what the cubic adds; NaN where a turn is missing."""
+    middle = np.floor(place - 0.5).astype(np.int64)
+    part = place - 0.5 - middle
+    around = []
+    for step in (-1, 0, 1, 2):
+        at = np.minimum(np.searchsorted(turns, middle + step), turns.size - 1)
+        around.append(np.where(turns[at] == middle + step, centre[at], np.nan))
+    before, left, right, after = around
+    bends = (2.0 - part) * (2.0 * left - before - right) + (1.0 + part) * (2.0 * right - left - after)
+    line: Complexes = left + part * (right - left)
+    bend: Complexes = part * (1.0 - part) / 6.0 * bends
+    return line, bend
+
+
 def recentre(
-    toolface: npt.ArrayLike, radius: npt.ArrayLike, turn: npt.ArrayLike, centres: Centres, significance: float = 3.0
+    toolface: npt.ArrayLike,
+    radius: npt.ArrayLike,
+    turn: npt.ArrayLike,
+    centres: Centres,
+    significance: float = 3.0,
+    position: npt.ArrayLike | None = None,
 ) -> tuple[Floats, Floats]:
     """Toolface and radius of every sample as seen from the hole's axis.
 
     Parameters
     ----------
-    toolface, radius, turn
+    toolface, radius, turn, position
         As given to :func:`find_centres`.
     centres
         Of these turns.
@@ -239,10 +338,15 @@ def recentre(
         missing = int(np.argmax(centres.turn[row] != number)) if centres.turn.size else 0
         raise InputError(f"turn[{missing}]", "not among the turns of centres", str(number[missing]))
     share = centres.share(significance)
-    offset = np.where(share > 0, share, 0.0) * (np.nan_to_num(centres.x) + 1j * np.nan_to_num(centres.y))
+    known = share > 0
+    offset = np.where(known, share, 0.0) * (np.nan_to_num(centres.x) + 1j * np.nan_to_num(centres.y))
+    away = offset[row]
+    if position is not None and number.size:
+        place = finite_column("position", position, angle.size, "toolface")
+        away = np.where(known[row], _moving(centres.turn, np.where(known, offset, np.nan), place, row), away)
     seen = np.radians(angle)
-    wall = offset[row] + distance * (np.cos(seen) + 1j * np.sin(seen))
-    moved = np.isfinite(distance) & (offset[row] != 0)
+    wall = away + distance * (np.cos(seen) + 1j * np.sin(seen))
+    moved = np.isfinite(distance) & (away != 0)
     turned = np.where(moved, np.degrees(np.angle(wall)), angle)
     return wrapped(turned), np.where(moved, np.abs(wall), distance)
 

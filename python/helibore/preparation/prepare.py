@@ -20,7 +20,7 @@ from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
-from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_numbers
+from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
 from helibore.preparation.observe import REASONS, Track, observe, placed
 from helibore.preparation.passes import choose, number_passes
 from helibore.preparation.readings import Readings
@@ -187,6 +187,7 @@ def prepare(
     settings: Preparation | None = None,
     path: Path | None = None,
     track: Track | None = None,
+    bit_diameter: float | None = None,
 ) -> Prepared:
     """Condition readings, bring them into one frame and correct them.
 
@@ -200,6 +201,8 @@ def prepare(
         The wall's path: needed where toolfaces count from another reference than the wall's.
     track
         Depth and toolface by time, for readings that have only a time.
+    bit_diameter
+        Metres; states how far a washout on one side may be taken for an offset of the tool (`find_centres`).
 
     Returns
     -------
@@ -213,14 +216,16 @@ def prepare(
     every = list(readings) if isinstance(readings, Sequence) else [readings]
     if not every:
         raise InputError("readings", "must have at least one")
-    return _Pipeline(every, settings or Preparation(), path).run(track)
+    return _Pipeline(every, settings or Preparation(), path, bit_diameter).run(track)
 
 
 class _Pipeline:
     """The samples between the steps, and what was done to them so far."""
 
-    def __init__(self, readings: list[Readings], settings: Preparation, path: Path | None) -> None:
-        self.readings, self.settings, self.path = readings, settings, path
+    def __init__(
+        self, readings: list[Readings], settings: Preparation, path: Path | None, bit_diameter: float | None
+    ) -> None:
+        self.readings, self.settings, self.path, self.bit_diameter = readings, settings, path, bit_diameter
         self.names = ", ".join(one.name for one in readings)
         self.report: list[tuple[str, str]] = []
         self.counts: dict[str, int] = {}
@@ -303,31 +308,37 @@ class _Pipeline:
             self._drop(conditioning.repeated_rows(samples.depth, samples.toolface, samples.radius, *times))
         samples = self.samples
         if settings.spikes is not None:
-            turn = self._turns(rows=True)
+            turn, _ = self._turns(rows=True)
             step = conditioning.spikes(samples.toolface, samples.radius, turn, samples.depth, threshold=settings.spikes)
             self._drop(step)
 
-    def _turns(self, rows: bool = False) -> Integers:
-        """Number the turns: samples of one number were taken around the hole from one place.
+    def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
+        """Number the turns, and say where along them each sample lies; None where a tool does not rotate.
+
+        The samples of one turn were taken around the hole from one place.
 
         ``rows``: each row of a tool that takes more than a metre to rotate is a turn.
         """
         turn = np.empty(self.samples.depth.size, dtype=np.int64)
+        position = np.empty(turn.size)
         first, kinds = 0, set()
         for number, one in enumerate(self.readings):
             mine = np.flatnonzero(self.samples.file == number)
-            turn[mine], kind = self._turns_of(one, mine)
+            position[mine], kind = self._turns_of(one, mine)
+            turn[mine] = np.floor(position[mine])
             if rows and kind == "rotation" and self._height(turn[mine], mine) > LONG_TURN:
                 turn[mine], kind = self.samples.row[mine], "rows of arms"
             if mine.size:
-                turn[mine] += first - turn[mine].min()
-                first = int(turn[mine].max()) + 1
+                moved = first - turn[mine].min()
+                turn[mine] += moved
+                position[mine] += moved
+                first = int(turn[mine].max()) + 2  # the centre is not interpolated from one file to the next
             kinds.add(kind)
         count = np.unique(turn, return_counts=True)[1]
         line = ("turns", f"{count.size:,}, by {' and '.join(sorted(kinds))}; samples in one: {np.median(count):g}")
         if line not in self.report:
             self.report.append(line)
-        return turn
+        return turn, position if kinds == {"rotation"} else None
 
     def _height(self, turn: Integers, mine: Integers) -> float:
         """Depth from one turn to the next, in the median."""
@@ -335,8 +346,8 @@ class _Pipeline:
         depth = np.bincount(row, self.samples.depth[mine]) / np.bincount(row)
         return float(np.median(np.abs(np.diff(depth)))) if depth.size > 1 else 0.0
 
-    def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers, str]:
-        """Turns of the samples of one file, and what makes a turn."""
+    def _turns_of(self, one: Readings, mine: Integers) -> tuple[Integers | Floats, str]:
+        """Where the samples of one file lie along its turns, and what makes a turn."""
         samples, height = self.samples, self.settings.turn_height
         if height is not None:
             depth = samples.depth[mine]
@@ -348,8 +359,8 @@ class _Pipeline:
         if not one.turning and samples.toolface.size:
             raise InputError(one.name, "no toolface shows the turns of the tool: give the height of a turn")
         rows = np.unique(samples.row[mine])
-        turned = np.zeros(one.rows, dtype=np.int64)
-        turned[rows] = turn_numbers(one.toolface[rows])
+        turned = np.zeros(one.rows)
+        turned[rows] = turn_positions(one.toolface[rows])
         return turned[samples.row[mine]], "rotation"
 
     def _of_row(self, columns: Sequence[npt.NDArray[Number]]) -> npt.NDArray[Number]:
@@ -471,11 +482,13 @@ class _Pipeline:
                 name = one.channels[int(one.arm[one.across.index(True)])]
                 rule = f"recentring needs radii: half a diameter ({name}) does not show the tool's offset"
                 raise InputError(one.name, rule)
-        turn = self._turns()
-        found = self.centres = find_centres(samples.toolface, samples.radius, turn)
+        turn, position = self._turns()
+        found = self.centres = find_centres(
+            samples.toolface, samples.radius, turn, bit_diameter=self.bit_diameter, position=position
+        )
         row = np.searchsorted(found.turn, turn)
         self.centre_depth = np.bincount(row, samples.depth) / np.bincount(row)
-        toolface, radius = recentre(samples.toolface, samples.radius, turn, found)
+        toolface, radius = recentre(samples.toolface, samples.radius, turn, found, position=position)
         self.samples = replace(samples, toolface=toolface, radius=radius)
         far = found.eccentering[np.isfinite(found.eccentering)]
         sigma = np.hypot(found.sigma_x, found.sigma_y)

@@ -4,12 +4,14 @@ r"""How far each pass is off in depth, found by correlating its median radius al
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
 
 All arms of a pass count alike, so a pass that lies rotated in the hole still matches. Only differences can be found:
-unless one pass is held, the mean of the shifts is 0. Not here: stretching within a pass.
+unless one pass is held, the mean of the shifts is 0. A hole whose shape repeats along it (a spiral, regular ledges)
+matches at several shifts: where another peak is nearly as high, no shift is found. Not here: stretching within a pass.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,6 +24,9 @@ __all__ = ["Shifts", "find_shifts"]
 
 _WIDEST_GAP = 1.0  # m between samples of one pass that a profile bridges
 _ROUNDS = 5
+_VALLEY = 0.7  # of the best correlation: a peak reaches as far as the curve stays above
+_GRID = 0.2  # steps: what the grid and its linear interpolation leave of a shift
+_RIVAL = 0.9  # of the best correlation: a second peak that high leaves open which of the two is the shift
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,11 @@ class Shifts:
     correlation, before
         With the others at the shift found and at none, (p,); NaN where they do not overlap.
     found
-        Whether a peak of the least correlation asked for lies inside the limits, (p,).
+        Whether one clear peak of the least correlation asked for lies inside the limits, (p,).
+    sigma
+        Standard deviation of the shift, (p,) m, from the curvature of the peak; NaN where there is no peak.
+    second, second_correlation
+        Shift of the second-best peak, (p,) m, and the correlation there; NaN where there is none.
     """
 
     passes: Integers
@@ -45,6 +54,9 @@ class Shifts:
     correlation: Floats
     before: Floats
     found: Mask
+    sigma: Floats
+    second: Floats
+    second_correlation: Floats
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
         """Shift of each sample, (n,) m, new: add it to the depth. Raises InputError at an unknown pass."""
@@ -54,10 +66,16 @@ class Shifts:
         """Return one sentence a pass."""
         lines = []
         for row, number in enumerate(self.passes):
+            before, after, second = self.before[row], self.correlation[row], self.second_correlation[row]
             text = "left where it is: no clear match"
+            rival = "" if np.isnan(second) else f"{self.second[row]:+.3f} m with correlation {second:.2f}"
             if self.found[row]:
-                before, after = self.before[row], self.correlation[row]
-                text = f"{self.shift[row]:+.3f} m found, correlation {before:.2f} before, {after:.2f} after"
+                text = (
+                    f"{self.shift[row]:+.3f} +- {self.sigma[row]:.3f} m found, correlation {before:.2f} before, "
+                    f"{after:.2f} after{'; second best ' if rival else ''}{rival}"
+                )
+            elif rival and second > _RIVAL * after:
+                text += f", the hole repeats itself: correlation {after:.2f}, and {rival}"
             lines.append(f"pass {number}: {text}")
         return lines
 
@@ -105,9 +123,10 @@ def find_shifts(
         raise InputError("reference", f"is not among {passes.tolist()}", str(reference))
     count = passes.size
     shift, found = np.zeros(count), np.zeros(count, dtype=bool)
-    best, before = np.full(count, np.nan), np.full(count, np.nan)
+    best, before, sigma, second, second_best = np.full((5, count), np.nan)
+    result = Shifts(passes, shift, best, before, found, sigma, second, second_best)
     if count == 0:
-        return Shifts(passes, shift, best, before, found)
+        return result
     grid = np.arange(int(np.ptp(where) / step) + 2)
     profiles = [
         _profile((where[row == i] - where.min()) / step, distance[row == i], grid, step, trend) for i in range(count)
@@ -119,17 +138,23 @@ def find_shifts(
         placed = np.stack([_moved(p, s / step) for p, s in zip(profiles, shift, strict=True)])
         for i in np.flatnonzero(~held):
             others = placed[held] if reference is not None else np.delete(placed, i, axis=0)
-            curve = _correlations(profiles[i], _mean(others), most, enough)
+            curve, overlap = _correlations(profiles[i], _mean(others), 2 * most, enough)
             if turn == 0:
-                before[i] = curve[most]
-            shift[i], best[i], found[i] = _peak(curve, most, least)
-            shift[i] *= step
+                before[i] = curve[2 * most]
+            peak = _peak(curve, most, least, overlap)
+            shift[i], sigma[i], second[i] = peak.shift * step, peak.sigma * step, peak.second * step
+            best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found
+            placed[i] = _moved(profiles[i], peak.shift)
         if reference is None and found.any():
             shift[found] -= shift[found].mean()
         if reference is not None or np.abs(shift - start).max() < 0.01 * step:
             break
     found[held], best[held], before[held] = True, 1.0, 1.0
-    return Shifts(passes, shift, best, before, found)
+    sigma[held] = 0.0
+    # Only now: while the others are not yet in place, each of them makes a peak of its own.
+    found &= ~(second_best > _RIVAL * best)
+    shift[~found] = 0.0
+    return result
 
 
 def _profile(place: Floats, radius: Floats, grid: Integers, step: float, trend: float) -> Floats:
@@ -165,28 +190,62 @@ def _mean(profiles: Floats) -> Floats:
     return np.where(count > 0, total / np.maximum(count, 1), np.nan)
 
 
-def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> Floats:
-    """Pearson's correlation at shifts of -most ... most grid steps, (2 most + 1,); NaN where too little overlaps."""
+def _correlations(profile: Floats, others: Floats, most: int, enough: int) -> tuple[Floats, Integers]:
+    """Pearson's correlation at shifts of -most ... most grid steps, and steps of overlap, (2 most + 1,) each.
+
+    NaN where too little overlaps.
+    """
     curve = np.full(2 * most + 1, np.nan)
+    overlap = np.zeros(2 * most + 1, dtype=np.int64)
     for lag in range(max(-most, 1 - profile.size), min(most, profile.size - 1) + 1):
         mine = profile[max(0, -lag) : profile.size - max(0, lag)]
         theirs = others[max(0, lag) : others.size - max(0, -lag)]
         both = np.isfinite(mine) & np.isfinite(theirs)
-        if np.count_nonzero(both) >= enough:
+        overlap[lag + most] = np.count_nonzero(both)
+        if overlap[lag + most] >= enough:
             a, b = mine[both] - mine[both].mean(), theirs[both] - theirs[both].mean()
             power = float((a @ a) * (b @ b))
             curve[lag + most] = a @ b / np.sqrt(power) if power > 0 else np.nan
-    return curve
+    return curve, overlap
 
 
-def _peak(curve: Floats, most: int, least: float) -> tuple[float, float, bool]:
-    """Shift in grid steps, correlation there and whether it counts: the top of the parabola through the best three."""
-    if np.isnan(curve).all():
-        return 0.0, float("nan"), False
-    top = int(np.nanargmax(curve))
-    if top in (0, 2 * most) or not curve[top] >= least or np.isnan(curve[[top - 1, top + 1]]).any():
-        return 0.0, float(curve[top]), False
-    left, middle, right = curve[top - 1 : top + 2]
-    bend = left - 2.0 * middle + right
-    aside = 0.5 * (left - right) / bend if bend < 0 else 0.0
-    return top - most + float(aside), float(middle - 0.25 * (left - right) * aside), True
+class _Peak(NamedTuple):
+    """Shift and its deviation in grid steps, the correlation there, the second-best peak, and whether it counts."""
+
+    shift: float = 0.0
+    sigma: float = np.nan
+    correlation: float = np.nan
+    second: float = np.nan
+    second_correlation: float = np.nan
+    found: bool = False
+
+
+def _peak(curve: Floats, most: int, least: float, overlap: Integers) -> _Peak:
+    """The top of the parabola through the best three within ``most``, and the best other peak within twice that.
+
+    The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap; every fourth one counts as such.
+    """
+    middle = curve.size // 2
+    inside = curve[middle - most : middle + most + 1]
+    if np.isnan(inside).all():
+        return _Peak()
+    top = int(np.nanargmax(inside)) + middle - most
+    height = float(curve[top])
+    if abs(top - middle) == most or not height >= least or np.isnan(curve[[top - 1, top + 1]]).any():
+        return _Peak(correlation=height)
+    left, right = curve[top - 1], curve[top + 1]
+    bend = left - 2.0 * height + right
+    if not bend < 0:
+        return _Peak(correlation=height)
+    aside = float(0.5 * (left - right) / bend)
+    height = min(float(height - 0.25 * (left - right) * aside), 1.0)
+    sigma = float(np.sqrt((1.0 - height**2) / (0.25 * overlap[top] * height * -bend) + _GRID**2))
+    peaks = np.flatnonzero((curve[1:-1] >= curve[:-2]) & (curve[1:-1] >= curve[2:])) + 1
+    low = np.flatnonzero(~(curve > _VALLEY * height))  # where the best peak ends
+    begin, end = low[low < top].max(initial=-1), low[low > top].min(initial=curve.size)
+    peaks = peaks[(peaks <= begin) | (peaks >= end)]
+    second, second_height = np.nan, np.nan
+    if peaks.size:
+        rival = int(peaks[np.argmax(curve[peaks])])
+        second, second_height = float(rival - middle), float(curve[rival])
+    return _Peak(top - middle + aside, sigma, height, second, second_height, True)

@@ -484,13 +484,17 @@ def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, I
 
 @dataclass
 class Estimate:
-    """What one model says of every turn: as in ``Centres``, with x and y as one complex number."""
+    """What one model says of every turn: as in ``Centres``, with x and y as one complex number.
+
+    ``smooth_radius`` is the mean radius without lobes.
+    """
 
     centre: Complexes
     covariance: Floats
     within: Floats
     one_sided: Floats
     mean_radius: Floats
+    smooth_radius: Floats
     noise: Floats
     inliers: Floats
 
@@ -538,7 +542,10 @@ def _estimate(fits: TurnFits, added: Floats) -> Estimate:
     within = fits.covariance()
     covariance = (1.0 - w) * within + w * spread + w * (1.0 - w) * _squares(apart)
     centre = fits.centre + weight * apart
-    return Estimate(centre, covariance, within, weight, fits.terms[:, 0] + added, fits.noise.copy(), fits.inliers())
+    smooth = fits.terms[:, 0]
+    return Estimate(
+        centre, covariance, within, weight, smooth + added, smooth.copy(), fits.noise.copy(), fits.inliers()
+    )
 
 
 def _squares(apart: Complexes) -> Floats:

@@ -67,7 +67,7 @@ def reconstruct(
     >>> wall.radius
     array([0.1, 0.1, 0.1, 0.1, 0.1])
     """
-    caliper, earlier = _prepared(samples, preparation, path, track)
+    caliper, earlier = _prepared(samples, preparation, path, track, bit_diameter)
     wall = samples_to_wall.reconstruct(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
     if earlier is not None:
         compare(wall, samples_to_wall.reconstruct(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
@@ -79,13 +79,14 @@ def _prepared(
     preparation: Preparation | None,
     path: Path | None,
     track: Track | None,
+    bit_diameter: float,
 ) -> tuple[Caliper, Caliper | None]:
     """Return the samples of the wall, and those of the earlier passes."""
     if not isinstance(samples, Caliper):
         from helibore.preparation.prepare import Prepared, prepare
 
         if not isinstance(samples, Prepared):
-            made = prepare(samples, preparation, path, track)
+            made = prepare(samples, preparation, path, track, bit_diameter if bit_diameter > 0 else None)
             return made.caliper, made.earlier
     for name, given in (("preparation", preparation), ("track", track)):
         if given is not None:

@@ -246,7 +246,7 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
                 made = caliper
                 _check_interval(name, caliper.depth, settings.wall)
             else:
-                made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track)
+                made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
                 run.messages += run.prepared.report or ([] if _missing(run) else [("dropped", "nothing")])
                 _check_interval(run.readings[0].name, run.prepared.caliper.depth, settings.wall)
             run.built = reconstruct(made, threads=threads, **vars(settings.wall))

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import helibore as hb
-from helibore.preparation.eccentering import Centres, Shape, find_centres, recentre, turn_numbers
+from helibore.preparation.eccentering import Centres, Shape, find_centres, recentre, turn_numbers, turn_positions
 from helibore.preparation.turn_fits import evaluate, leverage, normal_equations, powers
 
 TURNS = 300
@@ -62,8 +62,8 @@ class Simulated:
         self.shape = wall
         self.wall = np.abs(centre + near * np.exp(1j * angle))[kept]
 
-    def centres(self):
-        return find_centres(self.toolface, self.radius, self.turn)
+    def centres(self, **known):
+        return find_centres(self.toolface, self.radius, self.turn, **known)
 
     def inside(self, centres, sigmas=3.0):
         """Share of turns whose true centre lies within so many standard deviations on both axes."""
@@ -177,6 +177,93 @@ def test_one_sided_washout_is_told_by_sigma():
     assert tool.inside(tool.centres()) >= 0.99
 
 
+ONE_SIDED = {"lobes": 0.0, "missing": "none"}
+
+
+@pytest.mark.parametrize("eccentering", [0.0, 0.01])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        ONE_SIDED | {"washout": 0.02, "washout_width": 120},
+        ONE_SIDED | {"washout": 0.02, "washout_width": 200},  # the second and third harmonic say nothing of it
+        ONE_SIDED | {"washout": 0.02, "washout_width": 120, "edge": "bowl"},
+        {"washout": 0.010, "washout_width": 60},  # breakouts, one of them deeper or both askew
+        {"washout": 0.010, "washout_width": 60, "edge": "box"},
+        {"lobes": 0.0, "washout": 0.025, "washout_width": 80, "edge": "bowl"},  # a key seat
+    ],
+)
+def test_with_the_bit_size_sigma_covers_what_a_wall_on_one_side_hides(shape, eccentering):
+    tool = Simulated(21, eccentering=eccentering, **shape)
+    assert tool.inside(tool.centres(bit_diameter=0.216)) >= 0.99
+
+
+def test_without_the_bit_size_a_smooth_washout_goes_unnoticed():
+    tool = Simulated(21, eccentering=0.0, **ONE_SIDED, washout=0.02, washout_width=200)
+    assert tool.inside(tool.centres()) < 0.1
+    sized = tool.centres(bit_diameter=0.216)
+    assert np.median(sized.share()) < np.median(tool.centres().share())
+
+
+def test_a_hole_of_bit_size_needs_no_wider_sigma():
+    tool = Simulated(6, samples=512, missing="none", lobes=0.0, ovality=0.001)
+    centres = tool.centres(bit_diameter=0.216)
+    assert tool.inside(centres) >= 0.99
+    assert np.median(centres.sigma_x) < 0.2e-3
+
+
+def whirling(seed, a_turn, samples=64, eccentering=0.010, turns=200):
+    """A tool whose centre goes around the axis by so many degrees a turn, in an oval hole with breakouts."""
+    rng = np.random.default_rng(seed)
+    position = (np.arange(turns * samples) + 0.8 * rng.random(turns * samples)) / samples
+    angle = 2 * np.pi * (position % 1)
+
+    def centre(at):
+        return eccentering * np.exp(1j * np.radians(a_turn * at + 60))
+
+    def wall(phi):
+        lobes = lobe(phi, 1.2, 60, 0.012, "bell") + lobe(phi, 1.2 + np.pi, 60, 0.012, "bell")
+        return 0.108 + 0.003 * np.cos(2 * (phi - 0.4)) + lobes
+
+    near, far = np.full(angle.size, 0.02), np.full(angle.size, 0.3)
+    for _ in range(48):
+        middle = 0.5 * (near + far)
+        point = centre(position) + middle * np.exp(1j * angle)
+        inside = np.abs(point) < wall(np.angle(point))
+        near, far = np.where(inside, middle, near), np.where(inside, far, middle)
+    noise = rng.normal(0, 0.0005, angle.size)
+    true = np.abs(centre(position) + near * np.exp(1j * angle))
+    return np.degrees(angle), near + noise, position, centre, true + noise
+
+
+@pytest.mark.parametrize("a_turn", [84.0, -84.0, 30.0])
+def test_centres_are_interpolated_between_turns(a_turn):
+    toolface, radius, position, centre, true = whirling(31, a_turn)
+    turn = turn_numbers(toolface)
+    np.testing.assert_array_equal(turn, np.floor(position))
+    np.testing.assert_allclose(turn_positions(toolface), position, atol=1e-9)
+    resting = find_centres(toolface, radius, turn)
+    _, still = recentre(toolface, radius, turn, resting)
+    moving = find_centres(toolface, radius, turn, position=position, bit_diameter=0.216)
+    _, followed = recentre(toolface, radius, turn, moving, position=position)
+    rms = [np.sqrt(np.mean((found - true) ** 2)) for found in (still, followed)]
+    assert rms[1] < 0.2 * rms[0]
+    assert rms[1] < 0.5e-3
+    truth = centre(moving.turn + 0.5)
+    x = np.abs(moving.x - truth.real) <= 3 * moving.sigma_x
+    assert np.mean(x & (np.abs(moving.y - truth.imag) <= 3 * moving.sigma_y)) >= 0.99
+
+
+def test_a_tool_that_does_not_whirl_is_found_with_positions_too():
+    tool = Simulated(32, samples=64, missing="none", eccentering=0.0)
+    position = tool.turn + tool.toolface / 360
+    x, y = 0.004, -0.006  # one centre for all turns: move the samples to where such a tool would see them
+    wall = tool.radius * np.exp(1j * np.radians(tool.toolface)) - (x + 1j * y)
+    seen = np.degrees(np.angle(wall)) % 360
+    centres = find_centres(seen, np.abs(wall), tool.turn, position=tool.turn + seen / 360)
+    assert np.sqrt(np.mean((centres.x - x) ** 2 + (centres.y - y) ** 2)) < 0.3e-3
+    assert position.size == seen.size
+
+
 @pytest.mark.parametrize("shape", [{"lobes": 0.0, "ovality": 0.0}, {}])
 def test_without_eccentering_nothing_changes(shape):
     tool = Simulated(8, eccentering=0.0, **shape)
@@ -273,11 +360,14 @@ def test_turn_numbers_follow_the_short_way():
         ({"radius": [0.1]}, "radius has 1 values, toolface has 2: must be equal"),
         ({"turn": [0.0, 0.5]}, "turn[1] = 0.5: must be a whole number"),
         ({"turn": [0]}, "turn has 1 values, toolface has 2: must be equal"),
+        ({"bit_diameter": 0.0}, "bit_diameter = 0: must be finite and larger than 0"),
+        ({"position": [0.5]}, "position has 1 values, toolface has 2: must be equal"),
+        ({"position": [0.5, np.nan]}, "position[1] = nan: must be finite"),
     ],
 )
 def test_errors(change, text):
     good = {"toolface": [0, 90], "radius": [0.1, 0.1], "turn": [0, 0]}
-    with pytest.raises(ValueError) as caught:  # noqa: PT011 - the whole text is compared
+    with pytest.raises(hb.InputError) as caught:
         find_centres(**(good | change))
     assert str(caught.value) == text
 

@@ -142,6 +142,46 @@ def test_shifts_of_a_featureless_pass_are_left():
     assert find_shifts([], [], []).shift.size == 0
 
 
+def rough_passes(seed, noise):
+    """Three passes of two arms over one rough hole, and their shifts."""
+    rng = np.random.default_rng(seed)
+    along = np.arange(-5, 90, 0.05)
+    rough = np.interp(along, along[::8], rng.normal(0, 0.003, along[::8].size))
+    shift, parts = rng.uniform(-0.6, 0.6, 3), []
+    for number in range(3):
+        depth = np.tile(np.arange(0, 80, 0.08) + 0.08 * rng.random(), 2)
+        radius = 0.1 + np.interp(depth + shift[number], along, rough) + rng.normal(0, noise, depth.size)
+        parts.append((depth, radius, np.full(depth.size, number)))
+    return [np.concatenate(column) for column in zip(*parts, strict=True)], shift - shift.mean()
+
+
+def test_shifts_state_their_uncertainty():
+    ratio = []
+    for seed in range(12):
+        columns, shift = rough_passes(seed, (0.0002, 0.001, 0.002)[seed % 3])
+        found = find_shifts(*columns)
+        assert found.found.all()
+        ratio.append(np.abs(found.shift - shift) / found.sigma)
+        assert found.sigma.max() < 0.05
+        assert (found.second_correlation < 0.5).all()
+        assert (np.abs(found.second) > 0.2).all()
+    assert np.mean(np.concatenate(ratio) <= 3) >= 0.97
+    assert " +- 0.01" in found.lines()[0]
+    assert "; second best " in found.lines()[0]
+
+
+@pytest.mark.parametrize("period", [0.7, 1.5, 3.0])
+def test_a_periodic_hole_is_not_shifted(period):
+    rng = np.random.default_rng(5)
+    depth, number = np.tile(np.arange(0, 60, 0.05), 2), np.repeat([1, 2], 1200)
+    radius = 0.1 + 0.003 * np.cos(2 * np.pi * (depth + 0.3 * (number == 2)) / period) + rng.normal(0, 5e-4, depth.size)
+    found = find_shifts(depth, radius, number)
+    assert not found.found.any()
+    np.testing.assert_array_equal(found.shift, 0.0)
+    assert found.correlation.min() > 0.9
+    assert "left where it is: no clear match, the hole repeats itself: correlation 0.9" in found.lines()[0]
+
+
 def test_arm_sides():
     np.testing.assert_array_equal(arm_sides([0, 0, 1, 1, 2], [0, 350, 44, 180, 337.5], 8), [0, 0, 9, 12, 16])
 

@@ -17,7 +17,7 @@ from helibore.channels.roles import guess
 from helibore.files.raw_set import Channel
 from helibore.preparation.biases import arm_sides, find_bias
 from helibore.preparation.conditioning import Step
-from helibore.preparation.eccentering import find_centres, recentre, turn_numbers
+from helibore.preparation.eccentering import find_centres, recentre, turn_numbers, turn_positions
 from helibore.preparation.passes import choose
 from helibore.preparation.prepare import Preparation, Track, prepare
 from helibore.preparation.readings import Readings
@@ -130,8 +130,9 @@ def test_recentre_is_that_of_the_library() -> None:
     radius = one["radius"].values + 0.006 * np.cos(angle - 1.0)
     found = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True))
     turn = turn_numbers(one["tf"].values)
-    centres = find_centres(one["tf"].values, radius, turn)
-    toolface, corrected = recentre(one["tf"].values, radius, turn, centres)
+    position = turn_positions(one["tf"].values)
+    centres = find_centres(one["tf"].values, radius, turn, position=position)
+    toolface, corrected = recentre(one["tf"].values, radius, turn, centres, position=position)
     assert found.centres is not None
     np.testing.assert_array_equal(found.centres.x, centres.x)
     np.testing.assert_allclose(found.caliper.radius, corrected, rtol=1e-12)
@@ -143,6 +144,9 @@ def test_recentre_is_that_of_the_library() -> None:
     corrected_turns = int(np.count_nonzero(centres.share() > 0))
     assert corrected_turns > 30
     assert found.report[1][1].startswith(f"{corrected_turns} of 37 turns corrected; tool off by ")
+    sized = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True), bit_diameter=0.2)
+    assert sized.centres is not None
+    assert np.median(sized.centres.sigma_x) > 3 * np.median(centres.sigma_x)  # 8 mm more than the bit
     with pytest.raises(
         ValueError, match=r"^f.csv: recentring needs radii: half a diameter \(cal_x\) does not show the tool's offset"
     ):
