@@ -33,15 +33,16 @@ WIDE = 120
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--map", "map_file", type=FILE, help="TOML map of roles.")
 @click.option("--set", "sets", multiple=True, metavar="SETS", help="Look at these sets only: NAME, 3, 2,5-8, with=GR.")
+@click.option("--header-line", type=int, help="Line of the column names of a table (CSV, XLSX).  [found]")
 @click.option("--toml", is_flag=True, help="Print the role map alone, for a file.")
-def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], toml: bool) -> None:
+def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_line: int | None, toml: bool) -> None:
     """List the channels of FILE, their units, ranges and gaps, and what each is taken for.
 
     \b
     helibore inspect well.las
     helibore inspect well.las --toml > map.toml      # change it, then: helibore reconstruct well.las --map map.toml
     """
-    with open_file(file) as opened:
+    with open_file(file, header_line=header_line) as opened:
         names = set_names(opened, sets) if sets else [each.name for each in opened.sets]
         mapped = None
         if map_file:

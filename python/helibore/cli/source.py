@@ -106,6 +106,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         many("--diameter", "NAME[@ANGLE][:UNIT] of a diameter, which counts for both sides.", metavar="COLUMN"),
         one("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
         many("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
+        one("--header-line", "Line of the column names of a table (CSV, XLSX).  [found]", type=int),
         many("--absent", "Number that means no value.  [-999.25, -9999, -9999.25]", type=float),
     ),
     "Sensors": (
@@ -150,6 +151,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         one("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
         one("--survey-map", "Roles of the survey file as TOML.", type=FILE),
         one("--survey-set", "Set of the survey file, if it holds several.", metavar="NAME"),
+        one("--survey-header-line", "Line of the column names of the survey file, a table.  [found]", type=int),
         one("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
         one("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
         one("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
@@ -292,9 +294,10 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
     if archive is None:
         for number, file in enumerate(options["source"]):
             own = maps[number % len(maps)] if maps else None
-            for name in set_names(opener.log(file), options["sets"]) if options["sets"] else [None]:
+            log = opener.log(file, options["header_line"])
+            for name in set_names(log, options["sets"]) if options["sets"] else [None]:
                 choose = partial(_roles, set_name=name, map_file=own, columns=columns, arms=arms)
-                calipers.append(opener.opened(file, choose))
+                calipers.append(opener.opened(file, choose, options["header_line"]))
     average = survey = track = None
     if options["average"] is not None:
         text, _, channel = options["average"].rpartition(":")
@@ -307,7 +310,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
     if options["survey"] is not None:
         stations = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
         choose = partial(_roles, set_name=options["survey_set"], map_file=options["survey_map"], columns=stations)
-        survey = opener.opened(options["survey"], choose)
+        survey = opener.opened(options["survey"], choose, options["survey_header_line"])
     if options["track"] is not None:
         choose = partial(_roles, set_name=None, map_file=options["track_map"], columns={})
         track = opener.opened(options["track"], choose)

@@ -69,10 +69,12 @@ class Opened:
     format: str
     log: LogSet
     roles: RoleMap
+    header_line: int | None = None
 
     def input(self) -> Input:
         """What the settings say of it; the checksum is filled in when the output is saved."""
-        return Input(self.file, "", self.log.name, tuple(role for role in self.roles if role.role != "none"))
+        used = tuple(role for role in self.roles if role.role != "none")
+        return Input(self.file, "", self.log.name, used, self.header_line)
 
     def line(self) -> str:
         """What was read, in one sentence."""
@@ -102,18 +104,18 @@ class Opener:
         self.start_checksum(file)
         return self._sums[file].result()
 
-    def log(self, file: Path) -> LogFile:
-        """Return an open file."""
+    def log(self, file: Path, header_line: int | None = None) -> LogFile:
+        """Return an open file; ``header_line`` is the line of a table's column names."""
         if file not in self._logs:
             self.start_checksum(file)
-            self._logs[file] = open_file(file, self._nulls)
+            self._logs[file] = open_file(file, self._nulls, header_line)
         return self._logs[file]
 
-    def opened(self, file: Path, choose: Callable[[LogFile], RoleMap]) -> Opened:
+    def opened(self, file: Path, choose: Callable[[LogFile], RoleMap], header_line: int | None = None) -> Opened:
         """Open a set of a file; ``choose`` says which set and which roles."""
-        log = self.log(file)
+        log = self.log(file, header_line)
         roles = choose(log)
-        return Opened(file, log.format, log.set(roles.set_name), roles)
+        return Opened(file, log.format, log.set(roles.set_name), roles, header_line)
 
 
 @dataclass(frozen=True)
@@ -200,7 +202,7 @@ def reopen(settings: RunSettings) -> Run:
             raise InputError(str(each.file), f"has changed since the run: {rule}")
 
     def again(one: Input) -> Opened:
-        return opener.opened(one.file, lambda file: _known(file, one))
+        return opener.opened(one.file, lambda file: _known(file, one), one.header_line)
 
     alone = {name: again(one) for name in ("average", "track", "survey") if (one := getattr(settings, name))}
     return Run(settings, Files(tuple(map(again, settings.caliper)), **alone), opener)

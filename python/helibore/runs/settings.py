@@ -50,12 +50,15 @@ class Input:
         Name of the set; None where the file has no sets.
     channel
         The roles.
+    header_line
+        The line of a table's column names, where it was given.
     """
 
     file: Path
     blake2b: str = ""
     set: str | None = None
     channel: tuple[Role, ...] = ()
+    header_line: int | None = None
 
     @property
     def roles(self) -> RoleMap:

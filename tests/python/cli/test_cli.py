@@ -224,6 +224,34 @@ def test_bad_survey(folder: Path, tmp_path: Path, survey: str, message: str) -> 
     assert (result.exit_code, result.stderr) == (2, f"helibore: {message}\n")
 
 
+def test_header_lines_are_options_and_settings(folder: Path, tmp_path: Path) -> None:
+    caliper, survey = (
+        "1,2\n" + (folder / "caliper.csv").read_text(),
+        "by,me\n3,4\n" + (folder / "survey.csv").read_text(),
+    )
+    (tmp_path / "c.csv").write_text(caliper)
+    (tmp_path / "s.csv").write_text(survey)
+    options = [
+        "--header-line",
+        "2",
+        "--survey",
+        tmp_path / "s.csv",
+        "--survey-header-line",
+        "3",
+        "--bit-diameter",
+        "216mm",
+    ]
+    made, again = tmp_path / "w.vtu", tmp_path / "again.vtu"
+    assert run("reconstruct", tmp_path / "c.csv", *options, "-o", made).exit_code == 0
+    assert run("reconstruct", "--from-settings", f"{made}.toml", "-o", again).exit_code == 0
+    assert again.read_bytes() == made.read_bytes()
+    shown = run("inspect", tmp_path / "c.csv", "--header-line", "2")
+    assert (shown.exit_code, "toolface" in shown.stdout) == (0, True)
+    refused = run("inspect", tmp_path / "c.csv", "--header-line", "999")
+    rule = "must be the line of the column names, within the first 500"
+    assert (refused.exit_code, refused.stderr) == (2, f"helibore: c.csv: header_line = 999: {rule}\n")
+
+
 def test_path_must_cover_the_wall(folder: Path, tmp_path: Path) -> None:
     (tmp_path / "s.csv").write_text("md_m,incl_deg,azim_deg\n1990,5,0\n2001,5,0\n")
     old = tmp_path / "w.glb"
