@@ -18,6 +18,9 @@ if TYPE_CHECKING:
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification
 
+COVERED = 0.9
+"""Share of the turns below which a summary warns that the rest is interpolated."""
+
 BARREL = 0.158987294928
 """Cubic metres in an oilfield barrel, 42 US gallons."""
 
@@ -51,7 +54,15 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
     if not math.isnan(found.nearest_half):
         half, most = found.nearest_half * 1e3, found.nearest_most * 1e3
         lines.append(("", f"nearest sample: at most {half:.0f} mm for half of the vertices, {most:.0f} mm for 99 %"))
-    return lines
+    return [*lines, *trust_lines(found)]
+
+
+def trust_lines(found: WallSummary) -> Lines:
+    """What a reader of the numbers and pictures must know: a tool with few arms, a wall that is mostly interpolated."""
+    texts = list(found.warnings)
+    if found.basis == "azimuthal" and found.coverage < COVERED and not texts:
+        texts = [f"{100 * found.coverage:.0f} % of the turns is measured; the wall between is interpolated"]
+    return [("warning", text) for text in texts]
 
 
 def _shape_lines(found: WallSummary) -> Lines:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
+from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH
 from helibore.cli.source import Sectioned, many, one, open_run, section, takes_a_wall
@@ -128,6 +129,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
 
     make_wall(run, repeated["threads"], terminal.stage)
     options = repeated
+    run.messages += trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
     drawing = {
         "title": options["well"] or run.name,
         "subtitle": run.messages[0][1],

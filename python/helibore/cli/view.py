@@ -7,6 +7,7 @@ from typing import Any
 import click
 
 from helibore.base.errors import InputError
+from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET
 from helibore.cli.source import Sectioned, one, open_run, section, takes_a_wall
 from helibore.cli.terminal import Terminal
@@ -36,12 +37,16 @@ def view(**options: Any) -> None:
     terminal = Terminal(options["quiet"])
     check_page()
     run = open_run(options, terminal)
+    if run.settings.archive is not None or run.settings.output is not None:
+        for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
+            if options[name] is not None:
+                raise click.UsageError(f"{option}: does not go with a saved wall, which is shown whole")
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
 
     wall = make_wall(run, options["threads"], terminal.stage).wall
-    terminal.summary(run.messages)
+    terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "token", "browser")}

@@ -135,3 +135,52 @@ def test_options_that_do_not_go_together(verb: str, options: tuple[str, ...], ru
     result = run(verb, *options, "-o", "w.glb" if verb == "reconstruct" else "w.csv")
     assert (result.exit_code, result.stdout) == (2, "")
     assert result.stderr == f"helibore: {rule} (see cli {verb} --help)\n"
+
+
+FEW = "a tool with few arms measured"
+
+
+@pytest.mark.parametrize(
+    ("verb", "output"),
+    [("reconstruct", "w.glb"), ("mesh", "w.vtu"), ("logs", "w.csv"), ("plot", "w.png"), ("report", "w.html"),
+     ("view", "")],
+)  # fmt: skip
+def test_every_command_recognises_a_tool_with_few_arms(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: str, output: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    depth = 1000 + np.arange(200) * 0.05
+    rows = np.column_stack([depth, depth * 12 % 360, 8.5 + 0 * depth, 9.0 + 0 * depth])
+    np.savetxt("xy.csv", rows, fmt="%.4f", delimiter=",", header="md_m,rb_deg,x_in,y_in", comments="")
+    columns = ("--diameter", "x_in@0", "--diameter", "y_in@90", "--bit-diameter", "8.5in")
+    if verb == "view":
+        pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
+        from helibore import viewer
+        from helibore.cli import view as command
+
+        def stop(*_: object, **__: object) -> None:
+            raise hb.InputError("view", "not served")
+
+        monkeypatch.setattr(viewer, "view", stop)
+        monkeypatch.setattr(command, "check_page", lambda: None)
+    small = ("--dpi", "40", "--no-body", "--no-polar", "--scale", "500") if verb in ("plot", "report") else ()
+    result = run(verb, "xy.csv", *columns, *small, *(("-o", output) if output else ()))
+    assert result.exit_code == (2 if verb == "view" else 0), result.output
+    assert FEW in " ".join(result.output.split())
+
+
+@pytest.mark.usefixtures("passes")
+def test_a_mesh_is_no_source_and_its_settings_are_named() -> None:
+    assert run("reconstruct", "p.json", "--set", "1", *COLUMNS, "-o", "w.glb", "-q").exit_code == 0
+    refused = run("logs", "w.glb", "-o", "w.csv")
+    rule = "w.glb: a mesh has no samples; use the settings beside it, w.glb.toml"
+    assert (refused.exit_code, refused.stderr) == (2, f"helibore: {rule}\n")
+
+
+@pytest.mark.usefixtures("passes")
+def test_a_gauge_hole_has_no_figures() -> None:
+    made = run("mesh", "--gauge", "--from", "1000", "--to", "1003", "--bit-diameter", "8.5in", "-o", "g.ply")
+    assert made.exit_code == 0, made.output
+    assert "gauge hole at bit size: not measured" in made.output
+    assert "diameter" not in made.output
+    assert "volume" not in made.output
