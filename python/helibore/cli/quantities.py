@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -58,36 +59,30 @@ def _bare(value: str | float) -> bool:
     return str(value).strip()[-1:].isdigit()
 
 
-class Numbers(Parameter[tuple[int, ...]]):
-    """``2,3,5``."""
+class Parsed(Parameter[Any]):
+    """A text that a function reads; ``rule`` says what it must be."""
 
-    name = "numbers"
+    def __init__(self, name: str, rule: str, parse: Callable[[str], Any]) -> None:
+        self.name, self.rule, self.parse = name, rule, parse
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, ...]:
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
         """Read the text of an option."""
-        if isinstance(value, tuple):
+        if not isinstance(value, str):
             return value
         try:
-            return tuple(int(one) for one in str(value).split(","))
+            return self.parse(value)
         except ValueError:
-            self.fail(f"'{value}': must be pass numbers, such as 2,3", param, ctx)
+            self.fail(f"'{value}': must be {self.rule}", param, ctx)
 
 
-class Shift(Parameter[tuple[int, float]]):
-    """``PASS=LENGTH``."""
+def _shift(text: str) -> tuple[int, float]:
+    number, length = text.split("=")
+    return int(number), units.quantity(length, units.LENGTH)
 
-    name = "pass=length"
 
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, float]:
-        """Read the text of an option."""
-        number, mark, length = str(value).partition("=")
-        try:
-            found = LENGTH.convert(length, param, ctx)
-            if not mark or found is None:
-                raise ValueError
-            return int(number), found
-        except ValueError:
-            self.fail(f"'{value}': must be PASS=LENGTH, such as 3=-0.2m", param, ctx)
+def _lift(text: str) -> tuple[float, float]:
+    depth, length = text.split(":")
+    return float(depth), float(length)
 
 
 FILE = click.Path(path_type=Path)
@@ -96,5 +91,6 @@ LENGTH_OR_NONE = Quantity(units.LENGTH, none=True)
 ANGLE = Quantity(units.ANGLE)
 TIME = Quantity(units.TIME)
 BIT = BitDiameter()
-NUMBERS = Numbers()
-SHIFT = Shift()
+NUMBERS = Parsed("numbers", "pass numbers, such as 2,3", lambda text: tuple(int(number) for number in text.split(",")))
+SHIFT = Parsed("pass=length", "PASS=LENGTH, such as 3=-0.2m", _shift)
+LIFT = Parsed("depth:length", "DEPTH:LENGTH in metres, such as 2030:5", _lift)

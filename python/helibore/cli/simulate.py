@@ -18,12 +18,13 @@ import click
 import numpy as np
 from click.core import ParameterSource
 
-from helibore.cli.quantities import BIT, LENGTH, Parameter
+from helibore.cli.outputs import QUIET
+from helibore.cli.quantities import BIT, LENGTH, LIFT
+from helibore.cli.source import Sectioned, many, one, section
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
     from helibore.base.arrays import Floats
-    from helibore.simulation.hole import Hole
     from helibore.simulation.tool import Simulation
 
 
@@ -31,54 +32,34 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
 """The options that a played rig heeds."""
 
 
-class LiftParameter(Parameter[tuple[float, float]]):
-    """``DEPTH:LENGTH`` in metres."""
-
-    name = "depth:length"
-
-    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, float]:
-        """Read the text of an option."""
-        try:
-            depth, length = str(value).split(":")
-            return float(depth), float(length)
-        except ValueError:
-            self.fail(f"'{value}': must be DEPTH:LENGTH in metres, such as 2030:5", param, ctx)
-
-
-@click.command(short_help="A known hole and its samples, as files.")
+@click.command(cls=Sectioned, short_help="A known hole and its samples, as files.")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
-@click.option("--from", "start", type=LENGTH, default="2000m", show_default=True, help="Depth to start at.")
-@click.option("--to", "stop", type=LENGTH, default="2050m", show_default=True, help="Depth to stop at.")
-@click.option("--bit-diameter", type=BIT, default="0.216m", show_default=True)
-@click.option("--plain", is_flag=True, help="A smooth round hole in one rock: no relief but noise.")
-@click.option("--samples", type=int, help="How many.  [as many as --sample-rate gives]")
-@click.option("--sample-rate", type=float, default=20.0, show_default=True, help="Samples a second.")
-@click.option("--rotation", type=float, default=117.0, show_default=True, help="Turns a minute.")
-@click.option("--stick-slip", type=float, default=0.7, show_default=True, help="Swing of the speed; 1: it stops.")
-@click.option("--advance", type=float, default=20.0, show_default=True, help="Metres an hour.")
-@click.option("--noise", type=LENGTH, default="0.5mm", show_default=True, help="Standard deviation of the radius.")
-@click.option("--missing", type=float, default=0.0, show_default=True, help="Share of samples that never arrive.")
-@click.option("--lift", "lifts", type=LiftParameter(), multiple=True, help="Lift and scan again; repeatable.")
-@click.option("--seed", type=int, default=0, show_default=True)
-@click.option("--wits", metavar="ADDRESS", help="Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.")
-@click.option(
-    "--telemetry",
-    type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
-    default="wired-pipe",
-    show_default=True,
-    help="Rate and delay, with --wits.",
+@section(
+    "Options",
+    one("--from start", "Depth to start at.", type=LENGTH, default="2000m"),
+    one("--to stop", "Depth to stop at.", type=LENGTH, default="2050m"),
+    one("--bit-diameter", "Bit size.", type=BIT, default="0.216m"),
+    one("--plain", "A smooth round hole in one rock; the samples have noise only.", is_flag=True),
+    one("--samples", "How many.  [as many as --sample-rate gives]", type=int),
+    one("--sample-rate", "Samples a second.", type=float, default=20.0),
+    one("--rotation", "Turns a minute.", type=float, default=117.0),
+    one("--stick-slip", "Swing of the speed; 1: it stops.", type=float, default=0.7),
+    one("--advance", "Metres an hour.", type=float, default=20.0),
+    one("--noise", "Standard deviation of the radius.", type=LENGTH, default="0.5mm"),
+    one("--missing", "Share of samples that never arrive.", type=float, default=0.0),
+    many("--lift lifts", "Lift the tool and scan again.", type=LIFT),
+    one("--seed", "Another seed, another hole.", type=int, default=0),
+    one("--format ending", "Of the samples.", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv"),
+    QUIET,
 )
-@click.option("--speed", type=float, default=1.0, show_default=True, help="Of playing, with --wits; 0: at once.")
-@click.option(
-    "--faults",
-    nargs=3,
-    type=float,
-    default=(0.0, 0.0, 0.0),
-    show_default=True,
-    help="Shares of frames dropped, sent twice, sent late, with --wits.",
-)
-@click.option("--format", "ending", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv", show_default=True)
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+@section(
+    "A rig over WITS",
+    one("--wits", "Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.", metavar="ADDRESS"),
+    one("--telemetry", "Rate and delay.", type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
+        default="wired-pipe"),
+    one("--speed", "How many times as fast as real time; 0: at once.", type=float, default=1.0),
+    one("--faults", "Shares of frames dropped, sent twice, sent late.", nargs=3, type=float, default=(0.0, 0.0, 0.0)),
+)  # fmt: skip
 def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:
     """Measure a known, seeded hole and write what the tool reports, and the truth, to FOLDER.
 
@@ -93,11 +74,12 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
         return
     if folder is None:
         raise click.UsageError("no FOLDER to write to, and no --wits ADDRESS to play to")
-    from helibore.simulation.tool import Lift, Tool
+    from helibore.simulation.tool import Hole, Lift, Tool
     from helibore.simulation.tool import simulate as run
 
     terminal = Terminal(quiet)
-    hole = _hole(options["start"], options["stop"], options["bit_diameter"], options["plain"], seed)
+    ends, shape = (options["start"], options["stop"]), {"bit_diameter": options["bit_diameter"], "seed": seed}
+    hole = Hole(*ends, **shape) if options["plain"] else Hole.example(*ends, **shape)
     names = ("sample_rate", "rotation", "stick_slip", "advance", "noise", "missing")
     tool = Tool(**{name: options[name] for name in names}, lifts=tuple(Lift(*lift) for lift in options["lifts"]))
     with terminal.stage("simulate", "Drilling the simulated hole"):
@@ -125,7 +107,7 @@ def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
     for parameter in context.command.params:
         name = str(parameter.name)
         if name not in PLAYED and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
-            raise click.UsageError(f"{parameter.opts[0].replace('folder', 'FOLDER')}: has no say with --wits")
+            raise click.UsageError(f"{parameter.opts[0].replace('folder', 'FOLDER')}: does not go with --wits")
     address, start, stop = str(options["wits"]), options["start"], options["stop"]
     here = "listen" if scheme_of(address) == "tcp" else "tcp"
     faults, lifts = Faults(*options["faults"]), tuple(Lift(*lift) for lift in options["lifts"])
@@ -139,14 +121,6 @@ def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
         sent = play(rig, link, options["speed"])
     if not quiet:
         click.echo(f"# {sent:,} bytes, {len(rig.triples):,} triples sent", err=True)
-
-
-def _hole(start: float, stop: float, bit_diameter: float, plain: bool, seed: int) -> Hole:
-    from helibore.simulation.tool import Hole
-
-    if plain:
-        return Hole(start=start, stop=stop, bit_diameter=bit_diameter, seed=seed)
-    return Hole.example(start, stop, bit_diameter=bit_diameter, seed=seed)
 
 
 def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None:

@@ -173,9 +173,9 @@ def test_the_tool_is_lifted_where_it_is_told_to_be():
 @pytest.mark.parametrize(
     ("arguments", "reported"),
     [
-        (["hole"], "FOLDER: has no say with --wits"),
-        (["--noise", "1mm"], "--noise: has no say with --wits"),
-        (["--format", "npz", "-q"], "--format: has no say with --wits"),
+        (["hole"], "FOLDER: does not go with --wits"),
+        (["--noise", "1mm"], "--noise: does not go with --wits"),
+        (["--format", "npz", "-q"], "--format: does not go with --wits"),
         (["--wits", "127.0.0.1:9872"], "address '127.0.0.1:9872': must be tcp://HOST:PORT or listen://HOST:PORT"),
     ],
 )
