@@ -1,7 +1,7 @@
-"""Channels with roles become what the rest takes: a column in core units, a survey, a sector image.
+"""Turn channels with roles into a column in core units, a survey or a sector image.
 
-Metres, degrees and seconds from here. Rows without a value are left out and counted. What the wall is made from is in
-``readings``.
+Results are in metres, degrees and seconds. Rows without a value are left out and counted. ``readings`` has the columns
+that a wall is made from.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ Floats = npt.NDArray[np.float64]
 
 @dataclass(frozen=True)
 class RawSectorImage:
-    """A sector image as it stands in the file; `sector_image` makes of it what walls carry.
+    """A sector image as it stands in the file; `sector_image` turns it into an image for walls.
 
     Attributes
     ----------
@@ -38,7 +38,7 @@ class RawSectorImage:
         (n, K), NaN where missing.
     first, step
         Angle of the first sector and from one to the next, degrees, as the file or a map states; None where neither
-        does. Whether a sector starts or is centred there is for the caller to know: files do not say.
+        does. Log files do not state whether a sector is centred there or starts there.
     members
         The columns it was joined from.
     dropped
@@ -68,16 +68,17 @@ class RawSectorImage:
         reach: float | None = None,
         name: str | None = None,
     ) -> SectorImage:
-        """Return the image that a wall carries: ``wall.images["GR"] = file.image("GRAS").sector_image(...)``.
+        """Return an image for a wall: ``wall.images["GR"] = file.image("GRAS").sector_image(...)``.
 
         Parameters
         ----------
         origin, reference
-            As in `SectorImage`: files do not say what of sector 1 lies at its angle, nor what the angles count from.
+            As in `SectorImage`; log files state neither whether sector 1 is centred on its angle nor what the
+            angles count from.
         direction
-            None: as ``step`` says, clockwise where it does not.
+            None: by the sign of ``step``, clockwise if it is not stated.
         offset
-            Degrees; None: ``first``, 0 where the file does not say.
+            Degrees; None: ``first``, or 0 if it is not stated.
         reach, name
             As in `SectorImage`; ``name`` None: the channel's.
 
@@ -137,7 +138,7 @@ def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
 
 
 def about_names(log_set: RawSet) -> str:
-    """What explains that a channel is not told by its name: there is no header, or names repeat."""
+    """Remarks that explain why no name fits: the table has no header, or names repeat."""
     return "".join(f"; {remark}" for remark in log_set.remarks if NO_HEADER in remark or "columns are named" in remark)
 
 

@@ -1,10 +1,10 @@
-"""Values that cannot be, or hardly are, what their role says: each check names the channel, the number and the rule.
+"""Checks of values against the role of their channel: each error names the channel, the number and the rule.
 
     median radius 0.216 m                          an 8.5 in bit: looks like a diameter
     toolface between 0 and 6.28, stated in deg     looks like radians
     median radius 108 m                            the unit looks like mm
 
-A role confirmed by a map skips the checks that only suspect; what no borehole can have stays an error.
+A role that a map confirms skips the checks for likely mistakes; a value that no borehole can have is always an error.
 """
 
 from __future__ import annotations
@@ -27,11 +27,11 @@ RADIUS_RANGE = (0.02, 1.0)
 """Metres: medians outside belong to no borehole, so the unit is wrong."""
 
 FEW = 5
-"""With fewer values than this nothing is suspected."""
+"""Fewer values than this are not checked for likely mistakes."""
 
 
 MANY = 1 << 16
-"""Of more values than this, evenly chosen ones tell the median."""
+"""Of more values than this, the median is that of evenly chosen ones."""
 
 
 def present(values: Floats) -> Floats:

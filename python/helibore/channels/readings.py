@@ -4,9 +4,9 @@
     diameter      two, half of it each, at its       travel-time   as a radius or an image, through the mud by an Echo
                   angle and opposite
 
-Readings say nothing of flaws in the log; ``helibore.preparation.prepare`` judges, places and corrects them. Nothing is
-converted on a suspicion: a diameter in a radius's place, radians in a degree's, a unit that cannot be right are errors
-that say so (``suspect``).
+Readings keep the flaws of the log; ``helibore.preparation.prepare`` finds and corrects them. A likely mistake is an
+error, and never corrected silently: a diameter in the place of a radius, radians as degrees, a wrong unit
+(``plausibility``).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ UNSTATED = {
     units.ANGLE: "deg, as one beyond 2 pi must be (no unit stated)",
     units.TIME: "s, as no unit is stated",
 }
-"""What a channel without a unit is taken for, by what it measures."""
+"""The unit that a channel without one is read in, by what it measures."""
 
 NORTH = ("n", "north", "m", "mtf", "magnetic", "0")
 HIGH_SIDE = ("h", "hs", "high side", "high-side", "g", "gtf", "gravity", "top", "1")
@@ -241,7 +241,7 @@ def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
 
 
 def _together(arms: list[Role]) -> list[str]:
-    """Channels that look in one direction, as two calipers of one well do: said, for their biases differ."""
+    """Sentences about channels that measure in one direction, as two calipers of one well do: their biases differ."""
     by_direction: dict[tuple[str, float, float], list[str]] = {}
     for role in arms:
         if role.angle is not None:

@@ -11,7 +11,8 @@
     step = 22.5
     reference = "north"                # toolface: counts from north, high-side or automatic (by inclination)
 
-What a map does not name keeps its guess. What it names is confirmed: checks that only suspect a wrong column are off.
+A channel that the map does not name keeps its guessed role. A role that the map states is confirmed: checks that only
+suspect a wrong column are left out.
 """
 
 from __future__ import annotations
@@ -162,7 +163,7 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
 def parse_options(
     log_set: RawSet, roles: RoleMap, columns: Mapping[str, str | None], arms: Mapping[str, Sequence[str]]
 ) -> RoleMap:
-    """Lay columns written ``NAME[@ANGLE][:UNIT]`` over roles, as options of the command line do.
+    """Apply columns written ``NAME[@ANGLE][:UNIT]`` over roles, as options of the command line do.
 
     Parameters
     ----------
@@ -200,7 +201,7 @@ def parse_options(
         roles = RoleMap(roles.set_name, kept)
     laid = overlay(roles, log_set, entries, log_set.path.name, "named by an option")
     for name, entry in entries.items():
-        if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians stay suspect
+        if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians are still refused
             laid.roles[name] = replace(laid.roles[name], confirmed=False)
     return laid
 

@@ -3,7 +3,7 @@
     name, description, unit, shape  --guess-->  role: depth, toolface, radius, diameter, inclination, image ...
     [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (a map: what it names, it decides)
 
-A guess reads names and units, never the size of the numbers. Nothing is converted here (``files.columns`` does that).
+A guess reads names and units, never the size of the numbers. Nothing is converted here (``columns`` does that).
 A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one. ``angle`` is counted from the
 toolface channel where there is one, else from the toolface reference.
 """
@@ -121,7 +121,7 @@ class Role:
     reference
         For a toolface: what it counts from, one of ``REFERENCES``; "": what the wall's toolface counts from.
     confirmed
-        Whether a map states this role: checks that only suspect a wrong column are then left out.
+        Whether a map states this role: checks for likely mistakes are then left out.
     """
 
     channel: str
@@ -196,7 +196,7 @@ def guess(log_set: RawSet) -> RoleMap:
 
 
 def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool) -> None:
-    """A column of text named like one that is needed and missing: taken, so that reading it tells the bad cell."""
+    """Give a missing role to a text column that is named like it: reading the column then names the bad cell."""
     taken = {each.role for each in roles.values()}
     for channel in log_set:
         if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
@@ -232,7 +232,7 @@ def _fits(channel: Channel, kind: str) -> bool:
 
 
 def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
-    """Give depth, time, toolface ... to the channel that fits best; tell the others who took it."""
+    """Give depth, time, toolface ... to the channel that fits best; the reasons of the others name that channel."""
     inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
     for role, name, described in PATTERNS:
         for channel in log_set:

@@ -61,7 +61,7 @@ def read(source: Source, nulls: tuple[float, ...], header_line: int | None = Non
     names = unique(layout.names)
     for name, count in Counter(layout.names).items():
         if 1 < count < FEWEST_SECTORS:
-            layout.remarks.append(f"{count} columns are named {name}: they are told apart as {name}:1, {name}:2 ...")
+            layout.remarks.append(f"{count} columns are named {name}: they are called {name}:1, {name}:2 ...")
     columns = None if whole else _by_pyarrow(source, layout, head, "cp1252" if remark else "utf8")
     line_of = _line_finder(source, layout)
     if columns is None:

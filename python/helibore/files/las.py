@@ -79,7 +79,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
 
 
 def find_sections(source: Source, text: str) -> list[Section]:
-    """Cut the text at its ~ lines. Comments stay: rows and line numbers are told apart later."""
+    """Cut the text at its ~ lines. Comments stay, because errors count lines."""
     sections: list[Section] = []
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha()):
@@ -133,9 +133,9 @@ def _las2(
     rows = read_rows(source.path, data.lines, data.line + 1, labels, None, comments=True, wrapped=wrapped)
     units_of, well = ({item.mnemonic: _unit_and_value(item)[part] for item in header.well} for part in (0, 1))
     declared = _null(well.get("NULL"))
-    one = _set(source, "log", curves, rows, nulls + declared, well, remarks)
-    _check_range(one, well, units_of)
-    return one
+    log_set = _set(source, "log", curves, rows, nulls + declared, well, remarks)
+    _check_range(log_set, well, units_of)
+    return log_set
 
 
 def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any:
@@ -261,9 +261,9 @@ def _set(
     return RawSet(source.path, name, channels, rows.count, curves[0].name, header, remarks + rows.remarks, rows.line_of)
 
 
-def _check_range(one: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
+def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
     """Compare STRT, STOP and the index unit of the header with the rows; differences become remarks."""
-    index = one[str(one.index)]
+    index = log_set[str(log_set.index)]
     if index.is_text:
         return
     unit = units_of.get("STRT") or ""
@@ -272,9 +272,11 @@ def _check_range(one: RawSet, well: dict[str, str], units_of: dict[str, str]) ->
     except ValueError:
         scale = 1.0
         if unit and index.unit and unit.lower() != index.unit.lower():
-            one.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")
+            log_set.remarks.append(f"STRT is in {unit}, the index {index.name} in {index.unit}")
     for name, row in (("STRT", 0), ("STOP", -1)):
         declared = _null(well.get(name))
         found = float(index.values[row])
         if declared and not np.isclose(scale * declared[0], found, rtol=0, atol=1e-3 * max(1.0, abs(found) * 1e-3)):
-            one.remarks.append(f"{name} = {declared[0]:g} in the header, {found:g} in the rows: truncated or edited?")
+            log_set.remarks.append(
+                f"{name} = {declared[0]:g} in the header, {found:g} in the rows: truncated or edited?"
+            )

@@ -1,6 +1,6 @@
-"""Tables of logs as files: LAS 2.0 and CSV as text, Parquet through pyarrow, DLIS through dliswriter.
+"""Write tables of logs to files: LAS 2.0 and CSV as text, Parquet through pyarrow, DLIS through dliswriter.
 
-    save_table(wall.logs().table(), "well.las")          the ending tells the format
+    save_table(wall.logs().table(), "well.las")          the ending decides the format
 
             missing values           facts (bit size, basis, windows ...)
     .las    -999.25                  ~Parameter
@@ -8,7 +8,7 @@
     .parquet  null                   metadata of the schema
     .dlis   -999.25                  parameters; channels have units and long names
 
-Files are written whole or not at all. Reading them back is the business of ``hb.open``.
+Files are written whole or not at all. ``hb.open`` reads them back.
 """
 
 from __future__ import annotations
@@ -28,6 +28,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError, MissingExtraError
 from helibore.base.tables import LogColumn, LogTable
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
@@ -40,7 +41,7 @@ _STEP_DECIMALS = 5
 
 
 def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = "") -> None:
-    """Write a table of logs; the ending of the name tells the format.
+    """Write a table of logs; the ending of the name decides the format.
 
     Parameters
     ----------
@@ -53,10 +54,10 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
 
     Raises
     ------
-    ValueError
+    InputError
         ``well.xls: the ending must be one of .las, .csv, .parquet, .dlis``.
-    ImportError
-        ``.parquet`` needs pyarrow and ``.dlis`` dliswriter; the text names the extra that brings it.
+    MissingExtraError
+        ``.parquet`` needs pyarrow and ``.dlis`` dliswriter.
     OSError
         If the folder cannot be written to; the old file stays.
     """
@@ -76,25 +77,24 @@ def check_ending(filename: str | os.PathLike[str]) -> None:
     path = Path(filename)
     ending = path.suffix.lower()
     if ending not in ENDINGS:
-        raise ValueError(f"{path}: the ending must be one of {', '.join(ENDINGS)}")
+        raise InputError(str(path), f"the ending must be one of {', '.join(ENDINGS)}")
     try:
         if ending == ".parquet":
             import pyarrow as _
         elif ending == ".dlis":
             import dliswriter as _  # noqa: F401
     except ImportError as error:
-        needs = {".parquet": "pyarrow", ".dlis": "dliswriter"}[ending]
-        raise ImportError(f'{ending} needs {needs}: pip install "helibore[{ending[1:]}]"') from error
+        raise MissingExtraError({".parquet": "pyarrow", ".dlis": "dliswriter"}[ending], ending[1:]) from error
 
 
 def _texts(column: LogColumn, missing: str) -> list[str]:
-    """Fixed decimals: a hundredth of a millimetre and finer, and no digits that mean nothing."""
+    """Values with a fixed number of decimals: a hundredth of a millimetre or finer."""
     decimals = _DECIMALS.get(column.unit, 6) if column.decimals is None else column.decimals
     return [f"{value:.{decimals}f}" if value == value else missing for value in column.values.tolist()]
 
 
 def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
-    """LAS 2.0 (CWLS): version, well, curve, parameter, ascii; text goes in the value field, before the colon."""
+    """LAS 2.0 (CWLS): version, well, curve, parameter, ascii; text stands in the value field, before the colon."""
     texts = [_texts(column, f"{NULL:.2f}") for column in table]
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
@@ -134,7 +134,7 @@ def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
 
 
 def _unit_and_value(text: str) -> tuple[str, str]:
-    """A fact that is a length or a volume has its unit where LAS looks for it."""
+    """A fact as LAS has it: the unit of a length or volume, and its value."""
     quantity = re.fullmatch(r"([-+.\deE]+) (m|m3|deg|s)", text)
     return (quantity[2].upper(), quantity[1]) if quantity else ("", _one_line(text))
 
@@ -148,14 +148,14 @@ def _las_step(depth: Floats) -> str:
 
 
 def _wrap(row: tuple[str, ...]) -> list[str]:
-    """Depth on a line of its own, the rest in lines of at most 80 characters, as wrapped files must be."""
-    lines, line = [row[0].strip()], ""
+    """The depth on one line, the rest on lines of at most 80 characters, as the format demands of wrapped files."""
+    lines = [row[0].strip()]
     for text in row[1:]:
-        if line and len(line) + 1 + len(text) > 80:
-            lines.append(line)
-            line = ""
-        line = f"{line} {text}" if line else text
-    return [*lines, line] if line else lines
+        if len(lines) > 1 and len(lines[-1]) + 1 + len(text) <= 80:
+            lines[-1] += f" {text}"
+        else:
+            lines.append(text)
+    return lines
 
 
 def _mnemonic(name: str) -> str:
@@ -163,7 +163,7 @@ def _mnemonic(name: str) -> str:
 
 
 def _one_line(text: str) -> str:
-    """LAS has colons and line breaks for its own use."""
+    """Text without colons and line breaks, which separate fields in LAS."""
     return " ".join(text.replace(":", ";").split())
 
 
@@ -196,7 +196,7 @@ def _dlis(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
     import dliswriter
 
     def write(file: BinaryIO) -> None:
-        """Written to a place of its own first: dliswriter takes names of files, not files."""
+        """Write to a temporary file first: dliswriter takes a file's name, not an open file."""
         with tempfile.TemporaryDirectory() as folder, _silent():
             path = Path(folder) / "logs.dlis"
             _dlis_file(dliswriter, table, well).write(path, output_chunk_size=2**24)

@@ -145,7 +145,7 @@ def _cells(
 ) -> list[list[str]]:
     """Every row cut into cells, as many as there are columns."""
     rows: list[list[str]] = []
-    parted = 0
+    cut_rows = 0
     for line in kept:
         if '"' in line and line.count('"') % 2:
             raise file_error(path, "a quote is opened and not closed", line_of(len(rows)))
@@ -153,7 +153,7 @@ def _cells(
         if len(row) != width and delimiter is None:
             mended = RUN_TOGETHER.sub(" -", line).split()
             if len(mended) == width:
-                row, parted = mended, parted + 1
+                row, cut_rows = mended, cut_rows + 1
         if len(row) != width:
             cut = "truncated: " if len(rows) == len(kept) - 1 and len(row) < width else ""
             others = [mark for mark in (",", "\t", ";", "|") if mark != delimiter and line.count(mark) == width - 1]
@@ -161,8 +161,8 @@ def _cells(
             rule = f"{cut}{len(row)} values where {width} columns are defined{hint}"
             raise file_error(path, rule, line_of(len(rows)))
         rows.append(row)
-    if parted:
-        remarks.append(f"{parted} rows held numbers run together (12.5-999.25): cut before the minus sign")
+    if cut_rows:
+        remarks.append(f"{cut_rows} rows held numbers run together (12.5-999.25): cut before the minus sign")
     return rows
 
 

@@ -1,6 +1,6 @@
-"""A file's bytes, read with bounds: plain or gzip, never more in memory than a caller asked for.
+"""The bytes of a file, plain or gzip: no more in memory than a caller asked for.
 
-    path -> magic bytes -> format name          (the extension is not looked at)
+    path -> first bytes -> format name          (the name of the file plays no part)
     path -> stream()    -> bytes, gunzipped, a gzip bomb refused, a line longer than 1 MiB refused
 
 Knows nothing of channels.
@@ -23,10 +23,10 @@ LINE_LIMIT = 1 << 20
 """Longest line (bytes) any text format may have; also the step in which text is read."""
 
 HEAD = 1 << 16
-"""Bytes looked at to tell the format."""
+"""Bytes that decide the format."""
 
 PIECE = 1 << 21
-"""Step (bytes) in which a table is unpacked; the first holds all lines above the rows, which are sought in as many."""
+"""Step (bytes) in which a table is unpacked. All lines above the rows lie within the first."""
 
 TEXT_LIMIT = 1 << 30
 """Largest text (bytes) of a format that is read whole (LAS)."""
@@ -39,7 +39,7 @@ GZIP_RATIO = 200
 
 UTF8_BOM = codecs.BOM_UTF8
 
-# First bytes of what people do hand over, and what to tell them.
+# First bytes of files that are not read, and what to do with them.
 FOREIGN = {
     b"\xff\xfe": "UTF-16 text: save it as UTF-8",
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
@@ -67,7 +67,7 @@ def file_error(
 
 
 class Gunzip(io.RawIOBase):
-    """A gzip stream that refuses to unpack a bomb and turns every defect into an error with the file's name."""
+    """A gzip stream that refuses bombs, and whose errors name the file."""
 
     def __init__(self, path: Path) -> None:
         self._path = path

@@ -5,7 +5,7 @@
     <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one RawSet a trajectory
 
 Units are read from ``uom`` and kept as written (radians stay radians). Any document type or entity declaration is
-refused before the parser sees it; text runs, nesting and element count per station are bounded.
+refused before the parser gets it. The length of a text, the nesting and the elements of a station are bounded.
 """
 
 from __future__ import annotations
@@ -40,7 +40,7 @@ STATION = ("md", "tvd", "incl", "azi", "mtf", "gtf", "dispNs", "dispEw", "vertSe
 
 
 class Checked(io.RawIOBase):
-    """The bytes of an XML file, each piece looked at before the parser gets it."""
+    """The bytes of an XML file; each piece is checked before the parser gets it."""
 
     def __init__(self, source: Source, stream: BinaryIO) -> None:
         self._source = source
@@ -146,7 +146,7 @@ def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.
 
 
 def _take(found: list[Log | Trajectory], path: list[str], element: ET.Element) -> None:
-    """Use one element and free it."""
+    """Take what is needed from an element, and free it."""
     name = path[-1]
     text = (element.text or "").strip()
     if name == "start":

@@ -366,7 +366,7 @@ def test_an_arm_named_without_an_angle_keeps_the_angle_that_is_known(tmp_path: P
         read(bare, diameter=["cal_y_in"])
 
 
-def test_calipers_that_read_in_one_direction_are_told(tmp_path: Path) -> None:
+def test_calipers_that_read_in_one_direction_are_reported(tmp_path: Path) -> None:
     path = written(tmp_path, "md_m,a_in,b_in,c_in\n10,8.5,8.6,8.7\n")
     notes = read(path, diameter=["a_in@90", "b_in@90", "c_in@0"]).notes
     assert notes[-1] == (

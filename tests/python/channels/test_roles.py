@@ -280,7 +280,7 @@ def test_suspicions_yield_to_a_map_and_to_the_bit() -> None:
     assert wall_samples(slow, mapped).toolface.max() == pytest.approx(np.degrees(6.28))
 
 
-def test_what_an_unstated_unit_is_taken_for_is_told() -> None:
+def test_what_an_unstated_unit_is_taken_for_is_reported() -> None:
     found = log_set(DEPTH, channel("TF", "", np.arange(40.0)), radius(0.1), channel("TIME", "", np.arange(40.0)))
     notes = found.readings().notes
     assert any(note.startswith("TF is toolface in deg, as one beyond 2 pi must be (no unit stated):") for note in notes)
@@ -357,8 +357,8 @@ def test_an_image_of_a_file_becomes_one_for_walls_in_one_line() -> None:
     turned = mapped.sector_image(origin="centre", reference="high-side", name="GR", reach=2.0)
     assert (turned.name, turned.direction, turned.offset, turned.reach) == ("GR", "counterclockwise", 30.0, 2.0)
     assert turned.toolface.tolist() == [30.0, 300.0, 210.0, 120.0]
-    told = mapped.sector_image(origin="centre", reference="north", direction="clockwise", offset=5.0)
-    assert (told.direction, told.offset) == ("clockwise", 5.0)
+    stated = mapped.sector_image(origin="centre", reference="north", direction="clockwise", offset=5.0)
+    assert (stated.direction, stated.offset) == ("clockwise", 5.0)
     wrong = one.image("I", overlay(guess(one), one, {"I": {"first": 0.0, "step": 45.0}}, "map"))
     with pytest.raises(ValueError, match=r"^I: 4 sectors, 45 deg apart: must be 90 around the hole$"):
         wrong.sector_image(origin="edge", reference="north")

@@ -112,7 +112,7 @@ def test_damage_is_read_or_refused(tmp_path: Path) -> None:
     assert opened > 0
 
 
-def test_text_that_is_not_utf8_is_told(tmp_path: Path) -> None:
+def test_text_that_is_not_utf8_is_reported(tmp_path: Path) -> None:
     write(tmp_path / "w.dlis", 36)
     whole = (tmp_path / "w.dlis").read_bytes()
     assert whole.count(b"radius image") == 1

@@ -1,7 +1,7 @@
 """Damaged files of every format: opened, or refused with an error that names the file; never anything else.
 
-``python tests/python/test_files_fuzz.py SECONDS`` goes on with fresh damage for as long as told and writes what it
-finds into the folder it names. With atheris installed coverage leads:
+``python tests/python/files/test_files_fuzz.py SECONDS`` tries new damage for so long, and writes the files that break
+the rule to the folder that it prints. With atheris installed coverage leads:
 ``python tests/python/test_files_fuzz.py atheris -max_total_time=600``. What was found once stands below in ``FOUND``.
 """
 

@@ -206,7 +206,7 @@ def test_trajectory_units_and_order(tmp_path: Path) -> None:
     refused(xml_file(tmp_path, trajectory([])), "trajectory 'T': no stations")
 
 
-def test_a_station_without_a_value_is_left_out_and_told(tmp_path: Path) -> None:
+def test_a_station_without_a_value_is_left_out_and_reported(tmp_path: Path) -> None:
     stations = [(0, 0, 0), (30, 10, 100), (60, -999.25, 110), (90, 30, 120)]
     file = hb.open(xml_file(tmp_path, trajectory(stations)))
     assert len(file.survey()) == 3

@@ -62,7 +62,7 @@ def test_las2(tmp_path: Path) -> None:
     assert one.remarks == []
 
 
-def test_las2_flaws_are_mended_and_told(tmp_path: Path) -> None:
+def test_las2_flaws_are_mended_and_reported(tmp_path: Path) -> None:
     one = hb.open(las2(tmp_path, "1 50-999.25\n2 51.5-99.0\n3 1.#QNAN (null)\n", stop=9)).set()
     np.testing.assert_array_equal(one["GR"].values, [50, 51.5, np.nan])
     assert one["CAL"].missing == 3

@@ -84,11 +84,11 @@ def test_columns_without_names_are_no_image_and_the_errors_say_why_they_have_no_
         one.survey()
 
 
-def test_repeated_names_keep_their_unit_and_are_told(tmp_path: Path) -> None:
+def test_repeated_names_keep_their_unit_and_are_reported(tmp_path: Path) -> None:
     rows = "".join(f"{2000 + k},{9 * k},0.11,0.12\n" for k in range(40))
     one = hb.open(write(tmp_path, "depth_m,tf_deg,radius_m,radius_m\n" + rows)).set()
     assert [(channel.name, channel.unit) for channel in one][2:] == [("radius_m:1", "m"), ("radius_m:2", "m")]
-    said = "2 columns are named radius_m: they are told apart as radius_m:1, radius_m:2 ..."
+    said = "2 columns are named radius_m: they are called radius_m:1, radius_m:2 ..."
     assert one.remarks == [said]
     with pytest.raises(ValueError, match=f"; {said}$"):
         one.readings()
