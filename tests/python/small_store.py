@@ -35,6 +35,7 @@ class Store:
         self.stations: list[tuple[float, float, float]] = []
         self.most, self.null = 100_000, "-999.25"
         self.trouble: list[str] = []
+        self.bodies: list[bytes] = []
         self.questions: list[str] = []
         self.user, self.page = None, b"broken"
         self.authority = trustme.CA()
@@ -73,6 +74,8 @@ class Store:
         trouble = self.trouble.pop(0) if self.trouble else ""
         if self.user is not None and page.headers.get("Authorization") != self.user:
             return self.send(page, b"who are you", 401)
+        if self.bodies:
+            return self.send(page, self.bodies.pop(0), 200)
         if trouble == "500":
             return self.send(page, self.page, 500)
         if trouble == "redirect":

@@ -20,7 +20,7 @@ from helibore.live import wits
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
 from helibore.live.sources import Source
-from helibore.live.store import Position
+from helibore.live.store import AccessDeniedError, Position
 from helibore.live.transport import Link, Opener, close_quietly, opener
 from helibore.live.update import Update
 
@@ -194,6 +194,11 @@ class Server:
                         continue
                     connection += 1
                     failures = 0 if self._read(source, link, connection) else failures + 1
+                except AccessDeniedError as error:
+                    self._report(source.name, "access", f"{error}: not asked again")
+                    self.states[source.name] = "stopped: access denied"
+                    self._stop.wait()
+                    return
                 except OSError as error:
                     failures = 1 if time.monotonic() - began > LONGEST_WAIT else failures + 1
                     self._report(source.name, "link", str(error))

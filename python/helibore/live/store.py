@@ -11,26 +11,29 @@ OSError; when to try again is the server's business.
 
 from __future__ import annotations
 
-import base64
 import contextlib
 import hashlib
-import html
-import itertools
 import os
 import queue
 import ssl
 import threading
 import time
-import urllib.parse
 from collections.abc import Callable
 from typing import Any
 
+from helibore.base.errors import InputError, MissingExtraError
 from helibore.live import witsml
+from helibore.live.redaction import Redactor, check_password
 from helibore.live.sources import Source
 
 PIECE = 1 << 19
 SOON = 0.25
 """Seconds until the rest of a partial answer is asked for."""
+
+
+class AccessDeniedError(OSError):
+    """The store refused user or password: asking again changes nothing, and may lock the account."""
+
 
 Position = Callable[[], tuple[str, str] | None]
 
@@ -51,8 +54,8 @@ class StoreClient:
     def __init__(self, source: Source, position: Position) -> None:
         try:
             import httpx2
-        except ImportError as error:
-            raise ImportError('WITSML stores need httpx2: pip install "helibore[witsml]"') from error
+        except ImportError:
+            raise MissingExtraError("httpx2", "witsml") from None
         assert source.store is not None
         self._source, self._position, self._http = source, position, httpx2
         access, place = source.store.access, f"source.{source.name}"
@@ -61,18 +64,20 @@ class StoreClient:
             try:
                 self._trust.load_verify_locations(access.ca)
             except OSError as error:
-                raise ValueError(f"{place}.ca = {access.ca!r}: is no file of certificates: {error}") from None
+                raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(access.ca)) from None
         self._auth: tuple[str, str] | None = None
         self._refused: dict[str, bytes] = {}
         if access.user:
             if access.password_env not in os.environ:
-                raise ValueError(f"{place}.password_env = {access.password_env!r}: is not set in the environment")
+                raise InputError(f"{place}.password_env", "is not set in the environment", repr(access.password_env))
             self._auth = access.user, os.environ[access.password_env]
+            check_password(f"{place}.password_env", self._auth[1])
+        self._redactor = Redactor(self._auth)
 
     def open(self, seconds: float) -> StoreLink | None:  # noqa: ARG002 (the first question is asked by the link)
         """Begin polling."""
         client = self._http.Client(verify=self._trust, auth=self._auth, trust_env=False, follow_redirects=False)
-        return StoreLink(client, self._http, self._source, self._position, self._refused, _secrets(self._auth))
+        return StoreLink(client, self._http, self._source, self._position, self._refused, self._redactor)
 
     def close(self) -> None:
         """Nothing is held."""
@@ -82,18 +87,18 @@ class StoreLink:
     """Polls until closed or an answer fails.
 
     ``refused`` has the checksum of the last refused answer of each kind, over all links, so that the same one again
-    costs the journal a line; ``secrets`` are not stored, should a refused answer repeat them.
+    costs the journal a line.
     """
 
     def __init__(
         self, client: Any, http: Any, source: Source, position: Position, refused: dict[str, bytes],
-        secrets: tuple[bytes, ...],
+        redactor: Redactor,
     ) -> None:  # fmt: skip
         assert source.store is not None
         self.peer = source.address.url
         self._client, self._http, self._source, self._store = client, http, source, source.store
         self._position = position
-        self._refused, self._secrets = refused, secrets
+        self._refused, self._redactor = refused, redactor
         self._pieces: queue.SimpleQueue[bytes | OSError | threading.Event] = queue.SimpleQueue()
         self._closed = threading.Event()
         self._before: dict[str, bytes] = {}
@@ -126,10 +131,10 @@ class StoreLink:
                 if self._store.trajectory and not partial:
                     self._ask("trajectory", witsml.trajectory_query(self._store.trajectory), "returnElements=all")
                 self._closed.wait(SOON if partial else self._source.every)
-        except OSError as error:
+        except AccessDeniedError as error:
             self._pieces.put(error)
-        except self._http.TransportError as error:
-            self._pieces.put(OSError(f"{self._source.address.host}: {error or type(error).__name__}"))
+        except (OSError, self._http.TransportError) as error:
+            self._pieces.put(OSError(self._redactor.clean_text(str(error) or type(error).__name__)))
         except Exception as error:
             self._pieces.put(OSError(f"{self._source.address.host}: {type(error).__name__}"))
         finally:
@@ -145,6 +150,7 @@ class StoreLink:
     def _ask(self, kind: str, query: str, options: str) -> bool:
         """Ask, have the bytes stored, and look whether the store is content; returns whether the answer is partial."""
         body, state, failure = self._answer(witsml.envelope(kind, query, options))
+        body = self._redactor.clean(body, cut=state != "whole")
         same = state == "whole" and body == self._before.get(kind)
         if state == "refused":
             body = self._refusal(kind, body)
@@ -175,8 +181,7 @@ class StoreLink:
         return True
 
     def _refusal(self, kind: str, body: bytes) -> bytes:
-        """A refused answer as it is stored: without secrets, and empty where it is the one before."""
-        body = _redacted(body, self._secrets)
+        """A refused answer as it is stored: empty where it is the one before."""
         checksum = hashlib.blake2b(body).digest()
         if self._refused.get(kind) == checksum:
             return b""
@@ -189,13 +194,15 @@ class StoreLink:
         end = time.monotonic() + access.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
-        body, refused = bytearray(), ""
+        body, refused, denied = bytearray(), "", None
         try:
             with self._client.stream(
                 "POST", self._source.address.url, content=question, headers=headers, timeout=access.timeout
             ) as response:
                 if response.status_code != 200:
-                    refused = f"answered {response.status_code} {response.reason_phrase}"
+                    refused = f"answered {response.status_code}"
+                    if response.status_code in (401, 403):
+                        denied = AccessDeniedError(f"{host}: {refused}: the user or the password is wrong")
                 elif response.headers.get("content-encoding", "identity") != "identity":
                     refused = "sent a compressed answer, which was not asked for"
                 for piece in response.iter_raw():
@@ -209,27 +216,6 @@ class StoreLink:
                         return bytes(body), "refused" if refused else "cut", slow
         except self._http.TransportError as error:
             broken = OSError(f"{host}: {refused or error or type(error).__name__}")
-            return bytes(body), "refused" if refused else "cut", broken
-        return bytes(body), "refused" if refused else "whole", OSError(f"{host}: {refused}") if refused else None
-
-
-def _secrets(auth: tuple[str, str] | None) -> tuple[bytes, ...]:
-    """What a store may echo: the password, also as XML, HTML and addresses write it, and the token; longest first."""
-    if auth is None:
-        return ()
-    token, password = base64.b64encode(":".join(auth).encode()).decode(), auth[1]
-    plain = html.escape(password, quote=False)
-    forms = {token, password, urllib.parse.quote(password), urllib.parse.quote_plus(password)}
-    for single, double in itertools.product(("'", "&apos;", "&#39;", "&#x27;"), ('"', "&quot;", "&#34;", "&#x22;")):
-        forms.add(plain.replace("'", single).replace('"', double))
-    return tuple(sorted((form.encode() for form in forms - {""}), key=len, reverse=True))
-
-
-def _redacted(body: bytes, secrets: tuple[bytes, ...]) -> bytes:
-    """Return ``body`` without secrets; its end, where it may have been cut, without the beginning of one."""
-    for secret in secrets:
-        body = body.replace(secret, b"*" * len(secret))
-    begun = max(
-        (size for secret in secrets for size in range(1, len(secret)) if body.endswith(secret[:size])), default=0
-    )
-    return body[: len(body) - begun] + b"*" * begun
+            return bytes(body), "refused" if refused else "cut", denied or broken
+        failure = OSError(f"{host}: {refused}") if refused else None
+        return bytes(body), "refused" if refused else "whole", denied or failure

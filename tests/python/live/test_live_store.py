@@ -2,7 +2,13 @@
 
 from __future__ import annotations
 
+import base64
+import html
+import json
+import re
+import time
 import tracemalloc
+import urllib.parse
 
 import numpy as np
 import pytest
@@ -11,10 +17,10 @@ from test_live_server import until
 
 import helibore as hb
 from helibore.live import server as server_module
-from helibore.live import store as store_module
 from helibore.live import store_reader, witsml
 from helibore.live.configuration import parse
 from helibore.live.journal import BYTES, segments
+from helibore.live.redaction import Redactor
 from helibore.live.server import Server
 
 pytest.importorskip("httpx2", reason="WITSML stores need httpx2")
@@ -154,6 +160,9 @@ def test_who_the_store_does_not_take_is_told_without_the_password(store, tmp_pat
     named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
     with Polled(store, tmp_path / "j", named) as polled:
         until(lambda: any("answered 401" in line for line in polled.reported()))
+        time.sleep(0.3)  # asked once: another wrong password could lock the account
+        assert polled.live.model.events.counts["store", "access"] == 1
+        assert polled.server.states["store"] == "stopped: access denied"
     monkeypatch.setenv("STORE_PASSWORD", "secret-47")
     with Polled(store, tmp_path / "j", named) as again:
         until(lambda: again.live.wall.sample_count == 5)
@@ -309,18 +318,98 @@ def test_an_error_page_that_repeats_the_password_is_stored_without_it(store, tmp
      "cmlnNzphJ2IiPCZjIGQ="],
 )  # fmt: skip
 def test_a_password_is_blotted_out_as_it_may_be_written_and_where_it_is_cut(written):
-    secrets = store_module._secrets(("rig7", "a'b\"<&c d"))
+    redactor = Redactor(("rig7", "a'b\"<&c d"))
     page = f"<p>{written}</p>{written}".encode()
     stars = "*" * len(written)
-    assert store_module._redacted(page, secrets) == f"<p>{stars}</p>{stars}".encode()
+    assert redactor.clean(page, cut=True) == f"<p>{stars}</p>{stars}".encode()
     for cut in range(1, len(written)):
-        assert store_module._redacted(b"<p>" + written[:cut].encode(), secrets) == b"<p>" + b"*" * cut
+        assert redactor.clean(b"<p>" + written[:cut].encode(), cut=True) == b"<p>" + b"*" * cut
+
+
+PASSWORD = "pä&s<\"w' rd-47"
+
+
+def written_in_twenty_ways():
+    """A page for each way a server can send credentials back, with markers around it."""
+    escaped = html.escape(PASSWORD)
+    basic = base64.b64encode(f"rig7:{PASSWORD}".encode()).decode()
+    percent = urllib.parse.quote(PASSWORD)
+    in_json = json.dumps(PASSWORD)
+    texts = {
+        "plain": PASSWORD,
+        "XML": html.escape(PASSWORD, quote=False),
+        "HTML": escaped,
+        "XML twice": html.escape(escaped),
+        "XML thrice": html.escape(html.escape(escaped)),
+        "decimal": "".join(f"&#{ord(c)};" for c in PASSWORD),
+        "hexadecimal": "".join(f"&#x{ord(c):X};" for c in PASSWORD),
+        "padded": "".join(f"&#x00{ord(c):x};" for c in PASSWORD),
+        "percent": percent,
+        "form": urllib.parse.quote_plus(PASSWORD),
+        "percent twice": urllib.parse.quote(percent),
+        "JSON": in_json,
+        "JSON of HTML": in_json.replace("&", "\\u0026").replace("<", "\\u003c").replace("'", "\\u0027"),
+        "JSON twice": json.dumps(in_json),
+        "JavaScript": PASSWORD.replace("&", "\\x26").replace("<", "\\x3c"),
+        "CDATA": f"<![CDATA[{PASSWORD[:5]}]]>{html.escape(PASSWORD[5:])}",
+        "CDATA twice": f"<![CDATA[{PASSWORD[:7]}]]><![CDATA[{PASSWORD[7:]}]]>",
+        "Basic": f"Basic {basic}",
+        "Basic in an address": urllib.parse.quote(basic, safe=""),
+        "base64": base64.b64encode(PASSWORD.encode()).decode(),
+        "Basic over two lines": f"{basic[:9]}\r\n{basic[9:]}",
+    }
+    pages = {name: f"<<{text}>>".encode() for name, text in texts.items()}
+    for encoding in ("latin-1", "utf-16-le", "utf-16-be", "utf-16", "utf-32-le"):
+        pages[encoding] = f"<<{PASSWORD}>>".encode(encoding)
+    return pages
+
+
+@pytest.mark.parametrize("way", written_in_twenty_ways())
+def test_no_way_to_write_a_password_passes(way):
+    page = written_in_twenty_ways()[way]
+    clean = Redactor(("rig7", PASSWORD)).clean(page)
+    left = clean.replace(b"\0", b"").replace(b"\xff\xfe", b"").replace(b'"', b"").replace(b"\\", b"")
+    assert re.fullmatch(rb"<<(Basic |<!\[CDATA\[)?\*+(\]\]>)?>>", left), clean
+    assert len(clean) == len(page)
+
+
+@pytest.mark.parametrize(
+    "body",
+    [enveloped("", -1, f"wrong: {html.escape(PASSWORD)}"), enveloped(html.escape(f"<x>{PASSWORD}</x>")),
+     f"<s:Envelope xmlns:s='x'><faultstring>{html.escape(PASSWORD)}</faultstring></s:Envelope>".encode(),
+     f"<Result>{html.escape(PASSWORD)}</Result>".encode(), PASSWORD.encode("utf-16")],
+)  # fmt: skip
+def test_no_answer_brings_a_password_to_journal_event_or_log(store, tmp_path, monkeypatch, body, caplog):
+    monkeypatch.setenv("STORE_PASSWORD", PASSWORD)
+    store.rows, store.bodies = grown(5), [body] * 2
+    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
+    with Polled(store, tmp_path / "j", named) as polled:
+        until(lambda: polled.live.wall.sample_count == 5)
+    kept = b"".join(path.read_bytes() for path in (tmp_path / "j").iterdir())
+    texts = "".join(
+        [*polled.reported(), caplog.text, *(str(e) for e in hb.Live.replay(tmp_path / "j").model.events.latest)]
+    )
+    for part in (PASSWORD, html.escape(PASSWORD), html.escape(html.escape(PASSWORD)), "rd-47"):
+        assert part.encode() not in kept
+        assert part.encode("utf-16-le") not in kept
+        assert part not in texts
+
+
+def test_a_password_that_could_be_data_is_refused_at_the_start(store, tmp_path, monkeypatch):
+    monkeypatch.setenv("STORE_PASSWORD", "110.25")
+    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
+    polled = Polled(store, tmp_path / "j", named)
+    with (
+        polled.live,
+        pytest.raises(ValueError, match=r"password_env: the password must have 6 characters or"),
+    ):
+        polled.server.start()
 
 
 def test_a_password_within_its_own_other_forms_leaves_none_of_them():
-    assert store_module._redacted(b"a&amp;b a&b.", store_module._secrets(("rig7", "a&b"))) == b"******* ***."
-    assert store_module._redacted(b"amp;amp;.", store_module._secrets(("rig7", "amp;"))) == b"********."
-    assert store_module._redacted(b"rig7", store_module._secrets(None)) == b"rig7"
+    assert Redactor(("rig7", "a&b")).clean(b"a&amp;b a&b.") == b"******* ***."
+    assert Redactor(("rig7", "amp;")).clean(b"amp;amp;.") == b"********."
+    assert Redactor(None).clean(b"rig7") == b"rig7"
 
 
 def test_rows_that_jump_are_looked_at_once_however_many():

@@ -1,0 +1,113 @@
+"""Removes a store's credentials from everything the store sends, however it writes them.
+
+    s&cret  s&amp;cret  s&amp;amp;cret  s%26cret  s\\u0026cret  s&#38;cret  UTF-16  Basic dTpzJmNyZXQ=
+
+Each character becomes a regular expression of the ways to write it; between them may stand what changes no text
+(zero bytes, line ends, bounds of CDATA). Redacted bytes become stars, one for one.
+"""
+
+from __future__ import annotations
+
+import base64
+import re
+import string
+
+from helibore.base.errors import InputError
+
+SHORTEST = 6
+AMPERSAND = rb"(?:&|%(?:25)*26|\\+u0026)(?:(?:amp|#0*38|#[xX]0*26);)*"
+BETWEEN = rb"(?:[\0\r\n]|<!\[CDATA\[|\]\]>)*"
+NAMED = {"&": "amp", "<": "lt", ">": "gt", '"': "quot", "'": "apos"}
+Units = list[bytes]
+"""Regular expressions that follow each other."""
+
+
+def check_password(place: str, password: str) -> None:
+    """Refuse a password that could be a part of the data: redacting it would change them.
+
+    Raises
+    ------
+    InputError
+        If it is shorter than 6 characters or has no letter.
+    """
+    if len(password) < SHORTEST or not set(password) & set(string.ascii_letters):
+        rule = f"the password must have {SHORTEST} characters or more and a letter: it is redacted in every answer"
+        raise InputError(place, rule)
+
+
+def _hexadecimal(number: int, digits: int) -> Units:
+    return [f"[{digit}{digit.upper()}]".encode() for digit in f"{number:0{digits}x}"]
+
+
+def _letters(text: str) -> Units:
+    return [re.escape(letter.encode()) for letter in text]
+
+
+def _written(character: str) -> list[Units]:
+    """The ways to write a character."""
+    code, raw = ord(character), character.encode()
+    ways = [[AMPERSAND]] if character == "&" else [[re.escape(bytes([byte])) for byte in raw]]
+    if code > 127:
+        for encoding in ("latin-1", "utf-16-le", "utf-16-be"):
+            encoded = character.encode(encoding, "ignore")
+            ways += [[re.escape(bytes([byte])) for byte in encoded]] if encoded else []
+    if character == " ":
+        ways.append([rb"\+"])
+    if character in NAMED:
+        ways.append([AMPERSAND, *_letters(NAMED[character]), b";"])
+    ways.append([AMPERSAND, b"#", b"0*", *_letters(str(code)), b";"])
+    ways.append([AMPERSAND, b"#", b"[xX]", b"0*", *_hexadecimal(code, 1), b";"])
+    ways.append([unit for byte in raw for unit in (b"%", b"(?:25)*", *_hexadecimal(byte, 2))])
+    ways.append([rb"\\+", b"u", *_hexadecimal(code & 0xFFFF, 4)])
+    ways.append([rb"\\+", b"x", *_hexadecimal(code & 0xFF, 2)])
+    if not character.isalnum():
+        ways.append([rb"\\+", re.escape(raw)])
+    return ways
+
+
+def _whole(ways: list[Units]) -> bytes:
+    return b"(?:" + b"|".join(BETWEEN.join(units) for units in ways) + b")"
+
+
+def _begun(ways: list[Units]) -> bytes:
+    """The beginnings of a character."""
+    found = []
+    for units in ways:
+        nested = b""
+        for unit in reversed(units):
+            nested = unit + BETWEEN + (b"(?:" + nested + b")?" if nested else b"")
+        found.append(nested)
+    return b"(?:" + b"|".join(found) + b")"
+
+
+class Redactor:
+    """Removes the credentials ``auth`` (user, password); None: there are none."""
+
+    def __init__(self, auth: tuple[str, str] | None) -> None:
+        self._secrets: list[tuple[re.Pattern[bytes], re.Pattern[bytes]]] = []
+        if auth is None:
+            return
+        tokens = {base64.b64encode(text.encode()).decode() for text in (":".join(auth), auth[1])}
+        tokens |= {token.replace("+", "-").replace("/", "_") for token in tokens}
+        for secret in [*sorted((token.rstrip("=") for token in tokens), key=len, reverse=True), auth[1]]:
+            characters = [_written(character) for character in secret]
+            padding = rb"(?:=|%3[dD])*" if secret != auth[1] else b""
+            begun = b""
+            for ways in reversed(characters):
+                begun = b"(?:" + (_whole(ways) + BETWEEN + begun + b"|" if begun else b"") + _begun(ways) + b")"
+            whole = BETWEEN.join(_whole(ways) for ways in characters) + padding
+            self._secrets.append((re.compile(whole), re.compile(begun + rb"\Z")))
+
+    def clean(self, body: bytes, *, cut: bool = False) -> bytes:
+        """Return ``body`` without credentials; where it may have been ``cut``, without the beginning of one, too."""
+        for whole, _ in self._secrets:
+            body = whole.sub(lambda match: b"*" * len(match[0]), body)
+        if cut:
+            starts = [match.start() for _, begun in self._secrets if (match := begun.search(body))]
+            start = min(starts, default=len(body))
+            body = body[:start] + b"*" * (len(body) - start)
+        return body
+
+    def clean_text(self, text: str) -> str:
+        """Return a text without credentials."""
+        return self.clean(text.encode("utf-8", "replace")).decode("utf-8", "replace")
