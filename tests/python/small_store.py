@@ -91,6 +91,15 @@ class Store:
             body = body + b" " * (2 << 20)
         elif trouble == "compressed":
             return self.send(page, body, 200, encoding="gzip")
+        if trouble == "slow headers":
+            page.wfile.write(b"HTTP/1.1 200 OK\r\n")
+            for number in range(100):
+                try:
+                    page.wfile.write(b"X-%d: x\r\n" % number)
+                except OSError:
+                    break  # the client has left
+                time.sleep(0.1)
+            return None
         if trouble == "slow":
             page.send_response(200)
             page.end_headers()

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import http.server
+import logging
 import signal
+import socket
+import sys
 import threading
 import time
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -19,6 +22,7 @@ if TYPE_CHECKING:
 
 TICK = 0.25
 """Seconds between two looks at the server."""
+METRICS_CONNECTIONS, METRICS_SECONDS = 8, 5.0
 
 
 @click.command(short_help="A wall that grows while a hole is drilled.")
@@ -82,6 +86,10 @@ def _run(
     """Serve the sources until the end, then write the last snapshot."""
     from helibore.live.server import Server
 
+    log = logging.StreamHandler()  # to stderr: a service without a terminal tells everything
+    log.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
+    log.setLevel(logging.CRITICAL if sys.stdout.isatty() and not quiet else logging.WARNING)
+    logging.getLogger("helibore.live").addHandler(log)
     if window:
         window.follow(running)
     server = Server(running, window.show if window else lambda _: None)
@@ -98,6 +106,7 @@ def _run(
         server.stop()
         if window:
             window.close()
+        logging.getLogger("helibore.live").removeHandler(log)
     if target:
         _snapshot(running, target)
     if server.failure is not None:
@@ -157,23 +166,58 @@ def _snapshot(running: Live, target: Path) -> None:
         running.report("snapshot", str(error))
 
 
-def _serve_metrics(server: Server, port: int) -> http.server.ThreadingHTTPServer:
-    """Serve /metrics on loopback."""
-    from helibore.cli.live_status import metrics
+class _Metrics(http.server.ThreadingHTTPServer):
+    """Serves /metrics on loopback to a few connections at a time, each for a few seconds at most."""
 
-    class Pages(http.server.BaseHTTPRequestHandler):
-        def do_GET(self) -> None:
-            found = self.path == "/metrics"
-            body = metrics(server).encode() if found else b"only /metrics is here\n"
-            self.send_response(200 if found else 404)
-            self.send_header("Content-Type", "text/plain; version=0.0.4")
-            self.send_header("Content-Length", str(len(body)))
-            self.end_headers()
-            self.wfile.write(body)
+    daemon_threads = True
 
-        def log_message(self, *_: object) -> None:
-            """Nothing is printed."""
+    def __init__(self, server: Server, port: int) -> None:
+        from helibore.cli.live_status import metrics
 
-    pages = http.server.ThreadingHTTPServer(("127.0.0.1", port), Pages)
-    threading.Thread(target=pages.serve_forever, name="metrics", daemon=True).start()
+        class Pages(http.server.BaseHTTPRequestHandler):
+            timeout = METRICS_SECONDS
+
+            def do_GET(self) -> None:
+                found = self.path == "/metrics"
+                body = metrics(server).encode() if found else b"only /metrics is here\n"
+                self.send_response(200 if found else 404)
+                self.send_header("Content-Type", "text/plain; version=0.0.4")
+                self.send_header("Content-Length", str(len(body)))
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, *_: object) -> None:
+                """Nothing is printed."""
+
+        super().__init__(("127.0.0.1", port), Pages)
+        self._free = threading.BoundedSemaphore(METRICS_CONNECTIONS)
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if self._free.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        late = threading.Timer(METRICS_SECONDS, self._hang_up, (request,))
+        late.daemon = True
+        try:
+            late.start()
+            super().process_request_thread(request, client_address)
+        finally:
+            late.cancel()
+            self._free.release()
+
+    @staticmethod
+    def _hang_up(request: Any) -> None:
+        with suppress(OSError):
+            request.shutdown(socket.SHUT_RDWR)
+
+    def handle_error(self, *_: object) -> None:
+        """A client that leaves, or is slow, is no error of ours."""
+
+
+def _serve_metrics(server: Server, port: int) -> _Metrics:
+    pages = _Metrics(server, port)
+    server.thread("metrics", pages.serve_forever).start()
     return pages

@@ -1,10 +1,11 @@
 """The journal: every received byte on disk before anything reads it.
 
-A journal is a folder of numbered segment files. A segment is a header (64 bytes, written twice 32) and records, each
-with its own checksums (``cpp/include/helibore/journal.hpp`` draws one), so every prefix of a segment is valid::
+A journal is a folder of numbered segment files. A segment is a header (32 bytes, written at 0 and at 4096, so that no
+torn sector takes both) and records, each with its own checksums (``cpp/include/helibore/journal.hpp`` draws one), so
+every prefix of a segment is valid::
 
-    000001.hbj  | header | header | record | record | ...
-    000002.hbj  | header | header | record | ...            <- appended to
+    000001.hbj  | header | zeros | header | record | record | ...
+    000002.hbj  | header | zeros | header | record | ...            <- appended to, locked by its writer
 
 Why not SQLite: a record here is one ``pwritev`` at the end of a file. There is no index to corrupt, no checkpoint that
 stalls the reader of a socket, and damage anywhere costs the records it touches and no other.
@@ -18,6 +19,7 @@ of the process (kill -9). A power cut or a crash of the system itself can take w
 from __future__ import annotations
 
 import contextlib
+import errno
 import fcntl
 import os
 import secrets
@@ -32,14 +34,16 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
+from helibore.base.errors import InputError
 
 BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE = range(7)
 """Kinds of record: received bytes; the journal was opened; a connection began or ended; values pushed by the host."""
 
 HEADER = struct.Struct("<8sIIQII")  # magic, version, segment, first sequence number, salt, checksum
 MAGIC = b"HELIBJ\r\n"
-VERSION = 1
-RECORDS_START = 2 * HEADER.size
+VERSION = 2
+SECOND_HEADER = 4096
+RECORDS_START = SECOND_HEADER + HEADER.size
 RECORD_HEADER = 48
 LONGEST_PAYLOAD = 1 << 20
 
@@ -122,7 +126,7 @@ def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment
     """
     found = paths(Path(folder))
     if not found:
-        raise ValueError(f"{folder}: holds no journal (no file 000001.hbj)")
+        raise InputError(str(folder), "holds no journal (no file 000001.hbj)")
     salt = _salt(found)
     for path in (path for path in found if int(path.stem) >= first):
         text = path.read_bytes()
@@ -135,19 +139,28 @@ def _salt(found: list[Path]) -> int:
     for path in found:
         with path.open("rb") as file:
             head = file.read(RECORDS_START)
-        for start in (0, HEADER.size):
+        for start in (0, SECOND_HEADER):
             if len(head) >= start + HEADER.size:
                 magic, version, _, _, salt, checksum = HEADER.unpack_from(head, start)
                 if magic == MAGIC and checksum == _core.crc32c(head[start : start + HEADER.size - 4]):
                     if version != VERSION:
-                        raise ValueError(f"{path}: version {version}: this helibore reads version {VERSION}")
+                        raise InputError(str(path), f"version {version}: this helibore reads version {VERSION}")
                     return int(salt)
-    raise ValueError(f"{found[0].parent}: no segment has an intact header")
+    raise InputError(str(found[0].parent), "no segment has an intact header")
 
 
 def _header(number: int, sequence: int, salt: int) -> bytes:
     start = HEADER.pack(MAGIC, VERSION, number, sequence, salt, 0)[:-4]
-    return (start + struct.pack("<I", _core.crc32c(start))) * 2
+    header = start + struct.pack("<I", _core.crc32c(start))
+    return header.ljust(SECOND_HEADER, b"\0") + header
+
+
+def _lock(file: int, folder: Path) -> None:
+    """Lock a file of the journal, or refuse to write it."""
+    try:
+        fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+    except BlockingIOError:
+        raise InputError(str(folder), "is being written by another process") from None
 
 
 class Journal:
@@ -194,14 +207,12 @@ class Journal:
         self._named = -1  # the last segment whose name is on the disk
         self._syncing = threading.Lock()
         self._file = -1
+        self._path = self.folder
         self.folder.mkdir(parents=True, exist_ok=True)
+        self._directory = os.open(self.folder, os.O_RDONLY)
         self._guard = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
         try:
-            fcntl.flock(self._guard, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except BlockingIOError:
-            os.close(self._guard)
-            raise ValueError(f"{folder}: is being written by another process") from None
-        try:
+            _lock(self._guard, self.folder)
             self._recover()
             self._write(0, 0, self._opening, OPENED, *self._clock())
             self.sync()
@@ -212,6 +223,12 @@ class Journal:
     def _recover(self) -> None:
         """Find the end of the last segment that has records; set aside what is torn behind it."""
         found = paths(self.folder)
+        if found:  # a lock file may have been removed, a segment that is written is locked itself
+            last = os.open(found[-1], os.O_RDWR)
+            try:
+                _lock(last, self.folder)
+            finally:
+                os.close(last)
         while found and found[-1].stat().st_size < RECORDS_START:  # died while it was being made: holds no record
             self._set_aside(found.pop(), 0)
         if not found:
@@ -228,7 +245,9 @@ class Journal:
         self.recovery.damage += Segment(found[-1], records, damage, text).damage_texts()
         self._sequence = int(records["sequence"][-1]) + 1 if len(records) else self._first_sequence(found)
         self.recovery.last_sequence = self._sequence - 1
-        self._file = os.open(found[-1], os.O_RDWR)
+        self._path = found[-1]
+        self._file = os.open(self._path, os.O_RDWR)
+        _lock(self._file, self.folder)
         self._stop = stop
 
     def _first_sequence(self, found: list[Path]) -> int:
@@ -249,15 +268,21 @@ class Journal:
             os.truncate(path, stop)
 
     def _begin_segment(self) -> None:
-        self._number += 1
-        path = self.folder / f"{self._number:06d}.hbj"
+        path = self.folder / f"{self._number + 1:06d}.hbj"
         beside = path.with_suffix(".new")
-        beside.write_bytes(_header(self._number, self._sequence, self._salt))
-        beside.rename(path)
+        file = os.open(beside, os.O_RDWR | os.O_CREAT | os.O_TRUNC, 0o644)
+        try:
+            _lock(file, self.folder)
+            os.pwrite(file, _header(self._number + 1, self._sequence, self._salt), 0)
+            if os.fstat(file).st_size < RECORDS_START:
+                raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+            beside.rename(path)
+        except BaseException:
+            os.close(file)
+            raise
         if self._file >= 0:
             self._unsynced.append(self._file)
-        self._file = os.open(path, os.O_RDWR)
-        self._stop = RECORDS_START
+        self._number, self._path, self._file, self._stop = self._number + 1, path, file, RECORDS_START
 
     def append(self, source: int, connection: int, payload: bytes, kind: int = BYTES) -> tuple[int, int, int]:
         """Store ``payload``; when this returns it survives the death of the process.
@@ -280,7 +305,7 @@ class Journal:
             stamp = self._append(source, connection, payload, kind)
             try:
                 self._sync()
-            except JournalFullError:
+            except BaseException:
                 self._take_back(payload)
                 raise
         return stamp
@@ -289,6 +314,8 @@ class Journal:
         with self._lock:
             wall, monotonic = self._clock()
             try:
+                if os.fstat(self._file).st_nlink == 0:
+                    raise FileNotFoundError(errno.ENOENT, "the segment was deleted")
                 if self._stop >= self._segment_bytes:
                     self._begin_segment()
                     self._write(0, 0, self._opening, OPENED, wall, monotonic)
@@ -332,21 +359,17 @@ class Journal:
             self._sync()
 
     def _sync(self) -> None:
-        with self._lock:
-            finished, current, number = list(self._unsynced), os.dup(self._file), self._number
+        with self._lock:  # files are closed by this function only: no descriptor is needed for a sync
+            finished, current, number, path = list(self._unsynced), self._file, self._number, self._path
         try:
             for file in [*finished, current]:
                 os.fdatasync(file)
             if number != self._named:  # a new segment: its name, too
-                folder = os.open(self.folder, os.O_RDONLY)
-                try:
-                    os.fsync(folder)
-                finally:
-                    os.close(folder)
+                os.fsync(self._directory)
+            if not os.path.samestat(path.stat(), os.fstat(current)):
+                raise FileNotFoundError(errno.ENOENT, f"{path.name} is another file than the one that is written")
         except OSError as error:
             raise JournalFullError(error.errno, f"{error.strerror}: not synced", str(self.folder)) from error
-        finally:
-            os.close(current)
         with self._lock:
             self._named = number
             self._unsynced = self._unsynced[len(finished) :]
@@ -368,10 +391,11 @@ class Journal:
             self._close_files()
 
     def _close_files(self) -> None:
-        for file in [*self._unsynced, self._file, self._guard]:
-            if file >= 0:
-                os.close(file)
-        self._unsynced, self._file, self._guard = [], -1, -1
+        with self._syncing:
+            for file in [*self._unsynced, self._file, self._guard, self._directory]:
+                if file >= 0:
+                    os.close(file)
+            self._unsynced, self._file, self._guard, self._directory = [], -1, -1, -1
 
     def __enter__(self) -> Journal:
         return self

@@ -105,6 +105,9 @@ class Live:
         self._lock = threading.Lock()
         self._clock = clock
         self._sequence = 0
+        self._names = {number: name for name, number in self.model.numbers.items()}
+        self._began, self._last_bytes = clock()[1], dict[str, int]()
+        self._silent: set[str] = set()
         self._pending_update = Update()
         self._logged: dict[tuple[str, str], float] = {}
         self.journal: Journal | None = None
@@ -336,10 +339,21 @@ class Live:
 
         For a host that draws at its own pace: one thread pushes, another polls.
         """
+        self.check_silence()
         with self._lock:
             pending, self._pending_update = self._pending_update, Update()
             gather(pending.events, self.model.events.take())  # those that no record caused
             return pending
+
+    def check_silence(self) -> None:
+        """Report each source that has sent nothing for its ``silence`` seconds, once when that begins."""
+        now = self._clock()[1]
+        for name, source in self.configuration.sources.items():
+            if now - self._last_bytes.get(name, self._began) <= source.silence * 1e9:
+                self._silent.discard(name)
+            elif name not in self._silent:
+                self._silent.add(name)
+                self.report("silent", f"nothing has come for {source.silence:g} s", name)
 
     def report(self, rule: str, text: str, source: str = "") -> None:
         """Report an event that no record caused, of the host or of a source's link; it is not in the journal."""
@@ -369,6 +383,8 @@ class Live:
         else:
             (wall, monotonic), sequence = self._clock(), self._sequence
             self._sequence += 1
+        if kind == journals.BYTES:
+            self._last_bytes[self._names[source]] = monotonic
         record = np.array([(sequence, wall, monotonic, 0, len(payload), connection, source, kind, 0)], dtype=RECORD)
         return record, [payload]
 

@@ -17,6 +17,7 @@ from collections.abc import Callable
 
 from helibore.live import journal as journals
 from helibore.live import wits
+from helibore.live.events import LOGGER
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
 from helibore.live.sources import Source
@@ -121,8 +122,8 @@ class Server:
         self._drained = threading.Event()
         self.openers: dict[str, Opener] = {}
         self._threads: list[threading.Thread] = []
-        self._drawing = threading.Thread(target=self._draw, name="draw", daemon=True)
-        self._syncing = threading.Thread(target=self._sync, name="sync", daemon=True)
+        self._drawing = self.thread("draw", self._draw)
+        self._own = [self._drawing, self.thread("sync", self._sync), self.thread("watch", self._watch)]
 
     def start(self) -> None:
         """Open listeners, then start the threads.
@@ -142,8 +143,8 @@ class Server:
             raise
         for name, one in self.openers.items():
             source = self.live.configuration.sources[name]
-            self._threads.append(threading.Thread(target=self._follow, args=(source, one), name=name, daemon=True))
-        for thread in [*self._threads, self._drawing, self._syncing]:
+            self._threads.append(self.thread(name, functools.partial(self._follow, source, one)))
+        for thread in [*self._threads, *self._own]:
             thread.start()
 
     def stop(self) -> None:
@@ -152,11 +153,26 @@ class Server:
         for thread in self._threads:
             thread.join()
         self._drained.set()
-        self._drawing.join()
-        self._syncing.join()
+        for thread in self._own:
+            thread.join()
         for one in self.openers.values():
             one.close()
         self.live.sync()
+
+    def thread(self, name: str, run: Callable[[], None]) -> threading.Thread:
+        """Return a thread whose death is a failure: it is an event, it is logged, and it ends the server."""
+
+        def guarded() -> None:
+            try:
+                run()
+            except BaseException as error:
+                self.failure = self.failure or error
+                LOGGER.critical("thread %s died", name, exc_info=error)
+                self.live.report("failure", f"thread {name} died: {type(error).__name__}: {error}")
+                self._stop.set()
+                self._drained.set()
+
+        return threading.Thread(target=guarded, name=name, daemon=True)
 
     def wait(self, seconds: float | None = None) -> bool:
         """Wait for the end of every source (files), a failure or ``seconds``; return whether all are over."""
@@ -184,41 +200,37 @@ class Server:
         """Open, read, open again, until the server stops."""
         failures = 0
         connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
-        try:
-            while not self._stop.is_set():
-                began = time.monotonic()
-                self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
-                try:
-                    link = one.open(TICK)
-                    if link is None:
-                        continue
-                    connection += 1
-                    failures = 0 if self._read(source, link, connection) else failures + 1
-                except AccessDeniedError as error:
-                    self._report(source.name, "access", f"{error}: not asked again")
-                    self.states[source.name] = "stopped: access denied"
-                    self._stop.wait()
-                    return
-                except OSError as error:
-                    failures = 1 if time.monotonic() - began > LONGEST_WAIT else failures + 1
-                    self._report(source.name, "link", str(error))
-                if one.ends and failures == 0:
-                    self.states[source.name] = "ended"
-                    return
-                if failures and source.address.kind != "listen":
-                    self.states[source.name] = "waiting to connect"
-                    self._stop.wait(back_off(failures))
-        except BaseException as error:
-            self.failure = error
-            raise
+        while not self._stop.is_set():
+            began = time.monotonic()
+            self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
+            try:
+                link = one.open(TICK)
+                if link is None:
+                    continue
+                connection += 1
+                failures = 0 if self._read(source, link, connection) else failures + 1
+            except AccessDeniedError as error:
+                self._report(source.name, "access", f"{error}: not asked again")
+                self.states[source.name] = "stopped: access denied"
+                self._stop.wait()
+                return
+            except OSError as error:
+                failures = 1 if time.monotonic() - began > LONGEST_WAIT else failures + 1
+                self._report(source.name, "link", str(error))
+            if one.ends and failures == 0:
+                self.states[source.name] = "ended"
+                return
+            if failures and source.address.kind != "listen":
+                self.states[source.name] = "waiting to connect"
+                self._stop.wait(back_off(failures))
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:
         """Read one link to its end; returns whether anything came."""
         self.states[source.name] = f"connected to {link.peer}"
-        self._put(source, connection, link.peer.encode(), journals.CONNECTED)
         came, write_at = False, time.monotonic()
         message = {"heartbeat": wits.HEARTBEAT, "poll": wits.POLL}.get(source.mode)
         try:
+            self._put(source, connection, link.peer.encode(), journals.CONNECTED)
             while not self._stop.is_set():
                 if message and time.monotonic() >= write_at:
                     link.write(message)
@@ -254,32 +266,35 @@ class Server:
                 return
 
     def _draw(self) -> None:
-        try:
-            while not (self._drained.is_set() and not len(self._queue)):
-                stored = self._queue.take(TICK)
-                if not stored:
-                    continue
-                update = self.live.draw(stored)
-                now = time.monotonic_ns()
-                for one in stored:
-                    self.latency.add((now - one.monotonic) / 1e9)
-                self.updates += 1
-                self._updated(update)
-        except BaseException as error:
-            self.failure = error
-            self._stop.set()
-            raise
+        while not (self._drained.is_set() and not len(self._queue)):
+            stored = self._queue.take(TICK)
+            if not stored:
+                continue
+            update = self.live.draw(stored)
+            now = time.monotonic_ns()
+            for one in stored:
+                self.latency.add((now - one.monotonic) / 1e9)
+            self.updates += 1
+            self._updated(update)
 
     def _sync(self) -> None:
+        """Sync every ``sync_ms``; a disk that refuses is reported once, tried again, and reported when it succeeds."""
         interval = self.live.configuration.sync_interval
         if self.live.journal is None or interval == 0:
             return
-        reported = False
+        failing = False
         while not self._stop.wait(interval):
             try:
                 self.live.sync()
-                reported = False
-            except JournalFullError as error:
-                if not reported:
+                if failing:
+                    self.live.report("synced", "the disk takes the journal again")
+                failing = False
+            except OSError as error:
+                if not failing:
                     self.live.report("disk", str(error))
-                reported = True
+                failing = True
+
+    def _watch(self) -> None:
+        """Report silence when it begins."""
+        while not self._stop.wait(TICK):
+            self.live.check_silence()

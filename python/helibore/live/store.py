@@ -15,6 +15,7 @@ import contextlib
 import hashlib
 import os
 import queue
+import socket
 import ssl
 import threading
 import time
@@ -102,13 +103,18 @@ class StoreLink:
         self._pieces: queue.SimpleQueue[bytes | OSError | threading.Event] = queue.SimpleQueue()
         self._closed = threading.Event()
         self._before: dict[str, bytes] = {}
-        threading.Thread(target=self._poll, name=f"poll {source.name}", daemon=True).start()
+        self._socket: socket.socket | None = None
+        self._answering = False
+        self._thread = threading.Thread(target=self._poll, name=f"poll {source.name}", daemon=True)
+        self._thread.start()
 
     def read(self, seconds: float) -> bytes | None:
         """Return what came."""
         try:
             piece = self._pieces.get(timeout=seconds)
         except queue.Empty:
+            if not self._thread.is_alive() and self._pieces.empty():
+                raise OSError("the polling ended") from None
             return b""
         if isinstance(piece, OSError):
             raise piece
@@ -188,6 +194,17 @@ class StoreLink:
         self._refused[kind] = checksum
         return body
 
+    def _note_socket(self, event: str, facts: dict[str, Any]) -> None:
+        """Note the connection's socket (httpx2 calls this at every step of a request)."""
+        if event.endswith(("start_tls.complete", "connect_tcp.complete")):
+            self._socket = facts["return_value"].get_extra_info("socket")
+
+    def _hang_up(self) -> None:
+        """End an answer that took too long, wherever it stands."""
+        with contextlib.suppress(OSError):
+            if self._socket is not None:
+                self._socket.shutdown(socket.SHUT_RDWR)
+
     def _answer(self, question: bytes) -> tuple[bytes, str, OSError | None]:
         """Return the body as far as it came; whether it is whole, cut or refused; and why it is not whole."""
         access, host = self._store.access, self._source.address.host
@@ -195,10 +212,20 @@ class StoreLink:
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
         body, refused, denied = bytearray(), "", None
+        self._answering = False
+        late = threading.Timer(access.timeout + 1.0, self._hang_up)  # no time limit of httpx2 covers all headers
+        late.daemon = True
+        late.start()
         try:
             with self._client.stream(
-                "POST", self._source.address.url, content=question, headers=headers, timeout=access.timeout
+                "POST",
+                self._source.address.url,
+                content=question,
+                headers=headers,
+                timeout=access.timeout,
+                extensions={"trace": self._note_socket},
             ) as response:
+                self._answering = True
                 if response.status_code != 200:
                     refused = f"answered {response.status_code}"
                     if response.status_code in (401, 403):
@@ -215,7 +242,11 @@ class StoreLink:
                         slow = OSError(f"{host}: {refused or f'the answer took longer than {access.timeout:g} s'}")
                         return bytes(body), "refused" if refused else "cut", slow
         except self._http.TransportError as error:
-            broken = OSError(f"{host}: {refused or error or type(error).__name__}")
+            slow_headers = time.monotonic() > end and not self._answering
+            reason = f"the answer took longer than {access.timeout:g} s" if slow_headers else str(error)
+            broken = OSError(f"{host}: {refused or reason or type(error).__name__}")
             return bytes(body), "refused" if refused else "cut", denied or broken
+        finally:
+            late.cancel()
         failure = OSError(f"{host}: {refused}") if refused else None
         return bytes(body), "refused" if refused else "whole", denied or failure

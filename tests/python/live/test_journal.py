@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import errno
 import os
 import random
+import resource
+import shutil
 import subprocess
 import tempfile
 from pathlib import Path
@@ -143,7 +146,7 @@ def test_damage_before_the_end_is_told_and_left_where_it_is(tmp_path):
     rows = small_journal(tmp_path)
     path = tmp_path / "000001.hbj"
     text = bytearray(path.read_bytes())
-    text[1000] ^= 1
+    text[RECORDS_START + 900] ^= 1
     path.write_bytes(text)
     with Journal(tmp_path) as j:
         assert j.recovery.notes == []
@@ -190,7 +193,7 @@ def test_a_last_segment_without_records_does_not_reuse_sequence_numbers(tmp_path
 def test_refusals(tmp_path):
     with pytest.raises(ValueError, match=r": holds no journal \(no file 000001\.hbj\)$"):
         list(segments(tmp_path))
-    (tmp_path / "000001.hbj").write_bytes(bytes(100))
+    (tmp_path / "000001.hbj").write_bytes(bytes(RECORDS_START))
     with pytest.raises(ValueError, match=r": no segment has an intact header$"):
         Journal(tmp_path)
     with Journal(tmp_path / "a") as j:
@@ -202,10 +205,85 @@ def test_refusals(tmp_path):
     assert stored(tmp_path / "a") == [(1, 1, b"x")]
 
 
+@pytest.mark.parametrize("rotated", [False, True])
+def test_a_removed_lock_file_lets_no_second_writer_in(tmp_path, rotated):
+    with Journal(tmp_path, segment_bytes=RECORDS_START + 200) as j:
+        for number in range(20 if rotated else 1):
+            j.append(1, 1, b"%d" % number * 20)
+        (tmp_path / "lock").unlink()
+        with pytest.raises(ValueError, match=r"is being written by another process$"):
+            Journal(tmp_path)
+        j.append(1, 1, b"after")
+    assert len(stored(tmp_path)) == (21 if rotated else 2)
+    Journal(tmp_path).close()
+
+
+def test_a_deleted_folder_or_segment_is_noticed_and_nothing_acknowledged_into_it(tmp_path):
+    with Journal(tmp_path / "a") as j:
+        j.append(1, 1, b"before")
+        shutil.rmtree(tmp_path / "a")
+        with pytest.raises(JournalFullError, match="the segment was deleted: the record was not stored"):
+            j.append(1, 1, b"lost")
+        with pytest.raises(JournalFullError, match="not synced"):
+            j.sync()
+        with contextlib.suppress(JournalFullError):
+            j.close()
+    with Journal(tmp_path / "b") as j:
+        j.append(1, 1, b"before")
+        (tmp_path / "b").rename(tmp_path / "moved")
+        with pytest.raises(JournalFullError, match="not synced"):
+            j.sync()
+        (tmp_path / "moved").rename(tmp_path / "b")
+        j.sync()
+        j.append(1, 1, b"after")
+    assert stored(tmp_path / "b") == [(1, 1, b"before"), (1, 1, b"after")]
+
+
+def test_a_sync_needs_no_descriptor(tmp_path):
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with Journal(tmp_path) as j:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (3, limits[1]))
+        try:
+            j.append(1, 1, b"without")
+            j.sync()
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert stored(tmp_path) == [(1, 1, b"without")]
+
+
+def test_a_new_segment_that_lacks_a_descriptor_is_made_when_there_is_one(tmp_path):
+    limits = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with Journal(tmp_path, segment_bytes=RECORDS_START + 200, sync_interval=0) as j:
+        acknowledged = 0
+        for number in range(40):
+            short = 10 <= number < 30
+            resource.setrlimit(resource.RLIMIT_NOFILE, (3 if short else limits[0], limits[1]))
+            try:
+                j.append(1, 1, b"%d" % number)
+                acknowledged += 1
+            except JournalFullError:
+                assert short
+            finally:
+                resource.setrlimit(resource.RLIMIT_NOFILE, limits)
+    assert 20 < acknowledged < 40
+    assert len(stored(tmp_path)) == acknowledged
+
+
+def test_a_torn_sector_leaves_a_copy_of_the_header(tmp_path):
+    rows = small_journal(tmp_path)
+    path = tmp_path / "000001.hbj"
+    whole = path.read_bytes()
+    for start in (0, RECORDS_START // 512 * 512):
+        path.write_bytes(
+            whole[:start] + bytes(min(512, RECORDS_START - start)) + whole[start + min(512, RECORDS_START - start) :]
+        )
+        assert stored(tmp_path) == rows
+
+
 def test_a_journal_of_a_later_version_is_refused(tmp_path):
     start = journal.HEADER.pack(journal.MAGIC, 9, 1, 0, 1, 0)[:-4]
     (tmp_path / "000001.hbj").write_bytes((start + _core.crc32c(start).to_bytes(4, "little")) * 2)
-    with pytest.raises(ValueError, match=r"000001\.hbj: version 9: this helibore reads version 1$"):
+    with pytest.raises(ValueError, match=r"000001\.hbj: version 9: this helibore reads version 2$"):
         list(segments(tmp_path))
 
 

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pty
 import resource
 import socket
 import threading
 import time
+import urllib.request
 
 import numpy as np
 import pytest
+from click.testing import CliRunner
 
 from helibore import Live
+from helibore.cli import cli
+from helibore.cli import live as command
+from helibore.cli.live_status import metrics
 from helibore.live import server as server_module
 from helibore.live import wits
 from helibore.live.configuration import parse
@@ -299,6 +305,82 @@ def test_with_sync_ms_0_a_sender_waits_for_a_disk_that_does_not_sync(tmp_path, m
             until(lambda: running.live.wall.sample_count == 21)
         assert running.live.model.counts["connections mwd"] == 1
     assert received(tmp_path) == b"".join(frames(21))
+
+
+@pytest.mark.parametrize(
+    ("of", "name", "thread"),
+    [(Live, "sync", "sync"), (Live, "draw", "draw"), (Live, "check_silence", "watch"), (Live, "store", "mwd")],
+)
+def test_the_death_of_a_thread_is_a_failure_that_is_shown(tmp_path, monkeypatch, caplog, of, name, thread):
+    port = free_port()
+    live = Live(parse(WALL + SOURCE.replace("ADDRESS", f"listen://127.0.0.1:{port}")), tmp_path)
+    server = Server(live)
+    server.start()
+
+    def die(*_):
+        raise RuntimeError("killed")
+
+    try:
+        with monkeypatch.context() as patch, socket.create_connection(("127.0.0.1", port)) as sender:
+            patch.setattr(of, name, die)
+            sender.sendall(frames(1)[0])
+            until(lambda: live.model.events.counts["", "failure"] > 0, 2.0)
+            assert str(server.failure) == "killed"
+            assert not server.wait(1.0)
+            until(lambda: f"thread {thread} died: RuntimeError: killed" in caplog.text)
+            assert 'helibore_events_total{rule="failure",source=""} 1.0' in metrics(server)
+    finally:
+        server.stop()
+        live.close()
+
+
+def test_the_command_ends_with_an_error_when_a_thread_died(tmp_path, monkeypatch):
+    def die(*_):
+        raise RuntimeError("killed")
+
+    (tmp_path / "rig.toml").write_text(WALL + SOURCE.replace("ADDRESS", f"listen://127.0.0.1:{free_port()}"))
+    monkeypatch.setattr(Server, "_sync", die)
+    result = CliRunner().invoke(cli, ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "-q"])
+    assert result.exit_code != 0
+    assert "killed" in str(result.exception) + result.output
+
+
+def test_silence_is_an_event_when_it_begins(tmp_path):
+    port = free_port()
+    with Running(tmp_path, f"listen://127.0.0.1:{port}", "silence = 0.4\n") as running:
+        silent = lambda: running.live.model.events.counts["mwd", "silent"]  # noqa: E731
+        until(lambda: silent() == 1)  # it has never sent a byte
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(frames(1)[0])
+            until(lambda: running.live.wall.sample_count == 1)
+            until(lambda: silent() == 2)
+            sender.sendall(frames(1, 1)[0])
+            until(lambda: silent() == 3)
+        assert [e.newest.text for e in running.live.model.events.latest if e.rule == "silent"] == [
+            "nothing has come for 0.4 s"
+        ]
+
+
+def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypatch):
+    monkeypatch.setattr(command, "METRICS_SECONDS", 0.5)
+    with Running(tmp_path, f"listen://127.0.0.1:{free_port()}") as running:
+        port = free_port()
+        pages = command._serve_metrics(running.server, port)
+        held = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]
+        threads = [t for t in threading.enumerate() if "process_request_thread" in t.name]
+        assert len(threads) <= command.METRICS_CONNECTIONS
+
+        def answers():
+            with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as page:
+                return b"helibore_queue_records" in page.read()
+            return False
+
+        until(answers, 5.0)
+        for one in held:
+            assert is_closed(one)
+            one.close()
+        pages.shutdown()
+        pages.server_close()
 
 
 def test_two_servers_cannot_share_an_address(tmp_path):

@@ -139,6 +139,7 @@ def test_an_answer_that_says_nothing_new_costs_the_journal_a_line(store, tmp_pat
         ("redirect", "localhost: answered 302"),
         ("cut", "without sending complete"),
         ("slow", "the answer took longer than 0.5 s"),
+        ("slow headers", "the answer took longer than 0.5 s"),
         ("huge", "an answer of more than 1 MB: refused"),
         ("compressed", "sent a compressed answer, which was not asked for"),
         ("error", "log: error -433"),
