@@ -1,6 +1,8 @@
 // Logs of turns for Python: a dictionary of owned columns by name.
 #include "helibore/logs.hpp"
 
+#include <pybind11/stl.h>
+
 #include "arrays.hpp"
 #include "register.hpp"
 
@@ -41,11 +43,25 @@ py::dict turn_columns(const Column& radius, int sectors, double start_toolface, 
     return columns;
 }
 
+py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index>& helix, Index count,
+                                 const Column& depth, const Column& toolface, double reach, int threads) {
+    const auto& [start_depth, start_toolface, pitch, sectors] = helix;
+    std::vector<double> gaps;
+    {
+        const py::gil_scoped_release released;
+        gaps = helibore::angular_gaps({start_depth, start_toolface, pitch, sectors, count},
+                                      {span_of(depth), span_of(toolface)}, reach, threads);
+    }
+    return array_of(std::move(gaps));
+}
+
 }  // namespace
 
 void register_logs(py::module_& m) {
     m.def("turn_columns", &turn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
           py::arg("window"), py::arg("threads"));
+    m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
+          py::arg("reach"), py::arg("threads"));
 }
 
 }  // namespace helibore::bindings

@@ -1,5 +1,6 @@
 // The extension module helibore._core: one register_* function for each class, each in a file of its own.
 #include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
 
 #include "helibore/error.hpp"
 #include "register.hpp"
@@ -13,7 +14,8 @@ PYBIND11_MODULE(_core, m, py::mod_gil_not_used()) {
         try {
             if (p) std::rethrow_exception(p);
         } catch (const helibore::InputError& e) {
-            py::set_error(PyExc_ValueError, e.what());
+            const py::object type = py::module_::import("helibore.base.errors").attr("InputError");
+            PyErr_SetObject(type.ptr(), type(e.place, e.rule, e.value).ptr());
         } catch (const helibore::InternalError& e) {
             py::set_error(PyExc_RuntimeError, e.what());
         }

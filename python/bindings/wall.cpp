@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "arrays.hpp"
+#include "helibore/error.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -16,7 +17,7 @@ InstructionSet instruction_set_named(const std::string& name) {
     if (name == "plain") return InstructionSet::plain;
     if (name == "avx2") return InstructionSet::avx2;
     if (name == "avx512") return InstructionSet::avx512;
-    throw py::value_error("instruction_set = '" + name + "': must be automatic, plain, avx2 or avx512");
+    throw InputError("instruction_set", "must be automatic, plain, avx2 or avx512", "'" + name + "'");
 }
 
 // Settings have the same names in both languages; None means no value, or no limit.

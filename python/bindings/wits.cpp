@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "arrays.hpp"
+#include "helibore/error.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -15,7 +16,7 @@ namespace {
 
 std::string_view view_of(const py::buffer_info& bytes) {
     if (bytes.itemsize != 1 || bytes.ndim != 1 || (bytes.size > 1 && bytes.strides[0] != 1))
-        throw py::value_error("bytes: must be contiguous bytes");
+        throw InputError("bytes", "must be contiguous bytes");
     return {static_cast<const char*>(bytes.ptr), static_cast<std::size_t>(bytes.size)};
 }
 

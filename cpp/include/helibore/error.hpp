@@ -1,15 +1,20 @@
 // The two kinds of failure: the caller's input breaks a rule, or helibore has a bug.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
 namespace helibore {
 
-// Bad input. The text names the place, the value and the rule: "toolface[17] = nan: must be finite".
+// Bad input: where it stands, which rule it breaks, and its value where a single value is at fault. The text is
+// "toolface[17] = nan: must be finite", or "path: must not be empty" without a value.
 class InputError : public std::invalid_argument {
   public:
-    using std::invalid_argument::invalid_argument;
+    InputError(std::string where, std::string broken, std::optional<std::string> given = std::nullopt);
+
+    std::string place, rule;
+    std::optional<std::string> value;
 };
 
 // A bug in helibore. The text ends "this is a bug in helibore".

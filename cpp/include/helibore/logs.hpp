@@ -49,4 +49,24 @@ struct TurnLogs {
 // The result does not depend on `threads`. Throws InputError on sectors < 3 or a window that is even or below 3.
 TurnLogs turn_logs(const Turns& turns, int threads = 1);
 
+// Vertices 0 to `count` of a helix: metres and degrees.
+struct HelixVertices {
+    double start_depth = 0.0;
+    double start_toolface = 0.0;
+    double pitch = 0.1;
+    Index sectors = 64;
+    Index count = 0;
+};
+
+// Where samples lie, the depth rising, as Wall::samples has them. Borrowed.
+struct SamplePlaces {
+    std::span<const double> depth, toolface;
+};
+
+// The angular gap of each vertex: degrees between the nearest samples on its two sides, of those within `reach` metres
+// of its depth. 0 at a sample's toolface; 360 where there is none, or one elsewhere. The result does not depend on
+// `threads`.
+std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
+                                 int threads = 1);
+
 }  // namespace helibore

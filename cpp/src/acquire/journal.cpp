@@ -80,8 +80,8 @@ std::uint32_t crc32c(std::string_view bytes, std::uint32_t crc) {
 
 std::array<char, header_size> seal(const Record& record, std::string_view payload, std::uint32_t salt) {
     if (payload.size() > longest_payload)
-        throw InputError("payload has " + std::to_string(payload.size()) + " bytes: must be at most " +
-                         std::to_string(longest_payload));
+        throw InputError("payload has " + std::to_string(payload.size()) + " bytes",
+                         "must be at most " + std::to_string(longest_payload));
     std::array<char, header_size> header{};
     char* p = header.data();
     std::memcpy(p, magic.data(), magic.size());

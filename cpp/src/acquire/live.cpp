@@ -70,7 +70,7 @@ std::string short_text(double value) {
 
 Settings with_a_start(const Settings& settings) {
     if (!settings.start_depth)
-        throw InputError("start_depth: must be set: the vertices of a live wall keep their numbers");
+        throw InputError("start_depth", "must be set: the vertices of a live wall keep their numbers");
     return settings;
 }
 
@@ -123,7 +123,7 @@ void Live::take_stations(std::span<const double> depth, std::span<const double> 
     auto stations = stations_;
     std::optional<double> first;  // the first depth with a new or different station
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        if (!std::isfinite(depth[i])) throw InputError("depth must be finite");
+        if (!std::isfinite(depth[i])) throw InputError("depth", "must be finite");
         const std::array<double, 2> row = {inclination[i], azimuth[i]};
         const auto [place, is_new] = stations.try_emplace(depth[i], row);
         if (!is_new && place->second == row) continue;
@@ -143,8 +143,8 @@ void Live::take_stations(std::span<const double> depth, std::span<const double> 
         path_ = std::move(path);
         survey_ = std::move(survey);
     } else if (const auto [dip, way] = stations.begin()->second; !(dip >= 0 && dip <= 180 && std::abs(way) <= 360)) {
-        throw InputError("inclination " + short_text(dip) + ", azimuth " + short_text(way) +
-                         ": must be in [0, 180], [-360, 360]");
+        throw InputError("inclination " + short_text(dip) + ", azimuth " + short_text(way),
+                         "must be in [0, 180], [-360, 360]");
     }
     stations_ = std::move(stations);
     const auto at = stations_.find(*first);
@@ -156,16 +156,17 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
                           const std::string& unit) {
     require_finite("depth", depth);
     if (depth.empty() ? !values.empty() : values.empty() || values.size() % depth.size() != 0)
-        throw InputError("values has " + std::to_string(values.size()) + " values, depth has " +
-                         std::to_string(depth.size()) + ": must be as many for each depth");
+        throw InputError(
+            "values has " + std::to_string(values.size()) + " values, depth has " + std::to_string(depth.size()),
+            "must be as many for each depth");
     if (depth.empty()) return {};
     const int sectors = static_cast<int>(values.size() / depth.size());
     const std::lock_guard guard(lock_);
     const auto [place, is_new] = images_.try_emplace(name, ArrivedRows{{}, {}, sectors, unit});
     ArrivedRows& rows = place->second;
     if (rows.sectors != sectors)
-        throw InputError("values has " + std::to_string(sectors) + " sectors: image '" + name + "' has " +
-                         std::to_string(rows.sectors));
+        throw InputError("values has " + std::to_string(sectors) + " sectors",
+                         "image '" + name + "' has " + std::to_string(rows.sectors));
     const std::size_t had = rows.depth.size(), had_values = rows.values.size();
     const auto start = static_cast<Index>(had);
     try {
@@ -211,7 +212,7 @@ std::vector<std::string> Live::images() const {
 
 const Live::ArrivedRows& Live::arrived(const std::string& name) const {
     const auto place = images_.find(name);
-    if (place == images_.end()) throw InputError("image '" + name + "': is not there");
+    if (place == images_.end()) throw InputError("image '" + name + "'", "is not there");
     return place->second;
 }
 
@@ -220,8 +221,8 @@ ImageArrays Live::rows(const std::string& name, Range some) const {
     const ArrivedRows& rows = arrived(name);
     const auto count = static_cast<Index>(rows.depth.size());
     if (some.start < 0 || some.start > some.stop || some.stop > count)
-        throw InputError("rows = [" + std::to_string(some.start) + ", " + std::to_string(some.stop) +
-                         "): must lie within the " + std::to_string(count) + " rows of image '" + name + "'");
+        throw InputError("rows", "must lie within the " + std::to_string(count) + " rows of image '" + name + "'",
+                         range_text(some));
     const auto depth = rows.depth.begin(), values = rows.values.begin();
     return {{depth + some.start, depth + some.stop},
             {values + some.start * rows.sectors, values + some.stop * rows.sectors},

@@ -105,12 +105,11 @@ void read_value(std::string_view text, std::span<const double> nulls, Item& item
 Parser::Parser(std::vector<double> nulls, Limits limits) : nulls_(std::move(nulls)), limits_(limits) {
     for (std::size_t i = 0; i < nulls_.size(); ++i)
         if (!std::isfinite(nulls_[i]))
-            throw InputError("nulls[" + std::to_string(i) + "] = " + (std::isnan(nulls_[i]) ? "nan" : "inf") +
-                             ": must be finite");
+            throw InputError("nulls[" + std::to_string(i) + "]", "must be finite",
+                             std::isnan(nulls_[i]) ? "nan" : "inf");
     const auto check = [](const char* name, Index value, Index least) {
         if (value < least || value > (Index{1} << 30))
-            throw InputError(std::string(name) + " = " + std::to_string(value) + ": must be from " +
-                             std::to_string(least) + " to 1073741824");
+            throw InputError(name, "must be from " + std::to_string(least) + " to 1073741824", std::to_string(value));
     };
     check("line_limit", limits_.line, 16);
     check("frame_limit", limits_.frame, 16);

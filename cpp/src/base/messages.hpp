@@ -23,17 +23,27 @@ inline std::string entry_text(const std::string& column, Index index, double val
     return column + "[" + std::to_string(index) + "] = " + number_text(value);
 }
 
+// "[3, 7)"
+inline std::string range_text(const Range& range) {
+    std::string text = "[";
+    return text.append(std::to_string(range.start)).append(", ").append(std::to_string(range.stop)).append(")");
+}
+
+// The error of one value of a column.
+inline InputError entry_error(const std::string& column, Index index, double value, const std::string& rule) {
+    return {column + "[" + std::to_string(index) + "]", rule, number_text(value)};
+}
+
 inline void require_finite(const char* name, std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i)
-        if (!std::isfinite(values[i]))
-            throw InputError(entry_text(name, static_cast<Index>(i), values[i]) + ": must be finite");
+        if (!std::isfinite(values[i])) throw entry_error(name, static_cast<Index>(i), values[i], "must be finite");
 }
 
 // "toolface has 2 values, depth has 3: must be equal"
 inline void require_length(const std::string& name, std::size_t size, std::size_t wanted, const char* other = "depth") {
     if (size == wanted) return;
-    throw InputError(name + " has " + std::to_string(size) + " values, " + other + " has " + std::to_string(wanted) +
-                     ": must be equal");
+    throw InputError(name + " has " + std::to_string(size) + " values, " + other + " has " + std::to_string(wanted),
+                     "must be equal");
 }
 
 }  // namespace helibore

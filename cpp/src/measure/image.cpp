@@ -77,10 +77,11 @@ std::vector<double> fill(std::span<const double> bounds, const QuadCentres& quad
 
 void require_cells(const ImageRows& image, const QuadCentres& quads) {
     if (image.sectors < 1 || image.values.size() != image.depth.size() * static_cast<std::size_t>(image.sectors)) {
-        throw InputError("values: has " + std::to_string(image.values.size()) + ", must be " +
-                         std::to_string(image.depth.size()) + " rows of " + std::to_string(image.sectors));
+        throw InputError("values", "has " + std::to_string(image.values.size()) + ", must be " +
+                                       std::to_string(image.depth.size()) + " rows of " +
+                                       std::to_string(image.sectors));
     }
-    if (quads.sector.empty()) throw InputError("sector: must have at least one");
+    if (quads.sector.empty()) throw InputError("sector", "must have at least one");
 }
 
 }  // namespace
@@ -89,7 +90,7 @@ std::vector<double> cell_values(const ImageRows& image, std::span<const double> 
                                 const QuadCentres& quads, int threads) {
     require_cells(image, quads);
     if (low.size() != image.depth.size() || high.size() != low.size()) {
-        throw InputError("low, high: must have one value a row");
+        throw InputError("low, high", "must have one value a row");
     }
     const std::vector<Across> across = across_of(image, quads.sector);
     return fill(low, quads, threads, [&](Index row, Index column, double depth) {

@@ -244,9 +244,9 @@ TurnLogs sized(std::size_t count) {
 }  // namespace
 
 TurnLogs turn_logs(const Turns& turns, int threads) {
-    if (turns.sectors < 3) throw InputError("sectors = " + std::to_string(turns.sectors) + ": must be 3 or more");
+    if (turns.sectors < 3) throw InputError("sectors", "must be 3 or more", std::to_string(turns.sectors));
     if (turns.window < 3 || turns.window % 2 == 0) {
-        throw InputError("window = " + std::to_string(turns.window) + ": must be odd and 3 or more");
+        throw InputError("window", "must be odd and 3 or more", std::to_string(turns.window));
     }
     const Index count = static_cast<Index>(turns.radius.size()) / turns.sectors;
     TurnLogs logs = sized(static_cast<std::size_t>(count));

@@ -33,8 +33,7 @@ void check_rows(const SampleColumns& c) {
     require_finite("radius", c.radius);
     for (std::size_t i = 0; i < c.radius.size(); ++i)
         if (!(c.radius[i] > 0.0 && c.radius[i] <= largest_radius))
-            throw InputError(entry_text("radius", static_cast<Index>(i), c.radius[i]) +
-                             ": must be above 0 and at most 2 m");
+            throw entry_error("radius", static_cast<Index>(i), c.radius[i], "must be above 0 and at most 2 m");
     require_finite("time", c.time);
 }
 

@@ -91,8 +91,8 @@ void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::s
         }
     });
     if (first == none) return;
-    throw InputError(place_of(radii, layout, first) +
-                     ": folds over itself; the path bends or turns more sharply there than the shell is thick");
+    throw InputError(place_of(radii, layout, first),
+                     "folds over itself; the path bends or turns more sharply there than the shell is thick");
 }
 
 std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads) {

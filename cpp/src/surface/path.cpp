@@ -31,8 +31,8 @@ void require_between(const char* name, std::span<const double> values, double lo
     require_finite(name, values);
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (values[i] < low || values[i] > high) {
-            throw InputError(entry_text(name, Index(i), values[i]) + ": must lie in " + number_text(low) + " to " +
-                             number_text(high) + " degrees");
+            throw entry_error(name, Index(i), values[i],
+                              "must lie in " + number_text(low) + " to " + number_text(high) + " degrees");
         }
     }
 }
@@ -41,8 +41,8 @@ void require_growing(std::span<const double> depth) {
     require_finite("depth", depth);
     for (std::size_t i = 1; i < depth.size(); ++i) {
         if (depth[i] <= depth[i - 1]) {
-            throw InputError(entry_text("depth", Index(i), depth[i]) + ": must be greater than " +
-                             entry_text("depth", Index(i) - 1, depth[i - 1]));
+            throw entry_error("depth", Index(i), depth[i],
+                              "must be greater than " + entry_text("depth", Index(i) - 1, depth[i - 1]));
         }
     }
 }
@@ -135,19 +135,20 @@ dvec3 append_curves(std::vector<CylinderCurve>& curves, const Station& above, co
 void require_arc(const Survey& survey, std::size_t below) {
     const dvec3 sum = station(survey, below).tangent + station(survey, below - 1).tangent;
     if (glm::length(sum) >= least_from_opposite) return;
-    throw InputError(entry_text("depth", Index(below), survey.depth()[below]) + ": the hole turns by 180 deg since " +
-                     entry_text("depth", Index(below) - 1, survey.depth()[below - 1]) +
-                     ", which no one arc does: must be less than 180");
+    throw entry_error("depth", Index(below), survey.depth()[below],
+                      "the hole turns by 180 deg since " +
+                          entry_text("depth", Index(below) - 1, survey.depth()[below - 1]) +
+                          ", which no one arc does: must be less than 180");
 }
 
 void require_sane(const PathSettings& settings) {
     for (std::size_t i = 0; i < 3; ++i) {
         if (!std::isfinite(settings.head[i])) {
-            throw InputError(entry_text("head", Index(i), settings.head[i]) + ": must be finite");
+            throw entry_error("head", Index(i), settings.head[i], "must be finite");
         }
     }
     if (!(settings.extend >= 0.0 && std::isfinite(settings.extend))) {
-        throw InputError("extend = " + number_text(settings.extend) + ": must be finite and not negative");
+        throw InputError("extend", "must be finite and not negative", number_text(settings.extend));
     }
 }
 
@@ -225,8 +226,8 @@ Survey::Survey(std::span<const double> depth, std::span<const double> inclinatio
     require_length("inclination", inclination.size(), depth.size());
     require_length("azimuth", azimuth.size(), depth.size());
     if (depth.size() < 2) {
-        throw InputError("survey has " + std::to_string(depth.size()) + (depth.size() == 1 ? " station" : " stations") +
-                         ": must have two or more");
+        throw InputError("survey has " + std::to_string(depth.size()) + (depth.size() == 1 ? " station" : " stations"),
+                         "must have two or more");
     }
     require_growing(depth);
     require_between("inclination", inclination, 0.0, 180.0);
@@ -245,37 +246,35 @@ std::vector<double> Survey::dogleg() const {
 Method method_of(std::string_view name) {
     if (name == "minimum-curvature") return Method::minimum_curvature;
     if (name == "radius-of-curvature") return Method::radius_of_curvature;
-    throw InputError("method = \"" + std::string(name) +
-                     "\": must be \"minimum-curvature\" or \"radius-of-curvature\"");
+    throw InputError("method", "must be \"minimum-curvature\" or \"radius-of-curvature\"",
+                     "\"" + std::string(name) + "\"");
 }
 
 Reference reference_of(std::string_view name) {
     if (name == "high-side") return Reference::high_side;
     if (name == "north") return Reference::north;
     if (name == "parallel-transport") return Reference::parallel_transport;
-    throw InputError("reference = \"" + std::string(name) +
-                     "\": must be \"high-side\", \"north\" or \"parallel-transport\"");
+    throw InputError("reference", "must be \"high-side\", \"north\" or \"parallel-transport\"",
+                     "\"" + std::string(name) + "\"");
 }
 
 void Segments::require_reach(double depth, const std::string& where) const {
-    if (std::isnan(depth) || std::isinf(depth)) throw InputError(where + ": must be finite");
+    if (std::isnan(depth) || std::isinf(depth)) throw InputError(where, "must be finite");
     if (depth < start_depth) {
-        throw InputError(where + ": must not lie above the first station of the survey, at " +
-                         number_text(start_depth) + " m");
+        throw InputError(where,
+                         "must not lie above the first station of the survey, at " + number_text(start_depth) + " m");
     }
     if (depth > stop_depth) {
-        throw InputError(where + ": must not lie below the last station of the survey, at " +
-                         number_text(survey_depth) + " m, plus extend = " + number_text(stop_depth - survey_depth) +
-                         " m");
+        throw InputError(where, "must not lie below the last station of the survey, at " + number_text(survey_depth) +
+                                    " m, plus extend = " + number_text(stop_depth - survey_depth) + " m");
     }
 }
 
 void Segments::refuse_frame(const std::string& where) const {
     if (reference == Reference::high_side) {
-        throw InputError(where + ": the high side is undefined where the hole is vertical; use reference=\"north\"");
+        throw InputError(where, "the high side is undefined where the hole is vertical; use reference=\"north\"");
     }
-    throw InputError(where +
-                     ": north is undefined where the hole runs level north or south; use reference=\"high-side\"");
+    throw InputError(where, "north is undefined where the hole runs level north or south; use reference=\"high-side\"");
 }
 
 Path::Path() {

@@ -17,15 +17,14 @@ namespace {
 constexpr Index cells_a_part = 16384;  // that a thread takes at a time
 
 void require_helix(const HelixRadii& radii) {
-    if (radii.sectors < 3) throw InputError("sectors = " + std::to_string(radii.sectors) + ": must be 3 or more");
+    if (radii.sectors < 3) throw InputError("sectors", "must be 3 or more", std::to_string(radii.sectors));
     if (!std::isfinite(radii.pitch) || radii.pitch == 0.0) {
-        throw InputError("pitch = " + number_text(radii.pitch) + ": must be finite and not 0");
+        throw InputError("pitch", "must be finite and not 0", number_text(radii.pitch));
     }
     if (radii.radius.empty()) return;  // an empty wall has no start
     for (const auto& [name, value] :
          {std::pair{"start_depth", radii.start_depth}, std::pair{"start_toolface", radii.start_toolface}}) {
-        if (!std::isfinite(value))
-            throw InputError(std::string(name) + " = " + number_text(value) + ": must be finite");
+        if (!std::isfinite(value)) throw InputError(name, "must be finite", number_text(value));
     }
 }
 
@@ -56,8 +55,7 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
         i += static_cast<std::size_t>(length);
         for (const std::size_t stop = i + static_cast<std::size_t>(run_length(radius, i, false)); i < stop; ++i) {
             if (!std::isnan(radius[i])) {
-                throw InputError(entry_text(name, static_cast<Index>(i), radius[i]) +
-                                 ": must be positive and finite, or nan");
+                throw entry_error(name, static_cast<Index>(i), radius[i], "must be positive and finite, or nan");
             }
         }
     }
@@ -105,9 +103,9 @@ void require_nested(const HelixRadii& radii, std::span<const std::span<const dou
         for (std::size_t i = 0; i < shells[s].size(); ++i) {
             if (!(shells[s][i] <= shells[s - 1][i])) continue;
             const Index k = radii.first + static_cast<Index>(i);
-            throw InputError(entry_text(name_of_shell(s), k, shells[s][i]) + " at depth " +
-                             number_text(helix.depth(k)) + ": must lie beyond " +
-                             entry_text(name_of_shell(s - 1), k, shells[s - 1][i]));
+            throw InputError(name_of_shell(s) + "[" + std::to_string(k) + "]",
+                             "must lie beyond " + entry_text(name_of_shell(s - 1), k, shells[s - 1][i]),
+                             number_text(shells[s][i]) + " at depth " + number_text(helix.depth(k)));
         }
     }
 }
@@ -156,7 +154,7 @@ SurfaceLayout surface_layout(const HelixRadii& radii) {
 
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells) {
     require_helix(radii);
-    if (shells.size() < 2) throw InputError("shells: a volume needs one or more beyond the wall");
+    if (shells.size() < 2) throw InputError("shells", "a volume needs one or more beyond the wall");
     VolumeLayout layout;
     std::vector<QuadRun> inner;
     for (std::size_t s = 0; s < shells.size(); ++s) {

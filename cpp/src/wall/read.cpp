@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/arithmetic.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "wall/state.hpp"
@@ -67,8 +68,8 @@ std::vector<std::uint8_t> Wall::State::provisional(Range range) const {
 
 VertexColumns Wall::State::read(Range range) const {
     if (range.start < 0 || range.stop < range.start || range.stop > count)
-        throw InputError("range = [" + std::to_string(range.start) + ", " + std::to_string(range.stop) +
-                         "): must lie within the wall's " + std::to_string(count) + " vertices");
+        throw InputError("range", "must lie within the wall's " + std::to_string(count) + " vertices",
+                         range_text(range));
     return {depth(range),   toolface(range),   radius(range),     nearest(range),
             support(range), iterations(range), provisional(range)};
 }
@@ -145,7 +146,8 @@ std::vector<std::vector<double>> Wall::interpolate_samples(std::span<const std::
         for (std::size_t c = 0; c < channels.size(); ++c)
             if (channels[c].size() != static_cast<std::size_t>(s.samples.size()))
                 throw InputError("channel " + std::to_string(c) + " has " + std::to_string(channels[c].size()) +
-                                 " values, the wall " + std::to_string(s.samples.size()) + " samples: must be equal");
+                                     " values, the wall " + std::to_string(s.samples.size()) + " samples",
+                                 "must be equal");
         std::vector<std::vector<double>> values(channels.size(), std::vector<double>(length_of(s.all())));
         std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
         for_each_range(threads, groups_of(s.count), groups_a_part, [&](int worker, const Range& part) {

@@ -20,7 +20,7 @@ void require(bool good, const char* name, T value, const char* rule) {
         text = number_text(value);
     else
         text = std::to_string(value);
-    throw InputError(std::string(name) + " = " + text + ": " + rule);
+    throw InputError(name, rule, text);
 }
 
 }  // namespace

@@ -48,8 +48,8 @@ Change Wall::State::append(const SampleColumns& columns) {
     const StandardArithmetic standard;
     SortedBatch batch = sort_batch(columns, samples, settings.threads, search.functions());
     if (batch.count > 0 && samples.size() > 0 && batch.timed != samples.timed())
-        throw InputError(batch.timed ? "time: earlier samples have none; give it for all or none"
-                                     : "time: missing, but earlier samples have one; give it for all or none");
+        throw InputError("time", batch.timed ? "earlier samples have none; give it for all or none"
+                                             : "missing, but earlier samples have one; give it for all or none");
     Samples::Undo undo = samples.insert(batch);
     try {
         return update(batch);
@@ -72,7 +72,8 @@ Index Wall::State::count_now(const Helix& next) const {
     const double vertices_needed = next.count(stop);
     if (!(vertices_needed <= most_vertices))
         throw InputError("the wall from " + number_text(next.start_depth) + " m to " + number_text(stop) +
-                         " m would have " + number_text(vertices_needed) + " vertices: must be at most 2147483648");
+                             " m would have " + number_text(vertices_needed) + " vertices",
+                         "must be at most 2147483648");
     return static_cast<Index>(vertices_needed);
 }
 

@@ -29,7 +29,7 @@ bool has_avx512() {
 }
 
 const Functions& demand(bool present, const Functions& functions, const char* name) {
-    if (!present) throw InputError(std::string("instruction_set = ") + name + ": this processor does not have it");
+    if (!present) throw InputError("instruction_set", "this processor does not have it", name);
     return functions;
 }
 
