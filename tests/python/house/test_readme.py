@@ -83,7 +83,13 @@ def test_real_hole(tmp_path: Path) -> None:
     assert {"f12.las", "hole.csv", "zones.csv", "f12.pdf", "images.pdf", "f12.html", "helibore-log.png"} < made.keys()
 
 
-@pytest.mark.parametrize("page", [ROOT / "README.md", *sorted(ROOT.glob("docs/*.md"))], ids=lambda page: page.name)
-def test_every_link_leads_somewhere(page: Path) -> None:
+@pytest.mark.parametrize(
+    "page",
+    [*sorted(ROOT.glob("*.md")), ROOT / "cpp" / "DESIGN.md", *sorted(ROOT.glob("docs/*.md"))],
+    ids=lambda page: page.name,
+)
+def test_every_link_and_path_leads_somewhere(page: Path) -> None:
     for target in re.findall(r"\]\(([^)#]+)\)", page.read_text()):
         assert (page.parent / target).exists(), target
+    for path in re.findall(r"`((?:python|cpp|tests|bench|docs)/[\w/.]*)`", page.read_text()):
+        assert (ROOT / path).exists(), path
