@@ -2,8 +2,7 @@
 // sector by sector, until one holds a sample within reach. Where a tool sees all around that is the first or second
 // sector.
 #include <algorithm>
-#include <cmath>
-#include <limits>
+#include <numeric>
 
 #include "base/messages.hpp"
 #include "base/threads.hpp"
@@ -14,7 +13,6 @@ namespace helibore {
 
 namespace {
 
-constexpr Index block = 4096;  // vertices
 constexpr double whole_turn = 360.0;
 
 // Samples of sector s are [starts[s], starts[s + 1]), in the order of depth; toolfaces count from that of vertex 0.
@@ -55,21 +53,51 @@ Sectors sorted(const SamplePlaces& samples, double start_toolface, Index sectors
     return out;
 }
 
-// Degrees from `own`, the border before sector `line`, to the nearest sample clockwise (way = 1) or the other way (-1).
-double side(const Sectors& in, Index line, Index sectors, double own, double low, double high, Index way) {
-    for (Index step = 0; step < sectors; ++step) {
-        const auto s = static_cast<std::size_t>((line + (way > 0 ? step : 2 * sectors - 1 - step)) % sectors);
-        const auto first = in.depth.begin() + static_cast<std::ptrdiff_t>(in.starts[s]);
-        const auto last = in.depth.begin() + static_cast<std::ptrdiff_t>(in.starts[s + 1]);
-        double least = std::numeric_limits<double>::infinity();
-        for (auto at = std::lower_bound(first, last, low); at != last && *at <= high; ++at) {
-            const double off =
-                static_cast<double>(way) * (in.toolface[static_cast<std::size_t>(at - in.depth.begin())] - own);
-            least = std::min(least, off < 0.0 ? off + whole_turn : off);
+// The vertices of one toolface, from the top of the hole down, and what is known of one side of them.
+struct Line {
+    std::vector<double> depth, side;
+    std::vector<std::size_t> open;    // vertices without a sample so far
+    std::vector<std::size_t> window;  // samples of the window, each farther round than those before it
+};
+
+// Looks for samples of sector `s`, which lie `off(toolface)` degrees from the vertices of the line.
+template <class Off>
+void look_into(const Sectors& in, std::size_t s, double reach, const Off& off, Line& line) {
+    std::size_t next = in.starts[s], first = 0, left = 0;
+    line.window.clear();
+    for (const std::size_t row : line.open) {
+        for (; next < in.starts[s + 1] && in.depth[next] <= line.depth[row] + reach; ++next) {
+            while (line.window.size() > first && off(in.toolface[line.window.back()]) >= off(in.toolface[next])) {
+                line.window.pop_back();
+            }
+            line.window.push_back(next);
         }
-        if (least <= whole_turn) return least;
+        while (first < line.window.size() && in.depth[line.window[first]] < line.depth[row] - reach) ++first;
+        if (first < line.window.size()) {
+            line.side[row] = off(in.toolface[line.window[first]]);
+        } else {
+            line.open[left++] = row;
+        }
     }
-    return whole_turn;
+    line.open.resize(left);
+}
+
+// Degrees from toolface `own`, the border before sector `number`, to the nearest samples clockwise or the other way.
+void look_around(const Sectors& in, Index number, Index sectors, double reach, bool clockwise, Line& line) {
+    const double own = border(number, sectors);
+    line.side.assign(line.depth.size(), whole_turn);
+    line.open.resize(line.depth.size());
+    std::iota(line.open.begin(), line.open.end(), std::size_t{0});
+    const auto off = [&](double toolface) {
+        const double degrees = clockwise ? toolface - own : own - toolface;
+        return degrees < 0.0 ? degrees + whole_turn : degrees;
+    };
+    for (Index step = 0; step < sectors && !line.open.empty(); ++step) {
+        const Index s = (number + (clockwise ? step : 2 * sectors - 1 - step)) % sectors;
+        if (in.starts[static_cast<std::size_t>(s)] < in.starts[static_cast<std::size_t>(s) + 1]) {
+            look_into(in, static_cast<std::size_t>(s), reach, off, line);
+        }
+    }
 }
 
 }  // namespace
@@ -82,13 +110,21 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors};
     const Sectors in = sorted(samples, vertices.start_toolface, sectors);
     std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
-    for_each_range(threads, vertices.count, block, [&](int, const Range& range) {
-        for (Index k = range.start; k < range.stop; ++k) {
-            const Index line = k % sectors;
-            const double own = border(line, sectors), depth = helix.depth(k);
-            const double ahead = side(in, line, sectors, own, depth - reach, depth + reach, 1);
-            const double behind = ahead == 0.0 ? 0.0 : side(in, line, sectors, own, depth - reach, depth + reach, -1);
-            gaps[static_cast<std::size_t>(k)] = std::min(ahead + behind, whole_turn);
+    for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {
+        const Index turns = (vertices.count - number + sectors - 1) / sectors;
+        const auto vertex = [&](Index row) {
+            return number + sectors * (vertices.pitch > 0.0 ? row : turns - 1 - row);
+        };
+        Line line;
+        line.depth.resize(static_cast<std::size_t>(turns));
+        for (Index row = 0; row < turns; ++row) line.depth[static_cast<std::size_t>(row)] = helix.depth(vertex(row));
+        look_around(in, number, sectors, reach, true, line);
+        const std::vector<double> ahead = line.side;
+        look_around(in, number, sectors, reach, false, line);
+        for (Index row = 0; row < turns; ++row) {
+            const auto i = static_cast<std::size_t>(row);
+            gaps[static_cast<std::size_t>(vertex(row))] =
+                ahead[i] == 0.0 ? 0.0 : std::min(ahead[i] + line.side[i], whole_turn);
         }
     });
     return gaps;
