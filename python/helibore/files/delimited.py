@@ -171,6 +171,8 @@ def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> lis
         return None
     try:
         sample = _rows(csv, _copied(pa, head.encode()), layout, layout.skip)
+        if not sample.num_rows:
+            return None
         types = {name: _column_type(pa, sample.column(name)) for name in sample.column_names}
         if encoding == "utf8" and not source.compressed:
             table = _rows(csv, str(source.path), layout, layout.skip, types)
