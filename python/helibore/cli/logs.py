@@ -16,7 +16,7 @@ from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH
-from helibore.cli.source import Sectioned, many, one, open_run, section, takes_a_wall
+from helibore.cli.source import Sectioned, open_run, opt, opts, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -35,11 +35,11 @@ DECIMALS = {"in": 4, "mm": 3}
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
     "Logs",
-    one("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
-    one("--rugosity-window", "Length of hole that rugosity is taken over.", type=LENGTH, default="1m"),
-    many("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
-    one("--well", "Name of the well, for the files.  [name of the source]"),
-    one(
+    opt("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
+    opt("--rugosity-window", "Length of hole that rugosity is taken over.", type=LENGTH, default="1m"),
+    opts("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
+    opt("--well", "Name of the well, for the files.  [name of the source]"),
+    opt(
         "--unit",
         "Unit of diameters, radii and other sizes across the hole; depths stay in metres.",
         type=click.Choice(["m", "mm", "in"]),
@@ -48,11 +48,11 @@ DECIMALS = {"in": 4, "mm": 3}
 )
 @section(
     "Zones",
-    one("--zones", "Table of washouts, breakouts, key seats and undergauge hole; endings as of --output.", type=FILE),
-    many("--criterion criteria", "Of zones, such as elongation=0.5in, washout, key-seat, undergauge, symmetry, "
+    opt("--zones", "Table of washouts, breakouts, key seats and undergauge hole; endings as of --output.", type=FILE),
+    opts("--criterion criteria", "Of zones, such as elongation=0.5in, washout, key-seat, undergauge, symmetry, "
          "least-length.", metavar="NAME=VALUE"),
-    one("--scaled", "Criteria in proportion to the bit; the usual ones are for 8.5 in.", is_flag=True),
-    many("--breakouts", "Table of the dark, opposite sectors of an image.", metavar="IMAGE=FILE"),
+    opt("--scaled", "Criteria in proportion to the bit; the usual ones are for 8.5 in.", is_flag=True),
+    opts("--breakouts", "Table of the dark, opposite sectors of an image.", metavar="IMAGE=FILE"),
 )  # fmt: skip
 @takes_a_wall
 def logs(**options: Any) -> None:

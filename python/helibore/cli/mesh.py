@@ -16,7 +16,7 @@ from helibore.base.errors import InputError
 from helibore.cli.lines import Lines, summary_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH
-from helibore.cli.source import Sectioned, many, one, open_run, section, takes_a_wall
+from helibore.cli.source import Sectioned, open_run, opt, opts, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.mesh.surface import Surface
@@ -37,11 +37,11 @@ COLORLESS = (ARCHIVE, ".obj", ".stl")
 takes_a_mesh = section(
     "Options",
     OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive that reopens."),
-    many("--shell shells", f"Thickness beyond the wall: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}).",
+    opts("--shell shells", f"Thickness beyond the wall: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}).",
          type=LENGTH),
-    one("--color-by", "An image, difference or radius, for GLB, PLY and VTK.  [the first image, else radius]",
+    opt("--color-by", "An image, difference or radius, for GLB, PLY and VTK.  [the first image, else radius]",
         metavar="NAME"),
-    one("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
+    opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
     QUIET,
 )  # fmt: skip
@@ -90,11 +90,13 @@ def mesh(**options: Any) -> None:
 def _write(verb: str, options: dict[str, Any]) -> None:
     output, centres = options["output"], options["centres"]
     terminal = Terminal(options["quiet"])
-    _check_before(options)
+    check_file(output, ENDINGS)
+    if centres is not None:
+        check_file(centres, TABLES)
     run = open_run(options, terminal, (output, *([centres] if centres else [])))
     options = own_options(run, verb, options)
     ends = _interval(run, options)
-    _check_after(options, ends)
+    _check(run, options, ends)
     from helibore.runs.run import make_wall, placing
 
     make_wall(run, options["threads"], terminal.stage)
@@ -111,33 +113,26 @@ def _write(verb: str, options: dict[str, Any]) -> None:
         terminal.summary([*run.messages, *_lines(run, made, ends), *saved, ("time", terminal.times())])
 
 
-def _check_before(options: dict[str, Any]) -> None:
-    output, centres = options["output"], options["centres"]
-    check_file(output, VOLUME_ENDINGS if options["shells"] else ENDINGS)
-    if centres is not None:
-        check_file(centres, TABLES)
-        if not options["recentre"] and options["from_settings"] is None:
-            raise click.UsageError("--centres: needs --recentre")
-    if options["color_by"] == "difference" and not options["earlier"] and options["source"][1:]:
-        raise click.UsageError("--color-by difference: needs --compare-with")
-
-
 def _interval(run: Run, options: dict[str, Any]) -> tuple[float | None, float | None]:
     """The interval to write: the whole wall, where the wall is built for the interval of the options."""
     ends, wall = (options["start_depth"], options["stop_depth"]), run.settings.wall
     return (None, None) if wall is not None and set(ends) == {wall.start_depth, wall.stop_depth} else ends
 
 
-def _check_after(options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
+def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
     """Refuse what the output would not show: colours where it has none, an interval of a wall that is kept whole."""
-    output, ending = options["output"], options["output"].suffix.lower()
+    output, ending, preparation = options["output"], options["output"].suffix.lower(), run.settings.preparation
     check_file(output, VOLUME_ENDINGS if options["shells"] else ENDINGS)
     if options["color_by"] is not None and (options["shells"] or ending in COLORLESS):
         kind = "a volume" if options["shells"] else ending
         raise click.UsageError(f"--color-by: does not go with {kind}, which has no colours")
-    for option, end in zip(("--from", "--to"), ends, strict=True):
+    if options["color_by"] == "difference" and not preparation.earlier and run.settings.archive is None:
+        raise click.UsageError("--color-by difference: needs --compare-with")
+    if options["centres"] is not None and not preparation.recentre:
+        raise click.UsageError("--centres: needs --recentre")
+    for name, end in zip(("--from", "--to"), ends, strict=True):
         if end is not None and ending == ARCHIVE:
-            raise click.UsageError(f"{option}: does not go with {ending}, which holds the whole wall")
+            raise click.UsageError(f"{name}: does not go with {ending}, which holds the whole wall")
 
 
 def _check_cells(run: Run, made: Surface | Volume) -> None:

@@ -12,12 +12,12 @@ from click.core import ParameterSource
 from helibore.base.errors import InputError
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
-from helibore.cli.source import SECTIONS, one
+from helibore.cli.source import SECTIONS, opt
 
 if TYPE_CHECKING:
     from helibore.runs.run import Run
 
-QUIET = one("-q --quiet", "Print nothing but errors.", is_flag=True)
+QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
 """Own options that do not change the bytes of the output."""
@@ -25,7 +25,7 @@ NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "h
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
     """The option of the file to write."""
-    return one("-o --output", help, type=FILE, required=True)
+    return opt("-o --output", help, type=FILE, required=True)
 
 
 def check_file(file: Path, endings: Sequence[str]) -> None:

@@ -13,7 +13,7 @@ import click
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH
-from helibore.cli.source import Sectioned, many, one, open_run, section, takes_a_wall
+from helibore.cli.source import Sectioned, open_run, opt, opts, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -24,25 +24,25 @@ PAGES = (".html", ".htm")
 
 takes_a_drawing = section(
     "Drawing",
-    one("--well", "Title.  [name of the file]"),
-    one("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
-    one("--unit", "Unit of diameters.", type=click.Choice(["in", "mm"]), default="in"),
-    many("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
+    opt("--well", "Title.  [name of the file]"),
+    opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
+    opt("--unit", "Unit of diameters.", type=click.Choice(["in", "mm"]), default="in"),
+    opts("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
-    one("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
+    opt("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
         type=click.Choice(["0", "90", "180", "270"]), default="0"),
-    one("--elevation", "From sea level up to the zero of depths: true depths are TVDSS.  [TVD]", type=LENGTH),
-    many("--limits", "Ends of an image's colours, in its unit.", metavar="NAME=LOW,HIGH"),
-    many("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
-    many("--log logs", "Colours of this image follow the logarithm.", metavar="NAME"),
-    many("--linear", "Colours of this image do not follow the logarithm, although it is a resistivity.",
+    opt("--elevation", "From sea level up to the zero of depths: true depths are TVDSS.  [TVD]", type=LENGTH),
+    opts("--limits", "Ends of an image's colours, in its unit.", metavar="NAME=LOW,HIGH"),
+    opts("--color-map color_maps", "Colour map of an image.", metavar="NAME=MAP"),
+    opts("--log logs", "Colours of this image follow the logarithm.", metavar="NAME"),
+    opts("--linear", "Colours of this image do not follow the logarithm, although it is a resistivity.",
          metavar="NAME"),
-    many("--dynamic", "Normalise an image in a sliding window.", metavar="NAME=LENGTH"),
-    many("--polar", "Depth of a cross section.  [up to four]", type=LENGTH),
-    one("--no-polar", "No cross sections.", is_flag=True),
-    one("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
-    one("--no-body", "No 3-D view.", is_flag=True),
-    one("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
+    opts("--dynamic", "Normalise an image in a sliding window.", metavar="NAME=LENGTH"),
+    opts("--polar", "Depth of a cross section.  [up to four]", type=LENGTH),
+    opt("--no-polar", "No cross sections.", is_flag=True),
+    opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
+    opt("--no-body", "No 3-D view.", is_flag=True),
+    opt("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
 )  # fmt: skip
 
 
@@ -50,7 +50,7 @@ takes_a_drawing = section(
 @section(
     "Options",
     OUTPUT("Picture to write: .png, .svg or .pdf."),
-    one("--paper", "Of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
+    opt("--paper", "Of a PDF: pages, or a roll as long as the interval. PNG and SVG are rolls.",
         type=click.Choice(["a4", "a3", "roll"]), default="a4"),
     QUIET,
 )  # fmt: skip

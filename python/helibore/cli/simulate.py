@@ -20,7 +20,7 @@ from click.core import ParameterSource
 
 from helibore.cli.outputs import QUIET
 from helibore.cli.quantities import BIT, LENGTH, LIFT
-from helibore.cli.source import Sectioned, many, one, section
+from helibore.cli.source import Sectioned, opt, opts, section
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -36,29 +36,29 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
 @section(
     "Options",
-    one("--from start", "Depth to start at.", type=LENGTH, default="2000m"),
-    one("--to stop", "Depth to stop at.", type=LENGTH, default="2050m"),
-    one("--bit-diameter", "Bit size.", type=BIT, default="0.216m"),
-    one("--plain", "A smooth round hole in one rock; the samples have noise only.", is_flag=True),
-    one("--samples", "How many.  [as many as --sample-rate gives]", type=int),
-    one("--sample-rate", "Samples a second.", type=float, default=20.0),
-    one("--rotation", "Turns a minute.", type=float, default=117.0),
-    one("--stick-slip", "Swing of the speed; 1: it stops.", type=float, default=0.7),
-    one("--advance", "Metres an hour.", type=float, default=20.0),
-    one("--noise", "Standard deviation of the radius.", type=LENGTH, default="0.5mm"),
-    one("--missing", "Share of samples that never arrive.", type=float, default=0.0),
-    many("--lift lifts", "Lift the tool and scan again.", type=LIFT),
-    one("--seed", "Another seed, another hole.", type=int, default=0),
-    one("--format ending", "Of the samples.", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv"),
+    opt("--from start", "Depth to start at.", type=LENGTH, default="2000m"),
+    opt("--to stop", "Depth to stop at.", type=LENGTH, default="2050m"),
+    opt("--bit-diameter", "Bit size.", type=BIT, default="0.216m"),
+    opt("--plain", "A smooth round hole in one rock; the samples have noise only.", is_flag=True),
+    opt("--samples", "How many.  [as many as --sample-rate gives]", type=int),
+    opt("--sample-rate", "Samples a second.", type=float, default=20.0),
+    opt("--rotation", "Turns a minute.", type=float, default=117.0),
+    opt("--stick-slip", "Swing of the speed; 1: it stops.", type=float, default=0.7),
+    opt("--advance", "Metres an hour.", type=float, default=20.0),
+    opt("--noise", "Standard deviation of the radius.", type=LENGTH, default="0.5mm"),
+    opt("--missing", "Share of samples that never arrive.", type=float, default=0.0),
+    opts("--lift lifts", "Lift the tool and scan again.", type=LIFT),
+    opt("--seed", "Another seed, another hole.", type=int, default=0),
+    opt("--format ending", "Of the samples.", type=click.Choice(["csv", "csv.gz", "npz"]), default="csv"),
     QUIET,
 )
 @section(
     "A rig over WITS",
-    one("--wits", "Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.", metavar="ADDRESS"),
-    one("--telemetry", "Rate and delay.", type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
+    opt("--wits", "Play a rig over WITS to tcp://HOST:PORT or listen://HOST:PORT.", metavar="ADDRESS"),
+    opt("--telemetry", "Rate and delay.", type=click.Choice(["mud-pulse", "em", "wired-pipe", "memory"]),
         default="wired-pipe"),
-    one("--speed", "How many times as fast as real time; 0: at once.", type=float, default=1.0),
-    one("--faults", "Shares of frames dropped, sent twice, sent late.", nargs=3, type=float, default=(0.0, 0.0, 0.0)),
+    opt("--speed", "How many times as fast as real time; 0: at once.", type=float, default=1.0),
+    opt("--faults", "Shares of frames dropped, sent twice, sent late.", nargs=3, type=float, default=(0.0, 0.0, 0.0)),
 )  # fmt: skip
 def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, quiet: bool, **options: Any) -> None:
     """Measure a known, seeded hole and write what the tool reports, and the truth, to FOLDER.

@@ -73,108 +73,108 @@ def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Comman
     return add
 
 
-def one(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """An option; a default is shown in its help, unless it is None, (), a flag's or "none"."""
+def opt(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """An option for `section`: its names and what `click.option` takes. The help shows the default of a value."""
     shown = settings.get("default") not in (None, ()) and "is_flag" not in settings
     return names, {"help": help, "show_default": shown} | settings
 
 
-def many(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """An option that may be repeated."""
-    return one(names, f"{help} Repeatable.", multiple=True, **settings)
+def opts(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
+    """An option that may be repeated, for `section`."""
+    return opt(names, f"{help} Repeatable.", multiple=True, **settings)
 
 
 SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Source": (
-        one("--bit-diameter", "Bit size, such as 8.5in, '8 1/2in' or 0.216m. Archives and settings have it.", type=BIT),
-        one("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
-        one("--gauge", "Gauge hole in place of SOURCE: not measured, carries images only.", is_flag=True),
-        one("--from-settings", "The same as a settings file as SOURCE: repeat the run that wrote it.", type=FILE),
-        many("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
+        opt("--bit-diameter", "Bit size, such as 8.5in, '8 1/2in' or 0.216m. Archives and settings have it.", type=BIT),
+        opt("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
+        opt("--gauge", "Gauge hole in place of SOURCE: not measured, carries images only.", is_flag=True),
+        opt("--from-settings", "The same as a settings file as SOURCE: repeat the run that wrote it.", type=FILE),
+        opts("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
              "of sector 1. REFERENCE is what its toolface 0 is, if not the wall's: north or high-side.",
              metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
-        one("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
-        one("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
+        opt("--from start_depth", "Start depth.  [top of the wall]", type=LENGTH),
+        opt("--to stop_depth", "Stop depth.  [bottom of the wall]", type=LENGTH),
     ),
     "Columns": (
-        many("--map maps", "Roles of the channels as TOML (see helibore inspect): one map, or one a file.", type=FILE),
-        many("--set sets", "Sets of a source file that holds several, each a pass: by name, by number as helibore "
+        opts("--map maps", "Roles of the channels as TOML (see helibore inspect): one map, or one a file.", type=FILE),
+        opts("--set sets", "Sets of a source file that holds several, each a pass: by name, by number as helibore "
              "inspect lists them (3 or 2,5-8), or all sets that hold these columns (with=CALX,CALY).", metavar="SETS"),
-        one("--depth", "NAME[:UNIT] of the depth.", metavar="COLUMN"),
-        one("--toolface", "NAME[:UNIT] of the toolface or relative bearing.", metavar="COLUMN"),
-        many("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where the arm is mounted.", metavar="COLUMN"),
-        many("--diameter", "NAME[@ANGLE][:UNIT] of a diameter, which counts for both sides.", metavar="COLUMN"),
-        one("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
-        many("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
-        one("--header-line", "Line of the column names of a table (CSV, XLSX).  [found]", type=int),
-        many("--absent", "Number that means no value.  [-999.25, -9999, -9999.25]", type=float),
+        opt("--depth", "NAME[:UNIT] of the depth.", metavar="COLUMN"),
+        opt("--toolface", "NAME[:UNIT] of the toolface or relative bearing.", metavar="COLUMN"),
+        opts("--radius", "NAME[@ANGLE][:UNIT] of a radius; ANGLE is where the arm is mounted.", metavar="COLUMN"),
+        opts("--diameter", "NAME[@ANGLE][:UNIT] of a diameter, which counts for both sides.", metavar="COLUMN"),
+        opt("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
+        opts("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
+        opt("--header-line", "Line of the column names of a table (CSV, XLSX).  [found]", type=int),
+        opts("--absent", "Number that means no value.  [-999.25, -9999, -9999.25]", type=float),
     ),
     "Sensors": (
-        one("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
-        one("--track-map", "Roles of that file as TOML.", type=FILE),
-        one("--sensor-offset", "From the depth up to all sensors.", type=LENGTH, default="0m"),
-        one("--latency", "From measurement to time stamp, of all sensors.", type=TIME, default="0s"),
-        one("--mud-velocity", "Speed of sound in the mud, m/s, for travel times.", type=float),
-        one("--tool-radius", "From the tool's axis to the transducer, for travel times.", type=LENGTH),
-        one("--echo-window", "Time of the echo inside the tool.", type=TIME, default="0s"),
-        one("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
+        opt("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
+        opt("--track-map", "Roles of that file as TOML.", type=FILE),
+        opt("--sensor-offset", "From the depth up to all sensors.", type=LENGTH, default="0m"),
+        opt("--latency", "From measurement to time stamp, of all sensors.", type=TIME, default="0s"),
+        opt("--mud-velocity", "Speed of sound in the mud, m/s, for travel times.", type=float),
+        opt("--tool-radius", "From the tool's axis to the transducer, for travel times.", type=LENGTH),
+        opt("--echo-window", "Time of the echo inside the tool.", type=TIME, default="0s"),
+        opt("--toolface-from", "What the samples' toolface counts from; automatic: by inclination.  [the map's, "
             "else the wall's]", type=click.Choice(["north", "high-side", "automatic"])),
-        one("--switch", "Automatic: north until the second inclination, high side until the first.", type=ANGLE,
+        opt("--switch", "Automatic: north until the second inclination, high side until the first.", type=ANGLE,
             nargs=2, default=("4deg", "6deg")),
     ),
     "Conditioning": (
-        one("--samples-from shallowest", "Drop shallower samples.", type=LENGTH),
-        one("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
-        one("--drop-closed closed", "Drop rows where no arm reads more than the closed tool.", type=LENGTH,
+        opt("--samples-from shallowest", "Drop shallower samples.", type=LENGTH),
+        opt("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
+        opt("--drop-closed closed", "Drop rows where no arm reads more than the closed tool.", type=LENGTH,
             metavar="RADIUS"),
-        one("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,
+        opt("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,
             metavar="ROWS"),
-        one("--radius-range", "Drop radii outside.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
-        one("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
-        one("--drop-spikes spikes", "Drop samples that the turns around contradict by so many deviations; 6 is usual.",
+        opt("--radius-range", "Drop radii outside.", type=LENGTH, nargs=2, metavar="LEAST GREATEST"),
+        opt("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
+        opt("--drop-spikes spikes", "Drop samples that the turns around contradict by so many deviations; 6 is usual.",
             type=float, metavar="DEVIATIONS"),
-        one("--turn-height", "Height of a turn, for a tool that does not turn.  [rotation, image row]", type=LENGTH),
-        one("--recentre", "Take the tool's offset out of every turn.", is_flag=True),
+        opt("--turn-height", "Height of a turn, for a tool that does not turn.  [rotation, image row]", type=LENGTH),
+        opt("--recentre", "Take the tool's offset out of every turn.", is_flag=True),
     ),
     "Passes": (
-        one("--split-passes reversal", "Start a pass where the tool went back by more.", type=LENGTH),
-        one("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
-        one("--latest", "In each 0.5 m, use the last pass that was there.  [merge them]", is_flag=True),
-        many("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
-        one("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
-        one("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
+        opt("--split-passes reversal", "Start a pass where the tool went back by more.", type=LENGTH),
+        opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
+        opt("--latest", "In each 0.5 m, use the last pass that was there.  [merge them]", is_flag=True),
+        opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
+        opt("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
+        opt("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
-        one("--compare-with earlier", "Earlier passes: the attribute 'difference' says how much larger the wall is.",
+        opt("--compare-with earlier", "Earlier passes: the attribute 'difference' says how much larger the wall is.",
             type=NUMBERS, default=()),
     ),
     "Path and toolface": (
-        one("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
-        one("--survey-map", "Roles of the survey file as TOML.", type=FILE),
-        one("--survey-set", "Set of the survey file, if it holds several.", metavar="NAME"),
-        one("--survey-header-line", "Line of the column names of the survey file, a table.  [found]", type=int),
-        one("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
-        one("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
-        one("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
-        one("--method", "Between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
+        opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
+        opt("--survey-map", "Roles of the survey file as TOML.", type=FILE),
+        opt("--survey-set", "Set of the survey file, if it holds several.", metavar="NAME"),
+        opt("--survey-header-line", "Line of the column names of the survey file, a table.  [found]", type=int),
+        opt("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
+        opt("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
+        opt("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
+        opt("--method", "Between stations.", type=click.Choice(["minimum-curvature", "radius-of-curvature"]),
             default="minimum-curvature"),
-        one("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
+        opt("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
             type=click.Choice(get_args(Reference))),
-        one("--extend", "Continue straight so far past the last station.", type=LENGTH, default="0m"),
-        one("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
+        opt("--extend", "Continue straight so far past the last station.", type=LENGTH, default="0m"),
+        opt("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
     ),
     "Wall": (
-        one("--sectors", "Vertices a turn.", type=int, default=64),
-        one("--pitch", "Of the helix; negative: logged upwards.", type=LENGTH, default="100mm"),
-        one("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
-        one("--neighbors", "Number of nearest samples that make a vertex.", type=int, default=8),
-        one("--window", "Search only so many samples around a vertex, as published.  [all]", type=int),
-        one("--power", "Weights are distance^-power.", type=float, default=1.0),
-        one("--max-distance", "Reach of a sample, or none.", type=LENGTH_OR_NONE, default="1m"),
-        one("--max-iterations", "Limit of the iteration.", type=int, default=4),
-        one("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
-        one("--angular-scale", "1: true arc; 2: as published; 4: neighbours from above and below first.", type=float,
+        opt("--sectors", "Vertices a turn.", type=int, default=64),
+        opt("--pitch", "Of the helix; negative: logged upwards.", type=LENGTH, default="100mm"),
+        opt("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
+        opt("--neighbors", "Number of nearest samples that make a vertex.", type=int, default=8),
+        opt("--window", "Search only so many samples around a vertex, as published.  [all]", type=int),
+        opt("--power", "Weights are distance^-power.", type=float, default=1.0),
+        opt("--max-distance", "Reach of a sample, or none.", type=LENGTH_OR_NONE, default="1m"),
+        opt("--max-iterations", "Limit of the iteration.", type=int, default=4),
+        opt("--tolerance", "Change of radius that ends the iteration.", type=LENGTH, default="0.001mm"),
+        opt("--angular-scale", "1: true arc; 2: as published; 4: neighbours from above and below first.", type=float,
             default=1.0),
-        one("--threads", "Number of threads.  [all cores]", type=int),
+        opt("--threads", "Number of threads.  [all cores]", type=int),
     ),
 }  # fmt: skip
 """Every option of a wall, by section of the help."""

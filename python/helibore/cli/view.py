@@ -9,18 +9,18 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET
-from helibore.cli.source import Sectioned, one, open_run, section, takes_a_wall
+from helibore.cli.source import Sectioned, open_run, opt, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 
 @click.command(cls=Sectioned, short_help="A wall in the browser.")
 @section(
     "Options",
-    one("--well", "Name to show.  [name of the source]", default=""),
-    one("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
-    one("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
-    one("--token", "Secret that the page's address must have."),
-    one("--browser/--no-browser", "Open the page.", default=True),
+    opt("--well", "Name to show.  [name of the source]", default=""),
+    opt("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
+    opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
+    opt("--token", "Secret that the page's address must have."),
+    opt("--browser/--no-browser", "Open the page.", default=True),
     QUIET,
 )
 @takes_a_wall

@@ -83,8 +83,10 @@ def test_shells_carry_the_images(folder: Path) -> None:
 
 
 def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> None:
-    rows = "".join(f"{depth:g},7,7,7,7,-2,3,3,3\n" for depth in np.arange(1000.0, 1010.0, 0.1))
-    (folder / "c.csv").write_text("md_m,C1,C2,C3,C4,RES1 [ohm.m],RES2 [ohm.m],RES3 [ohm.m],RES4 [ohm.m]\n" + rows)
+    sevens, resistivities = ",7" * 8, ",-2" + ",3" * 7
+    rows = "".join(f"{depth:g}{sevens}{resistivities}\n" for depth in np.arange(1000.0, 1010.0, 0.1))
+    heads = [*(f"C{n}" for n in range(1, 9)), *(f"RES{n} [ohm.m]" for n in range(1, 9))]
+    (folder / "c.csv").write_text(f"md_m,{','.join(heads)}\n{rows}")
     for name in ("C", "RES"):
         image = ("--image", f"{folder}/c.csv:{name}:edge")
         assert run(folder / "w.wall", *image, "-o", folder / f"{name}.vtu", "-q").exit_code == 0
@@ -176,3 +178,19 @@ def test_a_wall_keeps_its_own_path(folder: Path) -> None:
     wall.save(folder / "w.wall")
     result = run(folder / "w.wall", "--survey", folder / "s.csv", "-o", folder / "m.ply")
     assert result.stderr == "helibore: survey: w.wall has a path of its own\n"
+
+
+@pytest.mark.parametrize(
+    ("option", "rule"),
+    [
+        (("--centres", "c.csv"), "--centres: needs --recentre (see cli mesh --help)"),
+        (("--color-by", "difference"), "--color-by: does not go with .stl, which has no colours (see cli mesh --help)"),
+    ],
+)
+def test_what_needs_a_preparation_is_refused_before_the_work(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, option: tuple[str, str], rule: str
+) -> None:
+    monkeypatch.chdir(folder)
+    assert run("w.wall", "-o", "m.stl", "-q").exit_code == 0
+    refused = run("m.stl.toml", *option, "-o", "n.stl")
+    assert (refused.exit_code, refused.stderr) == (2, f"helibore: {rule}\n")
