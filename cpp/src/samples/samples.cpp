@@ -105,14 +105,6 @@ Chunks full_chunks(Index count, bool timed) {
 
 }  // namespace
 
-bool SortedBatch::any_within(double low, double high) const {
-    const auto chunk =
-        std::partition_point(chunks.begin(), chunks.end(), [&](const auto& c) { return c->last_depth() < low; });
-    if (chunk == chunks.end()) return false;
-    const double* depth = (*chunk)->depth();
-    return *std::lower_bound(depth, depth + (*chunk)->count, low) <= high;
-}
-
 // A small batch that does not fit into the last chunk begins a chunk with room for more batches of its size, so a
 // streamed wall grows by whole chunks. A first batch gets no spare room.
 Chunks Samples::room_for(Index count, bool timed) const {

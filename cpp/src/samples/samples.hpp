@@ -9,6 +9,7 @@
 #pragma once
 
 #include <compare>
+#include <algorithm>
 #include <memory>
 #include <vector>
 
@@ -91,8 +92,20 @@ struct SortedBatch {
 
     double first_depth() const { return chunks.front()->first_depth(); }
     double last_depth() const { return chunks.back()->last_depth(); }
-    // Is there a sample with depth in [low, high]?
-    bool any_within(double low, double high) const;
+    // Is there a sample with depth in [low, high] whose depth and toolface pass the test?
+    template <class Test>
+    bool any_within(double low, double high, const Test& test) const {
+        auto chunk =
+            std::partition_point(chunks.begin(), chunks.end(), [&](const auto& c) { return c->last_depth() < low; });
+        for (; chunk != chunks.end(); ++chunk) {
+            const double *depth = (*chunk)->depth(), *toolface = (*chunk)->toolface();
+            for (Index i = std::lower_bound(depth, depth + (*chunk)->count, low) - depth; i < (*chunk)->count; ++i) {
+                if (depth[i] > high) return false;
+                if (test(depth[i], toolface[i])) return true;
+            }
+        }
+        return false;
+    }
 };
 
 class Samples {

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <numeric>
 
 #include "search/kernel/instruction_set.hpp"
 
@@ -33,8 +32,8 @@ struct Search::Span {
 
 Search::Scratch::Scratch()
     : rows(std::make_unique_for_overwrite<kernel::Candidate[]>(kernel::list_capacity + 1)),
-      across(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 1)),
-      along(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 1)),
+      across(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 17)),
+      along(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 17)),
       list{rows.get(), across.get(), along.get(), kernel::position_table(), kernel::narrow_position_table(), 0},
       keep(kernel::list_capacity + 1) {
     rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
@@ -75,7 +74,7 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
         g.toolface[i] = toolface_[static_cast<std::size_t>(sector)];
         if (++sector == helix.sectors) sector = 0;
         g.trial[i] = settings_.bit_diameter / 2.0;
-        g.before[i] = kernel::boundless_square;
+        g.before[i] = g.least_trial[i] = kernel::boundless_square;
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
         g.iterations[i] = g.reach_square[i] = 0.0;
         g.window_first[i] = g.window_last[i] = 0.0;
@@ -104,12 +103,15 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
     const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
     const Index used = std::min(lanes, vertex_count - group * lanes);
     double reach = 0.0;
+    result.least_trial = no_limit;
     for (Index i = 0; i < used; ++i) {
         result.radius[i] = g.radius[i];
         result.nearest[i] = g.nearest[i];
         result.support[i] = static_cast<std::uint16_t>(g.support[i]);
         result.iterations[i] = static_cast<std::uint8_t>(g.iterations[i]);
-        reach = std::max(reach, g.reach_square[i]);
+        result.reach_square[i] = rules_.windowed ? kernel::boundless_square : g.reach_square[i] * (1.0 + 1e-9);
+        result.least_trial = std::min(result.least_trial, g.least_trial[i]);
+        reach = std::max(reach, std::min(g.reach_square[i], rules_.max_square));
     }
     const Span span(g, helix);
     if (rules_.windowed)
@@ -189,7 +191,8 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;
     }
     // The first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
-    const double mean = std::accumulate(g.reach_square, g.reach_square + lanes, 0.0) / lanes;
+    double mean = 0.0;
+    for (const double square : g.reach_square) mean += std::min(square, rules_.max_square) / lanes;
     if (mean < kernel::missing_square) {
         scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
         scratch.half_height = std::sqrt(2.4 * scratch.mean_square);

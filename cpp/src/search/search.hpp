@@ -24,6 +24,8 @@ struct GroupResult {
     std::uint8_t iterations[kernel::lanes];
     // A new sample shallower than `shallow` or deeper than `deep` changes nothing in this group.
     double shallow, deep;
+    // Nor does one whose squared distance from each vertex is above its `reach_square`, at the radius `least_trial`.
+    double reach_square[kernel::lanes], least_trial;
 };
 
 class Search {

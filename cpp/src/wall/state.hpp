@@ -36,6 +36,7 @@ struct Wall::State {
     Index count_now(const Helix& next) const;
     void measure_hulls(const std::vector<Index>& old, Index kept);
     bool advances(const SortedBatch& batch) const;
+    bool reaches(const SortedBatch& batch, Index group) const;
     std::vector<Index> touched_groups(const SortedBatch& batch, Index open) const;
     void search_groups(const Helix& on, const std::vector<Index>& old, Range fresh, Index vertex_count, Vertices& into,
                        std::vector<GroupResult>& staged);

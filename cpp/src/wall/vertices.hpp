@@ -20,7 +20,8 @@ class Vertices {
         std::array<double, block_size> nearest;
         std::array<std::uint16_t, block_size> support;
         std::array<std::uint8_t, block_size> iterations;
-        std::array<double, groups_per_block> shallow, deep;  // GroupResult's, for each group
+        std::array<double, block_size> reach_square;
+        std::array<double, groups_per_block> shallow, deep, least_trial;  // GroupResult's, for each group
     };
 
     // Makes room for vertices [0, count); those below `kept` keep their values.
@@ -45,8 +46,10 @@ class Vertices {
         std::copy_n(result.nearest, n, to.nearest.begin() + first);
         std::copy_n(result.support, n, to.support.begin() + first);
         std::copy_n(result.iterations, n, to.iterations.begin() + first);
+        std::copy_n(result.reach_square, n, to.reach_square.begin() + first);
         to.shallow[static_cast<std::size_t>(g)] = result.shallow;
         to.deep[static_cast<std::size_t>(g)] = result.deep;
+        to.least_trial[static_cast<std::size_t>(g)] = result.least_trial;
     }
 
     // The depths between which a new sample can change a block; all depths while it is not measured.

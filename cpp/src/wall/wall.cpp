@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <bit>
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 #include "base/arithmetic.hpp"
@@ -137,6 +139,29 @@ bool Wall::State::advances(const SortedBatch& batch) const {
     return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
 }
 
+// Is there a sample in the batch that is near enough to a vertex of the group to change it?
+bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
+    const Vertices::Block& block = vertices.block(group / Vertices::groups_per_block);
+    const auto g = static_cast<std::size_t>(group % Vertices::groups_per_block);
+    const double scale = settings.angular_scale * std::numbers::pi / 180.0 * block.least_trial[g];
+    double depth[lanes], toolface[lanes], reach_square[lanes];
+    for (Index lane = 0; lane < lanes; ++lane) {
+        const Index k = group * lanes + lane;
+        depth[lane] = helix.depth(k);
+        toolface[lane] = helix.toolface(k);
+        reach_square[lane] = k < count ? block.reach_square[static_cast<std::size_t>(k % Vertices::block_size)] : -1.0;
+    }
+    return batch.any_within(block.shallow[g], block.deep[g], [&](double at_depth, double at_toolface) {
+        bool any = false;
+        for (Index lane = 0; lane < lanes; ++lane) {
+            const double turn = std::abs(at_toolface - toolface[lane]), along = at_depth - depth[lane];
+            const double across = scale * std::min(turn, 360.0 - turn);
+            any |= across * across + along * along <= reach_square[lane];
+        }
+        return any;
+    });
+}
+
 // The groups from `open` on whose values some sample of the batch can change, in order.
 std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index open) const {
     std::vector<Index> touched;
@@ -148,11 +173,10 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
         const Vertices::Block& block = vertices.block(b);
         const Index first = b * Vertices::groups_per_block;
         const Index n = std::min(Vertices::groups_per_block, groups - first);
-        const auto reaches = [top = batch.first_depth()](double deep) { return deep >= top; };
-        for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, reaches)) < n; ++g) {
+        const auto deep_enough = [top = batch.first_depth()](double deep) { return deep >= top; };
+        for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, deep_enough)) < n; ++g) {
             const auto i = static_cast<std::size_t>(g);
-            if (block.shallow[i] <= batch.last_depth() && batch.any_within(block.shallow[i], block.deep[i]))
-                touched.push_back(first + g);
+            if (block.shallow[i] <= batch.last_depth() && reaches(batch, first + g)) touched.push_back(first + g);
         }
     }
     return touched;

@@ -192,7 +192,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     auto active = P::less(P(0.0), P::load(g.active));
     const P scale(rules.scale), trial = P::load(g.trial), discarded = P::load(g.discarded);
     P current = trial, before = P::load(g.before), iterations = P::load(g.iterations);
-    P selected_at = trial, rejected(boundless_square), reach = P::load(g.reach_square);
+    P selected_at = trial, rejected(boundless_square);
+    P reach = P::load(g.reach_square), least_trial = P::load(g.least_trial);
     Neighbours<P> neighbours;
     std::int32_t at[(max_neighbors + 1) * lanes];
     for (int i = 0; i < rules.neighbors * lanes; ++i) at[i] = list_capacity;
@@ -212,6 +213,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         before.store(g.before);
         iterations.store(g.iterations);
         reach.store(g.reach_square);
+        least_trial.store(g.least_trial);
         P::blend(active, P(1.0), P(0.0)).store(g.active);
         return verdict;
     };
@@ -252,7 +254,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
             return stop(Verdict::widen);
 
         iterations = P::blend(active, iterations + P(1.0), iterations);
-        reach = P::blend(active, P::max(reach, deep), reach);
+        reach = P::blend(active, P::max(reach, P::min(next.farthest, P(rules.reach_square))), reach);
+        least_trial = P::blend(active, P::min(least_trial, current), least_trial);
         const auto found = P::less(P(0.0), next.support);
         const P estimate = P::blend(found, next.radius, P(__builtin_nan("")));
         const P tolerance(rules.tolerance);

@@ -46,7 +46,7 @@ struct alignas(32) Candidate {
     std::int64_t rank;  // in canonical order
 };
 
-// Columns of list_capacity + 1 values. Positions from count on, up to the next multiple of 16, and list_capacity itself
+// Columns of list_capacity + 1 values, `across` and `along` of 16 more, which may be read. Positions from count on, up to the next multiple of 16, and list_capacity itself
 // hold "none": depth none_depth, toolface and radius 0; in the narrow columns 0 and narrow_none.
 struct CandidateList {
     Candidate* rows;
@@ -91,6 +91,7 @@ struct Group {
     double support[lanes];
     double iterations[lanes];
     double reach_square[lanes];  // largest squared distance at which one more sample would have changed an estimate
+    double least_trial[lanes];   // the smallest radius that an estimate started from
     double active[lanes];        // 1 while the lane is not done, else 0
 };
 

@@ -148,10 +148,10 @@ inline Number halfway(Number low, Number high) {
 }
 
 // A threshold that at least `least` and, unless keys are equal, at most `most` keys pass. `passing` counts those up to
-// a threshold: first where even spacing would have it, then by halves. All `all` keys are at most `high`.
+// a threshold: first where even spacing would have it, then by halves. All `all` keys lie between `low` and `high`.
 template <class Bits, class Number, class Count>
-inline Number threshold(Number guess, Number high, int all, int least, int most, const Count& passing) {
-    Number low = 0;
+inline Number threshold(Number guess, Number low, Number high, int all, int least, int most, const Count& passing) {
+    const Number start = low;
     int below = 0, above = all;
     bool bounded = false;
     for (int tries = 0;; ++tries) {
@@ -169,7 +169,7 @@ inline Number threshold(Number guess, Number high, int all, int least, int most,
         const Number wanted = static_cast<Number>(least + most + 1) / 2;
         Number next = bounded ? low + (high - low) * (wanted - static_cast<Number>(below)) /
                                           static_cast<Number>(above - below)
-                              : guess * wanted / static_cast<Number>(passed > 0 ? passed : 1);
+                              : start + (guess - start) * wanted / static_cast<Number>(passed > 0 ? passed : 1);
         if (tries > 6 || !(low < next && next < high)) next = halfway<Bits>(low, high);
         if (next == low || next == high) return high;
         guess = next;
@@ -210,7 +210,7 @@ class Nearest {
             last = static_cast<std::int64_t>(g.window_last[lane]);
         }
         const int n = static_cast<int>(last - first), wanted = rules_.neighbors;
-        fill_keys(g, lane, scale, first, n);
+        const float nearest = fill_keys(g, lane, scale, first, n);
         const int least = wanted + 1 + wanted / 16, most = wanted + 6 + wanted / 8;
         const auto passing = [&](float at_most) {
             int count = 0;
@@ -223,10 +223,13 @@ class Nearest {
             guess_ = square < 1e30 ? static_cast<float>(square + 1e-30) : 1.0f;
         }
         float limit = narrow_most;
-        if (n > most) limit = guess_ = threshold<std::int32_t>(guess_, narrow_most, n, least, most, passing);
+        if (n > most) {
+            limit = threshold<std::int32_t>(nearest + guess_, nearest, narrow_most, n, least, most, passing);
+            if (limit > nearest) guess_ = limit - nearest;
+        }
         for (;;) {
             double farthest;
-            const double rejected = choose(g, lane, scale, first, n, limit, farthest, at);
+            const double rejected = choose(g, lane, scale, first, n, nearest, limit, farthest, at);
             // Floats err by less than `error` metres and 8 u; as find_neighbours_narrow, but across 180 degrees, too.
             constexpr double u = 1.0 / (1 << 24);
             const double error = scale * 12.0 * u * box_.across + 4.0 * u * box_.along;
@@ -243,12 +246,14 @@ class Nearest {
     static constexpr float narrow_most = 3e38f;
     using Floats = typename P::Narrow;
 
-    void fill_keys(const Group& g, int lane, double scale, std::int64_t first, int n) {
+    // Returns the least.
+    float fill_keys(const Group& g, int lane, double scale, std::int64_t first, int n) {
         double turn[lanes], along[lanes];
         turn_from(P(g.center), P::load(g.toolface)).store(turn);
         (P::load(g.depth) - P(g.middle)).store(along);
         const Floats a(static_cast<float>(turn[lane])), z(static_cast<float>(along[lane]));
         const Floats metres(static_cast<float>(scale < 1e15 ? scale : 1e15)), zero(0.0f), circle(360.0f);
+        Floats least(narrow_most);
         for (int i = 0; i < n; i += Floats::width) {
             const Floats one_way = Floats::load(list_.across + first + i) - a;
             const Floats turned = Floats::max(one_way, zero - one_way);
@@ -256,6 +261,11 @@ class Nearest {
             (x * x + y * y).store(keys_ + i);
         }
         for (int i = n; i < (n + 15) / 16 * 16; ++i) keys_[i] = __builtin_inff();
+        for (int i = 0; i < n; i += Floats::width) least = Floats::min(least, Floats::load(keys_ + i));
+        float leasts[16];
+        least.store(leasts);
+        for (int i = 1; i < Floats::width; ++i) leasts[0] = leasts[i] < leasts[0] ? leasts[i] : leasts[0];
+        return leasts[0];
     }
 
     // Which of the sixteen from i on.
@@ -266,8 +276,8 @@ class Nearest {
     }
 
     // The V nearest by exact keys among those whose float key is at most `limit`.
-    double choose(const Group& g, int lane, double scale, std::int64_t first, int n, float limit, double& farthest,
-                  std::int32_t* at) {
+    double choose(const Group& g, int lane, double scale, std::int64_t first, int n, float nearest, float limit,
+                  double& farthest, std::int32_t* at) {
         int m = 0, within = 0;
         for (int i = 0; i < n; i += 16)
             m += P::store_indices(passed(i, limit), static_cast<std::int32_t>(first) + i, passed_ + m);
@@ -293,8 +303,8 @@ class Nearest {
         };
         double cut = missing_square;
         if (within > wanted)
-            cut = threshold<std::int64_t>(static_cast<double>(limit) * (wanted + 0.5) / m, missing_square, m, wanted,
-                                          wanted, passing);
+            cut = threshold<std::int64_t>(static_cast<double>(nearest) + static_cast<double>(limit - nearest) * (wanted + 0.5) / m, 0.0,
+                                          missing_square, m, wanted, wanted, passing);
         farthest = within > wanted ? cut : rules_.reach_square;
         for (int i = 0; i < m; i += lanes) {
             const P key = P::load(exact_ + i);
