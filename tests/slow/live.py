@@ -34,6 +34,7 @@ from test_live_server import Running, frames, free_port, received, until
 
 from helibore import Live
 from helibore.live.configuration import parse
+from helibore.live.journal import RECORDS_START
 
 
 def kill() -> None:
@@ -101,7 +102,7 @@ def flips() -> None:
         whole = (folder / "000001.hbj").read_bytes()
         lost: dict[int, int] = {}
         for _ in range(2000):
-            at = draw.randrange(3000, len(whole))
+            at = draw.randrange(RECORDS_START + 3000, len(whole))
             flipped = bytearray(whole)
             flipped[at] ^= 1 << draw.randrange(8)
             (folder / "000001.hbj").write_bytes(flipped)

@@ -5,10 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Iterator
 from pathlib import Path as FilePath
+from typing import Any
 
 import numpy as np
 
+from helibore.base.errors import InputError
 from helibore.live import journal as journals
+from helibore.live.checks import joined_place
 from helibore.live.configuration import Configuration, parse
 from helibore.live.journal import segments
 
@@ -24,13 +27,13 @@ def recorded_configuration(folder: FilePath) -> Configuration:
 
     Raises
     ------
-    ValueError
+    InputError
         If it holds none.
     """
     for header in _session_headers(folder):
         if header.get("configuration"):
             return parse(header["configuration"])
-    raise ValueError(f"{folder}: holds no configuration; give one")
+    raise InputError(str(folder), "holds no configuration; give one")
 
 
 def check_meaning(folder: FilePath, configuration: Configuration) -> None:
@@ -38,13 +41,30 @@ def check_meaning(folder: FilePath, configuration: Configuration) -> None:
 
     Raises
     ------
-    ValueError
-        If it was.
+    InputError
+        If it was; the text names the first setting that differs.
     """
-    for header in _session_headers(folder):
-        if header.get("meaning") != configuration.meaning():
-            raise ValueError(
-                f"{folder}: was begun with another configuration of walls, units or items: give the old one, or begin "
-                "another journal"
-            )
+    header = next(_session_headers(folder), None)
+    if header is None:
         return
+    begun, now = json.loads(header.get("meaning") or "null"), json.loads(configuration.meaning())
+    if begun != now:
+        rule = "was begun with another configuration: give the old one, or begin another journal"
+        raise InputError(str(folder), f"{rule}: {_difference(begun, now)}")
+
+
+def _difference(begun: Any, now: Any, place: str = "") -> str:
+    """The first setting that differs, and both values."""
+    if isinstance(begun, dict) and isinstance(now, dict):
+        for name in sorted(begun.keys() | now.keys(), key=lambda name: (name != "wall", name)):
+            if begun.get(name) != now.get(name):
+                return _difference(begun.get(name), now.get(name), joined_place(place, name))
+    if isinstance(begun, list) and isinstance(now, list) and len(begun) == len(now):
+        at = next(index for index, pair in enumerate(zip(begun, now, strict=True)) if pair[0] != pair[1])
+        return _difference(begun[at], now[at], joined_place(place, at))
+    return f"{place} = {_short(now)}, was {_short(begun)}"
+
+
+def _short(value: Any) -> str:
+    text = "not set" if value is None else json.dumps(value)
+    return text if len(text) <= 100 else f"{text[:97]}..."

@@ -79,8 +79,14 @@ def test_what_the_disk_refuses_is_not_read(tmp_path, monkeypatch):
 
 def test_a_journal_is_not_continued_with_another_meaning(tmp_path):
     Live(parse(SENT), tmp_path).close()
-    with pytest.raises(ValueError, match="was begun with another configuration of walls, units or items"):
-        Live(parse(SENT.replace("metric", "fps")), tmp_path)
+    for change, names in [
+        (("metric", "fps"), r"sources\.mwd\.caliper\.depth\[0\]\.scale = 0\.3048, was 1\.0$"),
+        (("bit_diameter = 0.216", "bit_diameter = 0.311"), r"wall\.bit_diameter = 0\.311, was 0\.216$"),
+        (("sectors = 16\n", ""), r"wall\.sectors = not set, was 16$"),
+        (("toolface_offset = 30.0", "toolface_offset = 31.0"), r"images\[0\]\.layout\.offset = 31\.0, was 30\.0$"),
+    ]:
+        with pytest.raises(ValueError, match=r"was begun with another configuration: .*: " + f".*{names}"):
+            Live(parse(SENT.replace(*change)), tmp_path)
     Live(parse(SENT.replace('"host"', '"tcp://127.0.0.1:9"')), tmp_path).close()
 
 
