@@ -69,8 +69,7 @@ def plot(**options: Any) -> None:
     well.pdf stands well.pdf.toml, which repeats the run.
     """
     import helibore.plot as drawn
-    from helibore.plot.paper import MM, require_matplotlib
-    from helibore.plot.save import check_ending
+    from helibore.plot.paper import MM, check_ending, require_matplotlib
 
     output = options["output"]
     check_ending(output)
@@ -113,7 +112,7 @@ def report(**options: Any) -> None:
     from helibore.plot.html_report import report as write
 
     with terminal.stage("report", "Writing the report"):
-        write(run.wall, output, told=run.messages, **drawing)
+        write(run.wall, output, messages=run.messages, **drawing)
         saved = save_lines(run, output, "report", options)
     terminal.summary([*run.messages, *saved, ("time", terminal.times())])
 

@@ -18,6 +18,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.colors import ColorScale, check_map, customary_map
+from helibore.base.errors import InputError
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale, sliding_window, symmetric_limit
 from helibore.images.sector_image import SectorImage
@@ -68,7 +69,7 @@ class Look:
         if self.color_map is not None:
             check_map(self.color_map)
         if self.window is not None and self.limits is not None:
-            raise ValueError("limits and window: a window that slides has its own limits; give one of the two")
+            raise InputError("limits and window", "a window that slides has its own limits; give one of the two")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -98,7 +99,7 @@ class Drawing:
         Of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one across
         it), ``"D0"``, ``"D90"`` (across toolfaces 0 and 180, 90 and 270).
     polar
-        Depths of the cross sections; None: up to four that tell most; empty: none.
+        Depths of the cross sections; None: the largest, most oval, most usual and smallest turn; empty: none.
     body
         Ends of the stretch drawn as a shaded body, metres; None: the 12 m with most relief; empty: none.
     dpi
@@ -126,24 +127,24 @@ class Drawing:
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
-            raise ValueError(f"scale = {self.scale}: must be a whole number, 200 for 1:200")
+            raise InputError("scale", "must be a whole number, 200 for 1:200", str(self.scale))
         if self.reference is not None and self.reference not in REFERENCES:
-            raise ValueError(f"reference = {self.reference!r}: must be one of {', '.join(REFERENCES)}")
+            raise InputError("reference", f"must be one of {', '.join(REFERENCES)}", repr(self.reference))
         if self.elevation is not None and not math.isfinite(self.elevation):
-            raise ValueError(f"elevation = {self.elevation}: must be finite")
+            raise InputError("elevation", "must be finite", str(self.elevation))
         if self.left not in (0, 90, 180, 270):
-            raise ValueError(f"left = {self.left:g}: must be 0, 90, 180 or 270")
+            raise InputError("left", "must be 0, 90, 180 or 270", f"{self.left:g}")
         if self.unit not in LENGTHS:
-            raise ValueError(f"unit = {self.unit!r}: must be one of {', '.join(LENGTHS)}")
+            raise InputError("unit", f"must be one of {', '.join(LENGTHS)}", repr(self.unit))
         for name in self.curves:
             if name not in CURVES:
-                raise ValueError(f"curve {name!r}: must be one of {', '.join(CURVES)}")
+                raise InputError(f"curve {name!r}", f"must be one of {', '.join(CURVES)}")
         if not 30 <= self.dpi <= 1200:
-            raise ValueError(f"dpi = {self.dpi}: must be 30 to 1200")
+            raise InputError("dpi", "must be 30 to 1200", str(self.dpi))
         if self.polar is not None and len(self.polar) > MOST_SECTIONS:
-            raise ValueError(f"polar: {len(self.polar)} depths: must be at most {MOST_SECTIONS}")
+            raise InputError(f"polar: {len(self.polar)} depths", f"must be at most {MOST_SECTIONS}")
         if self.body is not None and len(self.body) not in (0, 2):
-            raise ValueError(f"body: {len(self.body)} depths: must be two, or none for no body")
+            raise InputError(f"body: {len(self.body)} depths", "must be two, or none for no body")
 
 
 @dataclass(frozen=True)
@@ -191,7 +192,7 @@ class Content:
 def content_of(wall: Wall, drawing: Drawing) -> Content:
     """Decide what a picture of a wall shows."""
     if len(wall) < wall.settings.sectors:
-        raise ValueError(f"a picture needs a full turn of the wall: it has {len(wall)} vertices")
+        raise InputError("a picture needs a full turn of the wall", f"it has {len(wall)} vertices")
     top, bottom = _interval(wall, drawing)
     scale = drawing.scale or usual_scale(bottom - top)
     zones = wall.zones()
@@ -232,9 +233,9 @@ def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
     top = ends[0] if drawing.start is None else float(drawing.start)
     bottom = ends[1] if drawing.stop is None else float(drawing.stop)
     if not (math.isfinite(top) and math.isfinite(bottom) and top < bottom):
-        raise ValueError(f"interval {top:g} to {bottom:g} m: the end must be deeper than the start")
+        raise InputError(f"interval {top:g} to {bottom:g} m", "the end must be deeper than the start")
     if bottom <= ends[0] or top >= ends[1]:
-        raise ValueError(f"interval {top:g} to {bottom:g} m: the wall reaches from {ends[0]:g} to {ends[1]:g} m")
+        raise InputError(f"interval {top:g} to {bottom:g} m", f"the wall reaches from {ends[0]:g} to {ends[1]:g} m")
     return top, bottom
 
 
@@ -245,7 +246,7 @@ def _reference(wall: Wall, drawing: Drawing) -> str:
         images = [image.reference for image in wall.images.values()]
         return own or (images[0] if images else "")
     if own not in (None, drawing.reference):
-        raise ValueError(f"reference = {drawing.reference!r}: the wall's path counts toolfaces from {own}")
+        raise InputError("reference", f"the wall's path counts toolfaces from {own}", repr(drawing.reference))
     return drawing.reference
 
 
@@ -254,13 +255,13 @@ def _images(wall: Wall, drawing: Drawing, reference: str) -> list[SectorImage]:
     for name in [*names, *drawing.looks]:
         if name not in wall.images and name != RADIUS:
             there = ", ".join(wall.images) or "none"
-            raise ValueError(f"image {name!r}: the wall has none of this name; it has {there}")
+            raise InputError(f"image {name!r}", f"the wall has none of this name; it has {there}")
     found = [wall.images[name] for name in names if name != RADIUS]
     for image in found:
         if image.reference != reference and wall.path is None:
-            raise ValueError(
-                f"image {image.name!r} counts toolfaces from {image.reference}, the picture from {reference}: "
-                "must be the same where the wall has no path"
+            raise InputError(
+                f"image {image.name!r} counts toolfaces from {image.reference}, the picture from {reference}",
+                "must be the same where the wall has no path",
             )
     return found
 
@@ -279,7 +280,7 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
     rows = (image.depth >= top - image.reach) & (image.depth <= bottom + image.reach)
     if not rows.any():
         ends = f"{image.depth[0]:g} to {image.depth[-1]:g} m"
-        raise ValueError(f"image {image.name!r} reaches from {ends}: outside the interval, {top:g} to {bottom:g} m")
+        raise InputError(f"image {image.name!r} reaches from {ends}", f"outside the interval, {top:g} to {bottom:g} m")
     color_map = look.color_map or customary_map(image.name, image.unit)
     log = color_map == "resistivity" if look.log is None else look.log
     kind = f"{image.sectors} sectors"
@@ -292,11 +293,11 @@ def _shown(image: SectorImage, look: Look, top: float, bottom: float) -> tuple[S
             return Shown(image.name, image.unit, scale, remark, True, *cut), values
         values = image.values[rows]
         if not np.isfinite(values).any():
-            raise ValueError(f"values: all {values.size} are missing")
+            raise InputError("values", f"all {values.size} are missing")
         scale = image_scale(image, color_map, log, look.limits)
         scale.share(values)
     except ValueError as error:
-        raise ValueError(f"image {image.name!r}, {top:g} to {bottom:g} m: {error}") from error
+        raise InputError(f"image {image.name!r}, {top:g} to {bottom:g} m", str(error)) from error
     cut = _beyond(values, scale.low, scale.high)
     return Shown(image.name, image.unit, scale, f"{kind}, static", False, *cut), image.values
 
@@ -309,7 +310,7 @@ def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
 def _radius(wall: Wall, look: Look) -> tuple[Shown, Floats]:
     """Radius over half the bit size, millimetres, one a vertex; bit size in the middle of the colours."""
     if look.log or look.window is not None:
-        raise ValueError("Radius: is drawn over bit size, on a plain scale: log and window are not for it")
+        raise InputError("Radius", "is drawn over bit size, on a plain scale: log and window are not for it")
     over = (wall.radius - 0.5 * wall.settings.bit_diameter) / MILLIMETRE
     limit = symmetric_limit(over, 1.0)
     scale = ColorScale(*(look.limits or (-limit, limit)), look.color_map or "over-bit")

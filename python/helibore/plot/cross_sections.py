@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
@@ -45,7 +46,7 @@ def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
 
     Raises
     ------
-    ValueError
+    InputError
         ``polar section at 5 m: the wall reaches from 10 to 20 m``.
     """
     settings = wall.settings
@@ -57,7 +58,7 @@ def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
     cut = []
     for depth in depths:
         if not ends[0] <= depth <= ends[1]:
-            raise ValueError(f"polar section at {depth:g} m: the wall reaches from {ends[0]:g} to {ends[1]:g} m")
+            raise InputError(f"polar section at {depth:g} m", f"the wall reaches from {ends[0]:g} to {ends[1]:g} m")
         turn = np.rint((depth - wall.start_depth) / pitch - column / K).astype(np.int64)
         vertex = turn * K + column
         there = (turn >= 0) & (vertex < radius.size)

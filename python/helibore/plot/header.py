@@ -22,13 +22,13 @@ HEADER = 34.0
 REFERENCE_TEXT = {
     "high-side": "from the high side, clockwise looking downhole",
     "north": "from north, clockwise looking downhole",
-    "parallel-transport": "from north, carried down the hole, clockwise",
+    "parallel-transport": "from north at the top of the path, without twist, clockwise",
     "": "as the samples count it: no path says from what",
 }
 SIDES_TEXT = {
     "high-side": "U up (high side), R right, D down, L left of the hole, looking downhole",
     "north": "N, E, S, W: sides of the hole, clockwise looking downhole",
-    "parallel-transport": "0° to 270°: toolfaces from north at the top, carried down the hole without twist",
+    "parallel-transport": "0° to 270°: toolfaces from north at the top of the path, without twist",
     "": "0° to 270°: toolfaces as the samples count them, clockwise looking downhole",
 }
 WARNING = "#b3261e"

@@ -1,11 +1,10 @@
-"""A report of a wall as one HTML page that needs nothing else: no request leaves it, every picture is inside.
+"""A report of a wall as one HTML file. It holds its pictures and sends no request.
 
     from helibore.plot.html_report import report
     report(wall, "well.html", title="F-12")         # opens in any browser, prints on A4 at the scale it says
 
-Summary, pictures, diameters by interval, zones, data quality, settings. Plain text templates, every word escaped: six
-tables need no template library, and so the page needs only the extra ``plot``. What is drawn is ``plot``'s business,
-what is measured that of ``logs`` and ``zones``.
+Summary, pictures, diameters by interval, zones, data quality, settings. Figures come from `Wall.summary` and the zones,
+pictures from `pages`. Six tables need no template library; every text is escaped.
 """
 
 from __future__ import annotations
@@ -67,7 +66,7 @@ nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-siz
 
 
 def report(
-    wall: Wall, filename: str | os.PathLike[str], *, told: Sequence[tuple[str, str]] = (), **options: Any
+    wall: Wall, filename: str | os.PathLike[str], *, messages: Sequence[tuple[str, str]] = (), **options: Any
 ) -> None:
     """Write a report of a wall as one self-contained HTML page, whole or not at all.
 
@@ -77,25 +76,23 @@ def report(
         At least one full turn.
     filename
         Replaced if it is there.
-    told
+    messages
         (label, sentence) of what was read, dropped and corrected on the way to the wall.
     **options
         As in `helibore.plot.Drawing`.
 
     Raises
     ------
-    ValueError
+    InputError, MissingExtraError
         As `helibore.plot.log`.
-    ImportError
-        Without matplotlib.
     OSError
         If the file cannot be written; the old one is then as it was.
     """
-    content = page(wall, told, **options).encode()
+    content = page(wall, messages, **options).encode()
     write_whole(filename, lambda file: file.write(content))
 
 
-def page(wall: Wall, told: Sequence[tuple[str, str]] = (), **options: Any) -> str:
+def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -> str:
     """Return the report as HTML: `report` without the file."""
     content = content_of(wall, Drawing(**options))
     zones = content.zones if wall.basis == "azimuthal" else None
@@ -106,7 +103,7 @@ def page(wall: Wall, told: Sequence[tuple[str, str]] = (), **options: Any) -> st
         ("pictures", "Pictures", _pictures(wall, content, options)),
         ("diameters", "Diameters and volumes", _diameters(content)),
         ("zones", "Zones", _zones(zones, content)),
-        ("quality", "Data quality", _quality(content, told)),
+        ("quality", "Data quality", _quality(content, messages)),
         ("settings", "Settings", _settings(content, zones)),
     ]
     links = "".join(f'<a href="#{name}">{heading}</a>' for name, heading, _ in parts)
@@ -187,7 +184,7 @@ def _summary(content: Content) -> str:
 
 def _pictures(wall: Wall, content: Content, options: dict[str, Any]) -> str:
     from helibore.plot.log import pages
-    from helibore.plot.save import rendered
+    from helibore.plot.paper import rendered
 
     figures = []
     for at, figure in enumerate(pages(wall, PAPER, **options), 1):
@@ -239,7 +236,7 @@ def _zones(zones: Classification | None, content: Content) -> str:
     return table(head, rows)
 
 
-def _quality(content: Content, told: Sequence[tuple[str, str]]) -> str:
+def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
     wall = content.wall
     summary = content.summary()
     rows = [("Without support", f"{100 * summary.without_radius:.2f} % of the vertices: no sample in reach")]
@@ -255,8 +252,7 @@ def _quality(content: Content, told: Sequence[tuple[str, str]]) -> str:
     gaps = largest_gaps(content.turns, abs(wall.settings.pitch))
     if gaps:
         rows.append(("Largest gaps", "; ".join(f"{top:,.2f} to {bottom:,.2f} m" for top, bottom in gaps)))
-    said = "<p>What was read, left out and corrected:</p>" + pairs(told) if told else ""
-    return pairs(rows) + said
+    return pairs(rows) + ("<p>What was read, left out and corrected:</p>" + pairs(messages) if messages else "")
 
 
 def largest_gaps(turns: Diameters, pitch: float) -> list[tuple[float, float]]:

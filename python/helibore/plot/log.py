@@ -1,10 +1,11 @@
-"""A log on paper: header, heads, tracks at a true scale, cross sections and shaded bodies beneath.
+"""Where everything stands: header, heads, tracks at a true scale, cross sections and shaded bodies.
 
     figure = hb.plot.log(wall, title="F-12", scale=200)      one sheet, as long as the interval
     figures = hb.plot.pages(wall, title="F-12")              the same on A4
+    figure = hb.plot.overview(wall, title="F-12")            for a screen, the body beside the tracks
     hb.plot.save(figures, "f12.pdf")
 
-Every function returns matplotlib figures, to go on with. What is shown is decided in ``content``; here is where.
+Every function returns matplotlib figures. ``content`` decides what is shown.
 """
 
 from __future__ import annotations
@@ -14,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 from helibore.plot.content import Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.header import HEADER, draw_footer, draw_header
-from helibore.plot.paper import INK, SMALL, USUAL, Sheet
+from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
 from helibore.plot.solid import draw_solid
 from helibore.plot.tracks import HEAD, Stretch
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from helibore.wall.wall import Wall
@@ -29,6 +31,8 @@ PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
 NARROWEST = 210.0
 BODY = 130.0
 """Millimetres of height of a shaded body."""
+OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0
+"""Millimetres of an overview: width of its body, least height, and width of the lines that tie it to its depths."""
 
 
 def log(wall: Wall, **options: Any) -> Figure:
@@ -48,10 +52,10 @@ def log(wall: Wall, **options: Any) -> Figure:
 
     Raises
     ------
-    ValueError
+    InputError
         On an image outside the interval, without a value in it, constant, or not above 0 on a log scale; on options
         that break their rules.
-    ImportError
+    MissingExtraError
         Without matplotlib.
     """
     content = content_of(wall, Drawing(**options))
@@ -187,3 +191,35 @@ def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
         for index, body in enumerate(content.bodies):
             box = (MARGIN + index * width, y + 3.0, width - 4.0, BODY)
             draw_solid(sheet, box, content.wall, content.stretched, body.scale, body.values, body.name)
+
+
+def overview(wall: Wall, **options: Any) -> Figure:
+    """Draw the tracks of `log` for a screen: no cross sections, and the shaded body at their right.
+
+    Parameters, result and errors are those of `log`; ``polar`` has no effect.
+    """
+    content = content_of(wall, Drawing(**{**options, "polar": ()}))
+    length = content.paper_length()
+    body = content.bodies[-1] if content.bodies else None
+    right = MARGIN + tracks_width(content)
+    width = right + (TIES + OVERVIEW_BODY if body else 0.0) + MARGIN
+    height = MARGIN + HEADER + HEAD + (max(length, LEAST) if body else length) + FOOTER + MARGIN
+    sheet = Sheet(width, height, content.drawing.dpi)
+    draw_header(sheet, content, MARGIN, MARGIN, width - 2 * MARGIN)
+    top = MARGIN + HEADER
+    draw_tracks(sheet, content, content.top, content.bottom, top)
+    if body is not None and content.stretched is not None:
+        box = (right + TIES, top + HEAD - 10.0, OVERVIEW_BODY, max(length, LEAST) + 10.0)
+        axes = draw_solid(sheet, box, wall, content.stretched, body.scale, body.values, body.name)
+        for depth in content.stretched.depth:
+            beside = top + HEAD + (depth - content.top) / (content.bottom - content.top) * length
+            at = _down(sheet, axes, depth)
+            sheet.line((right + 1.8, right + TIES + 1.0), (beside, at), color=FAINT, linewidth=0.5)
+    draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
+    return sheet.figure
+
+
+def _down(sheet: Sheet, axes: Axes, depth: float) -> float:
+    """Millimetres from the top of the sheet to a depth on the body's axis."""
+    box, (low, high) = axes.get_position(), axes.get_ylim()
+    return float(sheet.height * (1.0 - (box.y0 + (depth - low) / (high - low) * box.height)))

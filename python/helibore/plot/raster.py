@@ -12,23 +12,12 @@ Not here: colours (``colors``) and paper (``paper``).
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 
 from helibore.base.arrays import Floats, Integers
 from helibore.images.sector_image import SectorImage
-
-
-class HelixSettings(Protocol):
-    """What must be known of a helix."""
-
-    @property
-    def sectors(self) -> int: ...
-    @property
-    def pitch(self) -> float: ...
-    @property
-    def start_toolface(self) -> float: ...
+from helibore.samples.helix import HelixSettings
 
 
 @dataclass(frozen=True)

@@ -1,10 +1,9 @@
 """A stretch of the wall as a shaded body, with what was exaggerated written on it.
 
     tube x 10     the diameter is drawn ten times larger than the depth
-    shape x 3     what the radius differs from bit size is drawn three times larger still
+    shape x 3     the difference of radius and bit size is drawn three times larger than the tube
 
-Where the wall has no radius the body is closed at its usual radius and grey: closed for the eye, missing by its colour.
-Not here: the shading itself (``shading``).
+Where the wall has no radius the body has its usual radius and is grey. ``shading`` draws the pixels.
 """
 
 from __future__ import annotations
@@ -15,6 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
 from helibore.plot.shading import View, shade
 from helibore.plot.tracks import GREY
@@ -70,7 +70,7 @@ def stretch_of(wall: Wall, start: float, stop: float) -> Stretched:
 
     Raises
     ------
-    ValueError
+    InputError
         If the wall has less than three turns there, or no radius.
     """
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
@@ -80,10 +80,10 @@ def stretch_of(wall: Wall, start: float, stop: float) -> Stretched:
     if high - low < 2:
         depth = wall.depth
         there = f"the wall reaches from {depth.min():g} to {depth.max():g} m"
-        raise ValueError(f"3-D view of {start:g} to {stop:g} m: must hold three turns of the wall; {there}")
+        raise InputError(f"3-D view of {start:g} to {stop:g} m", f"must hold three turns of the wall; {there}")
     radius = wall.radius[low * sectors : (high + 1) * sectors].reshape(-1, sectors)
     if np.isnan(radius).all():
-        raise ValueError(f"3-D view of {start:g} to {stop:g} m: the wall has no radius there")
+        raise InputError(f"3-D view of {start:g} to {stop:g} m", "the wall has no radius there")
     depths = sorted(wall.start_depth + pitch * at for at in (low, high))
     first = low * sectors
     return Stretched(first, radius, (depths[0], depths[1]), wall.settings.start_toolface)

@@ -6,7 +6,7 @@
     |  2010 -|------(--)------------|--------------------|--------------------|     depth lines across all
     |        |       \\              |                    |                    |
 
-A track knows its width and draws itself between two depths; where tracks stand is the ``log``'s business.
+A track has a width and draws itself between two depths; ``log`` places it.
 """
 
 from __future__ import annotations
@@ -120,10 +120,10 @@ class DepthTrack:
         for zone in self.zones:
             ends = (max(zone.start, stretch.top), min(zone.stop, stretch.bottom))
             if ends[1] > ends[0]:
-                axes.axhspan(*ends, 0.0, 0.17, color=ZONE_COLORS[zone.kind], linewidth=0)
+                axes.axhspan(*ends, 0.0, 0.2, color=ZONE_COLORS[zone.kind], linewidth=0)
                 if ends[1] - ends[0] > 2.2 * (stretch.bottom - stretch.top) / stretch.height:
                     letter: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
-                    axes.text(0.085, sum(ends) / 2, LETTERS[zone.kind], color="white", weight="bold", **letter)
+                    axes.text(0.1, sum(ends) / 2, LETTERS[zone.kind], color="white", weight="bold", **letter)
         for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.88, 0.94)):
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)

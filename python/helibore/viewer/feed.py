@@ -85,6 +85,7 @@ class Feed:
         self._closed = False
         self._thread: threading.Thread | None = None
         self._zones: Classification | None = None
+        self._finding = threading.Lock()
         self._chosen: set[str] = set()  # quantities whose colours are chosen for good
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
@@ -194,7 +195,8 @@ class Feed:
         """Find the zones of the wall as it is now."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
-        self._zones = found = classify(self._wall)
+        with self._finding:
+            self._zones = found = classify(self._wall)
         zones = tuple(
             {
                 "kind": zone.kind,
@@ -210,6 +212,8 @@ class Feed:
 
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
         """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None."""
+        with self._finding:  # the first zones of a long wall take a second
+            self._zones = self._zones or classify(self._wall)
         summary = summarize(self._wall, start, stop, zones=self._zones)
         names = ("start", "stop", "volume", "excess", "measured", "not_measured", "washed_out", "without_radius")
         values = {name: float(getattr(summary, name)) for name in names}

@@ -92,7 +92,7 @@ def test_without_matplotlib_the_demo_says_what_is_missing(tmp_path: Path, monkey
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     result = CliRunner().invoke(cli, ["demo", "-o", str(tmp_path)])
     assert (result.exit_code, result.stdout) == (2, "")
-    assert result.stderr == 'helibore: a picture needs matplotlib: pip install "helibore[plot]"\n'
+    assert result.stderr == 'helibore: needs matplotlib: pip install "helibore[plot]"\n'
     assert not list(tmp_path.iterdir())
 
 

@@ -316,7 +316,7 @@ class App {
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
-    for (const id of ['dips', 'zonesCard']) byId(id).style.left = `${wall.left + 10}px`;
+    byId('dips').style.left = `${wall.left + 10}px`;
     Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
     this.redraw();
   }
