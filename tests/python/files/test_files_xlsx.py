@@ -130,3 +130,15 @@ def test_a_missing_library_is_named_with_its_extra(tmp_path: Path, monkeypatch: 
     monkeypatch.setitem(sys.modules, "python_calamine", None)
     with pytest.raises(hb.MissingExtraError, match=re.escape('needs python-calamine: pip install "helibore[xlsx]"')):
         hb.open(path)
+
+
+def test_damage_is_read_or_refused(tmp_path: Path) -> None:
+    from test_files_fuzz import damaged, opened_or_refused
+
+    whole = workbook(tmp_path / "s.xlsx", Survey=SURVEY, Other=[["a", "b"], ["m", "in"], [1, 2], [3, "x"]]).read_bytes()
+    spoiled = tmp_path / "spoiled"
+    opened = 0
+    for seed in range(300):
+        spoiled.write_bytes(damaged(whole, seed))
+        opened += opened_or_refused(spoiled)
+    assert opened > 0
