@@ -1,1 +1,1 @@
-"""What every folder may use. It knows nothing of boreholes."""
+"""What every folder may use. It does not know about boreholes."""

@@ -192,7 +192,7 @@ def _table_with_missing(color_map: str) -> Colors:
 
 
 def check_positive(values: Floats) -> None:
-    """Raise an InputError that names the first value a log scale cannot show; missing ones are no matter."""
+    """Raise an InputError that names the first value a log scale cannot show; missing ones are allowed."""
     wrong = np.flatnonzero(np.ravel(values) <= 0)
     if wrong.size:
         place = ", ".join(str(index) for index in np.unravel_index(wrong[0], np.shape(values)))

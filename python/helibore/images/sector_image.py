@@ -63,7 +63,7 @@ class SectorImage:
     offset
         Toolface of sector 1's origin, degrees.
     reach
-        How far above and below its depth a row may speak, metres; None: 0.75 of the median spacing.
+        How far above and below its depth a row counts, metres; None: 0.75 of the median spacing.
 
     Attributes
     ----------

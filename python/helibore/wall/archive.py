@@ -84,7 +84,7 @@ def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
             with zipfile.ZipFile(file) as archive:
                 yield Members(archive, path.stat().st_size)
         except (zipfile.BadZipFile, EOFError, NotImplementedError, RuntimeError, struct.error, zlib.error) as error:
-            raise InputError(str(path), _ailment(path, error)) from error
+            raise InputError(str(path), _reason(path, error)) from error
         except (KeyError, TypeError) as error:
             raise InputError(str(path), f"not the archive of a wall: {error!r} in {_CONTENTS}") from error
         except InputError as error:
@@ -217,7 +217,7 @@ class Members:
         return array.astype(stored.newbyteorder("="), copy=False)
 
 
-def _ailment(path: Path, error: Exception) -> str:
+def _reason(path: Path, error: Exception) -> str:
     with path.open("rb") as file:
         begins = file.read(4)
     if not begins:
