@@ -90,7 +90,7 @@ def logs(**options: Any) -> None:
         there = ", ".join(wall.images) or "none"
         raise InputError(f"image {unknown[0]!r}", f"the wall has none of this name; it has {there}")
     with terminal.stage("measure", "Measuring"):
-        measured = _measured(wall, options, run.settings.path.reference)
+        measured = _measured(wall, options, run.reference)
         annuli = [annulus(measured.rows, size) for size in options["casings"]]
         dark = [wall.images[name].breakouts() for name in images]
         summary = summarize(wall, options["start_depth"], options["stop_depth"], zones=measured.zones)

@@ -136,7 +136,7 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "stop": options["stop_depth"],
         "scale": scale,
         "looks": looks,
-        "reference": run.settings.path.reference,
+        "reference": run.reference,
         "left": float(options["left"]),
         "unit": options["unit"],
         "curves": tuple(name for name in options["curves"] or ("C1", "C2") if name != "none"),

@@ -171,6 +171,15 @@ class Run:
         return self.built
 
     @property
+    def reference(self) -> str | None:
+        """What toolface 0 of the wall is: as the settings, the path or else all of the samples state it."""
+        if self.settings.path.reference or self.path is not None:
+            return self.settings.path.reference or (self.path.reference if self.path else None)
+        stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}
+        tagged = any(one.high_side is not None for one in self.readings)
+        return stated.pop() if stated in ({"north"}, {"high-side"}) and not tagged else None
+
+    @property
     def name(self) -> str:
         """The name of the source, without endings."""
         source = self.settings.archive or self.settings.average or next(iter(self.settings.caliper), None)
@@ -233,14 +242,14 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
                 raise InputError("survey", f"{settings.archive.file.name} has a path of its own")
             run.path = run.path or run.built.path
             run.messages.append(("wall", f"{settings.archive.file.name}: archive of a wall"))
-        images = [_read_image(run, one) for one in settings.image]
-        name, caliper = ("", None) if settings.caliper or settings.archive else _read_round(run, images)
         bit = settings.wall.bit_diameter if settings.wall and settings.wall.bit_diameter > 0 else None
         track = _track(run.files.track) if run.files.track is not None else None
         run.readings = tuple(
             readings(each.log, each.roles, bit, settings.echo, track is not None) for each in run.files.caliper
         )
         run.messages += [*_read_lines(run), *_survey_lines(run)]
+        images = [_read_image(run, one) for one in settings.image]
+        name, caliper = ("", None) if settings.caliper or settings.archive else _read_round(run, images)
     with stage("rebuild", "Rebuilding the wall"):
         if settings.wall is not None:
             made: Caliper | Prepared
@@ -302,8 +311,8 @@ def _track(file: Opened) -> Track:
 
 def _read_image(run: Run, one: ImageInput) -> SectorImage:
     """A sector image, and what its toolfaces count from."""
-    stated = one.reference or run.settings.path.reference
-    reference: Any = stated or (run.path.reference if run.path else "high-side")
+    stated = one.reference or run.reference
+    reference: Any = stated or "high-side"
     if reference not in ("north", "high-side"):
         rule = f"the wall counts toolfaces from {reference}, but no image does: end it with :north or :high-side"
         raise InputError(f"image {one.name}", rule)
@@ -318,7 +327,7 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     except ValueError as error:
         raise InputError(one.file.name, str(error)) from error
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
-    assumed = "" if stated or run.path else ", as nothing says otherwise (:north or --reference north would)"
+    assumed = "" if stated else ", as nothing says otherwise (:north or --reference north would)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
     return image
 

@@ -184,3 +184,28 @@ def test_a_gauge_hole_has_no_figures() -> None:
     assert "gauge hole at bit size: not measured" in made.output
     assert "diameter" not in made.output
     assert "volume" not in made.output
+
+
+@pytest.mark.parametrize(("given", "reference"), [((), "north"), (("--survey", "s.csv"), "high-side")])
+def test_a_bearing_from_north_is_reported_and_the_sides_of_pictures_follow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, given: tuple[str, ...], reference: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    depth = 1000 + np.arange(200) * 0.05
+    rows = np.column_stack([depth, depth * 12 % 360, 8.5 + 0 * depth, 9.0 + 0 * depth])
+    np.savetxt("xy.csv", rows, fmt="%.4f", delimiter=",", header="md_m,P1AZ_deg,x_in,y_in", comments="")
+    Path("s.csv").write_text("md_m,incl_deg,azim_deg\n990,40,90\n1030,41,95\n")
+    source = ("xy.csv", "--diameter", "x_in@0", "--diameter", "y_in@90", "--toolface", "P1AZ_deg")
+    seen = {}
+
+    def log(_: hb.Wall, **settings: object) -> None:
+        seen.update(settings)
+        raise hb.InputError("log", "not drawn")
+
+    monkeypatch.setattr("helibore.plot.log", log)
+    result = run("plot", *source, "--bit-diameter", "8.5in", *given, "-o", "w.png")
+    assert result.stderr == "helibore: log: not drawn\n"
+    assert seen["reference"] == reference
+    result = run("logs", *source, "--bit-diameter", "8.5in", *given, "-o", "w.csv")
+    assert "P1AZ_deg is toolface in deg from north" in result.output
+    assert ("the wall's toolfaces count from north" in result.output) == (not given)
