@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import csv
+import gzip
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from locations import SHARED
 
 import helibore as hb
 from helibore.simulation.hole import Breakout, Hole, Washout
 
 BIT = 0.216
+F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
 
 
 def four_arms(
@@ -154,3 +158,24 @@ def test_bad_arm_numbers_are_refused() -> None:
         hb.Caliper([1, 2], [0, 90], [0.1, 0.1], arm=[0])
     with pytest.raises(hb.InputError, match=r"^arm\[1\] = 0\.5: must be a whole number$"):
         hb.Caliper([1, 2], [0, 90], [0.1, 0.1], arm=[0, 0.5])
+
+
+@pytest.mark.skipif(not F12.exists(), reason="needs the shared data")
+def test_an_x_y_log_of_volve_keeps_the_ovality_of_its_arms() -> None:
+    """Pass 26 of F-12: the wall alone has a quarter of it."""
+    with gzip.open(F12, "rt") as file:
+        rows = [row for row in csv.DictReader(file) if row["pass"] == "26" and 3080 <= float(row["md_m"]) <= 3240]
+    names = ("md_m", "rb_deg", "pfc1_x_in", "pfc2_y_in")
+    depth, bearing, x, y = (np.array([float(row[name]) for row in rows]) for name in names)
+    x, y = x * 0.0254, y * 0.0254
+    toolface = np.concatenate([bearing, bearing + 180, bearing + 90, bearing + 270])
+    caliper = hb.Caliper(
+        np.tile(depth, 4), toolface, np.concatenate([x, x, y, y]) / 2, arm=np.repeat([0, 0, 1, 1], depth.size)
+    )
+    summary = hb.reconstruct(caliper, bit_diameter=6.2 * 0.0254).summary()
+    logs = hb.reconstruct(caliper, bit_diameter=6.2 * 0.0254).logs()
+    assert logs.out_of_roundness.mean() == pytest.approx(np.abs(x - y).mean(), rel=0.01)
+    assert summary.mean_diameter == pytest.approx((x.mean() + y.mean()) / 2, rel=1e-3)
+    assert [of.mean() for of in logs.arm_diameter] == pytest.approx([x.mean(), y.mean()], rel=1e-4)
+    assert summary.shape_kept < 0.7
+    assert len(summary.warnings) == 2
