@@ -125,6 +125,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
     "Conditioning": (
         opt("--samples-from shallowest", "Drop shallower samples.", type=LENGTH),
         opt("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
+        opt("--keep-saturated saturated", "Keep the flat tops of arms at their limit.  [dropped]", is_flag=True,
+            flag_value=False, default=True),
         opt("--drop-closed closed", "Drop rows where no arm reads more than the closed tool.", type=LENGTH,
             metavar="RADIUS"),
         opt("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,

@@ -17,8 +17,20 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers, Mask, column, whole_column
 from helibore.base.errors import InputError
+from helibore.preparation.readings import Readings
 
-__all__ = ["Echo", "Step", "closed", "in_range", "repeated_rows", "spikes", "stuck"]
+__all__ = [
+    "Echo",
+    "Step",
+    "closed",
+    "closed_stretches",
+    "in_range",
+    "repeated_rows",
+    "require_agreement",
+    "saturated",
+    "spikes",
+    "stuck",
+]
 
 _SAMPLES_AT_ONCE = 1 << 17
 
@@ -333,6 +345,92 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
     counts = {"closed": int(np.count_nonzero(shut)), "margin": int(np.count_nonzero(near & ~shut))}
     settings = {"radius": radius, "tolerance": tolerance, "margin": margin}
     return Step("closed", settings, near, counts, int(np.count_nonzero(silent)))
+
+
+def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike, *, rows: int = 5, length: float = 0.5) -> Step:
+    """Drop the flat tops of an arm that has opened as far as it can: stretches at its largest reading.
+
+    A largest reading is a limit where readings pile up: five times as many there as in the 2 mm below. A pipe, in which
+    most readings are alike, is none: no more than half of the readings may be at the limit.
+
+    Parameters
+    ----------
+    radius, depth
+        Metres, (n,), in the order they were taken; NaN is missing.
+    rows, length
+        Least readings and metres of a flat top.
+
+    Returns
+    -------
+    Step
+        ``settings["limit"]`` is the largest reading.
+    """
+    values = column("radius", radius)
+    where = column("depth", depth, values.size, "radius")
+    known = np.isfinite(values)
+    limit = float(values[known].max()) if known.any() else np.nan
+    top = known & (values >= limit - 1e-9)
+    below = known & ~top & (values > limit - 0.002)
+    dropped = np.zeros(values.size, dtype=bool)
+    if 2 * np.count_nonzero(top) <= np.count_nonzero(known) and np.count_nonzero(top) >= 5 * np.count_nonzero(below):
+        for first, last in _stretches(top, rows):
+            dropped[first:last] = abs(where[last - 1] - where[first]) >= length
+    settings = {"limit": limit, "rows": rows, "length": length}
+    return Step("saturated", settings, dropped, {"at the limit": int(np.count_nonzero(dropped))})
+
+
+def closed_stretches(
+    readings: Readings, *, rows: int = 20, tolerance: float = 0.002, open_by: float = 0.01
+) -> list[str]:
+    """Return a sentence for each stretch in which all arms stay closed, and open after it: nothing is dropped.
+
+    Closed is the least that the arms read, where half of all readings are larger by ``open_by`` metres or more and
+    ``rows`` of them in a row stay within the tolerance.
+    """
+    radii = np.stack(readings.radii)
+    known = np.isfinite(radii).any(axis=0)
+    largest = np.where(known, np.nan_to_num(radii, nan=-np.inf).max(axis=0), np.nan)
+    if not known.any():
+        return []
+    level = float(np.nanmin(largest))
+    if np.nanmedian(largest) < level + open_by:
+        return []
+    lines = []
+    for first, last in _stretches(known & (largest <= level + tolerance), rows):
+        opening = last
+        while opening < largest.size and largest[opening] > largest[opening - 1]:
+            opening += 1
+        top, bottom = np.nanmin(readings.depth[first:last]), np.nanmax(readings.depth[first:last])
+        ramp = ""
+        if opening > last:
+            ramp = f", and open until {readings.depth[opening - 1]:.1f} m"
+        lines.append(
+            f"{readings.name}: all arms stay within {1e3 * tolerance:.0f} mm of a radius of {1e3 * level:.1f} mm from "
+            f"{top:.1f} to {bottom:.1f} m{ramp}, as closed arms do: kept; --drop-closed drops them"
+        )
+    return lines
+
+
+def require_agreement(readings: Readings, apart: float = 0.0025) -> None:
+    """Refuse two calipers that look in one direction and differ by more than ``apart`` metres in half of the rows."""
+    place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
+    for one in range(len(place)):
+        for other in range(one):
+            if readings.arm[one] == readings.arm[other] or place[one] != place[other]:
+                continue
+            off = np.abs(readings.radii[one] - readings.radii[other])
+            off = off[np.isfinite(off)]
+            if off.size and np.median(off) > apart:
+                names = [readings.channels[int(readings.arm[number])] for number in (other, one)]
+                apart_by = f"{1e3 * np.median(off):.1f} mm of radius in half of the rows"
+                rule = f"look in one direction and differ by {apart_by}: name the one to use"
+                raise InputError(f"{readings.name}: {' and '.join(names)}", rule)
+
+
+def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
+    """First and last index (exclusive) of every run of at least so many rows in which the mask is True."""
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
+    return [(int(first), int(last)) for first, last in edges.reshape(-1, 2) if last - first >= rows]
 
 
 @dataclass(frozen=True)

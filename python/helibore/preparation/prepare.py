@@ -1,10 +1,11 @@
 """From readings to samples a wall can trust: every step optional, in one order, each counted and reported.
 
-    readings --closed, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
+    readings --flat tops, closed, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest--> Caliper
 
-``Preparation()`` only brings the sensors into one frame. The steps themselves are in ``conditioning``, ``observe``,
-``passes``, ``references`` and ``eccentering``; here is their order, and what each needs from the others.
+``Preparation()`` only drops flat tops and brings the sensors into one frame. The steps themselves are in
+``conditioning``, ``observe``, ``passes``, ``references`` and ``eccentering``; here is their order, and what each needs
+from the others.
 """
 
 from __future__ import annotations
@@ -37,6 +38,12 @@ __all__ = ["Preparation", "Prepared", "Track", "prepare"]
 
 Number = TypeVar("Number", bound=np.generic)
 
+SIDES = 8
+"""Sides of the hole that an arm may read differently on."""
+
+JUDGED = 50_000
+"""Samples by which passes and arms are compared where no bias is asked for."""
+
 LONG_TURN = 1.0
 """Metres from one turn to the next, beyond which neighbouring turns do not see the same wall."""
 
@@ -55,6 +62,8 @@ class Preparation:
     ----------
     shallowest, deepest
         Samples beyond these depths are dropped.
+    saturated
+        Drop flat tops: 5 readings and 0.5 m or more at the largest value of an arm that cannot open farther.
     closed
         Radius that the arms read when the caliper is closed; rows where no arm reads 2 mm more are dropped.
     stuck
@@ -94,6 +103,7 @@ class Preparation:
 
     shallowest: float | None = None
     deepest: float | None = None
+    saturated: bool = True
     closed: float | None = None
     stuck: int | None = None
     least_radius: float | None = None
@@ -238,8 +248,7 @@ class _Pipeline:
     def run(self, track: Track | None) -> Prepared:
         """Take all steps in their order."""
         settings = self.settings
-        if settings.closed is not None or settings.stuck is not None:
-            self.readings = [self._conditioned(one) for one in self.readings]
+        self.readings = [self._conditioned(one) for one in self.readings]
         self.samples = observe(
             self.readings, track, self.report, offset=settings.sensor_offset, latency=settings.latency,
             dropped=self.counts,
@@ -255,6 +264,8 @@ class _Pipeline:
             self._recentre()
         if settings.bias != "none":
             self._subtract_bias()
+        else:
+            self._warn_of_bias()
         return self._finished()
 
     def _drop(self, step: Step, what: str = "samples") -> None:
@@ -274,7 +285,15 @@ class _Pipeline:
         self.report.append((step.name, f"dropped {share}{f' ({reasons})' if reasons else ''}{unjudged}"))
 
     def _conditioned(self, one: Readings) -> Readings:
-        """The readings without closed and stuck stretches."""
+        """The readings without flat tops, closed and stuck stretches; calipers that disagree are an error."""
+        if len(one.sensors) < IMAGE_ROW:
+            conditioning.require_agreement(one)
+            if self.settings.closed is None:
+                self.report += [("closed", line) for line in conditioning.closed_stretches(one)]
+            if self.settings.saturated:
+                one = self._unsaturated(one)
+        if self.settings.closed is None and self.settings.stuck is None:
+            return one
         radii = np.stack(one.radii)
         if self.settings.closed is not None:
             step = conditioning.closed(list(radii), self.settings.closed)
@@ -289,6 +308,29 @@ class _Pipeline:
             step = conditioning.stuck(list(radii[~np.array(again)]), rows=self.settings.stuck)
             self._report_step(step, "readings")
             radii = np.where(step.dropped[reading], np.nan, radii)
+        return replace(one, radii=tuple(radii))
+
+    def _unsaturated(self, one: Readings) -> Readings:
+        """The readings without the flat tops of arms at their limit."""
+        radii = list(one.radii)
+        for arm, name in enumerate(one.channels):
+            sensors = np.flatnonzero(one.arm == arm)
+            if not sensors.size:
+                continue
+            step = conditioning.saturated(radii[sensors[0]], one.depth)
+            if step.dropped.any():
+                across = one.across[sensors[0]]
+                limit = step.settings["limit"] * (2.0 if across else 1.0)
+                where = one.depth[step.dropped]
+                kind = "diameter" if across else "radius"
+                self.counts["saturated"] = self.counts.get("saturated", 0) + int(np.count_nonzero(step.dropped))
+                self.report.append((
+                    "saturated", f"{one.name}: {name} stays at its limit, a {kind} of {1e3 * limit:.1f} mm "
+                    f"({limit / 0.0254:.2f} in): {np.count_nonzero(step.dropped):,} rows between {where.min():.1f} and "
+                    f"{where.max():.1f} m dropped"
+                ))  # fmt: skip
+                for sensor in sensors:
+                    radii[sensor] = np.where(step.dropped, np.nan, radii[sensor])
         return replace(one, radii=tuple(radii))
 
     def _drop_single_samples(self) -> None:
@@ -368,9 +410,12 @@ class _Pipeline:
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + self.samples.row]
 
+    def _arm_names(self) -> list[str]:
+        return sorted({name for one in self.readings for name in one.channels})
+
     def _arm(self) -> Integers:
         """Which wall channel each sample is read from: one number for channels of one name in all files."""
-        names = sorted({name for one in self.readings for name in one.channels})
+        names = self._arm_names()
         columns = [np.array([names.index(name) for name in one.channels])[one.arm] for one in self.readings]
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
         return np.concatenate(columns)[starts[self.samples.file] + self.samples.sensor].astype(np.int64)
@@ -499,17 +544,37 @@ class _Pipeline:
         ))  # fmt: skip
 
     def _subtract_bias(self) -> None:
-        samples, arms = self.samples, self._arm()
-        kind = "arms"
-        if self.settings.bias == "side":
-            kind = "arms by side"
-            arms = arm_sides(arms, self._of_row([one.toolface for one in self.readings]))
-        found = self.bias = find_bias(samples.depth, samples.toolface, samples.radius, samples.pass_number, arms)
+        samples, arms, names = self.samples, self._arm(), self._arm_names()
+        sides = self.settings.bias == "side"
+        if sides:
+            arms = arm_sides(arms, self._of_row([one.toolface for one in self.readings]), SIDES)
+            names = [f"{name} at {360 // SIDES * side} deg" for name in names for side in range(SIDES)]
+        columns = samples.depth, samples.toolface, samples.radius, samples.pass_number, arms
+        found = self.bias = find_bias(*columns, both=not sides)
         self.samples = replace(samples, radius=samples.radius - found.at(samples.pass_number, arms))
-        passes = ", ".join(f"{n}: {1e3 * b:+.2f}" for n, b in zip(found.passes, found.by_pass, strict=True))
-        self.report.append(("bias", f"of passes, mm: {passes}; noise after it {1e3 * found.noise:.2f} mm"))
-        spread = 1e3 * found.by_arm
-        self.report.append(("bias", f"of {spread.size} {kind}: {spread.min():+.2f} to {spread.max():+.2f} mm"))
+        self.report.append(("bias", f"subtracted; noise after it {1e3 * found.noise:.2f} mm"))
+        shown = [names[number] for number in found.arms]
+        self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
+
+    def _warn_of_bias(self) -> None:
+        """Report where passes or arms disagree by more than their noise, judged by some of the samples."""
+        samples, arms, number = self.samples, self._arm(), self.samples.pass_number
+        if not number.size:
+            stated = self.readings[0].pass_number
+            alone = len(self.readings) == 1
+            number = samples.file + 1 if not alone or stated is None else stated[samples.row]
+        if np.ptp(arms) == 0 and np.ptp(number) == 0:
+            return
+        some = np.arange(arms.size)
+        if arms.size > JUDGED:
+            some = np.unique(np.random.default_rng(0).integers(0, arms.size, JUDGED))
+        found = find_bias(
+            samples.depth[some], samples.toolface[some], samples.radius[some], number[some], arms[some], rounds=4
+        )
+        names = self._arm_names()
+        lines = found.disagreements([names[number] for number in found.arms])
+        if lines:
+            self.report.append(("bias", f"{lines[0]}; --bias arm subtracts it"))
 
     def _finished(self) -> Prepared:
         settings, earlier = self.settings, None

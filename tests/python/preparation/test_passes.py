@@ -108,7 +108,10 @@ def test_shifts_and_biases_of_a_known_wall(quantum):
     bias = find_bias(depth + found.at(passes), looking, radius, passes, arms)
     np.testing.assert_allclose(bias.by_pass, by_pass - by_pass.mean(), atol=6e-5)
     np.testing.assert_allclose(bias.by_arm, by_arm - by_arm.mean(), atol=6e-5)
-    np.testing.assert_allclose(bias.at([7, 11], [3, 0]), bias.by_pass[[0, 4]] + bias.by_arm[[3, 0]])
+    parts = bias.by_pass[[0, 4]] + bias.by_arm[[3, 0]] + bias.by_both[[0, 4], [3, 0]]
+    np.testing.assert_allclose(bias.at([7, 11], [3, 0]), parts)
+    np.testing.assert_allclose(bias.by_both, 0.0, atol=6e-5)
+    assert bias.part.max() == 0
     assert bias.shared.sum() <= depth.size
 
 
@@ -122,6 +125,65 @@ def test_bias_laws():
     order = np.random.default_rng(0).permutation(depth.size)
     mixed = find_bias(*(c[order] for c in (depth, looking, radius, passes, arms)))
     np.testing.assert_allclose(mixed.by_pass, plain.by_pass, atol=1e-9)
+
+
+INCH = 0.0254
+
+
+def drifting(seed, drift=0.3 * INCH, bearing=None):
+    """Eight passes of an X-Y tool over a known wall; the X diameter drifts from pass to pass while Y stays."""
+    rng = np.random.default_rng(seed)
+    parts = []
+    for number in range(8):
+        depth = np.arange(3100, 3180, 0.1) + 0.1 * rng.random()
+        rate = 360 / 30 * rng.uniform(0.7, 1.3)
+        looking = depth * rate + rng.uniform(0, 360) if bearing is None else np.full(depth.size, bearing)
+        for arm, angle in ((0, 0), (0, 180), (1, 90), (1, 270)):
+            toolface = (looking + angle) % 360
+            radius = walled(depth, toolface) + (0.5 * drift * number / 7 if arm == 0 else 0.0)
+            radius = radius + rng.normal(0, 3e-4, depth.size)
+            parts.append((depth, toolface, radius, np.full(depth.size, number + 11), np.full(depth.size, arm)))
+    return [np.concatenate(column) for column in zip(*parts, strict=True)]
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_a_drifting_arm_is_named_and_the_steady_one_is_the_truth(seed):
+    depth, toolface, radius, passes, arms = drifting(seed)
+    bias = find_bias(depth, toolface, radius, passes, arms)
+    assert bias.drift[0] == pytest.approx(0.15 * INCH, abs=0.01 * INCH)
+    assert bias.drift[1] < 0.01 * INCH
+    corrected = radius - bias.at(passes, arms) - walled(depth, toolface)
+    for number in range(11, 19):
+        for arm in (0, 1):
+            mine = (passes == number) & (arms == arm)
+            assert abs(2 * corrected[mine].mean()) < 0.02 * INCH
+    (line,) = [line for line in bias.warnings(["CALX", "CALY"]) if "drifts" in line]
+    assert line.startswith("CALX drifts by 3.")
+    assert " in pass 11 to +3." in line
+    assert "in pass 18, CALY by 0." in line
+    table = bias.lines(["CALX", "CALY"])
+    assert table[7].startswith("pass 18, mm: CALX +3.")
+    plain = find_bias(depth, toolface, radius, passes, arms, both=False)
+    np.testing.assert_array_equal(plain.by_both, np.where(plain.shared > 0, plain.by_both, 0.0))
+
+
+def test_an_arm_that_cannot_be_told_from_the_shape_is_nan_and_a_sentence():
+    depth, toolface, radius, passes, arms = drifting(4, drift=0.0, bearing=30.0)
+    bias = find_bias(depth, toolface, radius, passes, arms)
+    assert np.isnan(bias.by_arm).all()
+    np.testing.assert_allclose(bias.at(passes, arms), 0.0, atol=1e-4)
+    assert bias.warnings(["X", "Y"])[-1] == (
+        "the biases of X and Y cannot be told from the hole's shape: "
+        "they never saw one part of the wall (passes at one bearing)"
+    )
+    alone = find_bias([1.0, 2.0], [0.0, 90.0], [0.1, 0.1], [1, 1], [0, 1])
+    assert np.isnan(alone.by_arm).all()
+    assert alone.lines(["X", "Y"])[0] == "pass 1, mm: no overlap (0 samples in shared cells)"
+
+
+def test_passes_that_agree_are_not_reported():
+    depth, toolface, radius, passes, arms = drifting(5, drift=0.0)
+    assert find_bias(depth, toolface, radius, passes, arms).warnings(["X", "Y"]) == []
 
 
 def test_bias_without_overlap_is_none():

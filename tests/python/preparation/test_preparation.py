@@ -182,7 +182,14 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert found.bias is not None
     np.testing.assert_allclose(found.bias.by_pass, bias.by_pass, atol=1e-12)
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.by_pass[number - 1], atol=1e-9)
-    assert [label for label, _ in found.report] == ["passes", "passes", "shift", "shift", "shift", "bias", "bias"]
+    labels = ["passes", "passes", "shift", "shift", "shift", "bias", "bias", "bias", "bias", "bias"]
+    assert [label for label, _ in found.report] == labels
+    assert found.report[6][1].startswith("pass 1, mm: radius -0.")
+    assert found.report[9][1].startswith("passes or arms disagree by more than their noise (0.")
+    silent = prepare(one.readings(), Preparation(find_shifts=True)).report[-1]
+    assert silent[0] == "bias"
+    assert "radius of pass 3 reads +0." in silent[1]
+    assert silent[1].endswith("; --bias arm subtracts it")
     given = prepare(one.readings(), Preparation(shifts=((2, 0.4),), latest=True, passes=(3, 2)))
     assert given.pass_number is not None
     assert set(given.pass_number.tolist()) == {2}  # the last of (3, 2)
@@ -209,7 +216,7 @@ def test_bias_by_side_takes_the_tool_bearing() -> None:
     arm = np.tile([0, 0, 1, 1], N)
     sides = arm_sides(arm, one["rb"].values[samples.row])
     number = one["pass"].values[samples.row]
-    bias = find_bias(samples.depth, samples.toolface, samples.radius, number, sides)
+    bias = find_bias(samples.depth, samples.toolface, samples.radius, number, sides, both=False)
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.at(number, sides), atol=1e-12)
 
 
@@ -232,6 +239,61 @@ def test_several_files_are_passes() -> None:
     bad = Readings(**(vars(numbered) | {"radii": (np.where(np.arange(N) == 5, 5.0, numbered.radii[0]),)}))
     with pytest.raises(ValueError, match=r"^d.csv, row 5, column radius: radius 5 m"):
         prepare([first, bad])
+
+
+def test_flat_tops_are_named_and_dropped() -> None:
+    one = arms()
+    x = np.array(one["cal_x"].values)
+    x[200:240] = 15.25  # 2 m
+    x[300] = 15.25
+    found = prepare(arms(cal_x__in=x).readings())
+    assert found.report[0] == (
+        "saturated", "f.csv: cal_x stays at its limit, a diameter of 387.3 mm (15.25 in): 40 rows between 110.0 and "
+        "112.0 m dropped"
+    )  # fmt: skip
+    assert found.counts["saturated"] == 40
+    assert len(found.caliper) == 4 * N - 80
+    kept = prepare(arms(cal_x__in=x).readings(), Preparation(saturated=False))
+    assert "saturated" not in kept.counts
+    assert len(kept.caliper) == 4 * N
+
+
+def test_closed_arms_and_their_opening_are_noticed_without_being_asked() -> None:
+    one = arms()
+    columns = {}
+    for name in ("cal_x", "cal_y"):
+        values = np.array(one[name].values)
+        values[350:] = 4.0  # going down: the tool was opened at the bottom and logged up
+        values[340:350] = np.linspace(8.0, 4.4, 10)
+        columns[f"{name}__in"] = values[::-1]
+    columns["md__m"] = np.array(one["md"].values)[::-1]
+    found = prepare(arms(**columns).readings())
+    line = (
+        "closed", "f.csv: all arms stay within 2 mm of a radius of 50.8 mm from 117.5 to 120.0 m, and open until "
+        "116.9 m, as closed arms do: kept; --drop-closed drops them"
+    )  # fmt: skip
+    assert line in found.report
+    assert not [line for line in prepare(arms().readings()).report if line[0] == "closed"]
+    asked = prepare(arms(**columns).readings(), Preparation(closed=2.0 * 0.0254))
+    assert [label for label, _ in asked.report].count("closed") == 1
+    assert asked.counts["closed"] == 50
+
+
+def test_two_calipers_that_disagree_are_not_merged() -> None:
+    one = arms()
+    x, y = (np.array(one[name].values) for name in ("cal_x", "cal_y"))
+    twice = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.35)
+    diameters = {name: {"role": "diameter", "angle": 0.0} for name in ("cal_x", "cal_z")}
+    roles = overlay(guess(twice), twice, diameters, "map")
+    with pytest.raises(hb.InputError) as caught:
+        prepare(twice.readings(roles))
+    assert str(caught.value) == (
+        "f.csv: cal_x and cal_z: look in one direction and differ by 4.4 mm of radius in half of the rows: "
+        "name the one to use"
+    )
+    near = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.1)
+    roles = overlay(guess(near), near, diameters, "map")
+    assert len(prepare(near.readings(roles)).caliper) == 4 * N
 
 
 def building() -> hb.Survey:
@@ -376,6 +438,12 @@ def test_rows_without_a_time_are_left_out() -> None:
             "least_radius = 2: must not be larger than greatest_radius = 1",
         ),
         ({"shifts": ((1, 0.1), (1, 0.2))}, "shifts: pass 1 is given twice"),
+        ({"passes": (2, 2)}, "passes: pass 2 is given twice"),
+        ({"spikes": 0.0}, "spikes = 0: must be finite and larger than 0"),
+        ({"closed": -1.0}, "closed = -1: must be finite and larger than 0"),
+        ({"reversal": np.inf}, "reversal = inf: must be finite and larger than 0"),
+        ({"stuck": 1}, "stuck = 1: must be at least 2 rows"),
+        ({"steep": 6.0, "level": 4.0}, "steep = 6: must not be larger than level = 4"),
     ],
 )
 def test_bad_settings(settings: dict[str, Any], rule: str) -> None:
