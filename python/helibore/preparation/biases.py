@@ -29,6 +29,7 @@ _STEEPNESS = 0.001  # m: how much a wall may well change from the middle of a ce
 _OVERLAP = 0.02  # of its cells that a pass and arm must share with another one to be compared with it
 _ENOUGH = 30  # shared samples of a pass and arm that say something of their disagreement
 _CELLS_SHARED = 5  # and the least number of them
+_PAIRS_AT_ONCE = 1 << 16
 _STEADY = 0.33  # of the drift of another arm: an arm that drifts less is steady beside it
 
 
@@ -327,14 +328,19 @@ class _Walls:
         rest = np.bincount(pair, weights=self.weight * (radius - self.fitted(radius)), minlength=pairs.size)
         side: Floats = np.bincount(group, weights=rest, minlength=groups).astype(np.float64, copy=False)
         matrix: Floats = np.diag(np.bincount(group, weights=a, minlength=groups))
-        for first in range(0, self.cells, 1024):
-            begin, end = np.searchsorted(spot, [first, first + 1024])
-            rows = slice(first, min(first + 1024, self.cells))
-            table = np.zeros((2, rows.stop - first, groups))
-            table[:, spot[begin:end] - first, group[begin:end]] = a[begin:end], b[begin:end]
-            over = 1.0 / self.determinant[rows, None]
-            for i, j, share in ((0, 0, self.sum_tt), (0, 1, -self.sum_t), (1, 0, -self.sum_t), (1, 1, self.sum_1)):
-                matrix -= (table[i] * (share[rows, None] * over)).T @ table[j]
+        _, first, count = np.unique(spot, return_index=True, return_counts=True)
+        begin = np.repeat(first, count)  # of each pair's cell
+        size = np.repeat(count, count)
+        for start in range(0, pairs.size, _PAIRS_AT_ONCE):
+            some = np.arange(start, min(start + _PAIRS_AT_ONCE, pairs.size))
+            one = np.repeat(some, size[some])
+            step = np.arange(one.size) - np.repeat(np.cumsum(size[some]) - size[some], size[some])
+            two, at = begin[one] + step, spot[one]
+            share = a[one] * (self.sum_tt[at] * a[two] - self.sum_t[at] * b[two])
+            share += b[one] * (self.sum_1[at] * b[two] - self.sum_t[at] * a[two])
+            place = group[one] * groups + group[two]
+            share /= self.determinant[at]
+            matrix -= np.bincount(place, weights=share, minlength=groups**2).reshape(groups, groups)
         return matrix, side
 
 

@@ -41,7 +41,7 @@ Number = TypeVar("Number", bound=np.generic)
 SIDES = 8
 """Sides of the hole that an arm may read differently on."""
 
-JUDGED = 50_000
+JUDGED = 20_000
 """Samples by which passes and arms are compared where no bias is asked for."""
 
 LONG_TURN = 1.0
@@ -569,7 +569,7 @@ class _Pipeline:
         if arms.size > JUDGED:
             some = np.unique(np.random.default_rng(0).integers(0, arms.size, JUDGED))
         found = find_bias(
-            samples.depth[some], samples.toolface[some], samples.radius[some], number[some], arms[some], rounds=4
+            samples.depth[some], samples.toolface[some], samples.radius[some], number[some], arms[some], rounds=3
         )
         names = self._arm_names()
         lines = found.disagreements([names[number] for number in found.arms])
