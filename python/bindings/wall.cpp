@@ -41,6 +41,7 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     take("tolerance", s.tolerance);
     take("angular_scale", s.angular_scale);
     take("direct", s.direct);
+    take("most_vertices", s.most_vertices);
     s.max_distance = max_distance.value_or(std::numeric_limits<double>::infinity());
     s.threads = threads;
     s.instruction_set = instruction_set_named(instruction_set);

@@ -1,8 +1,13 @@
 // The host's floating-point state changes no result and stays as the host set it: rounding upwards, flushing subnormals
 // to zero, exceptions that trap (Delphi and Pascal hosts unmask them; without care a division by zero would end them).
 #include <cfenv>
+#include <limits>
 
 #include "check.hpp"
+#include "helibore/image.hpp"
+#include "helibore/logs.hpp"
+#include "helibore/surface.hpp"
+#include "helibore/wits.hpp"
 #include "hole.hpp"
 
 #ifdef __SSE2__
@@ -13,8 +18,8 @@ namespace {
 
 using Result = std::vector<std::uint64_t>;
 
-// Checks samples and makes a wall of them: appends in two steps with samples exactly on vertices (distance 0), and
-// reads all, in the host's state.
+// All that computes, in the host's state: a wall in two appends with samples exactly on vertices (distance 0) and a
+// gap, values at its vertices, its surface, a volume, logs, an image, a path, and a parser.
 Result work(int threads, const Hole& hole) {
     helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
     hole.all().validate(threads);
@@ -22,7 +27,56 @@ Result work(int threads, const Hole& hole) {
     std::vector<double> radius(static_cast<std::size_t>(wall.size()));
     CHECK(wall.read_radius(radius) == wall.size());
     wall.append(hole.rows(1000, hole.depth.size() - 1000));
-    return bits(wall);
+    Result all = bits(wall);
+    const auto add = [&](std::span<const double> values) {
+        for (const double value : values) all.push_back(value == value ? std::bit_cast<std::uint64_t>(value) : 0);
+    };
+    const std::vector<std::vector<double>> samples = wall.samples();
+    const std::span<const double> channel(samples[2]);
+    add(wall.interpolate_samples(std::span(&channel, 1), threads)[0]);
+
+    radius = wall.radius();
+    radius[5000] = std::numeric_limits<double>::quiet_NaN();
+    std::vector<double> beyond;
+    for (const double r : radius) beyond.push_back(2.0 * r);  // exact however the host rounds
+    helibore::HelixRadii helix{.start_depth = wall.start_depth(), .pitch = 0.05, .sectors = 48, .radius = radius};
+    const double depth[] = {90.0, 110.0, 140.0}, inclination[] = {10.0, 30.0, 35.0}, azimuth[] = {20.0, 60.0, 61.0};
+    const helibore::Survey survey(depth, inclination, azimuth);
+    add(survey.dogleg());
+    helibore::Stations stations({.method = helibore::Method::radius_of_curvature});
+    CHECK(stations.take(depth, inclination, azimuth).refused.empty());
+    for (const helibore::Path& path : {helibore::Path(survey), *stations.path()}) {
+        const helibore::Surface surface = helibore::surface_of(helix, path, threads);
+        for (const auto& vertex : surface.vertices) add(vertex);
+        for (const auto& axis : path.frame(depth)[1]) add(axis);
+        add(path.tangent(depth)[1]);
+        add(path.north_to_high_side(depth));
+    }
+    const std::span<const double> shells[] = {radius, beyond};
+    const helibore::VolumeLayout layout = helibore::volume_layout(helix, shells);
+    std::vector<helibore::Vector3> vertices(static_cast<std::size_t>(layout.vertex_count));
+    std::vector<helibore::Hexahedron> hexahedra(static_cast<std::size_t>(layout.hexahedron_count));
+    helibore::join(helix, layout, hexahedra, threads);
+    for (std::size_t s = 0; s < 2; ++s) {
+        helix.radius = shells[s];
+        helibore::place(helix, helibore::Path(survey), layout.shells[s], vertices, threads);
+    }
+    helibore::require_upright(helix, layout, vertices, hexahedra, threads);
+    add(helibore::volumes(vertices, hexahedra, threads));
+
+    const helibore::TurnLogs logs = helibore::turn_logs({.sectors = 48, .radius = radius}, threads);
+    for (const auto* column : {&logs.mean, &logs.c1, &logs.centre_0, &logs.inscribed_diameter, &logs.enclosing_diameter,
+                               &logs.rugosity, &logs.largest})
+        add(*column);
+    const double rows[] = {100.0, 110.0, 125.0}, low[] = {99.0, 105.0, 120.0}, high[] = {105.0, 120.0, 126.0};
+    const double values[] = {1.1, 2.2, 3.3, 4.4, 5.5, 6.6}, sector[] = {0.3, 0.9, 1.7};
+    const helibore::QuadCentres quads{.start_depth = 100.1, .pitch = 0.03, .count = 2900, .sector = sector};
+    add(helibore::linear_values({rows, values, 2}, 10.0, quads, threads));
+    add(helibore::cell_values({rows, values, 2}, low, high, quads, threads));
+    helibore::wits::Parser parser;
+    const auto batch = parser.feed("&&\r\n01080.1\r\n01091.7e-5\r\n011012345678.9\r\n0111x\r\n!!\r\n");
+    for (const auto& item : batch.items) add(std::span(&item.value, 1));
+    return all;
 }
 
 #ifdef __SSE2__

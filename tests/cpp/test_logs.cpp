@@ -47,5 +47,15 @@ int main() {
     CHECK_THROWS(helibore::InputError, "sectors = 2: must be 3 or more", turn_logs({.sectors = 2, .radius = radius}));
     CHECK_THROWS(helibore::InputError, "window = 4: must be odd and 3 or more",
                  turn_logs({.radius = radius, .window = 4}));
+    CHECK_THROWS(helibore::InputError, "threads = 2147483647: must lie in 1 to 1024",
+                 turn_logs({.radius = radius}, 2147483647));
+    CHECK_THROWS(helibore::InputError, "sectors = 2000000000: must be at most 1000000",
+                 turn_logs({.sectors = 2000000000, .radius = radius}));
+    CHECK_THROWS(helibore::InputError, "start_toolface = inf: must be finite",
+                 turn_logs({.start_toolface = std::numeric_limits<double>::infinity(), .radius = radius}));
+    CHECK(turn_logs({.radius = radius, .window = std::numeric_limits<helibore::Index>::max()}).mean.size() == 150);
+    radius[3] = 1e155;
+    CHECK_THROWS(helibore::InputError, "radius[3] = 1e+155: must lie in 1e-50 to 1e50 m, or be nan",
+                 turn_logs({.radius = radius}));
     return failures();
 }

@@ -68,6 +68,39 @@ void refuses_settings() {
     CHECK_THROWS(InputError, "neighbors = 257: must lie in 1 to 256", Wall({.bit_diameter = 0.2, .neighbors = 257}));
     CHECK_THROWS(InputError, "window = 0: must be at least 1", Wall({.bit_diameter = 0.2, .window = 0}));
     CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", Wall({.bit_diameter = 0.2, .threads = 0}));
+    CHECK_THROWS(InputError, "bit_diameter = 1e-200: must be at least 0.001 m", Wall({.bit_diameter = 1e-200}));
+    CHECK_THROWS(InputError, "stop_depth = 1e+155: must lie in -10000000 to 10000000 m",
+                 Wall({.bit_diameter = 0.2, .stop_depth = 1e155}));
+    CHECK_THROWS(InputError, "most_vertices = 0: must lie in 1 to 2147483647",
+                 Wall({.bit_diameter = 0.2, .most_vertices = 0}));
+}
+
+// One wrong depth is named, and the wall stays as it was.
+void refuses_too_many_vertices() {
+    const Hole hole = oval_hole(100, 1000.0, 1.0);
+    const Settings settings{.bit_diameter = 0.2, .most_vertices = 6400};
+    const std::string rule = " m would have 64001 vertices; must be at most most_vertices = 6400";
+    const std::vector<double> tops = {1000.0, 1001.0, 1002.0, 1100.0}, ends = {900.0, 998.0, 999.0, 1000.0};
+    const std::vector<double> zero(4), radius(4, 0.1);
+    CHECK_THROWS(InputError, "depth = 1100: the wall from 1000 m to 1100" + rule,
+                 Wall(settings).append({tops, zero, radius}));
+    CHECK_THROWS(InputError, "depth = 900: the wall from 900 m to 1000" + rule,
+                 Wall(settings).append({ends, zero, radius}));
+    Settings open = settings;
+    open.start_depth = 1000.0;
+    Wall wall(open);
+    wall.append(hole.all());
+    const auto before = bits(wall);
+    const std::vector<double> far = {1100.0}, time = {1e6};
+    CHECK_THROWS(InputError, "depth = 1100: the wall from 1000 m to 1100" + rule,
+                 wall.append({far, std::span(zero).first(1), std::span(radius).first(1), time}));
+    const std::vector<double> beyond = {1e155};
+    CHECK_THROWS(InputError, "depth[0] = 1e+155: must lie in -10000000 to 10000000 m",
+                 wall.append({beyond, std::span(zero).first(1), std::span(radius).first(1), time}));
+    CHECK(bits(wall) == before);
+    open.stop_depth = 1100.0;
+    CHECK_THROWS(InputError, "stop_depth = 1100: the wall from 1000 m to 1100" + rule,
+                 Wall(open).append({tops, zero, radius}));
 }
 
 void refuses_samples() {
@@ -83,6 +116,8 @@ void refuses_samples() {
                  wall.append({one, one, one}));
     CHECK_THROWS(InputError, "range = [-1, 2): must lie within the wall's " + std::to_string(wall.size()) + " vertices",
                  wall.vertices({-1, 2}));
+    CHECK_THROWS(InputError, "threads = 2000000000: must lie in 1 to 1024", wall.interpolate_samples({}, 2000000000));
+    CHECK_THROWS(InputError, "threads = -1: must lie in 1 to 1024", hole.all().validate(-1));
     CHECK(bits(wall) == before);
 }
 
@@ -110,6 +145,7 @@ int main() {
     splits_and_moves();
     refuses_settings();
     refuses_samples();
+    refuses_too_many_vertices();
     shares();
     return failures();
 }

@@ -13,7 +13,6 @@
 // Not here: WITS and the meaning of its items, passes, the journal's files (see wits.hpp and journal.hpp).
 #pragma once
 
-#include <array>
 #include <map>
 #include <mutex>
 #include <optional>
@@ -93,17 +92,12 @@ class Live {
         std::string unit;
     };
 
-    void take_stations(std::span<const double> depth, std::span<const double> inclination,
-                       std::span<const double> azimuth, Update& update);
     Update report(Update update);
     const ArrivedRows& arrived(const std::string& name) const;
 
     mutable std::mutex lock_;
-    PathSettings path_settings_;
     Wall wall_;
-    std::map<double, std::array<double, 2>> stations_;  // depth: inclination, azimuth
-    std::optional<Survey> survey_;
-    std::optional<Path> path_;
+    mutable Stations stations_;  // it builds its path when asked
     std::map<std::string, ArrivedRows> images_;
     Update pending_;  // since the last poll
 };

@@ -15,7 +15,9 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -27,8 +29,8 @@ namespace helibore {
 // degrees.
 class Survey {
   public:
-    // Throws InputError unless there are two stations or more, depths grow, inclinations lie in 0 to 180 and azimuths
-    // in -360 to 360.
+    // Throws InputError unless there are two stations or more, depths lie within 1e7 m of 0 and grow by 1e-6 m or more,
+    // inclinations lie in 0 to 180 and azimuths in -360 to 360.
     Survey(std::span<const double> depth, std::span<const double> inclination, std::span<const double> azimuth);
 
     std::span<const double> depth() const { return depth_; }
@@ -98,7 +100,42 @@ class Path {
     const Segments& segments() const { return *segments_; }
 
   private:
+    friend class Stations;
+    explicit Path(std::shared_ptr<const Segments> segments) : segments_(std::move(segments)) {}
     std::shared_ptr<const Segments> segments_;
+};
+
+// A survey that grows while the hole is drilled. Stations come in any order; one at the depth of an earlier one
+// replaces it. Taking a station costs the same however many there are. path() computes only what lies below the first
+// station that changed since its last call, and has the bits of Path(survey(), settings).
+class Stations {
+  public:
+    // Throws InputError on bad settings.
+    explicit Stations(const PathSettings& settings = {});
+    ~Stations();
+
+    struct Taken {
+        std::optional<double> path_from;   // metres; the path changed below this depth
+        std::vector<std::string> refused;  // "station at 90 m: inclination[2] = 190: must lie in 0 to 180 degrees"
+    };
+    // Leaves out and reports each station that breaks a rule, and takes the others. Throws InputError on columns of
+    // unequal length.
+    Taken take(std::span<const double> depth, std::span<const double> inclination, std::span<const double> azimuth);
+
+    std::span<const double> depth() const { return depth_; }  // growing
+    std::span<const double> inclination() const { return inclination_; }
+    std::span<const double> azimuth() const { return azimuth_; }
+    std::optional<Survey> survey() const;  // none until there are two stations
+    std::optional<Path> path();            // likewise
+
+  private:
+    std::optional<double> take_one(double depth, double inclination, double azimuth);
+
+    PathSettings settings_;
+    std::vector<double> depth_, inclination_, azimuth_;
+    std::unique_ptr<Segments> segments_;
+    std::size_t built_ = 0;  // segments_ holds the courses between so many of the first stations
+    std::optional<Path> path_;
 };
 
 }  // namespace helibore

@@ -14,10 +14,10 @@ enum class InstructionSet { automatic, plain, avx2, avx512 };
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 struct Settings {
-    double bit_diameter = 0.0;               // metres; the first trial radius is half of it. Must be set.
+    double bit_diameter = 0.0;               // metres, 0.001 to 4; the first trial radius is half. Must be set.
     int sectors = 64;                        // K: vertices per turn of the helix, 3 or more
     double pitch = 0.1;                      // metres per turn along the hole; negative for a well logged upwards
-    std::optional<double> start_depth = {};  // depth of vertex 0; none: the first sample along the helix
+    std::optional<double> start_depth = {};  // depth of vertex 0, within 1e7 m of 0; none: the first sample
     std::optional<double> stop_depth = {};   // the wall ends here; none: the last sample along the helix
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
     int neighbors = 8;                       // V: nearest samples a vertex is estimated from, 1 to 256
@@ -28,6 +28,7 @@ struct Settings {
     double tolerance = 1e-6;                 // metres; stop when the radius changes by no more
     double angular_scale = 1.0;              // 1: true arc length; 2: as published (Energies 2021, 14, 291, Eq. 4)
     bool direct = false;                     // a vertex that is not settled shows its latest sample, provisionally
+    Index most_vertices = 100'000'000;       // an append that would give the wall more is refused: a wrong depth
     int threads = 1;                         // 1 or more; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 

@@ -2,13 +2,12 @@
 #include "helibore/live.hpp"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 #include <iterator>
 #include <numeric>
 #include <utility>
 
+#include "base/arithmetic.hpp"
 #include "base/messages.hpp"
 #include "base/ranges.hpp"
 
@@ -61,13 +60,6 @@ void join(Update& all, const Update& more) {
         if (all.events.size() < most_events) all.events.push_back(text);
 }
 
-// Six digits, as with Python's :g. The host's locale and the sign of a NaN do not show.
-std::string short_text(double value) {
-    if (std::isnan(value)) return "nan";
-    char text[32];
-    return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
-}
-
 Settings with_a_start(const Settings& settings) {
     if (!settings.start_depth)
         throw InputError("start_depth", "must be set: the vertices of a live wall keep their numbers");
@@ -83,11 +75,7 @@ std::vector<Range> Update::quads(int sectors) const {
     return bounded_union(std::move(ranges));
 }
 
-Live::Live(const LiveSettings& settings) : path_settings_(settings.path), wall_(with_a_start(settings.wall)) {
-    const double two[] = {0.0, 1.0};
-    const double straight[] = {0.0, 0.0};
-    static_cast<void>(Path(Survey(two, straight, straight), path_settings_));  // throws on bad settings
-}
+Live::Live(const LiveSettings& settings) : wall_(with_a_start(settings.wall)), stations_(settings.path) {}
 
 Update Live::append_samples(const SampleColumns& samples) {
     const std::lock_guard guard(lock_);
@@ -98,69 +86,26 @@ Update Live::append_samples(const SampleColumns& samples) {
 
 Update Live::append_stations(std::span<const double> depth, std::span<const double> inclination,
                              std::span<const double> azimuth) {
-    require_length("inclination", inclination.size(), depth.size());
-    require_length("azimuth", azimuth.size(), depth.size());
     const std::lock_guard guard(lock_);
+    Stations::Taken taken = stations_.take(depth, inclination, azimuth);
     Update update;
-    // All at once; if that fails, one by one, so that each bad station is reported and the others are taken.
-    try {
-        take_stations(depth, inclination, azimuth, update);
-    } catch (const InputError&) {
-        for (std::size_t i = 0; i < depth.size(); ++i) {
-            try {
-                take_stations(depth.subspan(i, 1), inclination.subspan(i, 1), azimuth.subspan(i, 1), update);
-            } catch (const InputError& error) {
-                update.events.push_back("station at " + short_text(depth[i]) + " m: " + error.what());
-            }
-        }
-    }
+    update.path_from = taken.path_from;
+    update.events = std::move(taken.refused);
     return report(std::move(update));
-}
-
-// Takes stations if a survey and a path can be made with them; otherwise throws and changes nothing.
-void Live::take_stations(std::span<const double> depth, std::span<const double> inclination,
-                         std::span<const double> azimuth, Update& update) {
-    auto stations = stations_;
-    std::optional<double> first;  // the first depth with a new or different station
-    for (std::size_t i = 0; i < depth.size(); ++i) {
-        if (!std::isfinite(depth[i])) throw InputError("depth", "must be finite");
-        const std::array<double, 2> row = {inclination[i], azimuth[i]};
-        const auto [place, is_new] = stations.try_emplace(depth[i], row);
-        if (!is_new && place->second == row) continue;
-        place->second = row;
-        first = std::min(depth[i], first.value_or(depth[i]));
-    }
-    if (!first) return;
-    if (stations.size() > 1) {
-        std::vector<double> columns[3];
-        for (const auto& [at, angles] : stations) {
-            columns[0].push_back(at);
-            columns[1].push_back(angles[0]);
-            columns[2].push_back(angles[1]);
-        }
-        Survey survey(columns[0], columns[1], columns[2]);
-        Path path(survey, path_settings_);
-        path_ = std::move(path);
-        survey_ = std::move(survey);
-    } else if (const auto [dip, way] = stations.begin()->second; !(dip >= 0 && dip <= 180 && std::abs(way) <= 360)) {
-        throw InputError("inclination " + short_text(dip) + ", azimuth " + short_text(way),
-                         "must be in [0, 180], [-360, 360]");
-    }
-    stations_ = std::move(stations);
-    const auto at = stations_.find(*first);
-    const double above = at == stations_.begin() ? *first : std::prev(at)->first;
-    update.path_from = std::min(above, update.path_from.value_or(above));
 }
 
 Update Live::append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
                           const std::string& unit) {
-    require_finite("depth", depth);
+    const StandardArithmetic standard;
+    require_depths(depth);
     if (depth.empty() ? !values.empty() : values.empty() || values.size() % depth.size() != 0)
         throw InputError(
             "values has " + std::to_string(values.size()) + " values, depth has " + std::to_string(depth.size()),
             "must be as many for each depth");
     if (depth.empty()) return {};
-    const int sectors = static_cast<int>(values.size() / depth.size());
+    const std::size_t width = values.size() / depth.size();
+    require(width <= 1000000, "sectors", static_cast<Index>(width), "must be at most 1000000");
+    const int sectors = static_cast<int>(width);
     const std::lock_guard guard(lock_);
     const auto [place, is_new] = images_.try_emplace(name, ArrivedRows{{}, {}, sectors, unit});
     ArrivedRows& rows = place->second;
@@ -195,12 +140,12 @@ Update Live::poll() {
 
 std::optional<Survey> Live::survey() const {
     const std::lock_guard guard(lock_);
-    return survey_;
+    return stations_.survey();
 }
 
 std::optional<Path> Live::path() const {
     const std::lock_guard guard(lock_);
-    return path_;
+    return stations_.path();
 }
 
 std::vector<std::string> Live::images() const {
@@ -231,6 +176,7 @@ ImageArrays Live::rows(const std::string& name, Range some) const {
 }
 
 ImageArrays Live::image(const std::string& name) const {
+    const StandardArithmetic standard;
     const std::lock_guard guard(lock_);
     const ArrivedRows& rows = arrived(name);
     std::vector<std::size_t> order(rows.depth.size());

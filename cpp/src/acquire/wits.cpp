@@ -11,6 +11,7 @@
 #include <limits>
 #include <span>
 
+#include "base/arithmetic.hpp"
 #include "helibore/error.hpp"
 
 namespace helibore::wits {
@@ -117,6 +118,7 @@ Parser::Parser(std::vector<double> nulls, Limits limits) : nulls_(std::move(null
 }
 
 Batch Parser::feed(std::string_view bytes) {
+    const StandardArithmetic standard;
     const std::lock_guard guard(lock_);
     try {
         return take(bytes);

@@ -1,4 +1,4 @@
-// The texts of input errors, "place = value: rule", and the rules that many columns share.
+// The places and values that input errors name, and the rules that many arguments share.
 #pragma once
 
 #include <charconv>
@@ -18,9 +18,21 @@ inline std::string number_text(double value) {
     return {text, std::to_chars(text, text + sizeof text, value).ptr};
 }
 
+// Six digits, as with Python's :g.
+inline std::string short_text(double value) {
+    if (std::isnan(value)) return "nan";
+    char text[32];
+    return {text, std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr};
+}
+
+// "toolface[17]"
+inline std::string entry_name(const std::string& column, Index index) {
+    return column + "[" + std::to_string(index) + "]";
+}
+
 // "toolface[17] = nan"
 inline std::string entry_text(const std::string& column, Index index, double value) {
-    return column + "[" + std::to_string(index) + "] = " + number_text(value);
+    return entry_name(column, index) + " = " + number_text(value);
 }
 
 // "[3, 7)"
@@ -31,12 +43,49 @@ inline std::string range_text(const Range& range) {
 
 // The error of one value of a column.
 inline InputError entry_error(const std::string& column, Index index, double value, const std::string& rule) {
-    return {column + "[" + std::to_string(index) + "]", rule, number_text(value)};
+    return {entry_name(column, index), rule, number_text(value)};
+}
+
+// Depths lie within this many metres of 0: beyond any hole, while squares of distances stay finite and depths are told
+// apart to 2 nanometres.
+inline constexpr double largest_depth = 1e7;
+inline constexpr const char* depth_rule = "must lie in -10000000 to 10000000 m";
+
+inline void require(bool good, const std::string& place, double value, const std::string& rule) {
+    if (!good) throw InputError(place, rule, number_text(value));
+}
+inline void require(bool good, const std::string& place, Index value, const std::string& rule) {
+    if (!good) throw InputError(place, rule, std::to_string(value));
+}
+
+inline void require_depth(const std::string& place, double depth) {
+    require(std::isfinite(depth), place, depth, "must be finite");
+    require(std::abs(depth) <= largest_depth, place, depth, depth_rule);
+}
+
+inline void require_threads(int threads) {
+    require(threads >= 1 && threads <= 1024, "threads", Index{threads}, "must lie in 1 to 1024");
+}
+
+inline void require_sectors(int sectors) {
+    require(sectors >= 3, "sectors", Index{sectors}, "must be 3 or more");
+    require(sectors <= 1000000, "sectors", Index{sectors}, "must be at most 1000000");
+}
+
+inline void require_pitch(double pitch) {
+    require(std::isfinite(pitch) && pitch != 0.0, "pitch", pitch, "must be finite and not 0");
 }
 
 inline void require_finite(const char* name, std::span<const double> values) {
     for (std::size_t i = 0; i < values.size(); ++i)
         if (!std::isfinite(values[i])) throw entry_error(name, static_cast<Index>(i), values[i], "must be finite");
+}
+
+inline void require_depths(std::span<const double> depth) {
+    require_finite("depth", depth);
+    for (std::size_t i = 0; i < depth.size(); ++i)
+        if (!(std::abs(depth[i]) <= largest_depth))
+            throw entry_error("depth", static_cast<Index>(i), depth[i], depth_rule);
 }
 
 // "toolface has 2 values, depth has 3: must be equal"

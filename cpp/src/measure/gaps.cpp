@@ -2,8 +2,10 @@
 // sector by sector, until one holds a sample within reach. Where a tool sees all around that is the first or second
 // sector.
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
+#include "base/arithmetic.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/logs.hpp"
@@ -104,8 +106,14 @@ void look_around(const Sectors& in, Index number, Index sectors, double reach, b
 
 std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlaces& samples, double reach,
                                  int threads) {
-    if (vertices.sectors < 1) throw InputError("sectors", "must be 1 or more", std::to_string(vertices.sectors));
+    const StandardArithmetic standard;
+    require(vertices.sectors >= 1, "sectors", vertices.sectors, "must be 1 or more");
+    require(vertices.sectors <= 1000000, "sectors", vertices.sectors, "must be at most 1000000");
+    require(vertices.count >= 0, "count", vertices.count, "must not be negative");
+    require(std::isfinite(vertices.start_toolface), "start_toolface", vertices.start_toolface, "must be finite");
+    require_threads(threads);
     require_length("toolface", samples.toolface.size(), samples.depth.size());
+    require_finite("toolface", samples.toolface);
     const Index sectors = vertices.sectors;
     const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors};
     const Sectors in = sorted(samples, vertices.start_toolface, sectors);

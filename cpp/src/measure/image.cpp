@@ -7,8 +7,9 @@
 #include <limits>
 #include <string>
 
+#include "base/arithmetic.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
-#include "helibore/error.hpp"
 
 namespace helibore {
 namespace {
@@ -75,23 +76,30 @@ std::vector<double> fill(std::span<const double> bounds, const QuadCentres& quad
     return values;
 }
 
-void require_cells(const ImageRows& image, const QuadCentres& quads) {
-    if (image.sectors < 1 || image.values.size() != image.depth.size() * static_cast<std::size_t>(image.sectors)) {
-        throw InputError("values", "has " + std::to_string(image.values.size()) + ", must be " +
-                                       std::to_string(image.depth.size()) + " rows of " +
-                                       std::to_string(image.sectors));
+void require_cells(const ImageRows& image, const QuadCentres& quads, int threads) {
+    require(image.sectors >= 1 && image.sectors <= 1000000, "sectors", Index{image.sectors},
+            "must lie in 1 to 1000000");
+    if (image.values.size() != image.depth.size() * static_cast<std::size_t>(image.sectors)) {
+        throw InputError("values has " + std::to_string(image.values.size()) + " values",
+                         "must be " + std::to_string(image.depth.size()) + " rows of " + std::to_string(image.sectors));
     }
     if (quads.sector.empty()) throw InputError("sector", "must have at least one");
+    for (std::size_t i = 0; i < quads.sector.size(); ++i) {
+        require(std::abs(quads.sector[i]) <= 1e9, entry_name("sector", static_cast<Index>(i)), quads.sector[i],
+                "must lie in -1e9 to 1e9");
+    }
+    require(quads.count >= 0, "count", quads.count, "must not be negative");
+    require_threads(threads);
 }
 
 }  // namespace
 
 std::vector<double> cell_values(const ImageRows& image, std::span<const double> low, std::span<const double> high,
                                 const QuadCentres& quads, int threads) {
-    require_cells(image, quads);
-    if (low.size() != image.depth.size() || high.size() != low.size()) {
-        throw InputError("low, high", "must have one value a row");
-    }
+    const StandardArithmetic standard;
+    require_cells(image, quads, threads);
+    require_length("low", low.size(), image.depth.size());
+    require_length("high", high.size(), image.depth.size());
     const std::vector<Across> across = across_of(image, quads.sector);
     return fill(low, quads, threads, [&](Index row, Index column, double depth) {
         if (depth >= high[static_cast<std::size_t>(row)]) return missing;
@@ -101,7 +109,8 @@ std::vector<double> cell_values(const ImageRows& image, std::span<const double> 
 }
 
 std::vector<double> linear_values(const ImageRows& image, double reach, const QuadCentres& quads, int threads) {
-    require_cells(image, quads);
+    const StandardArithmetic standard;
+    require_cells(image, quads, threads);
     const std::vector<Across> across = across_of(image, quads.sector);
     const double* const depths = image.depth.data();
     const auto last = static_cast<Index>(image.depth.size()) - 1;

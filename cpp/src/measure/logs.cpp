@@ -6,19 +6,20 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <string>
 
+#include "base/arithmetic.hpp"
 #include "base/degrees.hpp"
 #include "base/extremes.hpp"
+#include "base/messages.hpp"
 #include "base/threads.hpp"
-#include "helibore/error.hpp"
 #include "measure/circles.hpp"
 #include "search/kernel/instruction_set.hpp"
 
 namespace helibore {
 namespace {
 
-constexpr Index block = 256;  // turns
+constexpr Index block = 256;                                   // turns
+constexpr double least_radius = 1e-50, largest_radius = 1e50;  // metres; products of five radii stay finite and not 0
 constexpr double missing = std::numeric_limits<double>::quiet_NaN();
 
 // A toolface between two vertices of a turn.
@@ -244,9 +245,16 @@ TurnLogs sized(std::size_t count) {
 }  // namespace
 
 TurnLogs turn_logs(const Turns& turns, int threads) {
-    if (turns.sectors < 3) throw InputError("sectors", "must be 3 or more", std::to_string(turns.sectors));
-    if (turns.window < 3 || turns.window % 2 == 0) {
-        throw InputError("window", "must be odd and 3 or more", std::to_string(turns.window));
+    const StandardArithmetic standard;
+    require_sectors(turns.sectors);
+    require(turns.window >= 3 && turns.window % 2 == 1, "window", turns.window, "must be odd and 3 or more");
+    require(std::isfinite(turns.start_toolface), "start_toolface", turns.start_toolface, "must be finite");
+    require_threads(threads);
+    for (std::size_t i = 0; i < turns.radius.size(); ++i) {
+        const double r = turns.radius[i];
+        if (std::isnan(r) || (r >= least_radius && r <= largest_radius)) continue;
+        throw InputError(entry_name("radius", static_cast<Index>(i)), "must lie in 1e-50 to 1e50 m, or be nan",
+                         number_text(r));
     }
     const Index count = static_cast<Index>(turns.radius.size()) / turns.sectors;
     TurnLogs logs = sized(static_cast<std::size_t>(count));

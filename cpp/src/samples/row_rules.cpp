@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/arithmetic.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "search/kernel/instruction_set.hpp"
@@ -28,24 +29,27 @@ void check_lengths(const SampleColumns& c) {
 }
 
 void check_rows(const SampleColumns& c) {
-    require_finite("depth", c.depth);
+    require_depths(c.depth);
     require_finite("toolface", c.toolface);
     require_finite("radius", c.radius);
     for (std::size_t i = 0; i < c.radius.size(); ++i)
         if (!(c.radius[i] > 0.0 && c.radius[i] <= largest_radius))
-            throw entry_error("radius", static_cast<Index>(i), c.radius[i], "must be above 0 and at most 2 m");
+            throw InputError(entry_name("radius", static_cast<Index>(i)), "must be above 0 and at most 2 m",
+                             number_text(c.radius[i]));
     require_finite("time", c.time);
 }
 
 bool rows_valid(const SampleColumns& c, Range rows, const kernel::Functions& f) {
     const Index n = rows.stop - rows.start;
-    return f.all_within(c.depth.data() + rows.start, n, -largest, largest) &&
+    return f.all_within(c.depth.data() + rows.start, n, -largest_depth, largest_depth) &&
            f.all_within(c.toolface.data() + rows.start, n, -largest, largest) &&
            f.all_within(c.radius.data() + rows.start, n, least_radius, largest_radius) &&
            (c.time.empty() || f.all_within(c.time.data() + rows.start, n, -largest, largest));
 }
 
 void SampleColumns::validate(int threads) const {
+    const StandardArithmetic standard;
+    require_threads(threads);
     check_lengths(*this);
     const auto n = static_cast<Index>(depth.size());
     const kernel::Functions& f = kernel::functions_for(InstructionSet::automatic);

@@ -1,4 +1,5 @@
-// The rules for every row of a batch: depth, toolface and time finite, radius above 0 and at most 2 m.
+// The rules for every row of a batch: toolface and time finite, depth within 1e7 m of 0, radius above 0 and at most 2
+// m.
 #pragma once
 
 #include "helibore/types.hpp"

@@ -10,11 +10,13 @@
 #include <atomic>
 #include <limits>
 
+#include "base/arithmetic.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "helibore/surface.hpp"
 #include "samples/helix.hpp"
+#include "surface/layout_rules.hpp"
 
 namespace helibore {
 namespace {
@@ -58,12 +60,32 @@ bool upright(const Corners& c) {
     return all;
 }
 
-// Calls visit(row) for all rows below `count`, on several threads.
-template <class Visit>
-void for_each_row(Index count, int threads, const Visit& visit) {
+// The first row below `count` that is not `good`, or `none`; looks on several threads.
+template <class Good>
+Index first_bad(Index count, int threads, const Good& good) {
+    std::atomic<Index> first{none};
     for_each_range(threads, count, cells_a_part, [&](int, const Range& rows) {
-        for (Index row = rows.start; row < rows.stop; ++row) visit(row);
+        for (Index row = rows.start; row < rows.stop; ++row) {
+            if (good(static_cast<std::size_t>(row))) continue;
+            for (Index least = first; row < least && !first.compare_exchange_weak(least, row);) {
+            }
+            return;
+        }
     });
+    return first;
+}
+
+void require_corners(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads) {
+    require_threads(threads);
+    const auto rows = static_cast<Index>(vertices.size());
+    const auto is_row = [&](Index corner) { return corner >= 0 && corner < rows; };
+    const Index bad = first_bad(static_cast<Index>(hexahedra.size()), threads,
+                                [&](std::size_t row) { return std::ranges::all_of(hexahedra[row], is_row); });
+    if (bad == none) return;
+    const Hexahedron& of = hexahedra[static_cast<std::size_t>(bad)];
+    const auto corner = std::ranges::find_if_not(of, is_row);
+    require(false, entry_name(entry_name("hexahedra", bad), corner - of.begin()), *corner,
+            "must be a row of the " + std::to_string(rows) + " vertices");
 }
 
 // "shells[1] at vertex 7, depth 12.5": the outer side of the hexahedron in this row.
@@ -84,22 +106,26 @@ std::string place_of(const HelixRadii& radii, const VolumeLayout& layout, Index 
 
 void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::span<const Vector3> vertices,
                      std::span<const Hexahedron> hexahedra, int threads) {
-    std::atomic<Index> first{none};
-    for_each_row(static_cast<Index>(hexahedra.size()), threads, [&](Index row) {
-        if (upright(Corners(vertices, hexahedra[static_cast<std::size_t>(row)]))) return;
-        for (Index least = first; row < least && !first.compare_exchange_weak(least, row);) {
-        }
-    });
+    const StandardArithmetic standard;
+    require_helix(radii);
+    const auto count = static_cast<Index>(hexahedra.size());
+    require(count == layout.hexahedron_count, "hexahedra", count,
+            "must be as many as the layout has: " + std::to_string(layout.hexahedron_count));
+    require_corners(vertices, hexahedra, threads);
+    const Index first =
+        first_bad(count, threads, [&](std::size_t row) { return upright(Corners(vertices, hexahedra[row])); });
     if (first == none) return;
     throw InputError(place_of(radii, layout, first),
                      "folds over itself; the path bends or turns more sharply there than the shell is thick");
 }
 
 std::vector<double> volumes(std::span<const Vector3> vertices, std::span<const Hexahedron> hexahedra, int threads) {
+    const StandardArithmetic standard;
+    require_corners(vertices, hexahedra, threads);
     std::vector<double> out(hexahedra.size());
-    for_each_row(static_cast<Index>(hexahedra.size()), threads, [&](Index row) {
-        const auto at = static_cast<std::size_t>(row);
-        out[at] = volume_of(Corners(vertices, hexahedra[at]));
+    for_each_range(threads, static_cast<Index>(hexahedra.size()), cells_a_part, [&](int, const Range& rows) {
+        for (auto at = static_cast<std::size_t>(rows.start); at < static_cast<std::size_t>(rows.stop); ++at)
+            out[at] = volume_of(Corners(vertices, hexahedra[at]));
     });
     return out;
 }

@@ -10,40 +10,56 @@
 // written without their 0/0.
 #include "helibore/path.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <type_traits>
+#include <utility>
 
+#include "base/arithmetic.hpp"
 #include "base/degrees.hpp"
 #include "base/messages.hpp"
 #include "helibore/error.hpp"
 #include "surface/segments.hpp"
 
 namespace helibore {
+
+struct StationColumns {
+    std::span<const double> depth, inclination, azimuth;
+};
+
 namespace {
 
 using glm::dvec3;
+
+StationColumns columns_of(const Survey& survey) {
+    return {survey.depth(), survey.inclination(), survey.azimuth()};
+}
 
 // Two tangents that are opposite to within this angle (radians) define no plane for an arc.
 constexpr double least_from_opposite = 1e-8;
 // A course that covers less horizontal distance than this share of its length is vertical: its azimuth cannot change.
 constexpr double least_across = 1e-12;
+constexpr double least_course = 1e-6;  // metres between two stations; the curvature stays finite
 
-void require_between(const char* name, std::span<const double> values, double low, double high) {
-    require_finite(name, values);
+// The first of `values` is entry `first` of its column in the errors.
+void require_between(const char* name, std::span<const double> values, double low, double high, Index first) {
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (values[i] < low || values[i] > high) {
-            throw entry_error(name, Index(i), values[i],
-                              "must lie in " + number_text(low) + " to " + number_text(high) + " degrees");
-        }
+        if (values[i] >= low && values[i] <= high) continue;
+        const char* unit = std::isfinite(values[i]) ? " degrees" : "";
+        throw InputError(
+            entry_name(name, Index(i) + first),
+            *unit ? "must lie in " + number_text(low) + " to " + number_text(high) + unit : "must be finite",
+            number_text(values[i]));
     }
 }
 
-void require_growing(std::span<const double> depth) {
-    require_finite("depth", depth);
+void require_growing(std::span<const double> depth, Index first) {
     for (std::size_t i = 1; i < depth.size(); ++i) {
-        if (depth[i] <= depth[i - 1]) {
-            throw entry_error("depth", Index(i), depth[i],
-                              "must be greater than " + entry_text("depth", Index(i) - 1, depth[i - 1]));
-        }
+        if (depth[i] - depth[i - 1] >= least_course) continue;
+        throw InputError(entry_name("depth", Index(i) + first),
+                         (depth[i] <= depth[i - 1] ? "must be greater than " : "must be 1e-6 m or more below ") +
+                             entry_text("depth", Index(i) - 1 + first, depth[i - 1]),
+                         number_text(depth[i]));
     }
 }
 
@@ -57,10 +73,10 @@ struct Station {
     dvec3 tangent;
 };
 
-Station station(const Survey& survey, std::size_t index) {
-    const double inclination = survey.inclination()[index], azimuth = survey.azimuth()[index];
+Station station(const StationColumns& columns, std::size_t index) {
+    const double inclination = columns.inclination[index], azimuth = columns.azimuth[index];
     const SineCosine i = sine_cosine(inclination), a = sine_cosine(azimuth);
-    return {survey.depth()[index], inclination, azimuth, i, a, {i.sine * a.cosine, i.sine * a.sine, i.cosine}};
+    return {columns.depth[index], inclination, azimuth, i, a, {i.sine * a.cosine, i.sine * a.sine, i.cosine}};
 }
 
 // |t2 - t1| / 2 is written as the haversine, which is exact for doglegs far below a millionth of a degree.
@@ -132,34 +148,32 @@ dvec3 append_curves(std::vector<CylinderCurve>& curves, const Station& above, co
     return position(length);
 }
 
-void require_arc(const Survey& survey, std::size_t below) {
-    const dvec3 sum = station(survey, below).tangent + station(survey, below - 1).tangent;
-    if (glm::length(sum) >= least_from_opposite) return;
-    throw entry_error("depth", Index(below), survey.depth()[below],
-                      "the hole turns by 180 deg since " +
-                          entry_text("depth", Index(below) - 1, survey.depth()[below - 1]) +
-                          ", which no one arc does: must be less than 180");
+void require_arc(const Station& above, const Station& below, Index index) {
+    if (glm::length(above.tangent + below.tangent) >= least_from_opposite) return;
+    throw InputError(entry_name("depth", index),
+                     "the hole turns by 180 deg since " + entry_text("depth", index - 1, above.depth) +
+                         ", which no one arc does: must be less than 180",
+                     number_text(below.depth));
 }
 
 void require_sane(const PathSettings& settings) {
     for (std::size_t i = 0; i < 3; ++i) {
-        if (!std::isfinite(settings.head[i])) {
-            throw entry_error("head", Index(i), settings.head[i], "must be finite");
-        }
+        require(std::isfinite(settings.head[i]), entry_name("head", Index(i)), settings.head[i], "must be finite");
     }
-    if (!(settings.extend >= 0.0 && std::isfinite(settings.extend))) {
-        throw InputError("extend", "must be finite and not negative", number_text(settings.extend));
-    }
+    require(settings.extend >= 0.0 && std::isfinite(settings.extend), "extend", settings.extend,
+            "must be finite and not negative");
 }
 
-// Moves toolface 0 from the first segment to the start of every other by parallel transport.
+// Moves toolface 0 from the first segment to the starts of the others by parallel transport, from segment `from` on.
 template <class Segment>
-void transport_toolface(std::vector<Segment>& segments) {
-    const Point top = segments.front().at(0.0);
-    const Axes north = axes_of<Reference::north>(segments.front(), top);
-    const Axes first = north.square >= 0.5 ? north : axes_of<Reference::high_side>(segments.front(), top);
-    segments.front().zero = glm::normalize(dvec3(first.zero_n, first.zero_e, first.zero_d));
-    for (std::size_t i = 1; i < segments.size(); ++i) {
+void transport_toolface(std::vector<Segment>& segments, std::size_t from) {
+    if (from == 0) {
+        const PathPoint top = segments.front().at(0.0);
+        const Axes north = axes_of<Reference::north>(segments.front(), top);
+        const Axes first = north.square >= 0.5 ? north : axes_of<Reference::high_side>(segments.front(), top);
+        segments.front().zero = glm::normalize(dvec3(first.zero_n, first.zero_e, first.zero_d));
+    }
+    for (std::size_t i = std::max<std::size_t>(from, 1); i < segments.size(); ++i) {
         const dvec3 t = segments[i].start_tangent();
         const Axes a = axes_of<Reference::parallel_transport>(segments[i - 1], {0.0, 0.0, 0.0, t.x, t.y, t.z});
         const dvec3 zero(a.zero_n, a.zero_e, a.zero_d);
@@ -167,40 +181,71 @@ void transport_toolface(std::vector<Segment>& segments) {
     }
 }
 
-Segments segments_of(const Survey& survey, const PathSettings& settings) {
-    require_sane(settings);
-    Segments segments;
-    segments.reference = settings.reference;
-    segments.start_depth = survey.depth().front();
-    segments.survey_depth = survey.depth().back();
-    segments.stop_depth = segments.survey_depth + settings.extend;
-    const bool arcs = settings.method == Method::minimum_curvature;
-    const std::size_t last = survey.depth().size() - 1;
-    dvec3 head(settings.head[0], settings.head[1], settings.head[2]);
-    for (std::size_t i = 0; i < last; ++i) {
-        if (arcs) require_arc(survey, i + 1);
-        const Station above = station(survey, i), below = station(survey, i + 1);
-        head =
-            arcs ? append_arcs(segments.arcs, above, below, head) : append_curves(segments.curves, above, below, head);
+dvec3 append_course(std::vector<Arc>& arcs, const Station& above, const Station& below, const dvec3& head) {
+    return append_arcs(arcs, above, below, head);
+}
+dvec3 append_course(std::vector<CylinderCurve>& curves, const Station& above, const Station& below, const dvec3& head) {
+    return append_curves(curves, above, below, head);
+}
+
+Arc straight(const Station& end, const dvec3& head, const Arc&) {
+    return {end.depth, head, end.tangent, dvec3(0.0), 0.0};
+}
+CylinderCurve straight(const Station& end, const dvec3& head, const CylinderCurve&) {
+    return {end.depth, head, end.i.sine, end.i.cosine, end.a.sine, end.a.cosine, 0.0, 0.0};
+}
+
+// Builds the segments from station `first` on; those above it stay.
+template <class Segment>
+void build_from(std::vector<Segment>& segments, const StationColumns& columns, std::size_t first, dvec3 head) {
+    auto at = segments.begin();
+    if (first > 0) {
+        at = std::lower_bound(segments.begin(), segments.end(), columns.depth[first],
+                              [](const Segment& segment, double depth) { return segment.depth < depth; });
+        head = at->position;
+    }
+    const auto from = static_cast<std::size_t>(at - segments.begin());
+    segments.erase(at, segments.end());
+    const std::size_t last = columns.depth.size() - 1;
+    Station above = station(columns, first);
+    for (std::size_t i = first; i < last; ++i) {
+        const Station below = station(columns, i + 1);
+        if constexpr (std::is_same_v<Segment, Arc>) require_arc(above, below, Index(i) + 1);
+        head = append_course(segments, above, below, head);
+        above = below;
     }
     // The last segment is straight. It starts at the last station, so that this station starts a segment, too, and
     // keeps its bits when the next course replaces the straight segment.
-    const Station end = station(survey, last);
-    if (arcs) {
-        segments.arcs.push_back({end.depth, head, end.tangent, dvec3(0.0), 0.0});
-        transport_toolface(segments.arcs);
-    } else {
-        segments.curves.push_back({end.depth, head, end.i.sine, end.i.cosine, end.a.sine, end.a.cosine, 0.0, 0.0});
-        transport_toolface(segments.curves);
-    }
+    segments.push_back(straight(above, head, Segment{}));
+    transport_toolface(segments, from);
+}
+
+void build_from(Segments& segments, const StationColumns& columns, std::size_t first, const PathSettings& settings) {
+    const StandardArithmetic standard;
+    segments.reference = settings.reference;
+    segments.start_depth = columns.depth.front();
+    segments.survey_depth = columns.depth.back();
+    segments.stop_depth = segments.survey_depth + settings.extend;
+    const dvec3 head(settings.head[0], settings.head[1], settings.head[2]);
+    if (settings.method == Method::minimum_curvature)
+        build_from(segments.arcs, columns, first, head);
+    else
+        build_from(segments.curves, columns, first, head);
+}
+
+Segments segments_of(const Survey& survey, const PathSettings& settings) {
+    require_sane(settings);
+    Segments segments;
+    build_from(segments, columns_of(survey), 0, settings);
     return segments;
 }
 
 // Calls visit(i, segment, point of depth[i]) for every depth.
 template <class Visit>
 void for_each_point(const Segments& segments, std::span<const double> depth, const Visit& visit) {
+    const StandardArithmetic standard;
     for (std::size_t i = 0; i < depth.size(); ++i) {
-        segments.require_reach(depth[i], entry_text("depth", Index(i), depth[i]));
+        segments.require_reach(depth[i], {Index(i)});
         const auto point = [&](const auto& segment) { visit(i, segment, segment.at(depth[i] - segment.depth)); };
         segments.curves.empty() ? point(segment_at(segments.arcs, depth[i]))
                                 : point(segment_at(segments.curves, depth[i]));
@@ -208,9 +253,9 @@ void for_each_point(const Segments& segments, std::span<const double> depth, con
 }
 
 template <Reference reference, class Segment>
-Frame frame_at(const Segments& segments, const Segment& segment, const Point& p, Index i, double depth) {
+Frame frame_at(const Segments& segments, const Segment& segment, const PathPoint& p, Index i, double depth) {
     const Axes a = axes_of<reference>(segment, p);
-    if (a.square < least_reference_angle * least_reference_angle) segments.refuse_frame(entry_text("depth", i, depth));
+    if (a.square < least_reference_angle * least_reference_angle) segments.refuse_frame(depth, {i});
     const double scale = 1.0 / std::sqrt(a.square);
     return {{{a.zero_n * scale, a.zero_e * scale, a.zero_d * scale},
              {a.right_n * scale, a.right_e * scale, a.right_d * scale},
@@ -223,22 +268,25 @@ Survey::Survey(std::span<const double> depth, std::span<const double> inclinatio
     : depth_(depth.begin(), depth.end()),
       inclination_(inclination.begin(), inclination.end()),
       azimuth_(azimuth.begin(), azimuth.end()) {
+    const StandardArithmetic standard;
     require_length("inclination", inclination.size(), depth.size());
     require_length("azimuth", azimuth.size(), depth.size());
     if (depth.size() < 2) {
         throw InputError("survey has " + std::to_string(depth.size()) + (depth.size() == 1 ? " station" : " stations"),
                          "must have two or more");
     }
-    require_growing(depth);
-    require_between("inclination", inclination, 0.0, 180.0);
-    require_between("azimuth", azimuth, -360.0, 360.0);
+    require_depths(depth);
+    require_growing(depth, 0);
+    require_between("inclination", inclination, 0.0, 180.0, 0);
+    require_between("azimuth", azimuth, -360.0, 360.0, 0);
 }
 
 std::vector<double> Survey::dogleg() const {
+    const StandardArithmetic standard;
     std::vector<double> degrees;
     degrees.reserve(depth_.size() - 1);
     for (std::size_t i = 1; i < depth_.size(); ++i) {
-        degrees.push_back(dogleg_between(station(*this, i - 1), station(*this, i)) / degree);
+        degrees.push_back(dogleg_between(station(columns_of(*this), i - 1), station(columns_of(*this), i)) / degree);
     }
     return degrees;
 }
@@ -258,23 +306,27 @@ Reference reference_of(std::string_view name) {
                      "\"" + std::string(name) + "\"");
 }
 
-void Segments::require_reach(double depth, const std::string& where) const {
-    if (std::isnan(depth) || std::isinf(depth)) throw InputError(where, "must be finite");
+void Segments::require_reach(double depth, const DepthOf& of) const {
+    if (depth >= start_depth && depth <= stop_depth && std::isfinite(depth)) return;
+    if (!std::isfinite(depth)) throw of.error(depth, "must be finite");
     if (depth < start_depth) {
-        throw InputError(where,
-                         "must not lie above the first station of the survey, at " + number_text(start_depth) + " m");
+        throw of.error(depth,
+                       "must not lie above the first station of the survey, at " + number_text(start_depth) + " m");
     }
-    if (depth > stop_depth) {
-        throw InputError(where, "must not lie below the last station of the survey, at " + number_text(survey_depth) +
-                                    " m, plus extend = " + number_text(stop_depth - survey_depth) + " m");
-    }
+    throw of.error(depth, "must not lie below the last station of the survey, at " + number_text(survey_depth) +
+                              " m, plus extend = " + number_text(stop_depth - survey_depth) + " m");
 }
 
-void Segments::refuse_frame(const std::string& where) const {
-    if (reference == Reference::high_side) {
-        throw InputError(where, "the high side is undefined where the hole is vertical; use reference=\"north\"");
-    }
-    throw InputError(where, "north is undefined where the hole runs level north or south; use reference=\"high-side\"");
+void Segments::refuse_frame(double depth, const DepthOf& of) const {
+    if (reference == Reference::high_side)
+        throw of.error(depth, "the high side is undefined where the hole is vertical; use reference=\"north\"");
+    throw of.error(depth, "north is undefined where the hole runs level north or south; use reference=\"high-side\"");
+}
+
+// "depth[3] = 12" or "vertex 7 at depth 12"
+InputError DepthOf::error(double depth, const std::string& rule) const {
+    if (!vertex) return {entry_name("depth", index), rule, number_text(depth)};
+    return {"vertex " + std::to_string(index) + " at depth " + number_text(depth), rule};
 }
 
 Path::Path() {
@@ -289,20 +341,20 @@ Path::Path(const Survey& survey, const PathSettings& settings)
 std::vector<Vector3> Path::position(std::span<const double> depth) const {
     std::vector<Vector3> positions(depth.size());
     for_each_point(*segments_, depth,
-                   [&](std::size_t i, const auto&, const Point& p) { positions[i] = {p.north, p.east, p.down}; });
+                   [&](std::size_t i, const auto&, const PathPoint& p) { positions[i] = {p.north, p.east, p.down}; });
     return positions;
 }
 
 std::vector<Vector3> Path::tangent(std::span<const double> depth) const {
     std::vector<Vector3> tangents(depth.size());
     for_each_point(*segments_, depth,
-                   [&](std::size_t i, const auto&, const Point& p) { tangents[i] = {p.tan_n, p.tan_e, p.tan_d}; });
+                   [&](std::size_t i, const auto&, const PathPoint& p) { tangents[i] = {p.tan_n, p.tan_e, p.tan_d}; });
     return tangents;
 }
 
 std::vector<Frame> Path::frame(std::span<const double> depth) const {
     std::vector<Frame> frames(depth.size());
-    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const Point& p) {
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p) {
         frames[i] = with_reference(segments_->reference, [&](auto reference) {
             return frame_at<reference>(*segments_, segment, p, Index(i), depth[i]);
         });
@@ -314,9 +366,9 @@ std::vector<double> Path::north_to_high_side(std::span<const double> depth) cons
     Segments high_side;  // its rule and error, whatever the reference of the path
     high_side.reference = Reference::high_side;
     std::vector<double> degrees(depth.size());
-    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const Point& p) {
+    for_each_point(*segments_, depth, [&](std::size_t i, const auto& segment, const PathPoint& p) {
         if (axes_of<Reference::high_side>(segment, p).square < least_reference_angle * least_reference_angle) {
-            high_side.refuse_frame(entry_text("depth", Index(i), depth[i]));
+            high_side.refuse_frame(depth[i], {Index(i)});
         }
         const double angle = std::atan2(-p.tan_e, p.tan_d * p.tan_n) / degree;
         const double positive = angle < 0.0 ? angle + 360.0 : angle + 0.0;  // + 0.0 turns -0 into 0
@@ -336,6 +388,92 @@ double Path::survey_depth() const {
 }
 double Path::stop_depth() const {
     return segments_->stop_depth;
+}
+
+Stations::Stations(const PathSettings& settings) : settings_(settings), segments_(std::make_unique<Segments>()) {
+    const StandardArithmetic standard;
+    require_sane(settings);
+}
+Stations::~Stations() = default;
+
+Stations::Taken Stations::take(std::span<const double> depth, std::span<const double> inclination,
+                               std::span<const double> azimuth) {
+    const StandardArithmetic standard;
+    require_length("inclination", inclination.size(), depth.size());
+    require_length("azimuth", azimuth.size(), depth.size());
+    Taken taken;
+    for (std::size_t i = 0; i < depth.size(); ++i) {
+        std::string bad;
+        if (!(std::abs(depth[i]) <= largest_depth)) {
+            bad = std::string("depth ") + (std::isfinite(depth[i]) ? depth_rule : "must be finite");
+        } else {
+            try {
+                const auto from = take_one(depth[i], inclination[i], azimuth[i]);
+                if (from) taken.path_from = std::min(*from, taken.path_from.value_or(*from));
+            } catch (const InputError& error) {
+                bad = error.what();
+            }
+        }
+        if (!bad.empty()) taken.refused.push_back("station at " + short_text(depth[i]) + " m: " + bad);
+    }
+    return taken;
+}
+
+// Checks a station with its neighbours, then takes it. Returns the depth below which the path changes.
+std::optional<double> Stations::take_one(double depth, double inclination, double azimuth) {
+    const auto place = std::lower_bound(depth_.begin(), depth_.end(), depth);
+    const auto at = static_cast<std::size_t>(place - depth_.begin());
+    const bool replaces = place != depth_.end() && *place == depth;
+    if (replaces && inclination_[at] == inclination && azimuth_[at] == azimuth) return {};
+    if (depth_.size() == (replaces ? 1 : 0)) {
+        const bool good = inclination >= 0.0 && inclination <= 180.0 && std::abs(azimuth) <= 360.0;
+        if (!good)
+            throw InputError("inclination " + short_text(inclination) + ", azimuth " + short_text(azimuth),
+                             "must be in [0, 180], [-360, 360]");
+    } else {
+        require_between("inclination", {&inclination, 1}, 0.0, 180.0, Index(at));
+        require_between("azimuth", {&azimuth, 1}, -360.0, 360.0, Index(at));
+        const Station here = station({{&depth, 1}, {&inclination, 1}, {&azimuth, 1}}, 0);
+        const auto require_course = [&](const Station& above, const Station& below, std::size_t index) {
+            const double ends[] = {above.depth, below.depth};
+            require_growing(ends, Index(index) - 1);
+            if (settings_.method == Method::minimum_curvature) require_arc(above, below, Index(index));
+        };
+        const std::size_t next = at + (replaces ? 1 : 0);
+        const StationColumns all{depth_, inclination_, azimuth_};
+        if (at > 0) require_course(station(all, at - 1), here, at);
+        if (next < depth_.size()) require_course(here, station(all, next), at + 1);
+    }
+    if (replaces) {
+        inclination_[at] = inclination;
+        azimuth_[at] = azimuth;
+    } else {
+        for (std::vector<double>* column : {&depth_, &inclination_, &azimuth_})
+            if (column->size() == column->capacity()) column->reserve(2 * column->size() + 16);
+        const auto offset = static_cast<std::ptrdiff_t>(at);  // nothing below throws
+        depth_.insert(depth_.begin() + offset, depth);
+        inclination_.insert(inclination_.begin() + offset, inclination);
+        azimuth_.insert(azimuth_.begin() + offset, azimuth);
+    }
+    built_ = std::min(built_, at);
+    path_.reset();
+    return at == 0 ? depth : depth_[at - 1];
+}
+
+std::optional<Survey> Stations::survey() const {
+    if (depth_.size() < 2) return {};
+    return Survey(depth_, inclination_, azimuth_);
+}
+
+std::optional<Path> Stations::path() {
+    if (depth_.size() < 2) return {};
+    if (!path_) {
+        const std::size_t first = std::exchange(built_, 0);  // if memory ends below, all is built anew
+        build_from(*segments_, {depth_, inclination_, azimuth_}, first > 0 ? first - 1 : 0, settings_);
+        built_ = depth_.size();
+        path_ = Path(std::make_shared<const Segments>(*segments_));
+    }
+    return path_;
 }
 
 }  // namespace helibore

@@ -9,12 +9,14 @@
 #include <cmath>
 #include <limits>
 
+#include "base/arithmetic.hpp"
 #include "base/degrees.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "helibore/surface.hpp"
 #include "samples/helix.hpp"
+#include "surface/layout_rules.hpp"
 #include "surface/segments.hpp"
 
 namespace helibore {
@@ -57,7 +59,7 @@ int place_chunk(const Task& task, const Segment& segment, Index k, int count, Ve
     double north[chunk_size], east[chunk_size], down[chunk_size], square[chunk_size];
     for (int j = 0; j < count; ++j) {
         const double depth = start + (first + static_cast<double>(j)) * pitch / turn;  // Helix::depth, bit for bit
-        const Point p = segment.at(depth - segment.depth);
+        const PathPoint p = segment.at(depth - segment.depth);
         const Axes a = axes_of<reference>(segment, p);
         const double scale = radius[j] / std::sqrt(a.square), c = cosine[j] * scale, s = sine[j] * scale;
         north[j] = p.north + (c * a.zero_n + s * a.right_n);
@@ -114,9 +116,7 @@ Index place_range(const Task& task, const Range& k, Vector3* out) {
 void require_reach(const Task& task, std::span<const VertexRun> runs) {
     for (const VertexRun& run : runs) {
         for (const Index k : {run.k.start, run.k.stop - 1}) {
-            const double depth = task.helix.depth(k);
-            if (depth >= task.path.start_depth && depth <= task.path.stop_depth) continue;
-            task.path.require_reach(depth, "vertex " + std::to_string(k) + " at depth " + number_text(depth));
+            task.path.require_reach(task.helix.depth(k), {k, true});
         }
     }
 }
@@ -125,15 +125,14 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
 [[noreturn]] void refuse(const Task& task, const Path& path, Index k) {
     for (;; ++k) {
         const double depth = task.helix.depth(k);
-        const std::string where = "vertex " + std::to_string(k) + " at depth " + number_text(depth);
         const auto square = [&](const auto& segment) {
-            const Point p = segment.at(depth - segment.depth);
+            const PathPoint p = segment.at(depth - segment.depth);
             return with_reference(task.path.reference,
                                   [&](auto reference) { return axes_of<reference>(segment, p).square; });
         };
         const double of = task.path.curves.empty() ? square(segment_at(task.path.arcs, depth))
                                                    : square(segment_at(task.path.curves, depth));
-        if (of < least_reference_angle * least_reference_angle) path.segments().refuse_frame(where);
+        if (of < least_reference_angle * least_reference_angle) path.segments().refuse_frame(depth, {k, true});
     }
 }
 
@@ -141,12 +140,23 @@ void require_reach(const Task& task, std::span<const VertexRun> runs) {
 
 void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun> runs, std::span<Vector3> vertices,
            int threads) {
+    const StandardArithmetic standard;
+    require_helix(radii);
+    require_threads(threads);
+    require_runs(
+        "runs", runs, [](const VertexRun& run) { return Placed{run.k, run.shift}; }, vertices.size(), "vertices");
+    const Range there{radii.first, radii.first + static_cast<Index>(radii.radius.size())};
+    for (std::size_t i = 0; i < runs.size(); ++i) {
+        if (runs[i].k.start >= there.start && runs[i].k.stop <= there.stop) continue;
+        throw InputError(entry_name("runs", static_cast<Index>(i)),
+                         "must lie within the vertices " + range_text(there) + " of radius", range_text(runs[i].k));
+    }
     if (runs.empty()) return;
     const Helix helix{radii.start_depth, radii.start_toolface, radii.pitch, radii.sectors};
     const Task task{helix, radii.first, radii.radius.data(), path.segments(), Toolfaces(helix)};
     require_reach(task, runs);
     const Index first = runs.front().k.start, length = runs.back().k.stop - first;
-    std::vector<Index> refused(static_cast<std::size_t>(std::max(threads, 1)), none);
+    std::vector<Index> refused(static_cast<std::size_t>(threads), none);
     for_each_range(threads, length, vertices_a_part, [&](int worker, const Range& part) {
         const Range within = {first + part.start, first + part.stop};
         auto run = std::partition_point(runs.begin(), runs.end(),

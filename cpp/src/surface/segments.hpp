@@ -16,6 +16,7 @@
 #include <type_traits>
 #include <vector>
 
+#include "helibore/error.hpp"
 #include "helibore/path.hpp"
 
 namespace helibore {
@@ -32,7 +33,7 @@ inline double versine_ratio(double x) {
     return 0.5 * (1.0 - q * (1.0 / 12.0) * (1.0 - q * (1.0 / 30.0) * (1.0 - q * (1.0 / 56.0))));
 }
 
-struct Point {
+struct PathPoint {
     double north, east, down;    // position
     double tan_n, tan_e, tan_d;  // tangent
 };
@@ -46,7 +47,7 @@ struct Arc {
 
     glm::dvec3 start_tangent() const { return tangent; }
 
-    Point at(double beyond) const {  // metres beyond `depth`
+    PathPoint at(double beyond) const {  // metres beyond `depth`
         const double x = curvature * beyond, s = sine_ratio(x), v = versine_ratio(x);
         const double along = beyond * s, aside = beyond * x * v;
         const double sine = x * s, cosine = 1.0 - x * x * v;
@@ -72,7 +73,7 @@ struct CylinderCurve {
         return {sin_inclination * cos_azimuth, sin_inclination * sin_azimuth, cos_inclination};
     }
 
-    Point at(double beyond) const {
+    PathPoint at(double beyond) const {
         const double x = build * beyond, s = sine_ratio(x), v = versine_ratio(x);
         const double sine = x * s, cosine = 1.0 - x * x * v;
         const double across = beyond * (sin_inclination * s + cos_inclination * (x * v));  // integral of sin I
@@ -109,7 +110,7 @@ struct Axes {
     double square;  // length^2
 };
 template <Reference reference, class Segment>
-inline Axes axes_of(const Segment& segment, const Point& p) {
+inline Axes axes_of(const Segment& segment, const PathPoint& p) {
     if constexpr (reference == Reference::high_side) {
         const double square = p.tan_n * p.tan_n + p.tan_e * p.tan_e;
         return {p.tan_d * p.tan_n, p.tan_d * p.tan_e, -square, -p.tan_e, p.tan_n, 0.0, square};
@@ -147,6 +148,13 @@ auto with_reference(Reference reference, const Visit& visit) {
     return visit(std::integral_constant<Reference, Reference::parallel_transport>{});
 }
 
+// Whose depth an error names: depth[index], or a vertex.
+struct DepthOf {
+    Index index;
+    bool vertex = false;
+    InputError error(double depth, const std::string& rule) const;
+};
+
 struct Segments {
     // One of the two is filled, by the path's method; sorted by depth.
     std::vector<Arc> arcs;
@@ -156,11 +164,10 @@ struct Segments {
     double survey_depth = std::numeric_limits<double>::infinity();
     double stop_depth = std::numeric_limits<double>::infinity();
 
-    // Throws InputError that begins with `where` ("depth[3] = 12", "vertex 7 at depth 12") unless the path reaches
-    // this depth.
-    void require_reach(double depth, const std::string& where) const;
-    // Throws the InputError for a place where the reference is undefined.
-    [[noreturn]] void refuse_frame(const std::string& where) const;
+    // Throws InputError unless the path reaches this depth.
+    void require_reach(double depth, const DepthOf& of) const;
+    // Throws the InputError for a depth at which the reference is undefined.
+    [[noreturn]] void refuse_frame(double depth, const DepthOf& of) const;
 };
 
 // The last segment that starts at or above `depth`; the first one for depths above all.

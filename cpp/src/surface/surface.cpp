@@ -6,27 +6,17 @@
 #include <cmath>
 #include <limits>
 
+#include "base/arithmetic.hpp"
 #include "base/messages.hpp"
 #include "base/threads.hpp"
 #include "helibore/error.hpp"
 #include "samples/helix.hpp"
+#include "surface/layout_rules.hpp"
 
 namespace helibore {
 namespace {
 
 constexpr Index cells_a_part = 16384;  // that a thread takes at a time
-
-void require_helix(const HelixRadii& radii) {
-    if (radii.sectors < 3) throw InputError("sectors", "must be 3 or more", std::to_string(radii.sectors));
-    if (!std::isfinite(radii.pitch) || radii.pitch == 0.0) {
-        throw InputError("pitch", "must be finite and not 0", number_text(radii.pitch));
-    }
-    if (radii.radius.empty()) return;  // an empty wall has no start
-    for (const auto& [name, value] :
-         {std::pair{"start_depth", radii.start_depth}, std::pair{"start_toolface", radii.start_toolface}}) {
-        if (!std::isfinite(value)) throw InputError(name, "must be finite", number_text(value));
-    }
-}
 
 bool is_there(double radius) {
     return radius > 0.0 && radius <= std::numeric_limits<double>::max();
@@ -55,7 +45,8 @@ std::vector<VertexRun> vertex_runs(std::span<const double> radius, Index first, 
         i += static_cast<std::size_t>(length);
         for (const std::size_t stop = i + static_cast<std::size_t>(run_length(radius, i, false)); i < stop; ++i) {
             if (!std::isnan(radius[i])) {
-                throw entry_error(name, static_cast<Index>(i), radius[i], "must be positive and finite, or nan");
+                throw InputError(entry_name(name, static_cast<Index>(i)), "must be positive and finite, or nan",
+                                 number_text(radius[i]));
             }
         }
     }
@@ -103,7 +94,7 @@ void require_nested(const HelixRadii& radii, std::span<const std::span<const dou
         for (std::size_t i = 0; i < shells[s].size(); ++i) {
             if (!(shells[s][i] <= shells[s - 1][i])) continue;
             const Index k = radii.first + static_cast<Index>(i);
-            throw InputError(name_of_shell(s) + "[" + std::to_string(k) + "]",
+            throw InputError(entry_name(name_of_shell(s), k),
                              "must lie beyond " + entry_text(name_of_shell(s - 1), k, shells[s - 1][i]),
                              number_text(shells[s][i]) + " at depth " + number_text(helix.depth(k)));
         }
@@ -141,6 +132,7 @@ struct Corners {
 }  // namespace
 
 SurfaceLayout surface_layout(const HelixRadii& radii) {
+    const StandardArithmetic standard;
     require_helix(radii);
     SurfaceLayout layout;
     layout.vertices = vertex_runs(radii.radius, radii.first, "radius", layout.vertex_count);
@@ -153,6 +145,7 @@ SurfaceLayout surface_layout(const HelixRadii& radii) {
 }
 
 VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<const double>> shells) {
+    const StandardArithmetic standard;
     require_helix(radii);
     if (shells.size() < 2) throw InputError("shells", "a volume needs one or more beyond the wall");
     VolumeLayout layout;
@@ -170,9 +163,14 @@ VolumeLayout volume_layout(const HelixRadii& radii, std::span<const std::span<co
 }
 
 void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> quads, int threads) {
+    const StandardArithmetic standard;
+    require_helix(radii);
+    require_threads(threads);
+    const std::span<const QuadRun> runs(layout.quads);
+    require_runs("quads", runs, [](const QuadRun& run) { return Placed{run.k, run.shift}; }, quads.size(), "quads");
     const bool downwards = radii.pitch > 0.0;
     const auto range_of = [](const QuadRun& run) { return run.k; };
-    fill_runs(std::span<const QuadRun>(layout.quads), range_of, threads, [&](const QuadRun& run, const Range& within) {
+    fill_runs(runs, range_of, threads, [&](const QuadRun& run, const Range& within) {
         const Corners c(run, downwards);
         Quad* out = quads.data() + (within.start + run.shift);
         for (Index k = within.start; k < within.stop; ++k, ++out) {
@@ -182,6 +180,15 @@ void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> 
 }
 
 void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahedron> hexahedra, int threads) {
+    const StandardArithmetic standard;
+    require_helix(radii);
+    require_threads(threads);
+    for (std::size_t i = 0; i < layout.layers.size(); ++i) {
+        require_runs(
+            entry_name("layers", static_cast<Index>(i)), std::span<const HexahedronRun>(layout.layers[i]),
+            [](const HexahedronRun& run) { return Placed{run.inner.k, run.inner.shift}; }, hexahedra.size(),
+            "hexahedra");
+    }
     const bool downwards = radii.pitch > 0.0;
     const auto range_of = [](const HexahedronRun& run) { return run.inner.k; };
     for (const auto& layer : layout.layers) {
@@ -198,6 +205,8 @@ void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahed
 }
 
 Surface surface_of(const HelixRadii& radii, const Path& path, int threads) {
+    const StandardArithmetic standard;
+    require_threads(threads);
     const SurfaceLayout layout = surface_layout(radii);
     Surface surface;
     surface.vertices.resize(static_cast<std::size_t>(layout.vertex_count));

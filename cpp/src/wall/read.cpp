@@ -142,6 +142,7 @@ Index Wall::read_radius(std::span<double> into) const {
 
 std::vector<std::vector<double>> Wall::interpolate_samples(std::span<const std::span<const double>> channels,
                                                            int threads) const {
+    require_threads(threads);
     return locked(*state_, [&](const State& s) {
         for (std::size_t c = 0; c < channels.size(); ++c)
             if (channels[c].size() != static_cast<std::size_t>(s.samples.size()))
@@ -149,7 +150,7 @@ std::vector<std::vector<double>> Wall::interpolate_samples(std::span<const std::
                                      " values, the wall " + std::to_string(s.samples.size()) + " samples",
                                  "must be equal");
         std::vector<std::vector<double>> values(channels.size(), std::vector<double>(length_of(s.all())));
-        std::vector<Search::Scratch> scratches(static_cast<std::size_t>(std::max(threads, 1)));
+        std::vector<Search::Scratch> scratches(static_cast<std::size_t>(threads));
         for_each_range(threads, groups_of(s.count), groups_a_part, [&](int worker, const Range& part) {
             Search::Scratch& scratch = scratches[static_cast<std::size_t>(worker)];
             std::vector<double*> out(channels.size());

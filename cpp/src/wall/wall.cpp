@@ -23,7 +23,6 @@ namespace {
 
 // At least; fewer are not worth the start of a thread.
 constexpr Index groups_a_thread = 256;
-constexpr double most_vertices = 2147483648.0;
 
 // The first of values[from, to) that is `good`, or `to`. Sixteen at a time, which the compiler compares as vectors,
 // because every append looks through the last block.
@@ -72,11 +71,16 @@ Index Wall::State::count_now(const Helix& next) const {
     const bool down = settings.pitch > 0.0;
     const double stop = settings.stop_depth.value_or(down ? samples.last_depth() : samples.first_depth());
     const double vertices_needed = next.count(stop);
-    if (!(vertices_needed <= most_vertices))
-        throw InputError("the wall from " + number_text(next.start_depth) + " m to " + number_text(stop) +
-                             " m would have " + number_text(vertices_needed) + " vertices",
-                         "must be at most 2147483648");
-    return static_cast<Index>(vertices_needed);
+    if (vertices_needed <= static_cast<double>(settings.most_vertices)) return static_cast<Index>(vertices_needed);
+    // The error names the end that a sample sets; of two, the one farther from the median sample, the likelier mistake.
+    const double median = samples.depth(samples.size() / 2), start = next.start_depth;
+    const bool at_start =
+        !settings.start_depth && (settings.stop_depth || std::abs(start - median) > std::abs(stop - median));
+    throw InputError(settings.start_depth && settings.stop_depth ? "stop_depth" : "depth",
+                     "the wall from " + number_text(start) + " m to " + number_text(stop) + " m would have " +
+                         number_text(vertices_needed) +
+                         " vertices; must be at most most_vertices = " + std::to_string(settings.most_vertices),
+                     number_text(at_start ? start : stop));
 }
 
 // A wall has no vertices before its first sample.
@@ -174,7 +178,8 @@ std::vector<Index> Wall::State::touched_groups(const SortedBatch& batch, Index o
         const Index first = b * Vertices::groups_per_block;
         const Index n = std::min(Vertices::groups_per_block, groups - first);
         const auto deep_enough = [top = batch.first_depth()](double deep) { return deep >= top; };
-        for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, deep_enough)) < n; ++g) {
+        for (Index g = std::max<Index>(open - first, 0); (g = first_that(block.deep.data(), g, n, deep_enough)) < n;
+             ++g) {
             const auto i = static_cast<std::size_t>(g);
             if (block.shallow[i] <= batch.last_depth() && reaches(batch, first + g)) touched.push_back(first + g);
         }

@@ -22,13 +22,13 @@ class Settings:
     Attributes
     ----------
     bit_diameter
-        Metres; the first trial radius is half of it.
+        Metres, 0.001 to 4; the first trial radius is half of it.
     sectors
         K, vertices a turn; 3 or more.
     pitch
         Metres a turn along the hole; negative for a well logged upwards.
     start_depth, stop_depth
-        Depths of the ends of the helix, metres; None: the first and the last sample along it.
+        Depths of the ends of the helix, metres, within 1e7 of 0; None: the first and the last sample along it.
     start_toolface
         Toolface of vertex 0, degrees.
     neighbors
@@ -52,6 +52,9 @@ class Settings:
         Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
         (half a sector to either side, half a pitch up and down), the last of them in canonical order stands for it,
         provisionally. Once settled it is interpolated like any other.
+    most_vertices
+        An append that would give the wall more vertices is refused, and the error names the depth; so one wrong depth
+        does not fill the memory. 1 to 2147483647.
     """
 
     bit_diameter: float
@@ -70,6 +73,7 @@ class Settings:
     direct: bool = False
     gap_reach: float = 0.5
     largest_gap: float = 60.0
+    most_vertices: int = 100_000_000
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -107,4 +111,7 @@ def _flag(name: str, value: Any) -> bool:
     return bool(value)
 
 
-_KINDS = {"sectors": _integer, "neighbors": _integer, "max_iterations": _integer, "window": _integer, "direct": _flag}
+_KINDS = {
+    **dict.fromkeys(("sectors", "neighbors", "max_iterations", "window", "most_vertices"), _integer),
+    "direct": _flag,
+}

@@ -256,8 +256,13 @@ BAD = [
     (([1.0, 2.0], [0.0, 0.0], [0.1, 0.1], []), "time has 0 values, depth has 2: must be equal"),
     (([1.0], [0.0], [0.1], None), "time: missing, but earlier samples have one; give it for all or none"),
     (
+        ([1e7], [0.0], [0.1], [9.0]),
+        "depth = 1e+07: the wall from 0 m to 1e+07 m would have 640000001 vertices; "
+        "must be at most most_vertices = 100000000",
+    ),
+    (
         ([1e9], [0.0], [0.1], [9.0]),
-        "the wall from 0 m to 1e+09 m would have 64000000001 vertices: must be at most 2147483648",
+        "depth[0] = 1e+09: must lie in -10000000 to 10000000 m",
     ),
 ]
 
