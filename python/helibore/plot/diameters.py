@@ -28,7 +28,7 @@ class Diameters:
     least, greatest
         Across the hole, of what is there.
     coverage
-        Share of the turn that has a radius.
+        Share of the turn that has a radius, measured or interpolated.
     kind
         Of hole, as in `Classification.kind`.
     """
@@ -61,7 +61,7 @@ def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
         "d90": logs.diameter_90,
         "least": np.fmin.reduce(across, axis=1),
         "greatest": np.fmax.reduce(across, axis=1),
-        "coverage": logs.coverage,
+        "coverage": np.isfinite(by_turn).mean(axis=1),
         "kind": kind,
     }
     order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)

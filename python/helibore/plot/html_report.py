@@ -243,6 +243,7 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
     if math.isfinite(summary.nearest_half):
         away = f"{summary.nearest_half * 1e3:.0f} mm away for half of the vertices, {summary.nearest_most * 1e3:.0f} mm"
         rows.append(("Nearest sample", f"{away} for 99 %"))
+    rows.append(("Measured", f"{100 * summary.coverage:.2f} % of the turns; the rest is interpolated or missing"))
     coverage = content.turns.coverage
     broken = int((coverage < 1).sum())
     measured = f"{100 * float(coverage.mean()):.2f} % of the wall"

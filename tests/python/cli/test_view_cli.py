@@ -116,6 +116,7 @@ def test_the_head_says_where_the_first_station_lies(
         raise ValueError(f"first station at {path.position([500.0]).tolist()}")
 
     monkeypatch.setattr(viewer, "view", seen)
+    monkeypatch.setattr("helibore.cli.view.check_page", lambda: None)  # the page may be not built
     survey = tmp_path / "survey.csv"
     survey.write_text("md_m,incl_deg,azim_deg\n500,8,10\n600,9,10\n")
     given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
