@@ -14,9 +14,9 @@ DEPTH_SCALE, DPI = 250, 120
 """Of the picture: 50 m of hole on 200 mm."""
 
 
-@click.command(short_help="A simulated hole, from samples to mesh and picture.")
+@click.command(short_help="Simulate a hole and write its wall as a mesh and a picture.")
 @click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder.  [here]")
-@click.option("--seed", type=int, default=0, show_default=True, help="Another seed, another hole.")
+@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the simulated hole.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 def demo(output: Path, seed: int, quiet: bool) -> None:
     """Simulate a hole, rebuild its wall, write helibore-demo.glb and helibore-demo.png.

@@ -29,7 +29,7 @@ WIDE = 120
 """Columns a terminal needs for the reasons to stand in the table; else they follow it, one a line."""
 
 
-@click.command(short_help="What a file holds, and the map of it.")
+@click.command(short_help="Show what a file holds and which role each channel gets.")
 @click.argument("file", type=click.Path(exists=True, dir_okay=False, path_type=Path))
 @click.option("--map", "map_file", type=FILE, help="TOML map of roles.")
 @click.option("--set", "sets", multiple=True, metavar="SETS", help="Look at these sets only: NAME, 3, 2,5-8, with=GR.")

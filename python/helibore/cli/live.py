@@ -25,7 +25,7 @@ TICK = 0.25
 METRICS_CONNECTIONS, METRICS_SECONDS = 8, 5.0
 
 
-@click.command(short_help="A wall that grows while a hole is drilled.")
+@click.command(short_help="Build a wall from live sources while a hole is drilled.")
 @click.argument("configuration", type=click.Path(path_type=Path, dir_okay=False))
 @click.option(
     "--journal", type=click.Path(path_type=Path, file_okay=False), help="Folder of the journal.  [journal.folder]"

@@ -31,7 +31,7 @@ ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST")
 DECIMALS = {"in": 4, "mm": 3}
 
 
-@click.command("logs", cls=Sectioned, short_help="A wall measured into logs: LAS, CSV, Parquet, DLIS.")
+@click.command("logs", cls=Sectioned, short_help="Write the logs of a wall as LAS, CSV, Parquet or DLIS.")
 @section("Options", OUTPUT("Logs to write: .las, .csv, .parquet or .dlis."), QUIET)
 @section(
     "Logs",

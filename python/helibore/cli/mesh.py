@@ -47,7 +47,7 @@ takes_a_mesh = section(
 )  # fmt: skip
 
 
-@click.command(cls=Sectioned, short_help="Caliper files and a survey to a mesh.")
+@click.command(cls=Sectioned, short_help="Build a mesh of the wall from caliper files and a survey.")
 @takes_a_mesh
 @takes_a_wall
 def reconstruct(**options: Any) -> None:
@@ -69,7 +69,7 @@ def reconstruct(**options: Any) -> None:
     _write("reconstruct", options)
 
 
-@click.command(cls=Sectioned, short_help="A wall with its images as a mesh or a volume.")
+@click.command(cls=Sectioned, short_help="Build a mesh or a volume of a wall with its images.")
 @takes_a_mesh
 @takes_a_wall
 def mesh(**options: Any) -> None:

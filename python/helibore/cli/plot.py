@@ -46,7 +46,7 @@ takes_a_drawing = section(
 )  # fmt: skip
 
 
-@click.command(cls=Sectioned, short_help="A log on paper: PNG, SVG or PDF at a true scale.")
+@click.command(cls=Sectioned, short_help="Draw the log of a wall as PNG, SVG or PDF at a true scale.")
 @section(
     "Options",
     OUTPUT("Picture to write: .png, .svg or .pdf."),
@@ -89,7 +89,7 @@ def plot(**options: Any) -> None:
     terminal.summary([*run.messages, paper, *saved, ("time", terminal.times())])
 
 
-@click.command(cls=Sectioned, short_help="One HTML page: pictures, tables, data quality, settings.")
+@click.command(cls=Sectioned, short_help="Write a report of a wall as one HTML page.")
 @section("Options", OUTPUT("Page to write: .html."), QUIET)
 @takes_a_drawing
 @takes_a_wall

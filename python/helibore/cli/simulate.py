@@ -32,7 +32,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
 """The options that a played rig heeds."""
 
 
-@click.command(cls=Sectioned, short_help="A known hole and its samples, as files.")
+@click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
 @click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
 @section(
     "Options",

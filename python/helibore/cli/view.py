@@ -13,7 +13,7 @@ from helibore.cli.source import Sectioned, open_run, opt, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 
-@click.command(cls=Sectioned, short_help="A wall in the browser.")
+@click.command(cls=Sectioned, short_help="Show a wall in the browser.")
 @section(
     "Options",
     opt("--well", "Name to show.  [name of the source]", default=""),

@@ -1,4 +1,4 @@
-"""Parquet tables, each column read when first asked, and NPZ archives, read whole.
+"""Read Parquet tables, each column at its first use, and NPZ archives, all arrays at once.
 
 Parquet: a number column -> (n,); a list column of constant length K -> (n, K); unit from the field's metadata
          ("unit" or "uom"), else from the name
@@ -25,11 +25,11 @@ OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",
     "azimuth": "deg",
 }  # fmt: skip
-"""Units of columns that are named and stored as helibore's own arrays are (``np.savez(depth=caliper.depth, ...)``)."""
+"""Units of columns that have the names of helibore's own arrays (``np.savez(depth=caliper.depth, ...)``)."""
 
 
 def read_parquet(source: Source, nulls: tuple[float, ...]) -> RawFile:
-    """Open a Parquet file; columns are read when asked."""
+    """Open a Parquet file; each column is read at its first use."""
     try:
         import pyarrow as pa
         from pyarrow import parquet
@@ -88,7 +88,7 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
 
 
 def read_npz(source: Source, nulls: tuple[float, ...]) -> RawFile:
-    """Open an NPZ archive; never unpickles."""
+    """Read all arrays of an NPZ archive. Pickled arrays are refused."""
     refuse_zip_bomb(source)
     try:
         archive = np.load(source.path, allow_pickle=False)
@@ -121,13 +121,13 @@ def own_unit(name: str, remarks: list[str]) -> str:
 
 
 def _row_count(shapes: list[tuple[int, ...]]) -> int:
-    """First length of the images if there are any, else the most common length."""
+    """Return the most common number of rows: of the images if there are any, else of all arrays."""
     images = [shape[0] for shape in shapes if len(shape) == 2]
     return Counter(images or [shape[0] for shape in shapes]).most_common(1)[0][0]
 
 
 def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxis | None:
-    """The evenly spaced column of length K that lies beside an (n, K) image."""
+    """Return the sector axis of an (n, K) image: a number array of length K in the same archive."""
     if array.ndim != 2 or array.shape[0] != rows:
         return None
     for name, other in arrays.items():

@@ -1,12 +1,12 @@
-"""CSV, TSV and semicolon tables, plain or gzipped.
+"""Read tables separated by commas, tabs, semicolons or bars, plain or gzipped.
 
     # comment lines                      kept as remarks
-    depth_m,toolface_deg,radius_mm       the header; a second line of units is taken as such
+    depth_m,toolface_deg,radius_mm       the header; the next line may state the units
     1000.0,12.5,108.1
 
-``number_rows`` reads tables below 2 MiB. pyarrow, where it is installed, reads larger ones with all cores; a table
-that it refuses is read by ``number_rows``, which takes it or names the bad line. An empty cell is missing; NaN and
-infinities are computed numbers. Decimal commas and columns cut by blanks are refused. Units come from the header
+``number_rows`` reads tables below 2 MiB. If pyarrow is installed, it reads larger tables with all cores. If pyarrow
+refuses a table, ``number_rows`` reads it or names the bad line. An empty cell is a missing value; NaN and infinities
+count as computed numbers. Decimal commas and columns separated by blanks are refused. Units come from the header
 (``helibore.files.headings``).
 """
 
@@ -35,15 +35,15 @@ HEADING_LINES = 500
 """The header must stand within this many lines."""
 
 NO_HEADER = "numbers, so there is no header"
-"""In the remarks of a table without one."""
+"""Part of the remark on a table without a header."""
 
 FEWEST_SECTORS = 4
-"""So many columns of one name are taken for an image."""
+"""The least number of columns that can form an image."""
 
 
 @dataclass
 class Layout:
-    """How a table is laid out: what stands above the rows, and what separates the cells."""
+    """Describe the layout of a table: column names, units, number of lines above the rows, and delimiter."""
 
     delimiter: str
     names: list[str]
@@ -77,7 +77,7 @@ def read(source: Source, nulls: tuple[float, ...], header_line: int | None = Non
 
 
 def _head_text(source: Source) -> tuple[str, str, bool]:
-    """The first 2 MiB of the file, cut at the last whole line, the remark on the encoding, and whether that is all."""
+    """Return the whole lines of the first 2 MiB, the remark on the encoding, and whether this is the whole file."""
     with source.stream() as stream:
         head = stream.read(2 * LINE_LIMIT)
         more = bool(stream.read(1))
@@ -92,7 +92,7 @@ def _head_text(source: Source) -> tuple[str, str, bool]:
 
 
 def find_layout(source: Source, head: str, header_line: int | None = None) -> Layout:
-    """Find delimiter, header and units row in the first lines of a table, or say which rule they break."""
+    """Find delimiter, header and units row in the first lines of a table. Raise an InputError if there are none."""
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
     start = 0
@@ -125,7 +125,7 @@ def find_layout(source: Source, head: str, header_line: int | None = None) -> La
 
 
 def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> Layout:
-    """Names for a table that starts with numbers: the last comment line if it fits (numpy.savetxt), else numbered."""
+    """Name the columns of a table without a header: by the last comment line if it fits, else by number."""
     for line in reversed(lines[:start]):
         names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
         if len(names) == width and width > 1 and all(names):
@@ -136,18 +136,18 @@ def _without_header(lines: list[str], start: int, delimiter: str, width: int, re
 
 
 def _delimiter(source: Source, rows: list[str], line: int) -> str:
-    """The delimiter that cuts the first rows into the same number (above one) of cells."""
+    """Return the delimiter that splits each of the first rows into the same number of cells, at least two."""
     sample = rows[:20]
     widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
     even = [mark for mark in DELIMITERS if widths[mark][0] > 1 and len(set(widths[mark])) == 1]
-    if len(even) > 1:  # "1,5;2,5" cuts evenly at both: a header without commas means decimal commas
+    if len(even) > 1:  # both split "1,5;2,5" evenly: the comma is then a decimal comma
         even = [mark for mark in even if not (mark == "," and ";" in even)]
         even.sort(key=lambda mark: -widths[mark][0])
     if even:
         return even[0]
     likely = max(DELIMITERS, key=lambda mark: widths[mark][0])
     if widths[likely][0] > 1:
-        return likely  # ragged: the careful reader names the row
+        return likely  # rows of different widths: the careful reader names the bad row
     if len(sample) > 1 and len(rows[0].split()) > 1:
         rule = "columns are separated by blanks: read are comma, tab, semicolon and |"
         raise file_error(source.path, rule, line)
@@ -160,7 +160,7 @@ def _delimiter(source: Source, rows: list[str], line: int) -> str:
 
 
 def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> list[Array] | None:
-    """The columns as pyarrow reads them; None where it is not installed, or refuses the table.
+    """Read the columns with pyarrow; return None if pyarrow is not installed or refuses the table.
 
     The first 2 MiB decide the types of the columns, so that they do not depend on how pyarrow cuts the table.
     """
@@ -186,7 +186,7 @@ def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> lis
 
 
 def _rows(csv: Any, content: Any, layout: Layout, skip: int, types: dict[str, Any] | None = None) -> Any:
-    """The rows below the first ``skip`` lines, their columns named by number: repeated names would be refused."""
+    """Read the rows below the first ``skip`` lines. Columns get numbers, since pyarrow refuses repeated names."""
     numbered = [str(position) for position in range(len(layout.names))]
     return csv.read_csv(
         content,
@@ -199,9 +199,9 @@ def _rows(csv: Any, content: Any, layout: Layout, skip: int, types: dict[str, An
 
 
 def _copied(pa: ModuleType, text: bytes) -> Any:
-    """The text in memory of pyarrow's own: given a Python object, its threads call Python.
+    """Copy the text into memory that pyarrow owns. If a Python object holds the text, pyarrow's threads call Python.
 
-    They go on with that after an error, and abort a process that ends meanwhile.
+    The threads still call Python after an error, and abort a process that ends at that time.
     """
     memory = pa.BufferOutputStream()
     memory.write(text)
@@ -209,7 +209,7 @@ def _copied(pa: ModuleType, text: bytes) -> Any:
 
 
 def _unpacked(pa: ModuleType, csv: Any, source: Source, layout: Layout, encoding: str, types: dict[str, Any]) -> Any:
-    """The table of a source that this thread unpacks or translates, a piece being parsed meanwhile."""
+    """Read a table that must be unpacked or decoded: this thread prepares a piece while another parses the last one."""
     parts: list[Future[Any]] = []
     with ThreadPoolExecutor(1) as beside:
         for piece in source.pieces():
@@ -235,14 +235,14 @@ def _column_type(pa: ModuleType, column: Any) -> Any:
 
 
 def _spans_lines(column: Any) -> bool:
-    """Whether a cell holds a line break: an open quote swallows rows, and pyarrow lets it."""
+    """Return whether a cell holds a line break: after an unclosed quote, pyarrow reads several rows as one cell."""
     import pyarrow.compute as pc
 
     return bool(pc.any(pc.match_substring(column, "\n")).as_py())
 
 
 def _values(column: Any) -> Array:
-    """The values of a column, masked where cells are empty."""
+    """Return the values of a column, masked where cells are empty."""
     values: Array = column.to_numpy()
     if not column.null_count or values.dtype.kind == "O":
         return values
@@ -250,7 +250,7 @@ def _values(column: Any) -> Array:
 
 
 def _line_finder(source: Source, layout: Layout) -> Callable[[int], int]:
-    """A function from row to line: blank lines are no rows, so it counts, and only when an error needs it."""
+    """Return a function that gives the line of a row. It reads the file to count lines: only errors call it."""
 
     def line_of(row: int) -> int:
         line = layout.skip

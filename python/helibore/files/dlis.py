@@ -1,10 +1,10 @@
-"""DLIS (RP66 V1) through dlisio: one RawSet for each frame of each logical file.
+"""Read DLIS (RP66 V1) through dlisio: one RawSet for each frame of each logical file.
 
     frame row = [FRAMENO, index, channel (scalar), channel (K sectors), ...]      DIMENSION, AXIS, UNITS per channel
 
-The rows of a frame are read once, whole, when the first value is asked: one channel at a time would read the file
-again and again (18 minutes against 0.6, dlisio issue 436). dlisio already reverses DIMENSION and AXIS into C order.
-Channels of more than one axis become (n, all elements), remarked on.
+All rows of a frame are read once, when a caller first asks for a value: reading one channel at a time reads the file
+again and again (18 minutes instead of 0.6, dlisio issue 436). dlisio already reverses DIMENSION and AXIS into C order.
+A channel with more than one axis becomes (n, all elements), with a remark.
 """
 
 from __future__ import annotations
@@ -51,7 +51,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
 
 @contextmanager
 def damage_named(source: Source, what: str = "") -> Iterator[None]:
-    """Turn what dlisio throws into one error: its C++ core throws RuntimeError, ValueError, OSError, EOFError alike."""
+    """Turn the errors of dlisio's C++ core (RuntimeError, ValueError, OSError, EOFError) into one InputError."""
     try:
         yield
     except InputError:
@@ -72,14 +72,14 @@ def dlisio_warnings() -> Iterator[set[str]]:
 
 
 def text_of(value: Any) -> str:
-    """A text attribute; what dlisio could not decode is read as Windows-1252."""
+    """Return an attribute as text; bytes that dlisio could not decode are read as Windows-1252."""
     if isinstance(value, bytes):
         return value.decode("cp1252", "replace")
     return "" if value is None else str(value)
 
 
 def _frame(source: Source, name: str, frame: Any, nulls: tuple[float, ...]) -> RawSet:
-    """One frame: its channels now, its rows when first asked."""
+    """Return the set of one frame: its channels are read now, its rows at their first use."""
     rows = _Rows(source, name, frame)
     with damage_named(source, f"frame {name}"):
         dtype = frame.dtype()
@@ -105,7 +105,7 @@ def _frame(source: Source, name: str, frame: Any, nulls: tuple[float, ...]) -> R
 
 
 class _Rows:
-    """The rows of one frame, read once."""
+    """Read the rows of one frame once, at their first use."""
 
     def __init__(self, source: Source, name: str, frame: Any) -> None:
         self._source = source
@@ -123,7 +123,7 @@ class _Rows:
         return self._table[label].reshape(shape)
 
     def count(self) -> int:
-        """The number of rows, counted in the file's index: no value is read."""
+        """Return the number of rows from the file's index, without reading a value."""
         indices = self._frame.logicalfile.fdata_index.get(self._frame.fingerprint, [])
         return len(indices)
 
@@ -137,7 +137,7 @@ def _header(frame: Any) -> dict[str, Any]:
 
 
 def _axis(channel: Any) -> SectorAxis | None:
-    """First coordinate and spacing of a channel's only axis, where the file states an axis."""
+    """Return first coordinate and spacing of a channel's only axis, if the file states an axis."""
     axes = channel.axis
     if len(axes) != 1:
         return None

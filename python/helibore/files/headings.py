@@ -1,4 +1,4 @@
-"""Column headings: the unit written in a name (``depth_m``, ``Depth (ft)``, ``tdep_0.1in``), numbers, unit rows.
+"""Recognise units in column names (``depth_m``, ``Depth (ft)``, ``tdep_0.1in``), numbers, and rows of units.
 
     "pfc1_x_in" -> "in"      "Depth [ft]" -> "ft"      "MD" -> ""
 
@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 
-# Spellings that may end a name after "_" or stand in a units row. Written in lower case; compared in lower case.
+# Spellings that may end a name after "_" or stand in a row of units; compared in lower case.
 _SPELLED = """
     m mm cm km ft ftus in inch inches feet foot meter meters metre metres 0.1in 0.1_in 1/64in um
     deg degree degrees dega rad radian radians grad gon
@@ -26,7 +26,7 @@ NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 
 
 def describe(name: str) -> str:
-    """Return the unit a column name ends in, as written, ``""`` where it states none."""
+    """Return the unit at the end of a column name as it is written, ``""`` if the name has none."""
     bracketed = BRACKETED.search(name)
     if bracketed and not bracketed[1].isdigit():
         return bracketed[1]
@@ -38,18 +38,18 @@ def describe(name: str) -> str:
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell is a finite decimal number (not ``nan``, ``inf``, ``1_000`` or ``0x1f``)."""
+    """Return whether a cell is a finite decimal number (not ``nan``, ``inf``, ``1_000`` or ``0x1f``)."""
     return NUMBER.fullmatch(cell.strip()) is not None
 
 
 def to_float(cell: str) -> float:
-    """Return a cell as a number. Unlike ``float`` it takes neither ``1_000`` nor digits of other scripts."""
+    """Return a cell as a number. Unlike ``float``, it refuses ``1_000`` and digits of other scripts."""
     if "_" in cell or not cell.isascii():
         raise ValueError(cell)
     return float(cell)
 
 
 def is_units_row(cells: list[str]) -> bool:
-    """Whether a row is one of units: known spellings, perhaps in brackets, and blanks or dashes; at least one unit."""
+    """Return whether a row holds only known units, perhaps in brackets, blanks and dashes, with at least one unit."""
     spellings = [cell.strip("()[] -").lower() for cell in cells]
     return any(spellings) and all(not spelling or spelling in SPELLINGS for spelling in spellings)

@@ -1,9 +1,9 @@
-"""JSON Well Log Format: [{header, curves: [{name, unit, valueType, dimensions}], data: [[...], ...]}, ...].
+"""Read JSON Well Log Format: [{header, curves: [{name, unit, valueType, dimensions}], data: [[...], ...]}, ...].
 
 One RawSet for each log. A curve with ``dimensions`` K > 1 holds arrays of K values and becomes an (n, K) channel.
 
-Also read, because the ISCWSA standard wells travel in it: {"wells": {name: {"MD": [...], "IncDeg": [...], "header":
-{"depth_unit": ...}}}}, columns by name, one set for each well. JSON is read whole, so its size is bounded.
+The ISCWSA standard wells have another form, which is read too, one set for each well: {"wells": {name: {"MD": [...],
+"IncDeg": [...], "header": {"depth_unit": ...}}}}. A JSON file is read into memory as a whole, so its size is limited.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ SIZE_LIMIT = 1 << 28
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
 """Cells of an array curve that null rows may always stand for; beyond them, how many to each cell that is there."""
 
-# Columns of a survey in feet or metres as its header's depth_unit says.
+# Columns of a survey that are in feet or metres, as depth_unit in its header states.
 SURVEY_LENGTHS = frozenset({"MD", "TVD"})
 SURFACE_LENGTHS = frozenset({"N", "E"})
 
@@ -36,7 +36,7 @@ SURFACE_LENGTHS = frozenset({"N", "E"})
 def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
     """Open a JSON well log or a file of standard wells."""
     collecting = gc.isenabled()
-    gc.disable()  # it would scan the tree of lists again and again, for a third of the time of a large log
+    gc.disable()  # repeated scans of the tree of lists take a third of the time of a large log
     try:
         return _read(source, nulls)
     finally:
@@ -76,7 +76,7 @@ def _parse(source: Source) -> Any:
 
 
 def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...]) -> RawSet:
-    """One log: rows of cells turned into columns."""
+    """Return the set of one log: turn rows of cells into columns."""
     curves, rows = log["curves"], log["data"]
     if not isinstance(curves, list) or not curves or not all(isinstance(c, dict) and c.get("name") for c in curves):
         raise file_error(source.path, f'{name}: "curves" must be a list of objects with a name')
@@ -110,7 +110,7 @@ NUMBERS = {int, float, type(None)}
 
 
 def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[Any] | Array) -> Array:
-    """One curve as an array; null is NaN. A cell that does not fit its curve is an error with its row."""
+    """Return one curve as an array, null as NaN. Raise an error that names the row of a cell of the wrong type."""
     if isinstance(cells, np.ndarray):
         return cells
     size = curve.get("dimensions") or 1
@@ -157,7 +157,7 @@ def _floats(source: Source, name: str, cells: Sequence[Any]) -> Array:
 
 
 def _well(source: Source, name: str, well: Any, nulls: tuple[float, ...]) -> RawSet:
-    """One standard well: equally long lists of numbers by name, and a header with the units."""
+    """Return the set of one standard well: equally long lists of numbers by name, and a header with the units."""
     if not isinstance(well, dict) or not isinstance(well.get("header", {}), dict):
         raise file_error(source.path, f"well {name!r}: must be an object of columns")
     header = {str(key): str(value) for key, value in well.get("header", {}).items()}

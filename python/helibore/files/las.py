@@ -1,11 +1,11 @@
-"""LAS 2.0 and LAS 3.0 files.
+"""Read LAS 2.0 and LAS 3.0 files.
 
     ~Version  VERS, WRAP, DLM                   one RawSet for each data section:
     ~Well     STRT, STOP, STEP, NULL, WELL ...    ~A (LAS 2),  ~Log_Data[1] | Log_Definition[1] (LAS 3)
     ~Curve    NAME.UNIT  value : description {AF8.3;10deg}
 
-lasio reads the header of LAS 2, because it knows many dialects. LAS 3 is read here: lasio 0.32 has neither arrays nor
-sets, and takes comma-delimited rows for one column. ``number_rows`` reads the rows of both.
+lasio reads the header of LAS 2, because it knows many dialects. This file reads LAS 3: lasio 0.32 supports neither
+arrays nor sets, and reads comma-delimited rows as one column. ``number_rows`` reads the rows of both versions.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S
 
 @dataclass
 class Section:
-    """One ~section: its title without the tilde, the line its title is on, and the lines below."""
+    """Hold one section: its title without the tilde, the number of the title's line, and the lines below it."""
 
     title: str
     line: int
@@ -41,7 +41,7 @@ class Section:
 
     @property
     def kind(self) -> str:
-        """The title up to the first blank or bar, in upper case: ``LOG_DATA[1]``."""
+        """Return the title up to the first blank or bar, in upper case: ``LOG_DATA[1]``."""
         return re.split(r"[\s|]", self.title.strip(), maxsplit=1)[0].upper()
 
 
@@ -79,7 +79,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
 
 
 def find_sections(source: Source, text: str) -> list[Section]:
-    """Cut the text at its ~ lines. Comments stay, because errors count lines."""
+    """Split the text at the lines that start with ~. Comments are kept, because errors name line numbers."""
     sections: list[Section] = []
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha()):
@@ -100,7 +100,7 @@ def _section(source: Source, sections: list[Section], letter: str) -> Section:
 
 
 def _items(section: Section) -> dict[str, str]:
-    """Mnemonic to value of a header section of the form MNEM.UNIT VALUE : DESCRIPTION."""
+    """Return the values of a header section by mnemonic, from lines of the form MNEM.UNIT VALUE : DESCRIPTION."""
     values: dict[str, str] = {}
     for line in section.lines:
         match = ITEM.match(line)
@@ -112,7 +112,7 @@ def _items(section: Section) -> dict[str, str]:
 def _las2(
     source: Source, sections: list[Section], version: dict[str, str], nulls: tuple[float, ...], remarks: list[str]
 ) -> RawSet:
-    """The one set of a LAS 2 file: header by lasio, rows by ours."""
+    """Return the one set of a LAS 2 file: lasio reads the header, ``number_rows`` the rows."""
     data = _section(source, sections, "A")
     if data is not sections[-1]:
         last = sections[-1]
@@ -154,7 +154,7 @@ def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any
 
 
 def _unit_and_value(item: Any) -> tuple[str, str]:
-    """The unit and the value of a header line; in ``STRT.0.1 in 1023720`` the unit has a blank, which LAS forbids."""
+    """Return unit and value of a header line. Some files have a blank in the unit: ``STRT.0.1 in 1023720``."""
     unit, value = item.unit or "", str(item.value)
     first, _, rest = value.partition(" ")
     if re.fullmatch(r"[\d./]+", unit) and units.measures(f"{unit} {first}"):
@@ -177,7 +177,7 @@ def _las3(
     nulls: tuple[float, ...],
     remarks: list[str],
 ) -> list[RawSet]:
-    """One set for each data section of a LAS 3 file that holds rows."""
+    """Return one set for each data section of a LAS 3 file that holds rows."""
     delimiter = {"": None, "SPACE": None, "COMMA": ",", "TAB": "\t"}.get(version.get("DLM", "").upper(), "?")
     if delimiter == "?":
         place = f"line {sections[0].line}: DLM"
@@ -201,7 +201,7 @@ def _las3(
 
 
 def _definition(source: Source, sections: list[Section], data: Section) -> Section:
-    """The section that defines the columns of ``data``: the one it names after ``|``, else of the same stem."""
+    """Return the section that defines the columns of ``data``: named after its ``|``, else of the same stem."""
     named = data.title.partition("|")[2].strip().upper()
     stem = data.kind.replace("_DATA", "_DEFINITION")
     wanted = [named] if named else [*([stem] if stem != data.kind else []), "CURVE", "LOG_DEFINITION"]
@@ -213,7 +213,7 @@ def _definition(source: Source, sections: list[Section], data: Section) -> Secti
 
 
 def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]:
-    """The columns a definition section defines, array members named ``NAME[1]`` with their angle."""
+    """Return the columns of a definition section; members of an array are named ``NAME[1]`` and have an angle."""
     curves: list[Curve] = []
     for number, line in enumerate(section.lines, section.line + 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -237,7 +237,7 @@ def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]
 
 
 def _axis(form: str) -> SectorAxis | None:
-    """The angle in an array format such as ``AF10.4;0deg``; a second axis (``;10ft``) is not an angle."""
+    """Return the angle in an array format such as ``AF10.4;0deg``; a second axis (``;10ft``) is not an angle."""
     parts = form.split(";")
     if len(parts) < 2 or not parts[0].strip().upper().startswith("A"):
         return None
@@ -262,7 +262,7 @@ def _set(
 
 
 def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:
-    """Compare STRT, STOP and the index unit of the header with the rows; differences become remarks."""
+    """Compare STRT, STOP and the index unit of the header with the rows, and add a remark for each difference."""
     index = log_set[str(log_set.index)]
     if index.is_text:
         return

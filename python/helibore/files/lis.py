@@ -1,6 +1,6 @@
-"""LIS79 tapes through dlisio: one RawSet for each data format specification (a pass) of each logical file.
+"""Read LIS79 tapes through dlisio: one RawSet for each data format specification (a pass) of each logical file.
 
-The channels with the fewest samples a row are read; faster ones are left out with a remark.
+Only the channels with the fewest samples per row are read; a remark names the channels with more.
 """
 
 from __future__ import annotations

@@ -46,7 +46,7 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
     Parameters
     ----------
     table
-        What is written, in its order.
+        The logs; their order is kept.
     filename
         Ends in .las, .csv, .parquet or .dlis; replaced if it is there.
     well
@@ -73,7 +73,7 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
 
 
 def check_ending(filename: str | os.PathLike[str]) -> None:
-    """Refuse a name that `save_table` cannot write, or cannot without a library that is not installed."""
+    """Refuse a name whose ending `save_table` does not know, or whose format needs a library that is not installed."""
     path = Path(filename)
     ending = path.suffix.lower()
     if ending not in ENDINGS:
@@ -88,13 +88,13 @@ def check_ending(filename: str | os.PathLike[str]) -> None:
 
 
 def _texts(column: LogColumn, missing: str) -> list[str]:
-    """Values with a fixed number of decimals: a hundredth of a millimetre or finer."""
+    """Write values with a fixed number of decimals: a hundredth of a millimetre or finer."""
     decimals = _DECIMALS.get(column.unit, 6) if column.decimals is None else column.decimals
     return [f"{value:.{decimals}f}" if value == value else missing for value in column.values.tolist()]
 
 
 def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
-    """LAS 2.0 (CWLS): version, well, curve, parameter, ascii; text stands in the value field, before the colon."""
+    """Write LAS 2.0 (CWLS): version, well, curve, parameter, ascii. Texts go in the value field, before the colon."""
     texts = [_texts(column, f"{NULL:.2f}") for column in table]
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
@@ -134,7 +134,7 @@ def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
 
 
 def _unit_and_value(text: str) -> tuple[str, str]:
-    """A fact as LAS has it: the unit of a length or volume, and its value."""
+    """Return a fact as LAS writes it: the unit of a length or volume, and its value."""
     quantity = re.fullmatch(r"([-+.\deE]+) (m|m3|deg|s)", text)
     return (quantity[2].upper(), quantity[1]) if quantity else ("", _one_line(text))
 
@@ -148,7 +148,7 @@ def _las_step(depth: Floats) -> str:
 
 
 def _wrap(row: tuple[str, ...]) -> list[str]:
-    """The depth on one line, the rest on lines of at most 80 characters, as the format demands of wrapped files."""
+    """Write the depth on one line and the rest on lines of at most 80 characters, as LAS requires of wrapped files."""
     lines = [row[0].strip()]
     for text in row[1:]:
         if len(lines) > 1 and len(lines[-1]) + 1 + len(text) <= 80:
@@ -163,7 +163,7 @@ def _mnemonic(name: str) -> str:
 
 
 def _one_line(text: str) -> str:
-    """Text without colons and line breaks, which separate fields in LAS."""
+    """Return the text without colons and line breaks, which separate fields in LAS."""
     return " ".join(text.replace(":", ";").split())
 
 
@@ -207,9 +207,9 @@ def _dlis(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
 
 @contextlib.contextmanager
 def _silent() -> Iterator[None]:
-    """Keep dliswriter's progress bar and its doubts about m3 (allowed by RP66 V1, appendix B) off stderr.
+    """Silence dliswriter's progress bar and its warning about the unit m3 (allowed by RP66 V1, appendix B).
 
-    It also warns of a frame of one row, which has no spacing; a table without rows is written as one row of nulls.
+    It also warns that a frame of one row has no spacing; a table without rows is written as one row of nulls.
     """
     module: Any = importlib.import_module("dliswriter.file.writer")
     bar = module.progressbar
