@@ -83,7 +83,8 @@ def score(depth, toolface, radius, passes, classes, left_out):
         moved = depth + find_shifts(depth[known], radius[known], passes[known]).at(passes)
         errors[1, scored] = predict(moved, toolface, radius, ~mine, scored) - radius[scored]
         for row, arms in enumerate(classes, start=2):
-            bias = find_bias(moved[known], toolface[known], radius[known], passes[known], arms[known])
+            known_columns = (column[known] for column in (moved, toolface, radius, passes, arms))
+            bias = find_bias(*known_columns, both=row == 2)  # as the preparation does: not by side
             level = level_of(bias, passes, arms)
             wall = predict(moved, toolface, radius - level, ~mine, scored)
             errors[row, scored] = wall + level[scored] - radius[scored]
