@@ -1,8 +1,8 @@
-"""The demonstration: drill a known hole, rebuild its wall from the tool's samples, compare it with the truth.
+"""Drill a known hole, rebuild its wall from the tool's samples, and compare the wall with the truth.
 
     simulate  ->  reconstruct  ->  helibore-demo.glb, helibore-demo.png  ->  error against the hole's own formula
 
-It is the shortest complete use of the library. Not here: printing (``cli.demo``) and drawing (``plot``).
+This is the shortest complete use of the library. ``cli.demo`` prints the result, and ``plot`` draws it.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from helibore.wall.wall import Wall
 
 @dataclass(frozen=True)
 class Demonstration:
-    """The samples and their truth, the wall, and the path it lies on."""
+    """The samples and their truth, the wall, and the path of the wall."""
 
     simulation: Simulation
     wall: Wall
@@ -30,7 +30,7 @@ class Demonstration:
 
 @dataclass(frozen=True)
 class Error:
-    """Rebuilt minus true radius over all vertices with support, in metres; ``most`` bounds 99 % of them."""
+    """Rebuilt minus true radius of all vertices with support, in metres; 99 % of them differ by ``most`` or less."""
 
     rms: float
     mean: float
@@ -39,12 +39,12 @@ class Error:
 
 
 def drill(seed: int = 0) -> Simulation:
-    """Return the samples of 50 m of hole, about 180,000 of them, with a noise of 0.5 mm."""
+    """Return about 180,000 samples of 50 m of hole, with a noise of 0.5 mm."""
     return simulate(Hole.example(seed=seed), Tool(), seed=seed)
 
 
 def rebuild(simulation: Simulation) -> Demonstration:
-    """Rebuild the wall of a simulated hole with 64 sectors a turn and a pitch of 0.1 m, with the gamma image on it."""
+    """Rebuild the wall of a simulated hole (64 sectors a turn, pitch 0.1 m) and put the gamma image on it."""
     caliper = Caliper(simulation.depth, simulation.toolface, simulation.radius, simulation.time)
     wall = reconstruct(caliper, bit_diameter=simulation.hole.bit_diameter)
     wall.images["Gamma ray"] = SectorImage(
@@ -55,7 +55,7 @@ def rebuild(simulation: Simulation) -> Demonstration:
 
 
 def error(demonstration: Demonstration) -> Error:
-    """Compare the wall with the truth at its own vertices."""
+    """Return the error of the wall: its radius at each vertex compared with the true radius there."""
     wall = demonstration.wall
     off = wall.radius - demonstration.simulation.hole.radius(wall.depth, wall.toolface)
     off = off[~np.isnan(off)]

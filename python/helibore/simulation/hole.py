@@ -1,12 +1,12 @@
-"""A hole that is known: its wall, its gamma and its path are formulas, cheap to evaluate at any point.
+"""A known hole: formulas give its wall, its gamma and its path at any point.
 
 The wall has the shapes real holes have::
 
     r = bit/2 + overgauge + ovality cos 2(toolface - t0) + washouts + breakouts + roughness
 
-around a centre that itself runs on a helix (a spiral hole); seen from the axis, at psi from that centre's direction,
-``R = e cos psi + sqrt(r^2 - e^2 sin^2 psi)``. It is the truth that
-``helibore.simulation.tool`` measures.
+around a centre that runs on a helix of radius e around the axis (a spiral hole). The radius from the axis, at an angle
+psi from the direction of that centre, is ``R = e cos psi + sqrt(r^2 - e^2 sin^2 psi)``.
+``helibore.simulation.tool`` measures this truth.
 """
 
 from __future__ import annotations
@@ -21,12 +21,12 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 
 BLOCK = 1 << 15
-"""Points evaluated at once: few enough that every temporary stays in the cache."""
+"""Number of points evaluated together: small enough that all temporary arrays stay in the cache."""
 
 
 @dataclass(frozen=True)
 class Washout:
-    """From ``start`` to ``stop`` (m): a radius up to ``enlargement`` m larger, a wall ``roughness`` times rougher."""
+    """An interval [start, stop) (m) with a radius up to ``enlargement`` m larger and a ``roughness`` times rougher wall."""
 
     start: float
     stop: float
@@ -38,7 +38,7 @@ class Washout:
 class Breakout:
     """Two opposite lobes over [start, stop) (m), at ``toolface`` and ``toolface + 180``, each ``opening`` wide (deg).
 
-    ``enlargement`` is what the middle of a lobe adds to the radius, in metres; there the wall is ``roughness`` times
+    In the middle of a lobe the radius is ``enlargement`` metres larger and the wall is ``roughness`` times
     rougher.
     """
 
@@ -55,7 +55,7 @@ class Bed:
     """A bed of ``gamma`` (gAPI) that begins where its top crosses the axis at ``depth`` (m).
 
     The top is a plane; on the image it is the sinusoid ``depth + R tan(dip) cos(toolface - direction)``.
-    ``dip`` is measured from the plane across the hole, ``direction`` is the toolface where the bed is deepest, in deg.
+    ``dip`` is the angle to the plane across the hole, ``direction`` the toolface where the bed is deepest, both in deg.
     """
 
     depth: float
@@ -84,19 +84,19 @@ class Hole:
     start, stop
         Measured depths of the interval.
     bit_diameter, overgauge
-        The bit, and what the hole is larger than it all around (radius).
+        Diameter of the bit, and how much larger than the bit's the radius of the hole is everywhere.
     ovality, ovality_toolface
         Amplitude of the ellipse in radius, and the toolface of its long axis.
     spiral, spiral_length
-        Radius of the helix on which the centre of a spiral hole runs, and the depth it takes for one turn.
+        Radius of the helix on which the centre of a spiral hole runs, and the depth of one turn of that helix.
     rugosity, rugosity_length
         Root mean square roughness, and its shortest wavelength along the hole (the longest is eight times that).
     washouts, breakouts, beds
-        See :class:`Washout`, :class:`Breakout`, :class:`Bed`. Beds in order of depth.
+        See :class:`Washout`, :class:`Breakout`, :class:`Bed`. The beds are in order of depth.
     top_gamma
         Gamma above the first bed, gAPI.
     inclination, azimuth, sections
-        The path: its direction at ``start`` and the sections that follow; the last one goes on for ever.
+        The path: its direction at ``start`` and the sections that follow; the last section has no end.
     seed
         Chooses the roughness.
     """
@@ -134,9 +134,9 @@ class Hole:
     def example(
         cls, start: float = 2000.0, stop: float = 2050.0, *, bit_diameter: float = 0.216, seed: int = 0
     ) -> Hole:
-        """Return a hole with everything in it: oval, spiral, rough, washed out, broken out, in dipping beds.
+        """Return a hole with every feature: oval, spiral and rough, with washouts, breakouts and dipping beds.
 
-        The number of zones grows with the interval: about a washout each 20 m, a breakout each 12 m, a bed each 1.6 m.
+        The number of zones grows with the interval: about one washout in 20 m, one breakout in 12 m, one bed in 1.6 m.
         """
         rng = np.random.default_rng([seed, 1])
         length = stop - start
@@ -176,7 +176,7 @@ class Hole:
     def gamma(self, depth: npt.ArrayLike, toolface: npt.ArrayLike, resolution: float = 0.15) -> Floats:
         """Return the gamma (gAPI) at measured depths (m) and toolfaces (deg), which broadcast; a new array.
 
-        Beds change over about ``resolution`` metres, as a tool of that length sees them.
+        The gamma changes from bed to bed over about ``resolution`` metres, as a tool of that length measures it.
         """
         depth, toolface = np.broadcast_arrays(depth, toolface)
         gamma = np.full(depth.shape, self.top_gamma)
@@ -189,7 +189,7 @@ class Hole:
         return gamma
 
     def stations(self, interval: float = 30.0, margin: float = 30.0) -> tuple[Floats, Floats, Floats]:
-        """Return the survey, from ``margin`` m above to below: depth (m), inclination and azimuth (deg)."""
+        """Return the survey from ``margin`` m above to ``margin`` m below: depth (m), inclination and azimuth (deg)."""
         depth = np.arange(self.start - margin, self.stop + margin + interval, interval)
         along = np.maximum(depth - self.start, 0.0)
         inclination = np.full(depth.size, self.inclination)
@@ -229,7 +229,7 @@ class Hole:
         return radius
 
     def _roughness_modes(self) -> Floats:
-        """Rows (periods around, radians a metre along, phase, amplitude) of the waves whose sum is the roughness."""
+        """Return one row (periods around, radians a metre along, phase, amplitude) for each wave of the roughness."""
         if not self.rugosity:
             return np.empty((0, 4))
         rng = np.random.default_rng([self.seed, 2])
@@ -245,33 +245,33 @@ def _blocks(size: int) -> Iterator[slice]:
 
 
 def _step(x: Floats) -> Floats:
-    """0 below 0, 1 above 1, smooth between."""
+    """Return 0 below 0, 1 above 1, and a smooth step between."""
     x = np.clip(x, 0.0, 1.0)
     smooth: Floats = x * x * (3.0 - 2.0 * x)
     return smooth
 
 
 def _taper(depth: Floats, start: float, stop: float) -> Floats:
-    """0 outside [start, stop), 1 in its middle half, smooth between."""
+    """Return 0 outside [start, stop), 1 in its middle half, and a smooth step between."""
     edge = 0.25 * (stop - start)
     return _step(np.minimum(depth - start, stop - depth) / edge)
 
 
 def _lobes(toolface: Floats, breakout: Breakout) -> Floats:
-    """1 on the axis of the breakout, on both sides of the hole; 0 from half an opening away."""
+    """Return 1 on the axis of the breakout, on both sides of the hole, and 0 from half an opening away."""
     off = (toolface - breakout.toolface + 90.0) % 180.0 - 90.0
     lobes: Floats = np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
     return lobes
 
 
 def _spread(rng: np.random.Generator, start: float, length: float, spacing: float) -> list[float]:
-    """One depth in each ``spacing`` metres, at random, none in the last tenth of the interval."""
+    """Return one random depth in each ``spacing`` metres, and none in the last tenth of the interval."""
     count = max(1, round(length / spacing))
     return [start + 0.9 * length * (index + rng.uniform(0.1, 0.7)) / count for index in range(count)]
 
 
 def _example_beds(rng: np.random.Generator, start: float, length: float) -> tuple[Bed, ...]:
-    """Sand and shale in turn, thick and thin, dipping steeply to the hole, with a slow change of dip and direction."""
+    """Return thick and thin beds of sand and shale that dip steeply; dip and direction change slowly with depth."""
     depths = _spread(rng, start, length, 1.6)
     count = len(depths)
     dip = np.linspace(70.0, 80.0, count)

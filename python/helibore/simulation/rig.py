@@ -1,11 +1,10 @@
-"""Plays a rig over WITS: a simulated tool in a known hole, behind a telemetry that is slow, late and loses things.
+"""Simulate a rig that sends WITS: a tool in a known hole, with a telemetry that is slow, late and loses frames.
 
     mud pulse   1 triple in 2 s          EM     5 triples/s
-    wired pipe  900 triples/s            memory 3,000 triples/s recorded, played as fast as asked
+    wired pipe  900 triples/s            memory 3,000 triples/s recorded, sent at the speed that the caller sets
 
 The rig sends bit and hole depth, rotation and activity once a second of drilling time, survey stations when the bit
 has passed them, gamma rows, and frames of up to 30 triples (toolface, depth, radius: items 5010 to 5099).
-Everything is seeded; ``triples`` holds the samples that were sent. Not here: the listening side (``server.py``).
 """
 
 from __future__ import annotations
@@ -18,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
 from helibore.live import wits
 from helibore.simulation.tool import Hole, Lift, Simulation, Tool, simulate
 
@@ -27,10 +27,10 @@ TELEMETRY = {
     "wired-pipe": (900.0, 30, 0.0),
     "memory": (3000.0, 30, 0.0),
 }
-"""Triples a second, triples a frame, and seconds between measurement and arrival, of each telemetry."""
+"""For each telemetry: triples a second, triples a frame, and seconds between measurement and arrival."""
 
 BIT_DIAMETER = 0.216
-"""Of every rig, metres."""
+"""Bit diameter of every rig, metres."""
 
 CONFIGURATION = """\
 [wall]
@@ -48,11 +48,11 @@ image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin 
 
 
 def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
-    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, at once: no rig is simulated for it.
+    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, without simulating a rig.
 
     Raises
     ------
-    ValueError
+    InputError
         If there is no such telemetry.
     """
     _, groups, _ = _usual(telemetry)
@@ -61,13 +61,13 @@ def configuration(address: str, telemetry: str = "wired-pipe", start: float = 20
 
 def _usual(telemetry: str) -> tuple[float, int, float]:
     if telemetry not in TELEMETRY:
-        raise ValueError(f"telemetry '{telemetry}': must be one of {', '.join(TELEMETRY)}")
+        raise InputError(f"telemetry '{telemetry}'", f"must be one of {', '.join(TELEMETRY)}")
     return TELEMETRY[telemetry]
 
 
 @dataclass(frozen=True)
 class Faults:
-    """What goes wrong on the way: the share of caliper frames that is dropped, sent twice, or sent late."""
+    """Faults of the telemetry: the shares of caliper frames that it drops, sends twice, or sends late."""
 
     dropped: float = 0.0
     doubled: float = 0.0
@@ -76,7 +76,7 @@ class Faults:
     def __post_init__(self) -> None:
         for name in ("dropped", "doubled", "late"):
             if not 0 <= getattr(self, name) < 1:
-                raise ValueError(f"{name} = {getattr(self, name):g}: must be in [0, 1)")
+                raise InputError(name, "must be in [0, 1)", f"{getattr(self, name):g}")
 
 
 class Rig:
@@ -89,16 +89,16 @@ class Rig:
     start, stop
         Depth drilled, metres.
     lift
-        Metres the tool is lifted half way, to scan them again (0: not); or where it is lifted, and how far.
+        Metres by which the tool is lifted at half the depth, to scan them again (0: no lift); or a list of lifts.
     faults, seed
-        What goes wrong, and the seed of everything.
+        The faults of the telemetry, and the seed of all random numbers.
     rate
-        Triples a second of drilling time; None: the telemetry's.
+        Triples a second of drilling time; None: the rate of the telemetry.
 
     Attributes
     ----------
     triples
-        (n, 3) toolface deg, depth m, radius m of every triple sent at least once, to the digits sent.
+        (n, 3): toolface deg, depth m, radius m of every triple sent at least once, rounded as sent.
     """
 
     def __init__(
@@ -117,7 +117,7 @@ class Rig:
         self.triples, self._order = self._in_order(faults or Faults())
 
     def frames(self) -> Iterator[tuple[float, bytes]]:
-        """Yield (drilling time s, frame) in the order they are sent; those of calipers are written when asked for."""
+        """Yield (drilling time s, frame) in the order of sending; a caliper frame is written when it is yielded."""
         for at, frame in self._order:
             yield at, frame if isinstance(frame, bytes) else self._caliper(frame)
 
@@ -127,12 +127,12 @@ class Rig:
 
     @staticmethod
     def _written(run: Simulation) -> Floats:
-        """The triples as the wire carries them: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm."""
+        """Return the triples rounded as sent: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm."""
         toolface, radius = np.round(run.toolface, 2) % 360.0, np.round(run.radius * 1e3, 2) * 1e-3
         return np.column_stack([toolface, np.round(run.depth, 4), radius])
 
     def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
-        """Return the triples that are sent, and each frame at its drilling time; of a caliper frame its number."""
+        """Return the triples that are sent, and (drilling time, frame) of all frames; a caliper frame as its number."""
         rows = self._rows
         sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._surveys(), *self._gamma()]
         kept = np.ones(len(rows), bool)
@@ -184,7 +184,7 @@ class Rig:
 
 
 def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
-    """Send a rig's frames, ``speed`` times as fast as it drilled (0: as fast as they are taken); returns the bytes."""
+    """Send a rig's frames ``speed`` times as fast as it drilled (0: without waiting); return the number of bytes."""
     begin, sent, held = time.monotonic(), 0, bytearray()
     first = None
 
@@ -211,25 +211,25 @@ def scheme_of(address: str) -> str:
 
     Raises
     ------
-    ValueError
+    InputError
         If the address is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``.
     """
     scheme, _, rest = address.partition("://")
     host, _, port = rest.rpartition(":")
     if scheme not in ("tcp", "listen") or not host or not port.isdigit():
-        raise ValueError(f"address '{address}': must be tcp://HOST:PORT or listen://HOST:PORT")
+        raise InputError(f"address '{address}'", "must be tcp://HOST:PORT or listen://HOST:PORT")
     return scheme
 
 
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
-    """Return a link: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
+    """Return a socket: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
 
     Raises
     ------
-    ValueError
+    InputError
         If the address is neither.
     OSError
-        If no link came within ``seconds``.
+        If no connection was made within ``seconds``.
     """
     scheme = scheme_of(address)
     host, _, port = address.removeprefix(f"{scheme}://").rpartition(":")

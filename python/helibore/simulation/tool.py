@@ -1,4 +1,4 @@
-"""An imaging-while-drilling tool in a known hole: samples, survey and gamma image whose truth can be asked anywhere.
+"""Simulate an imaging-while-drilling tool in a known hole: samples, survey and gamma image, with their truth.
 
 A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan an interval again, and adds noise;
 :func:`simulate` runs it through a :class:`~helibore.simulation.hole.Hole`::
@@ -6,8 +6,8 @@ A :class:`Tool` turns with stick-slip, advances unevenly, may be lifted to scan 
     speed of turning  = rotation (1 + stick_slip cos(2 pi t / period + phase) + a slow wander)
     speed of advance  = advance (1 + swings of 8 s, 47 s and 391 s)
 
-Everything is seeded: the same arguments give the same bits. Not here: telemetry and its losses (``helibore.live``),
-tools off the axis, and any file format.
+All random numbers are seeded: the same arguments give the same bits. ``rig.py`` simulates the telemetry and its
+losses. The tool is always on the axis of the hole.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ __all__ = ["Bed", "Breakout", "Hole", "Lift", "Section", "Simulation", "Tool", "
 
 @dataclass(frozen=True)
 class Lift:
-    """At bit depth ``depth`` the tool is raised by ``length`` and scans those metres again on its way down, in m."""
+    """At bit depth ``depth`` (m) the tool is raised by ``length`` (m), and scans those metres again on its way down."""
 
     depth: float
     length: float
@@ -33,15 +33,15 @@ class Lift:
 
 @dataclass(frozen=True)
 class Tool:
-    """How the hole is measured.
+    """How the tool turns, advances and measures.
 
     Parameters
     ----------
     rotation, stick_slip, stick_slip_period
-        Mean speed in turns a minute; how far it swings about that mean, relative (1: the string stops once a period);
-        and the period in seconds.
+        Mean speed in turns a minute; amplitude of its swing as a share of the mean (1: the string stops once a
+        period); and the period in seconds.
     advance, advance_variation
-        Mean rate of penetration in metres an hour, and how far it varies, relative, less than 1.
+        Mean rate of penetration in metres an hour, and its variation as a share of the mean, less than 1.
     sample_rate
         Samples a second.
     noise, toolface_noise
@@ -49,9 +49,9 @@ class Tool:
     missing
         Share of the samples that never arrive, [0, 1).
     lifts
-        In order of depth; see :class:`Lift`.
+        The lifts in order of depth; see :class:`Lift`.
     sectors, image_step, gamma_noise
-        Of the gamma image: sectors a turn, metres a row, standard deviation in gAPI.
+        The gamma image: sectors a turn, metres a row, standard deviation in gAPI.
     """
 
     rotation: float = 117.0
@@ -84,7 +84,7 @@ class Tool:
 
 @dataclass(frozen=True)
 class Simulation:
-    """What the tool reports, in the order it was measured, and the hole it was in.
+    """The measurements of the tool, in the order in which it made them, and the hole.
 
     Attributes
     ----------
@@ -120,12 +120,12 @@ def simulate(
     Parameters
     ----------
     hole, tool
-        ``Hole.example(seed=seed)`` and ``Tool()`` when not given.
+        The hole and the tool; None: ``Hole.example(seed=seed)`` and ``Tool()``.
     samples
-        How many samples to take over the whole run, before ``tool.missing`` takes its share; sets the sample rate.
-        At least 2. None: as many as ``tool.sample_rate`` gives.
+        Number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed; it sets the
+        sample rate. None: the number that ``tool.sample_rate`` gives.
     seed
-        Of phases, noise and missing samples (and of the hole, when none is given).
+        Seed of phases, noise and missing samples (and of the hole if ``hole`` is None).
 
     Returns
     -------
@@ -135,7 +135,7 @@ def simulate(
     Raises
     ------
     InputError
-        If there are fewer than 2 samples, or a lift leaves the hole or the order of depth.
+        If there are fewer than 2 samples, a lift leaves the hole, or the lifts are not in order of depth.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
     tool = Tool() if tool is None else tool
@@ -179,7 +179,7 @@ def _check_lifts(hole: Hole, tool: Tool) -> None:
 
 
 def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Toolface over time: the integral of a speed that swings (stick-slip) and wanders by 4 % over a minute."""
+    """Return the toolface over time: the integral of a speed that swings (stick-slip) and varies slowly by 4 %."""
     start, fast, slow = rng.random(3)
     turns = time + start
     for amplitude, period, phase in ((tool.stick_slip, tool.stick_slip_period, fast), (0.04, 61.8, slow)):
@@ -191,7 +191,7 @@ def _rotate(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
-    """Share of the travel over time, from 0 to 1 and never falling: the swings of its speed add up to less than 1."""
+    """Return the share of the travel over time, from 0 to 1; it never falls, since all swings sum to less than 1."""
     progress = time.copy()
     for share, period in ((0.5, 8.3), (0.3, 47.0), (0.2, 391.0)):
         swing = share * tool.advance_variation * period / (2.0 * np.pi)
@@ -202,7 +202,7 @@ def _progress(tool: Tool, time: Floats, rng: np.random.Generator) -> Floats:
 
 
 def _lift(hole: Hole, tool: Tool, time: Floats, depth: Floats) -> tuple[Floats, Floats]:
-    """Fold the travel at each lift: below it the depth steps back, and the raising itself takes time but no samples."""
+    """Shift depth and time at each lift: the depth steps back, and the raising takes time but gives no samples."""
     raising_speed = 0.2  # m/s
     for lift in tool.lifts:
         first = int(np.argmax(depth > lift.depth))
