@@ -1,4 +1,4 @@
-"""Where a source is: tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE, file:///PATH, https://STORE or host."""
+"""Addresses of sources: tcp://HOST:PORT, listen://HOST:PORT, serial:///DEVICE, file:///PATH, https://STORE or host."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from helibore.base.errors import InputError
 
 @dataclass(frozen=True)
 class Address:
-    """Where bytes come from: ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the program itself)."""
+    """The address of a source of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the program)."""
 
     kind: str
     host: str = ""
@@ -22,7 +22,7 @@ class Address:
 
     @property
     def is_loopback(self) -> bool:
-        """Whether only this machine can reach it."""
+        """Whether only this machine can reach the address."""
         return self.host in ("localhost", "::1") or self.host.startswith("127.")
 
 
@@ -32,7 +32,7 @@ def read_address(text: object) -> Address:
     Raises
     ------
     InputError
-        If it names none; the text shows neither a user, a password nor a query.
+        If ``text`` is not an address; the message never shows a user, a password or a query.
     """
     if not isinstance(text, str):
         raise ValueError("must be a text that is not empty")
@@ -54,7 +54,7 @@ def read_address(text: object) -> Address:
             and not (parts.fragment or parts.query)
         ):
             return Address("https", host=parts.hostname, port=443 if parts.port is None else parts.port, url=text)
-    except ValueError:  # of a port or a host that is none
+    except ValueError:  # the port or the host is not valid
         pass
     scheme = text.partition(":")[0]
     if "@" in text:

@@ -20,7 +20,7 @@ except ImportError:
 
 
 class Table(BaseModel):
-    """One table of a configuration; a key without a rule is an error."""
+    """One table of a configuration; a key that is not a field is an error."""
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
@@ -76,7 +76,7 @@ def check(model: type[Checked], entries: Any, place: str = "") -> Checked:
 
 
 def joined_place(*parts: str | int) -> str:
-    """Return ``source.rig.nulls[0]`` for its parts."""
+    """Return the place that the parts name, such as ``source.rig.nulls[0]``."""
     place = ""
     for part in parts:
         place += f"[{part}]" if isinstance(part, int) else f".{part}" if place and part else str(part)
@@ -84,7 +84,7 @@ def joined_place(*parts: str | int) -> str:
 
 
 def _table_at(model: type[Table], location: Sequence[str | int]) -> type[Table]:
-    """The table that a location in ``model`` names."""
+    """Return the table that contains the setting at ``location``."""
     parts = list(location)
     while parts:
         annotation = model.model_fields[str(parts.pop(0))].annotation

@@ -1,8 +1,8 @@
-"""The model's time: seconds that never go back, whatever is done to the wall clock.
+"""The model's time: it never goes back, even if someone sets the wall clock.
 
     time = anchor + (monotonic - monotonic at the anchor)        one anchor a session
 
-A session begins when the journal is opened. Its anchor is the wall clock then, but never before the time reached.
+A session begins when the journal is opened. Its anchor is the wall clock then, or the model's last time if later.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 SECOND = 1_000_000_000
 JUMP = 2 * SECOND
-"""A wall clock that strays further than this from the model's time since it was last looked at was set."""
+"""The wall clock was set if its difference from the model's time changes by this or more; ns."""
 
 
 def utc(nanoseconds: int) -> str:
@@ -24,7 +24,7 @@ def utc(nanoseconds: int) -> str:
 
 
 class ModelClock:
-    """Turns (wall, monotonic) receive times into model time, ns."""
+    """Converts (wall, monotonic) receive times to model time, ns."""
 
     def __init__(self) -> None:
         self._anchor = 0
@@ -34,7 +34,7 @@ class ModelClock:
         self.began = 0
 
     def begin_session(self, wall: int, monotonic: int) -> int:
-        """Anchor a session; returns by how many ns the wall clock stands before the time already reached (0: fine)."""
+        """Begin a session; return by how many ns the wall clock is behind the model's last time (0: it is not)."""
         self._anchor = max(wall, self.now)
         self._start = monotonic
         self._drift = wall - self._anchor
@@ -44,13 +44,13 @@ class ModelClock:
         return behind
 
     def times(self, monotonic: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-        """Return the model time of each record; they never decrease."""
+        """Return the model time of each record; the times never decrease."""
         times = np.maximum.accumulate(np.maximum(self._anchor + (monotonic - self._start), self.now))
         self.now = int(times[-1])
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
-        """Return (record, ns) of each record before which the wall clock was set, and by how much."""
+        """Return (record, ns) for each time the wall clock was set: the first record after it, and by how much."""
         drift, found, start = wall - times, [], 0
         while len(late := np.flatnonzero(np.abs(drift[start:] - self._drift) >= JUMP)):
             start += int(late[0])

@@ -1,17 +1,17 @@
-"""One TOML file says what is connected, what its items mean, and what wall grows from it; a wrong one never starts.
+"""The configuration, a TOML file: which sources are connected, what their items mean, and which wall grows from them.
 
     [wall]
-    bit_diameter = 0.216            # metres, as everything in [wall], [layers] and [passes]
+    bit_diameter = 0.216            # metres, like all lengths in [wall] and [passes]
     start_depth = 2500.0
 
     [source.mwd]
     address = "tcp://127.0.0.1:9872"
-    units = "metric"                # must be set: nothing on the wire says which
+    units = "metric"                # must be set: WITS does not transmit units
     items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120" }
     caliper = { first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }
 
-``docs/live.md`` lists every setting. Texts become numbers and item codes here, in core units; the tables of sources are
-in ``sources.py``.
+``docs/live.md`` lists every setting. This file checks all tables and converts them to core units; ``sources.py`` does
+so for the tables of sources.
 """
 
 from __future__ import annotations
@@ -57,12 +57,12 @@ class Configuration:
     text: str = ""
 
     def meaning(self) -> str:
-        """Return, as JSON, what decides the wall: two configurations that differ only in transport mean the same."""
+        """Return as JSON the settings that affect the wall, so without those of the transport."""
         sources = {name: asdict(source) for name, source in self.sources.items()}
         for name, source in sources.items():
             for transport in ("address", "allow", "mode", "every", "silence", "replace_after", "store"):
                 del source[transport]
-            if source["pass_number"] is None:  # as it was before there were any
+            if source["pass_number"] is None:  # older journals have no such settings
                 del source["pass_number"], source["pass_numbers"]
             if store := self.sources[name].store:
                 source["store"] = store.meaning()
@@ -73,7 +73,7 @@ class Configuration:
 
 
 class WallTable(Table):
-    """The table ``wall``; the rules of its other settings are the wall's own."""
+    """The table ``wall``; `Wall` checks its other settings."""
 
     model_config = ConfigDict(extra="allow")
 
@@ -117,7 +117,7 @@ class SnapshotTable(Table):
 
 
 class TopTable(Table):
-    """The whole file. The tables of sources are checked one by one, each by its kind."""
+    """The whole file. Each table of a source is checked separately, because WITS and WITSML sources differ."""
 
     wall: WallTable = Field(default_factory=dict, validate_default=True)
     path: PathTable = PathTable()
@@ -135,7 +135,7 @@ def load(file: str | os.PathLike[str]) -> Configuration:
     Raises
     ------
     InputError
-        ``FILE: PLACE = VALUE: RULE`` for the first setting that breaks a rule, or that the file is not TOML.
+        For the first setting that breaks a rule (``FILE: PLACE = VALUE: RULE``), or if the file is not TOML.
     """
     text = FilePath(file).read_text(encoding="utf-8")
     entries = _toml(text, str(file))
@@ -198,7 +198,7 @@ def _wall(settings: dict[str, Any]) -> dict[str, Any]:
 
 
 def _check_sources(sources: dict[str, Source]) -> None:
-    """Each rig quantity and each image comes from one source: two would argue. A pass number is its source's own."""
+    """Refuse a rig quantity or image that two sources map; each source has pass numbers of its own."""
     if not sources:
         raise InputError("source", "must be set: at least one table [source.NAME]")
     seen: dict[str, str] = {}

@@ -1,19 +1,19 @@
-"""Where a sensor was when it measured, and what the string was doing: bit depth, offset, latency, passes.
+"""The depth of a sensor when it measured, and the pass of the string at that time.
 
     bit depth  *-------*-------*-----      entries as they arrive
-    sample             ^   |               received here: depth from its own frame, or
+    sample             ^   |               received here: its depth is in its own frame, or
                            ^ - latency     interpolated in time at receive time - latency
     sensor depth = bit depth - offset
 
-A sample is placed once the entries on both sides of its time are there, so it does not matter how the stream was cut
-into packets. Depth is never extrapolated, nor interpolated over more than ``max_depth_gap``. Heave and stretch of the
-string are not modelled.
+A sample gets its depth when the entries before and after its time have arrived, so the packets that the stream was cut
+into do not matter. Depth is never extrapolated, and never interpolated over more than ``max_depth_gap``. Heave and
+stretch of the string are not modelled.
 
-What the string does is decided at each bit depth entry:
+Each bit depth entry decides the pass from the string's motion:
 
     activity 4, 5: ream     8, 9: trip     on bottom: drill     off bottom, turning: rescan     off bottom, not: trip
 
-The pass number of a sender that counts its passes decides before this (``pass_rules.py``).
+If the sender counts its passes, its pass number decides instead (``pass_rules.py``).
 """
 
 from __future__ import annotations
@@ -31,13 +31,13 @@ Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
 FOOT = units.factor("ft", units.LENGTH)
 NEAR = 0.02
-"""A sent depth whose ratio to the bit's is that of feet to metres, to this share, was read in the wrong unit."""
+"""A sent depth has the wrong unit if its ratio to the bit depth is that of feet to metres within this share."""
 DEEP_ENOUGH = 100.0
-"""Metres: above this a sensor may be as far above the bit as feet read as metres would say."""
+"""Metres: at a smaller depth, a sensor high above the bit could have the same ratio, so the unit is not checked."""
 
 
 class Track:
-    """Entries (time, order, value) of one quantity, in order of arrival; ``order`` grows with every frame."""
+    """Entries (time, order, value) of one quantity in order of arrival; each frame has a larger ``order``."""
 
     def __init__(self) -> None:
         self.time = np.empty(0, np.int64)
@@ -45,7 +45,7 @@ class Track:
         self.value = np.empty(0)
 
     def append(self, time: Times, order: Times, value: Values) -> None:
-        """Take the entries that have a value."""
+        """Append the entries that have a value."""
         known = np.isfinite(value)
         if known.any():
             self.time = np.concatenate([self.time, time[known]])
@@ -53,11 +53,11 @@ class Track:
             self.value = np.concatenate([self.value, value[known]])
 
     def before(self, order: Times) -> Times:
-        """Return the index of the last entry at or before each frame, -1 where there is none."""
+        """Return the index of the last entry at or before each frame; -1 if there is no such entry."""
         return np.searchsorted(self.order, order, side="right") - 1
 
     def forget(self, count: int) -> None:
-        """Drop the first ``count`` entries."""
+        """Delete the first ``count`` entries."""
         self.time, self.order, self.value = self.time[count:], self.order[count:], self.value[count:]
 
 
@@ -69,11 +69,11 @@ class Rig:
         self.tracks = {name: Track() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self.kind = np.empty(0, np.int64)
         self.off_bottom = np.empty(0, bool)
-        self.hole = np.empty(0)  # the deepest that the hole was, by then; infinite where it was never sent
+        self.hole = np.empty(0)  # deepest hole depth up to each entry; infinite before the first one is sent
         self._deepest = self._hole = -np.inf
 
     def settle(self) -> None:
-        """Decide the pass at bit depth entries that are new; call when all frames up to now were appended."""
+        """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""
         bit = self.tracks["bit_depth"]
         first = len(self.kind)
         if first == len(bit.value):
@@ -96,7 +96,7 @@ class Rig:
         self.off_bottom = np.concatenate([self.off_bottom, off])
 
     def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
-        """The last value at or before each frame; NaN where there is none, or where it is stale by ``time``."""
+        """Return the last value at or before each frame; NaN if there is none, or if it is stale at ``time``."""
         track = self.tracks[name]
         at = track.before(order)
         values = np.where(at >= 0, track.value[at] if len(track.value) else np.nan, np.nan)
@@ -105,7 +105,7 @@ class Rig:
         return values
 
     def _turning(self, order: Times, time: Times) -> Times:
-        """1 turning, 0 not, -1 not known."""
+        """Return 1 if the string turns, 0 if it does not, -1 if that is not known."""
         rotation = self._latest("rotation", order, time)
         return np.where(np.isnan(rotation), -1, (rotation >= self._rules.rotating).astype(np.int64))
 
@@ -117,15 +117,15 @@ class Rig:
         Parameters
         ----------
         time
-            When they were made, ns.
+            Time of each measurement, ns.
         order
-            The frame they came in, where it is also when they were made; -1 where they are older (latency).
+            The frame that contained the measurement; -1 if it was made before that frame (latency).
         depth
-            The sensor's depth where it was sent, NaN where it follows from the bit.
+            The sensor's depth if it was sent; NaN if it must be computed from the bit depth.
         offset
             Metres from the bit up to the sensor.
         now
-            The time of the latest frame; what cannot be placed any more is ready with NO_DEPTH.
+            Time of the latest frame; a measurement that can no longer get a depth is ready with the flag NO_DEPTH.
         """
         bit = self.tracks["bit_depth"]
         at = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
@@ -145,7 +145,7 @@ class Rig:
         return np.where(sent, depth, found - offset), kind, flags, sent | ready
 
     def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
-        """Depths that were sent and lie below the hole, or have the ratio of feet to metres to the bit's."""
+        """Return which sent depths are below the hole, or have the ratio of feet to metres to the bit depth."""
         at = np.maximum(at, 0)
         ratio = depth / np.maximum(self.tracks["bit_depth"].value[at], 1e-9)
         has_hole = known & np.isfinite(self.hole[at])
@@ -166,7 +166,7 @@ class Rig:
         return f"lies below the hole, which is {hole:g} m deep"
 
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
-        """Bit depth at ``time``, between entries ``at`` and ``at + 1`` (NaN: none), and whether that is final."""
+        """Return the bit depth at ``time``, between entries ``at`` and ``at + 1`` (NaN: none), and if it is final."""
         bit = self.tracks["bit_depth"]
         gap = int(self._rules.max_depth_gap * SECOND)
         last = len(bit.value) - 1
@@ -189,7 +189,7 @@ class Rig:
         return fresh & (track.value[at] < self._rules.rotating)
 
     def forget(self, time: int) -> None:
-        """Drop entries that no measurement made at ``time`` or later can need."""
+        """Delete the entries that no measurement at ``time`` or later needs."""
         for name, track in self.tracks.items():
             needed = time - int(max(self._rules.stale, self._rules.max_depth_gap) * SECOND)
             spare = int(np.searchsorted(track.time, needed)) - 1

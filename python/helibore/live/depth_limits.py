@@ -1,6 +1,6 @@
-"""Which depths can be true: the table ``[depth]``, and the watch over depths that jump.
+"""Checks of depths: the table ``[depth]``, and the detection of depths that jump.
 
-2010.1  2010.2  9840.0  2010.3             one jump alone: wrong
+2010.1  2010.2  9840.0  2010.3             a single jump: wrong
 2010.1  2010.2  1800.0  1800.1  1800.2     a jump that the next depth confirms: the tool was lifted
 """
 
@@ -29,24 +29,24 @@ def _ordered(limits: list[float]) -> list[float]:
 
 
 class DepthLimits(Table):
-    """The range of depths, the longest step between two, and how far below the hole a sensor may be; metres."""
+    """The range of depths, the longest step between two depths, and how far below the hole a depth may be; metres."""
 
     depth_range: Annotated[list[float], AfterValidator(_ordered)] = [0.0, 15_000.0]
     jump: Annotated[float, within(0.1)] = 100.0
     beyond_hole: Annotated[float, within(0)] = 10.0
 
     def outside(self, depth: Values) -> npt.NDArray[np.bool_]:
-        """Return which depths are outside the range; NaN is not."""
+        """Return which depths are outside the range; NaN counts as inside."""
         wrong: npt.NDArray[np.bool_] = (depth < self.depth_range[0]) | (depth > self.depth_range[1])
         return wrong
 
     def rule(self) -> str:
-        """Return the rule of the range."""
+        """Return the text of the rule for the range."""
         return f"must be in depth_range [{self.depth_range[0]:g}, {self.depth_range[1]:g}]"
 
 
 class Steps:
-    """Watches the bit's or the hole's depth: a value that jumps counts only if the one after it does not jump back."""
+    """Checks bit or hole depths: a value that jumps is used only if the next value does not jump back."""
 
     def __init__(self, limits: DepthLimits) -> None:
         self._limits = limits
@@ -71,7 +71,7 @@ class Steps:
 
 
 class HeldSample:
-    """Watches the depths that one source sends with its samples, and holds a sample that jumps until the next one."""
+    """Checks the depths of one source's samples; it holds a sample that jumps until the next one comes."""
 
     def __init__(self, limits: DepthLimits) -> None:
         self._limits = limits
@@ -79,9 +79,9 @@ class HeldSample:
         self._held: Rows | None = None
 
     def take(self, rows: Rows) -> tuple[Rows, Rows]:
-        """Return the rows to place, in order of arrival, and those among them whose jump nothing confirmed.
+        """Return the rows to place, in order of arrival, and the rows among them whose jump was not confirmed.
 
-        The latter have the flag RANGE. The last row is held while it jumps.
+        Rows whose jump was not confirmed get the flag RANGE. If the last row jumps, it is held for the next call.
         """
         if self._held is not None:
             rows = np.concatenate([self._held, rows])
@@ -101,7 +101,7 @@ class HeldSample:
             if jumped >= 0:
                 soon = rows["time"][row] - rows["time"][jumped] <= CONFIRMED_WITHIN
                 if soon and not near_last and abs(depth[row] - depth[jumped]) <= self._limits.jump:
-                    near_last = True  # it confirms the jump
+                    near_last = True  # this row confirms the jump
                 else:
                     wrong.append(jumped)
                 jumped = -1

@@ -1,10 +1,10 @@
-"""What went wrong or changed between wire and wall: events with source, time, place and rule, and flags of samples.
+"""Events (source, time, place, rule) and flags of samples: what went wrong or changed between wire and wall.
 
     gap at 10:02:11    gap at 10:02:12    ...    gap at 14:55:02     ->    one event: 37 times, the first, the last
 
-Every occurrence is counted, and events of one rule of one source are joined, so that a flood of events takes no more
-memory than a few. Times are those at which the bytes were received, so a replay reports the same. Wrong bytes stay in
-the journal at the place that the event names.
+Every occurrence is counted. Events with the same source and rule are joined, so that many events take no more memory
+than a few. The time of an event is the time at which its bytes were received, so a replay reports the same events.
+Wrong bytes stay in the journal at the place that the event names.
 """
 
 from __future__ import annotations
@@ -25,11 +25,11 @@ from helibore.live.clock import utc
 LOGGER = logging.getLogger("helibore.live")
 LOGGER.addHandler(logging.NullHandler())
 LISTED = 8
-"""Events of one rule of one source that an update lists one by one; the last of them stands for those that follow."""
+"""The most events of one rule of one source that an update lists; the last of them counts all that follow."""
 
 
 class Flag(enum.IntFlag):
-    """Why a sample is not drawn, or is drawn with care."""
+    """Why a sample is not drawn, or why it may be less reliable."""
 
     NULL = 1
     INVALID = 2
@@ -52,19 +52,19 @@ class Event:
     Attributes
     ----------
     wall
-        When its bytes were received, ns since 1970 (UTC); an event without bytes (a disk, a link): when it happened.
+        Time at which its bytes were received, or at which an event without bytes (disk, link) happened; ns since 1970.
     source, connection
-        Whose bytes; ``""`` and 0 for the journal and the host.
+        Source and connection of its bytes; ``""`` and 0 for the journal and the host.
     line, offset
-        Line in the connection's stream, from 1 (of a store: row of the answer), and byte; 0 and -1 where it has none.
+        Line of the connection's stream, from 1 (for a store: row of the answer), and byte; 0 and -1: no line, no byte.
     rule
-        Its kind, and with the source the key of its counter.
+        Kind of the event; source and rule together are the key of its counter.
     text
         What happened, in words: place, value, rule.
     count
-        How often it happened.
+        How often the event happened.
     last
-        The last time it happened, an event itself; None where that is this one.
+        The event of the last occurrence; None if this event is the last one.
     """
 
     wall: int
@@ -84,11 +84,11 @@ class Event:
 
     @property
     def newest(self) -> Event:
-        """The last time it happened."""
+        """The event of the last occurrence."""
         return self.last or self
 
     def and_then(self, more: Event) -> Event:
-        """Return one event for this and one that followed."""
+        """Return one event for this event and a later one."""
         return replace(self, count=self.count + more.count, last=more.newest)
 
     def __str__(self) -> str:
@@ -100,7 +100,7 @@ class Event:
 
 
 def gather(events: list[Event], more: Iterable[Event]) -> None:
-    """Add events to a list; of one rule of one source it holds LISTED at most, the last stands for all that follow."""
+    """Add events to a list; it holds at most LISTED of one rule of one source, and the last counts all that follow."""
     places: dict[tuple[str, str], list[int]] = {}
     for place, event in enumerate(events):
         places.setdefault((event.source, event.rule), []).append(place)
@@ -118,7 +118,7 @@ def _add(events: list[Event], places: dict[tuple[str, str], list[int]], event: E
 
 
 class EventBook:
-    """Counts every event, joins those of one rule of one source, and returns new ones once.
+    """Counts every event, joins the events of one rule of one source, and returns each new event once.
 
     May be used from several threads.
     """
@@ -133,12 +133,12 @@ class EventBook:
 
     @property
     def latest(self) -> list[Event]:
-        """Everything reported so far, one event for each rule of each source, the one that happened last at the end."""
+        """All events so far, one for each rule of each source; the latest is at the end."""
         with self._lock:
             return list(self._joined.values())
 
     def report(self, event: Event) -> None:
-        """Count ``event`` and join it to those before it."""
+        """Count ``event`` and join it to the earlier events of its source and rule."""
         key = event.source, event.rule
         if self.log is not None:
             self.log(event)
@@ -149,7 +149,7 @@ class EventBook:
             _add(self._new, self._places, event)
 
     def report_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:
-        """Report an event for each of many rows; only those that are listed, and the last, are described."""
+        """Report an event for each row; ``describe`` is called only for the listed events and for the last one."""
         for row in rows[: LISTED - 1]:
             self.report(describe(int(row)))
         if len(rest := rows[LISTED - 1 :]):
@@ -157,7 +157,7 @@ class EventBook:
             self.report(replace(describe(int(rest[0])), count=len(rest), last=last))
 
     def take(self) -> list[Event]:
-        """Return what was reported since the last call."""
+        """Return the events reported since the last call."""
         with self._lock:
             new, self._new, self._places = self._new, [], {}
             return new

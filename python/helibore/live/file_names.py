@@ -1,19 +1,19 @@
-"""Names of layers and images as parts of the names of files: which can be, and how they are written.
+"""Names of layers and images as parts of file names: which names are allowed, and how they are escaped.
 
-    "GR", "../x", "a/b"      ->      image-GR.csv, image-..%2Fx.csv, image-a%2Fb.csv          no folder is left
+    "GR", "../x", "a/b"      ->      image-GR.csv, image-..%2Fx.csv, image-a%2Fb.csv     always in the folder
 
-Which files there are is in ``snapshot.py``.
+``snapshot.py`` lists the files.
 """
 
 from __future__ import annotations
 
 LONGEST = 200
-"""Bytes; a file system takes 255, and ``image-`` and what is written beside want some."""
+"""Bytes; a file system allows 255, and ``image-`` and the ending of a temporary file need some of them."""
 RULE = f"must be printable and at most {LONGEST} bytes, for files are named after it"
 
 
 def escaped(name: str) -> str:
-    """Return a name that leads into no other folder, and is another for another name."""
+    """Return ``name`` without folder separators; two different names never become the same."""
     for character in "%/\\":
         name = name.replace(character, f"%{ord(character):02X}")
     return name

@@ -1,6 +1,6 @@
-"""A copy of a live wall at one moment, for exports that take longer than the next packet takes to arrive.
+"""Copy a live wall at one moment, for exports that take longer than the time to the next packet.
 
-live           ... append  append | append ...      everything is copied between two appends, at the speed of memory
+live           ... append  append | append ...      everything is copied in memory, between two appends
                                   |
 frozen copy                       walls, images, stations, passes, events       sorted, exported (``snapshot.py``)
 """
@@ -25,16 +25,16 @@ from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
 Rows = tuple[tuple[Floats, Floats], str, Layout | None]
-"""Of an image: (depth, values) in order of arrival, unit and layout."""
+"""The rows of an image: (depth, values) in order of arrival, unit and layout."""
 
 
 class FrozenWall(Wall):
-    """A copy of a wall that takes no samples: it is saved, measured and meshed like the original.
+    """A copy of a wall to which no samples can be appended; it is saved, measured and meshed like the original.
 
     Parameters
     ----------
     wall
-        What is copied.
+        The wall to copy.
     path
         As `Wall.path`.
     """
@@ -83,11 +83,11 @@ class FrozenCopy:
     Attributes
     ----------
     wall_time
-        When its last record was received, ns since 1970 (UTC).
+        Time at which its last record was received, ns since 1970 (UTC).
     records
-        How many records of the journal it contains.
+        Number of journal records that the copy contains.
     walls
-        Of each layer that has vertices.
+        The wall of each layer that has vertices.
     images
         (depth, values) of each image that has rows.
     stations
@@ -95,7 +95,7 @@ class FrozenCopy:
     passes, events
         As `Live.passes`, and one event for each rule of each source.
     left_out
-        What could not be copied, and why.
+        One text for each image that could not be copied, with the reason.
     """
 
     wall_time: int
@@ -110,7 +110,7 @@ class FrozenCopy:
 
 
 def frozen_copy(live: Live) -> FrozenCopy:
-    """Copy a live wall between two appends; images are sorted and laid around the hole afterwards."""
+    """Copy a live wall between two appends; afterwards sort its images and place them around the hole."""
     of, images = live.at_one_moment(lambda: _copied(live))
     for name, (rows, unit, layout) in images.items():
         if not can_be_file(name):
@@ -131,7 +131,7 @@ def frozen_copy(live: Live) -> FrozenCopy:
 
 
 def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
-    """The copy, and each image's rows of that moment: rows that arrived never change."""
+    """Return the copy, and the rows of each image at that moment; rows never change after they arrive."""
     model = live.model
     walls = {name: FrozenWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
     images = {name: (image.so_far(), image.unit, model.layouts.get(name))
@@ -142,7 +142,7 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
 
 
 def _meets(image: SectorImage, wall: Wall) -> bool:
-    """Whether they share a turn or more; elsewhere no quad of the wall lies under the image."""
+    """Return whether image and wall share more than a turn; otherwise the image covers no quad of the wall."""
     pitch = wall.settings.pitch
     ends = sorted((wall.start_depth, wall.start_depth + len(wall) / wall.settings.sectors * pitch))
     top, bottom = image.depth[0] - image.reach, image.depth[-1] + image.reach

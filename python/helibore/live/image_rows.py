@@ -1,8 +1,8 @@
-"""The rows of one live image, in order of arrival, while one thread appends and others read.
+"""The rows of one live image in order of arrival; one thread appends while others read.
 
-    buffer  | row 0 | row 1 | ... | row count-1 | free, to be filled ... |      doubled when it is full
+    buffer  | row 0 | row 1 | ... | row count-1 | free ...               |      doubled when it is full
 
-A row never changes after it arrived, so a reader takes buffers and count under the lock and copies without it.
+A row never changes after it arrives. So a reader holds the lock only to get buffers and count, and copies later.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ class ImageRows:
         self._lock = threading.Lock()
 
     def append(self, depth: Floats, values: Floats) -> tuple[int, int]:
-        """Take rows; returns their range."""
+        """Append rows; return their range."""
         with self._lock:
             start, stop = self._count, self._count + len(depth)
             if stop > len(self._depth):
@@ -39,25 +39,25 @@ class ImageRows:
         return self._count
 
     def so_far(self) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) in order of arrival; not copies, and not to be written."""
+        """Return (depth (r,), values (r, sectors)) in order of arrival; not copies: do not change them."""
         with self._lock:
             return self._depth[: self._count], self._values[: self._count]
 
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
         """Return (depth (r,), values (r, sectors)) of the rows [start, stop) in order of arrival; copies.
 
-        `Update.images` has such ranges. :meth:`arrays` returns all rows by depth, of those at one depth the latest.
+        `Update.images` has such ranges. :meth:`arrays` returns all rows by depth, only the latest of each depth.
         """
         depth, values = self.so_far()
         return depth[start:stop].copy(), values[start:stop].copy()
 
     def arrays(self) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) sorted by depth; of rows at one depth only the latest. Copies."""
+        """Return (depth (r,), values (r, sectors)) sorted by depth, only the latest row of each depth; copies."""
         return sorted_rows(*self.so_far())
 
 
 def sorted_rows(depth: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Return rows in order of arrival sorted by depth; of those at one depth only the latest. Copies."""
+    """Sort rows in order of arrival by depth; return copies, only the latest row of each depth."""
     order = np.argsort(depth, kind="stable")
     latest = order[np.append(np.diff(depth[order]) > 0, True)[: len(order)]]
     return depth[latest], values[latest]

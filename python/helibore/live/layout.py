@@ -1,8 +1,8 @@
-"""How the sectors of a live image lie around the hole: the terms of `helibore.SectorImage`, from a configuration.
+"""The layout of a live image's sectors around the hole, in the terms of `helibore.SectorImage`.
 
     image.GR = { first = "5110", count = 8, unit = "gAPI", origin = "edge", reference = "high-side" }
 
-``toolface_offset`` here is ``SectorImage.offset``: beside it ``offset`` is metres from the bit, as for the caliper.
+``toolface_offset`` is ``SectorImage.offset``. In the table, ``offset`` is in metres from the bit, as for the caliper.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from helibore.live.checks import Table, check, joined_place, within, without_non
 from helibore.trajectory.references import Reference
 
 PathReference = Literal["high-side", "north"]
-"""What toolface 0 is, on a path that grows with its survey; parallel transport would depend on the first station."""
+"""The direction of toolface 0; parallel transport is not allowed, since it would depend on the first station."""
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Layout:
     def image(
         self, name: str, unit: str, rows: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]], reach: float | None
     ) -> SectorImage:
-        """Return ``rows``, their depths and values, as an image."""
+        """Return ``rows`` (depths and values) as an image."""
         return SectorImage(
             *rows, name, unit, origin=self.origin, reference=self.reference, direction=self.direction,
             offset=self.offset, reach=reach,
@@ -43,7 +43,7 @@ class Layout:
 
 
 class LayoutTable(Table):
-    """The part of an image's table that says how its sectors lie."""
+    """The settings of an image's table that define the layout of its sectors."""
 
     origin: Origin = Field(description='"centre" or "edge": what of sector 1 lies at toolface_offset; tools differ')
     reference: PathReference = Field(description='"high-side" or "north": what toolface 0 is')
@@ -51,7 +51,7 @@ class LayoutTable(Table):
     toolface_offset: Annotated[float, within(-360, 360)] = 0.0
 
     def layout(self, path_reference: str, place: str = "") -> Layout:
-        """Return the layout; ``path_reference`` is what the wall's toolfaces count from."""
+        """Return the layout; ``path_reference`` is the reference of the wall's toolfaces."""
         if self.reference != path_reference:
             rule = f'must be the path\'s reference, "{path_reference}": an image is not turned on its way to the wall'
             raise InputError(joined_place(place, "reference"), rule, repr(self.reference))
@@ -61,7 +61,7 @@ class LayoutTable(Table):
 def given_layout(
     origin: str | None, reference: str | None, direction: str, toolface_offset: float, path_reference: str
 ) -> Layout | None:
-    """Return the layout a host gives with an image; None where it gives neither origin nor reference."""
+    """Return the layout that a host gives with an image; None if the host gives no origin and no reference."""
     if origin is None and reference is None:
         return None
     entries = without_none(

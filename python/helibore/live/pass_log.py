@@ -1,12 +1,12 @@
-"""The passes of a well as its samples came: which pass each belongs to, and from when to when, how deep and how many.
+"""The passes of a well in order of arrival: the pass of each sample, and time, depth and sample count of each pass.
 
-    wire       . . 1 1 1 1 2 2 2       number from the source, "." where it sends none
+    wire       . . 1 1 1 1 2 2 2       number from the source; ".": it sends no number
     string     d d d d r r r r r       drill, rescan: from bit depth and rotation (depth.py)
-    pass       d d d d d d r r r       the number decides; the two samples that differ are reported
-               |-| |-----| |---|       runs, one row each: passes of one source follow each other
+    pass       d d d d d d r r r       the number decides; an event reports the two samples that differ
+               |-| |-----| |---|       runs, one row each: the passes of one source in order
 
-Runs are in order of arrival of each source, so they do not depend on how the stream was cut. The latest 10,000 are
-kept.
+The runs of each source are in order of arrival, so they do not depend on how the stream was cut into packets. The
+latest 10,000 are kept.
 """
 
 from __future__ import annotations
@@ -29,22 +29,22 @@ KEPT = 10_000
 
 @dataclass(frozen=True, slots=True)
 class Pass:
-    """Samples of one source that follow each other in one pass.
+    """Consecutive samples of one source in one pass.
 
     Attributes
     ----------
     source
-        Whose samples; ``""``: the host's.
+        Name of the source; ``""``: the host.
     name
         A pass out of `PASSES`.
     number
-        The source's number of it; None where it sent none.
+        Number that the source gave the pass; None if it gave no number.
     start, stop
-        When the first and the last of them were measured, ns of the model's clock (UTC since 1970, never going back).
+        Times of the first and the last sample, ns of the model's clock (UTC since 1970, never going back).
     top, bottom
-        Their least and greatest depth, metres.
+        Least and greatest depth of the samples, metres.
     samples
-        How many there are, those kept apart from every layer included.
+        Number of samples, including samples that no layer takes.
     """
 
     source: str
@@ -63,7 +63,7 @@ class PassLog:
     Parameters
     ----------
     meanings
-        Name and pass numbers of each source, by its number in the journal; a source that is not there says none.
+        Name and pass numbers of each source, by its number in the journal; a source without an entry sends none.
     """
 
     def __init__(self, meanings: dict[int, tuple[str, PassNumbers]], events: EventBook) -> None:
@@ -73,18 +73,18 @@ class PassLog:
 
     @property
     def runs(self) -> list[Pass]:
-        """The runs, by the time they began."""
+        """The runs, sorted by start time."""
         return sorted([*self._over, *self.latest.values()], key=lambda run: (run.start, run.source))
 
     def decide(self, samples: Rows, kind: Integers) -> Integers:
-        """Return the pass of each sample: what its source's number means, else ``kind``, the string's own.
+        """Return the pass of each sample: the meaning of its number, or else ``kind``, from the string's motion.
 
         Parameters
         ----------
         samples
-            With ``source``, ``number`` of the pass (NO_NUMBER: none said), ``wall``, ``connection`` and ``line``.
+            Fields ``source``, ``number`` (of the pass; NO_NUMBER: none), ``wall``, ``connection`` and ``line``.
         kind
-            What the string did, as an index into PASSES.
+            Pass from the string's motion, an index into PASSES.
         """
         source, number = samples["source"], samples["number"]
         if not (number != NO_NUMBER).any():
@@ -123,7 +123,7 @@ class PassLog:
             self._events.report_rows(order[source == who], describe)
 
     def _event(self, sample: np.void, rule: str, text: str) -> Event:
-        """Return an event at the place a sample came from."""
+        """Return an event at the place from which the sample came."""
         name = self._name(int(sample["source"]))
         return Event(int(sample["wall"]), name, int(sample["connection"]), int(sample["line"]), -1, rule, text)
 

@@ -1,16 +1,16 @@
-"""Which pass of the string a sample belongs to: the rules of the configuration, and what a number on the wire means.
+"""Rules for the pass of a sample: the settings of ``[passes]``, and the meaning of pass numbers from the wire.
 
-    [passes]                      when the bit is on bottom and the string turns: the string's own pass (depth.py)
+    [passes]                      when the bit is on bottom and the string turns: the pass from its motion (depth.py)
 
     [source.mwd.items]
     pass_number = "0812"          the sender counts its passes: 0710, 0812, 0912 or any other item
 
-    [source.mwd.pass_numbers]     what its numbers mean; without this table 1 is drill and every later one a rescan
+    [source.mwd.pass_numbers]     what its numbers mean; without this table 1 is drill and every larger number rescan
     drill = [1]
     rescan = [2, 3]
 
-Where a source sends a number, the number decides for its samples; where the string's motion means another pass, that
-is reported (``pass_log.py``). 0 means nothing unless it is listed, nor does a null; then the string's motion decides.
+If a source sends a number, the number decides the pass of its samples; an event reports when the string's motion means
+another pass (``pass_log.py``). After a null, or a 0 that is not listed, the string's motion decides.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ LARGEST = 32767
 """Pass numbers are of the wire's type S, two bytes."""
 
 TABLES = ("passes", "events", "survey")
-"""Files of the snapshot beside those of layers and images."""
+"""Files of the snapshot in addition to those of layers and images."""
 
 NUMBERED = re.compile(r"pass (0|[1-9]\d{0,4})")
 
@@ -51,12 +51,12 @@ class PassRules(Table):
 
 @dataclass(frozen=True)
 class PassNumbers:
-    """What the numbers of one source mean: (number, index into PASSES), sorted; empty: 1 is drill, 2 and on rescan."""
+    """What the numbers of one source mean: sorted (number, index into PASSES); empty: 1 is drill, larger are rescan."""
 
     listed: tuple[tuple[int, int], ...] = ()
 
     def kind(self, number: int) -> int | None:
-        """Return the pass that ``number`` means, UNKNOWN where it is listed nowhere, None where it says nothing."""
+        """Return the pass that ``number`` means; UNKNOWN if it is not listed, None if it has no meaning."""
         if number == NO_NUMBER:
             return None
         if not self.listed:
@@ -66,20 +66,20 @@ class PassNumbers:
 
 @dataclass(frozen=True)
 class Layer:
-    """What a wall takes: passes as indices into PASSES, and numbers of the wire."""
+    """The samples that a wall takes: passes as indices into PASSES, and pass numbers from the wire."""
 
     kinds: tuple[int, ...]
     numbers: tuple[int, ...]
 
     def chosen(self, kind: Integers, number: Integers) -> npt.NDArray[np.bool_]:
-        """Return which samples, of these passes and numbers, the layer takes."""
+        """Return which samples the layer takes, given their passes and numbers."""
         of_kind = np.zeros(len(PASSES), bool)
         of_kind[list(self.kinds)] = True
         return of_kind[kind] | np.isin(number, self.numbers) if self.numbers else of_kind[kind]
 
 
 def layer_of(names: tuple[str, ...]) -> Layer:
-    """Return what ``names`` ("ream", "pass 2") stand for."""
+    """Return the layer that takes the passes ``names`` ("ream", "pass 2")."""
     found = [NUMBERED.fullmatch(name) for name in names]
     return Layer(
         tuple(PASSES.index(name) for name, match in zip(names, found, strict=True) if match is None),
@@ -88,7 +88,7 @@ def layer_of(names: tuple[str, ...]) -> Layer:
 
 
 def read_layers(layers: dict[str, list[str]], *, numbered: bool) -> dict[str, tuple[str, ...]]:
-    """Check the table ``layers``; ``numbered``: whether any source sends pass numbers."""
+    """Check the table ``layers`` and return it; ``numbered``: whether any source sends pass numbers."""
     for name, kinds in layers.items():
         place = f"layers.{name}"
         if not can_be_file(name):

@@ -1,9 +1,9 @@
-"""Removes a store's credentials from everything the store sends, however it writes them.
+"""Removes the credentials of a store from all that the store sends, in every form in which it may write them.
 
     s&cret  s&amp;cret  s&amp;amp;cret  s%26cret  s\\u0026cret  s&#38;cret  UTF-16  Basic dTpzJmNyZXQ=
 
-Each character becomes a regular expression of the ways to write it; between them may stand what changes no text
-(zero bytes, line ends, bounds of CDATA). Redacted bytes become stars, one for one.
+Each character becomes a regular expression for all ways to write it. Bytes that do not change the text (zero bytes,
+line ends, bounds of CDATA) may stand between characters. Each redacted byte becomes a star.
 """
 
 from __future__ import annotations
@@ -19,11 +19,11 @@ AMPERSAND = rb"(?:&|%(?:25)*26|\\+u0026)(?:(?:amp|#0*38|#[xX]0*26);)*"
 BETWEEN = rb"(?:[\0\r\n]|<!\[CDATA\[|\]\]>)*"
 NAMED = {"&": "amp", "<": "lt", ">": "gt", '"': "quot", "'": "apos"}
 Units = list[bytes]
-"""Regular expressions that follow each other."""
+"""Regular expressions for consecutive bytes."""
 
 
 def check_password(place: str, password: str) -> None:
-    """Refuse a password that could be a part of the data: redacting it would change them.
+    """Refuse a password that could also occur in the data: redaction would then change the data.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def _letters(text: str) -> Units:
 
 
 def _written(character: str) -> list[Units]:
-    """The ways to write a character."""
+    """Return the ways to write a character."""
     code, raw = ord(character), character.encode()
     ways = [[AMPERSAND]] if character == "&" else [[re.escape(bytes([byte])) for byte in raw]]
     if code > 127:
@@ -70,7 +70,7 @@ def _whole(ways: list[Units]) -> bytes:
 
 
 def _begun(ways: list[Units]) -> bytes:
-    """The beginnings of a character."""
+    """Return an expression for the beginnings of a character."""
     found = []
     for units in ways:
         nested = b""
@@ -81,7 +81,7 @@ def _begun(ways: list[Units]) -> bytes:
 
 
 class Redactor:
-    """Removes the credentials ``auth`` (user, password); None: there are none."""
+    """Removes the credentials ``auth`` (user, password); None: removes nothing."""
 
     def __init__(self, auth: tuple[str, str] | None) -> None:
         self._secrets: list[tuple[re.Pattern[bytes], re.Pattern[bytes]]] = []
@@ -99,7 +99,7 @@ class Redactor:
             self._secrets.append((re.compile(whole), re.compile(begun + rb"\Z")))
 
     def clean(self, body: bytes, *, cut: bool = False) -> bytes:
-        """Return ``body`` without credentials; where it may have been ``cut``, without the beginning of one, too."""
+        """Return ``body`` without credentials; if ``cut``, also without the beginning of a credential at its end."""
         for whole, _ in self._secrets:
             body = whole.sub(lambda match: b"*" * len(match[0]), body)
         if cut:

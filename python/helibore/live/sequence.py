@@ -1,9 +1,9 @@
-"""Sequence numbers (item 04) of one record of one source: gaps, late arrivals, resets, the wrap at 2^31.
+"""Check the sequence numbers (item 04) of one record of one source: gaps, late frames, resets, the wrap at 2^31.
 
     expected n = last + 1     n > last + 1: numbers are missing     n <= last and missing: late     else: repeated
 
-A repeated number whose successor follows is a counter that was reset. Whether a repeated frame is a duplicate is
-decided by its text (``mapping.py``), not here: two frames with one number and other values are both kept.
+If the successor of a repeated number follows, the counter was reset. ``mapping.py`` decides by the text of a frame
+whether it is a duplicate: two frames with the same number and different values are both kept.
 """
 
 from __future__ import annotations
@@ -18,14 +18,14 @@ LONGEST_GAP = 65536
 
 
 class SequenceWatch:
-    """Watches one counter.
+    """Checks the numbers of one counter.
 
     Attributes
     ----------
     missing
-        Numbers that were skipped and may still come.
+        Skipped numbers that may still arrive.
     lost
-        Numbers skipped so far that have not come.
+        Count of the skipped numbers that have not arrived.
     """
 
     def __init__(self) -> None:

@@ -23,12 +23,12 @@ def _session_headers(folder: FilePath) -> Iterator[dict[str, str]]:
 
 
 def recorded_configuration(folder: FilePath) -> Configuration:
-    """Return the configuration a journal was begun with.
+    """Return the configuration with which a journal was begun.
 
     Raises
     ------
     InputError
-        If it holds none.
+        If the journal holds no configuration.
     """
     for header in _session_headers(folder):
         if header.get("configuration"):
@@ -42,7 +42,7 @@ def check_meaning(folder: FilePath, configuration: Configuration) -> None:
     Raises
     ------
     InputError
-        If it was; the text names the first setting that differs.
+        If the meanings differ; the text names the first setting that differs.
     """
     header = next(_session_headers(folder), None)
     if header is None:
@@ -54,7 +54,7 @@ def check_meaning(folder: FilePath, configuration: Configuration) -> None:
 
 
 def _difference(begun: Any, now: Any, place: str = "") -> str:
-    """The first setting that differs, and both values."""
+    """Return the first setting that differs, with both values."""
     if isinstance(begun, dict) and isinstance(now, dict):
         for name in sorted(begun.keys() | now.keys(), key=lambda name: (name != "wall", name)):
             if begun.get(name) != now.get(name):

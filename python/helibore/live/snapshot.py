@@ -1,17 +1,17 @@
-"""The export of a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
+"""Export a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
 
     main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
-    main.las        every turn measured, or main.csv                                  one file a layer of a turn or more
-    main.glb        the wall along the path                                           when a path covers it
+    main.las        measurements of every turn, or main.csv                           one file a layer of a turn or more
+    main.glb        the wall along the path                                           if the path covers it
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
     survey.csv      depth_m, inclination_deg, azimuth_deg
-    passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: which samples are of which pass
+    passes.csv      source, pass, number, start_utc, stop_utc, top_m, bottom_m, samples: one row a pass
     events.csv      source, rule, count, first and last: utc, connection, line, text
     snapshot.json   number, utc, records, complete, files
 
 Everything is copied at one moment (``frozen_copy.py``), written to the folder ``.new``, and then moved file by file.
-Meanwhile ``snapshot.json`` says ``"complete": false``: a program that reads it before and after the files and finds
-the same number, complete, has the files of one moment. If anything cannot be written, all previous files stay.
+Meanwhile ``snapshot.json`` says ``"complete": false``. A program that reads it before and after the files has files of
+one moment if both say ``true`` and the same number. If a file cannot be written, all previous files stay.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ Cells = Sequence[float | str | None]
 
 
 def snapshot(live: Live, folder: str | Path) -> list[Path]:
-    """Write the files; returns those written, ``snapshot.json`` last. A wall that the path does not reach has no mesh.
+    """Write the files and return their paths, ``snapshot.json`` last. A wall that the path does not cover has no mesh.
 
-    An image that cannot be laid on a wall, or whose name no file can have, is left out with an event.
+    An image that cannot be placed on a wall, or whose name is not allowed in a file name, is left out with an event.
 
     Raises
     ------
@@ -47,7 +47,7 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
     target = Path(folder)
     target.mkdir(parents=True, exist_ok=True)
     beside = target / ".new"
-    shutil.rmtree(beside, ignore_errors=True)  # of a run that was killed
+    shutil.rmtree(beside, ignore_errors=True)  # left by a run that was killed
     beside.mkdir()
     try:
         of = frozen_copy(live)
@@ -75,7 +75,7 @@ def _put_in_place(beside: Path, target: Path, of: FrozenCopy) -> list[Path]:
 
 
 def _manifest(target: Path) -> tuple[int, dict[str, int]]:
-    """Number and files of the previous export; names that do not name a file in the folder are left out."""
+    """Return number and files of the previous export; names that are not files in the folder are left out."""
     try:
         found = json.loads((target / MANIFEST).read_text(encoding="utf-8"))
         files = {name: int(size) for name, size in found["files"].items() if _is_own(target, name)}
@@ -132,7 +132,7 @@ def _place(event: Event) -> Cells:
 
 
 def _table(file: Path, heads: list[str], rows: Iterable[Cells]) -> None:
-    """Write a table, of numbers every digit; a missing one is an empty cell."""
+    """Write a table with all digits of its numbers; a missing number is an empty cell."""
     text = io.StringIO()
     table = csv.writer(text, lineterminator="\n")
     table.writerow(heads)

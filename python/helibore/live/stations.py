@@ -1,4 +1,4 @@
-"""Survey stations as they arrive: late ones are sorted in, corrected ones replace, and the path is rebuilt."""
+"""Survey stations as they arrive: late stations are sorted in, corrected ones replace the old, the path is rebuilt."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class Stations:
     Attributes
     ----------
     survey, path
-        Of all stations so far; None while there are fewer than two.
+        Survey and path of all stations so far; None while there are fewer than two.
     """
 
     def __init__(self, settings: dict[str, Any], limits: DepthLimits) -> None:
@@ -37,9 +37,9 @@ class Stations:
         return len(self._rows)
 
     def take(self, depth: float, inclination: float, azimuth: float) -> tuple[float | None, str]:
-        """Take one station; returns (depth from where the path changed or None, why it was refused or "").
+        """Add one station; return (depth below which the path changed or None, why the station was refused or "").
 
-        A station that was there already changes nothing.
+        A station that is already in the survey changes nothing.
         """
         if not math.isfinite(depth):
             return None, f"station at {depth:g} m: depth must be finite"
@@ -63,7 +63,7 @@ class Stations:
         return float(above[-1]) if len(above) else float(depth), ""
 
     def reaching(self, depth: float) -> Path | None:
-        """Return the path, drawn straight on below the last station as far as ``depth`` where it ends above it."""
+        """Return the path; if it ends above ``depth``, it is extended straight to there."""
         if self.path is None or self.survey is None or self.path.stop_depth >= depth:
             return self.path
         beyond = depth - max(self._rows)

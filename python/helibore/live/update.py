@@ -1,9 +1,9 @@
-"""What one call changed, and how two updates are joined: vertices, image rows, the path, events.
+"""Updates: the vertices, image rows, path and events that a call changed, and how two updates are joined.
 
     first  [0, 40) [90, 120)     then  [30, 95)     both  [0, 120)
 
-Joined ranges cover every change, and there are never more than MOST_RANGES of them: beyond that the narrowest gaps
-between them are closed, so that a host that never polls keeps little in memory.
+Joined ranges cover every change. There are at most MOST_RANGES of them: if there are more, the narrowest gaps between
+them are closed, so that a host that never polls uses little memory.
 """
 
 from __future__ import annotations
@@ -29,9 +29,9 @@ class Update:
     changes
         For each layer that took samples, the wall's Change: ``ranges`` of vertices, ``settled``.
     images
-        For each image that grew, its new rows [start, stop) in order of arrival: those of ``ImageRows.rows``.
+        For each image that grew, the range [start, stop) of its new rows, as for ``ImageRows.rows``.
     path_from
-        Depth below which the path moved, metres; None when it did not.
+        Depth below which the path moved, metres; None if the path did not move.
     events
         At most eight of one rule of one source; the last of them counts all that follow.
     """
@@ -42,10 +42,10 @@ class Update:
     events: list[Event] = field(default_factory=list)
 
     def quads(self, layer: str, sectors: int) -> npt.NDArray[np.int64]:
-        """Return (m, 2) the ranges [start, stop) of quads of ``layer`` with a vertex that is new or changed.
+        """Return the (m, 2) ranges [start, stop) of quads of ``layer`` that have a new or changed vertex.
 
-        Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; those past the end of the wall are to be
-        cut off by the caller.
+        Quad k has the vertices k, k + 1, k + 1 + K and k + K, K = ``sectors``; the caller must remove quads past the
+        end of the wall.
         """
         if layer not in self.changes:
             return np.empty((0, 2), np.int64)
@@ -55,12 +55,12 @@ class Update:
 
 
 def joined_ranges(ranges: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
-    """Return ranges sorted, those that touch made one, and MOST_RANGES at most."""
+    """Return sorted ranges, at most MOST_RANGES; ranges that touch are joined."""
     return np.array(union(ranges.tolist(), MOST_RANGES), np.int64).reshape(-1, 2)
 
 
 def joined(first: Change | None, second: Change) -> Change:
-    """Return one Change for two in a row."""
+    """Return one Change for two consecutive ones."""
     if first is None:
         return second
     return Change(
@@ -72,7 +72,7 @@ def joined(first: Change | None, second: Change) -> Change:
 
 
 def merge(update: Update, more: Update) -> None:
-    """Join ``more``, which came after it, into ``update``."""
+    """Join the later update ``more`` into ``update``."""
     for name, change in more.changes.items():
         update.changes[name] = joined(update.changes.get(name), change)
     for name, (start, stop) in more.images.items():

@@ -26,7 +26,7 @@ BLOCK = 1 << 15
 
 @dataclass(frozen=True)
 class Washout:
-    """An interval [start, stop) (m) with a radius up to ``enlargement`` m larger and a ``roughness`` times rougher wall."""
+    """An interval [start, stop) (m) with a radius up to ``enlargement`` m larger, and ``roughness`` times rougher."""
 
     start: float
     stop: float
