@@ -1,1 +1,1 @@
-"""While drilling: measurements arrive over WITS or from a WITSML store, are journalled, and the wall grows."""
+"""Build a wall while drilling: store data from WITS or a WITSML store in a journal, and add them to the wall."""

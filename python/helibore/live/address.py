@@ -10,7 +10,7 @@ from helibore.base.errors import InputError
 
 @dataclass(frozen=True)
 class Address:
-    """The address of a source of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the program)."""
+    """An address of kind ``tcp``, ``listen``, ``serial``, ``file``, ``https`` or ``host`` (the program)."""
 
     kind: str
     host: str = ""

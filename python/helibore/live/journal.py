@@ -1,19 +1,19 @@
-"""The journal: every received byte on disk before anything reads it.
+"""The journal: it stores every received byte on disk before any other code reads it.
 
-A journal is a folder of numbered segment files. A segment is a header (32 bytes, written at 0 and at 4096, so that no
-torn sector takes both) and records, each with its own checksums (``cpp/include/helibore/journal.hpp`` draws one), so
-every prefix of a segment is valid::
+A journal is a folder of numbered segment files. A segment is a header (32 bytes, at 0 and again at 4096, so that one
+torn sector does not destroy both) and records with checksums (``cpp/include/helibore/journal.hpp`` shows one). Every
+prefix of a segment is valid::
 
     000001.hbj  | header | zeros | header | record | record | ...
     000002.hbj  | header | zeros | header | record | ...            <- appended to, locked by its writer
 
-Why not SQLite: a record here is one ``pwritev`` at the end of a file. There is no index to corrupt, no checkpoint that
-stalls the reader of a socket, and damage anywhere costs the records it touches and no other.
+Why not SQLite: here, writing a record is one ``pwritev`` at the end of a file. There is no index to corrupt and no
+checkpoint that delays the reader of a socket. Damage destroys only the records that it touches.
 
-What is at risk: when :meth:`Journal.append` has returned, the bytes are with the operating system and survive the death
-of the process (kill -9). A power cut or a crash of the system itself can take what came after the last
-:meth:`Journal.sync`: with ``sync_interval`` = 0.1 s, the last 100 ms and the duration of one fdatasync. With
-``sync_interval`` = 0 every append is synced before it returns.
+What is at risk: after :meth:`Journal.append` returns, the operating system has the bytes, and they survive the end of
+the process (kill -9). A power cut or a system crash can destroy the records after the last :meth:`Journal.sync`: with
+``sync_interval`` = 0.1 s, those of the last 100 ms and of the duration of one fdatasync. With ``sync_interval`` = 0
+every append is synced before it returns.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ LONGEST_PAYLOAD = 1 << 20
 
 
 class JournalFullError(OSError):
-    """The disk refused a record or a sync. What was acknowledged before is as it was, and the next try may succeed."""
+    """The disk refused a record or a sync. Earlier acknowledged records are intact, and the next try may succeed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +77,7 @@ class Segment:
         return self.text[start : start + int(self.records["length"][row])]
 
     def wall_before(self, offset: int) -> int:
-        """Return when the last intact record before ``offset`` came, else the first after it; 0 where there is none."""
+        """Return the wall time of the last intact record before ``offset``, else of the first after it (0: none)."""
         at = int(np.searchsorted(self.records["offset"], offset)) - 1
         return int(self.records["wall"][max(at, 0)]) if len(self.records) else 0
 
@@ -98,11 +98,11 @@ class Recovery:
     last_sequence
         Number of the last record; -1 without one.
     cut_bytes
-        Of torn tails, which were set aside.
+        Number of bytes of torn tails, which were set aside.
     notes
-        One line for each.
+        One line for each torn tail.
     damage
-        One line for each damaged range before the end of the last segment; it stays, for readers to find again.
+        One line for each damaged range before the end of the last segment; the range stays in the file.
     """
 
     last_sequence: int = -1
@@ -135,7 +135,7 @@ def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment
 
 
 def _salt(found: list[Path]) -> int:
-    """The random number all segments of a journal share, from the first intact header."""
+    """Return the random number that all segments of a journal share, from the first intact header."""
     for path in found:
         with path.open("rb") as file:
             head = file.read(RECORDS_START)
@@ -164,18 +164,18 @@ def _lock(file: int, folder: Path) -> None:
 
 
 class Journal:
-    """The one writer of a journal folder; opening recovers it.
+    """The only writer of a journal folder; opening it recovers the journal.
 
     Parameters
     ----------
     folder
-        Made when it does not exist.
+        Folder of the journal; it is made if it does not exist.
     opening
         Payload of the OPENED record that begins this session and each segment.
     segment_bytes
         A segment that has reached this size is followed by a new one.
     sync_interval
-        Seconds between syncs that the caller promises (0: every append syncs). Kept for the status page.
+        Seconds between the caller's calls of :meth:`sync` (0: every append syncs).
     clock
         Returns (wall ns, monotonic ns).
 
@@ -204,7 +204,7 @@ class Journal:
         self._clock = clock
         self._lock = threading.Lock()
         self._unsynced: list[int] = []
-        self._named = -1  # the last segment whose name is on the disk
+        self._named = -1  # the last segment whose file name is synced
         self._syncing = threading.Lock()
         self._file = -1
         self._path = self.folder
@@ -221,15 +221,15 @@ class Journal:
             raise
 
     def _recover(self) -> None:
-        """Find the end of the last segment that has records; set aside what is torn behind it."""
+        """Find the end of the last segment that has records; set aside the torn bytes after it."""
         found = paths(self.folder)
-        if found:  # a lock file may have been removed, a segment that is written is locked itself
+        if found:  # the lock file may be removed, so the writer also locks its segment
             last = os.open(found[-1], os.O_RDWR)
             try:
                 _lock(last, self.folder)
             finally:
                 os.close(last)
-        while found and found[-1].stat().st_size < RECORDS_START:  # died while it was being made: holds no record
+        while found and found[-1].stat().st_size < RECORDS_START:  # the process died while making it: no record
             self._set_aside(found.pop(), 0)
         if not found:
             self._salt, self._number, self._sequence = secrets.randbits(32), 0, 0
@@ -251,12 +251,12 @@ class Journal:
         self._stop = stop
 
     def _first_sequence(self, found: list[Path]) -> int:
-        """A sequence number behind everything, when the last segment has no intact record to tell it."""
+        """Return a sequence number after all others; for a last segment without an intact record."""
         last = [_core.journal_scan(path.read_bytes(), RECORDS_START, self._salt)[0]["sequence"] for path in found[:-1]]
         return max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0) + (1 << 32)
 
     def _set_aside(self, path: Path, stop: int) -> None:
-        """Cut ``path`` at ``stop``; the bytes behind it are kept in a file of their own."""
+        """Cut ``path`` at ``stop``; keep the bytes after it in a separate file."""
         torn = path.read_bytes()[stop:]
         if torn:
             path.with_name(f"{path.stem}-{stop}.torn").write_bytes(torn)
@@ -285,7 +285,7 @@ class Journal:
         self._number, self._path, self._file, self._stop = self._number + 1, path, file, RECORDS_START
 
     def append(self, source: int, connection: int, payload: bytes, kind: int = BYTES) -> tuple[int, int, int]:
-        """Store ``payload``; when this returns it survives the death of the process.
+        """Store ``payload``; after the return it survives the end of the process.
 
         Returns
         -------
@@ -295,13 +295,13 @@ class Journal:
         Raises
         ------
         JournalFullError
-            If the disk refuses it, or to sync it where every append is synced. Nothing of the record remains.
+            If the disk refuses the record, or its sync if every append is synced. No part of the record remains.
         ValueError
             If the payload is over 1 MiB.
         """
         if self.sync_interval > 0:
             return self._append(source, connection, payload, kind)
-        with self._syncing:  # no other append before this one is on the disk, so that it can be taken back
+        with self._syncing:  # no other append starts before this one is synced, so this one can be removed
             stamp = self._append(source, connection, payload, kind)
             try:
                 self._sync()
@@ -327,11 +327,11 @@ class Journal:
             return self._sequence - 1, wall, monotonic
 
     def _take_back(self, payload: bytes) -> None:
-        """Forget the last record: its pages may be gone though the next sync succeeds, so it has to be written anew."""
+        """Remove the last record: the next sync may succeed without its pages, so it must be written again."""
         with self._lock:
             self._stop -= RECORD_HEADER + len(payload)
             self._sequence -= 1
-            with contextlib.suppress(OSError):  # then the next record is written over it
+            with contextlib.suppress(OSError):  # if this fails, the next record overwrites it
                 os.ftruncate(self._file, self._stop)
 
     def _write(self, source: int, connection: int, payload: bytes, kind: int, wall: int, monotonic: int) -> None:
@@ -339,7 +339,7 @@ class Journal:
         size = len(header) + len(payload)
         try:
             written = os.pwritev(self._file, [header, payload], self._stop)
-            while written < size:  # the disk fills: the next write says why
+            while written < size:  # the disk is full: the next write raises the reason
                 written += os.pwrite(self._file, (header + payload)[written:], self._stop + written)
         except OSError:
             os.ftruncate(self._file, self._stop)
@@ -348,23 +348,23 @@ class Journal:
         self._sequence += 1
 
     def sync(self) -> None:
-        """Have everything appended so far on the disk itself; appends go on meanwhile.
+        """Write everything appended so far to the disk itself; other threads may append meanwhile.
 
         Raises
         ------
         JournalFullError
-            If the disk refuses. What it refused is tried again by the next call.
+            If the disk refuses; the next call tries again.
         """
         with self._syncing:
             self._sync()
 
     def _sync(self) -> None:
-        with self._lock:  # files are closed by this function only: no descriptor is needed for a sync
+        with self._lock:  # only this function closes files, so a sync needs no new descriptor
             finished, current, number, path = list(self._unsynced), self._file, self._number, self._path
         try:
             for file in [*finished, current]:
                 os.fdatasync(file)
-            if number != self._named:  # a new segment: its name, too
+            if number != self._named:  # a new segment: sync its file name too
                 os.fsync(self._directory)
             if not os.path.samestat(path.stat(), os.fstat(current)):
                 raise FileNotFoundError(errno.ENOENT, f"{path.name} is another file than the one that is written")
@@ -378,7 +378,7 @@ class Journal:
 
     @property
     def bytes_left(self) -> int:
-        """Bytes the disk still has for this user."""
+        """Number of bytes that this user can still write to the disk."""
         status = os.statvfs(self.folder)
         return status.f_bavail * status.f_frsize
 

@@ -1,12 +1,12 @@
-"""``hb.Live``: a wall that grows from bytes on a wire, with every byte in a journal first.
+"""``hb.Live``: a wall that grows from received bytes; every byte is stored in a journal first.
 
-    live = hb.Live("rig.toml", journal="well-7.journal")      # recovers what the journal holds, then goes on
+    live = hb.Live("rig.toml", journal="well-7.journal")      # reads the records of the journal, then goes on
     update = live.receive("mwd", chunk)                       # stored, read, drawn
     update.changes["main"].ranges                             # the vertices that are new or changed
     live.wall.radius, live.path, live.image("GR")
 
-For software with its own transport: no thread, no callback. ``helibore live`` adds sockets and a status page. Events
-are logged by the logger ``helibore.live``, too.
+`Live` is for software with its own transport: it has no thread and no callback. ``helibore live`` adds sockets and a
+status page. The logger ``helibore.live`` logs all events.
 
 `helibore::Live` in C++ offers samples, stations, image rows and `poll` to hosts that have no journal. `Live` here does
 not bind it, because each part would lose something:
@@ -63,14 +63,14 @@ WINDOW_RECORDS = 8192
 
 
 class Stored(NamedTuple):
-    """A record that is in the journal and not yet read."""
+    """A record that is stored in the journal and not read yet."""
 
     record: Rows
     payloads: list[bytes]
 
     @property
     def monotonic(self) -> int:
-        """When it was received, ns."""
+        """Monotonic receive time, ns."""
         return int(self.record["monotonic"][0])
 
 
@@ -82,7 +82,7 @@ class Live:
     configuration
         A Configuration, or the TOML file that holds it.
     journal
-        Folder of the journal; its records are read first. None: nothing is stored (for trials).
+        Folder of the journal; its records are read first. None: nothing is stored (for tests).
     clock
         Returns (wall ns, monotonic ns).
 
@@ -129,13 +129,13 @@ class Live:
         )
         for note in self.journal.recovery.notes:  # read_into reports the damage
             self.report("journal", note)
-        for update in read_into(self.model, FilePath(journal)):  # the others were reported in their own session
+        for update in read_into(self.model, FilePath(journal)):  # earlier sessions reported the other events
             gather(self._pending_update.events, (event for event in update.events if event.rule == "journal"))
         self.model.events.log = self._log
 
     @classmethod
     def replay(cls, folder: str | os.PathLike[str], configuration: Configuration | None = None) -> Live:
-        """Return what a journal gives, read only: the same bits as live. By default with its own configuration."""
+        """Read a journal (read only) and return the same bits as live; by default with its own configuration."""
         live = cls(configuration or recorded_configuration(FilePath(folder)))
         live.model = Model(live.configuration)
         for _ in read_into(live.model, FilePath(folder)):
@@ -158,7 +158,7 @@ class Live:
         return self.model.images
 
     def image(self, name: str, reach: float | None = None) -> SectorImage:
-        """Return a sector image as it is now: its rows, laid around the hole.
+        """Return a sector image as it is now: its rows, placed around the hole.
 
         Parameters
         ----------
@@ -170,7 +170,7 @@ class Live:
         Raises
         ------
         ValueError
-            If the layout of the image is not known, and as `SectorImage`: no row has come yet.
+            If the layout of the image is not known, or no row has come yet, and as `SectorImage`.
         """
         if name not in self.model.layouts:
             rule = "no source sends it, and its rows came without an origin, so the layout of its sectors is not known"
@@ -180,7 +180,7 @@ class Live:
 
     @property
     def passes(self) -> list[Pass]:
-        """The passes so far by the time they began: of each source, from when to when, how deep, how many samples."""
+        """The passes so far, sorted by start time: source, times, depths and sample count of each."""
         return self.model.passes.runs
 
     @property
@@ -190,7 +190,7 @@ class Live:
 
     @property
     def path(self) -> Path | None:
-        """The path through the survey; None while there is none."""
+        """The path through the survey; None while there is no survey."""
         return self.model.stations.path
 
     def receive(self, source: str, payload: bytes, connection: int = 1) -> Update:
@@ -199,14 +199,14 @@ class Live:
         Returns
         -------
         Update
-            What changed, in every layer, image and the path.
+            The changes of all layers, of the images and of the path.
 
         Raises
         ------
         ValueError
             If the source is not in the configuration.
         JournalFullError
-            If the bytes could not be stored. They were not read either; the caller may pass them again.
+            If the bytes could not be stored. They were not read, so the caller may pass them again.
         """
         number = self._number(source)
         update = Update()
@@ -216,11 +216,11 @@ class Live:
         return update
 
     def connected(self, source: str, connection: int, peer: str) -> Update:
-        """Note that a connection began."""
+        """Record the beginning of a connection."""
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
-        """Note that a connection ended: its unfinished frame is dropped."""
+        """Record the end of a connection; its incomplete frame is dropped."""
         return self._store(self._number(source), connection, b"", journals.CLOSED)
 
     def append_samples(
@@ -231,7 +231,7 @@ class Live:
         Raises
         ------
         ValueError
-            As `Caliper`; nothing was stored then.
+            As `Caliper`; then nothing is stored.
         """
         depths = column("depth", depth)
         columns = {
@@ -270,18 +270,18 @@ class Live:
         Parameters
         ----------
         name, unit
-            Of the image.
+            Name and unit of the image.
         depth, values
-            (r,) in metres, and (r, sectors).
+            Depths (r,) in metres, and values (r, sectors).
         origin, reference, direction, toolface_offset
-            The layout of the sectors, as for the images of a source: both origin and reference, or neither. Once given
-            it holds for all rows of the image, and :meth:`image` returns them as a `SectorImage`.
+            The layout of the sectors, as for the images of a source: both origin and reference, or neither. A given
+            layout applies to all rows of the image, and :meth:`image` returns them as a `SectorImage`.
 
         Raises
         ------
         ValueError
             On a number of sectors, a unit or a layout that differs from before, a wrong layout, fewer than two
-            sectors, infinite values, or a name that no file can have. Nothing was stored then.
+            sectors, infinite values, or a name that is not allowed in a file name. Then nothing is stored.
         """
         depths = column("depth", depth)
         self._check_image(name, depths.size, values, unit)
@@ -294,7 +294,7 @@ class Live:
         return self._store(0, 0, head + table.tobytes(), journals.IMAGE)
 
     def _check_image(self, name: str, rows: int, values: npt.NDArray[np.float64], unit: str) -> None:
-        """Refuse values that are no image, or that do not fit the image of that name."""
+        """Refuse values that are not an image, or that do not match the earlier rows of the image."""
         if any(image.name == name for source in self.configuration.sources.values() for image in source.images):
             raise ValueError(f"image '{name}': a source sends it already")
         if not can_be_file(name):
@@ -314,7 +314,7 @@ class Live:
         return self.model.numbers[source]
 
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
-        """Journal first, then the model."""
+        """Store a record in the journal, then pass it to the model."""
         with self._lock:
             return self._add_to_pending(self.model.take(*self._stamp(source, connection, payload, kind)))
 
@@ -323,30 +323,30 @@ class Live:
         return update
 
     def _log(self, event: Event) -> None:
-        """Log an event; of one rule of one source at most one a second."""
+        """Log an event, at most one a second for each rule of each source."""
         key, now = (event.source, event.rule), time.monotonic()
         if now - self._logged.get(key, -1.0) >= 1.0:
             self._logged[key] = now
             LOGGER.log(logging.INFO if event.rule == "connected" else logging.WARNING, "%s", event)
 
     def at_one_moment(self, read: Callable[[], Read]) -> Read:
-        """Return what ``read`` returns; meanwhile nothing is drawn, so it should only copy."""
+        """Call ``read`` while nothing is drawn and return its result; ``read`` should only copy."""
         with self._lock:
             return read()
 
     def poll(self) -> Update:
-        """Return everything that changed since the last poll in one update; the first contains what recovery reported.
+        """Return all changes since the last poll in one update; the first one contains the events of the recovery.
 
-        For a host that draws at its own pace: one thread pushes, another polls.
+        For a host that draws at its own pace: one thread pushes, and another polls.
         """
         self.check_silence()
         with self._lock:
             pending, self._pending_update = self._pending_update, Update()
-            gather(pending.events, self.model.events.take())  # those that no record caused
+            gather(pending.events, self.model.events.take())  # events that no record caused
             return pending
 
     def check_silence(self) -> None:
-        """Report each source that has sent nothing for its ``silence`` seconds, once when that begins."""
+        """Report, once, each source that has sent nothing for more than its ``silence`` seconds."""
         now = self._clock()[1]
         for name, source in self.configuration.sources.items():
             if now - self._last_bytes.get(name, self._began) <= source.silence * 1e9:
@@ -356,11 +356,11 @@ class Live:
                 self.report("silent", f"nothing has come for {source.silence:g} s", name)
 
     def report(self, rule: str, text: str, source: str = "") -> None:
-        """Report an event that no record caused, of the host or of a source's link; it is not in the journal."""
+        """Report an event of the host or of a source's link; no record caused it, so it is not in the journal."""
         self.model.report(self._clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
-        """Journal only; the caller passes the results to :meth:`draw` in the order of the calls.
+        """Store a record in the journal only; the caller passes the results to :meth:`draw` in the order of the calls.
 
         Raises
         ------
@@ -370,7 +370,7 @@ class Live:
         return Stored(*self._stamp(self._number(source), connection, payload, kind))
 
     def draw(self, stored: Sequence[Stored]) -> Update:
-        """Read stored records, all at once."""
+        """Read all ``stored`` records and draw them."""
         with self._lock:
             records = np.concatenate([one.record for one in stored])
             return self._add_to_pending(
@@ -389,7 +389,7 @@ class Live:
         return record, [payload]
 
     def sync(self) -> None:
-        """Write the journal through to the disk."""
+        """Sync the journal to the disk."""
         if self.journal is not None:
             self.journal.sync()
 
@@ -411,7 +411,7 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
 
 
 def read_into(model: Model, folder: FilePath) -> Iterator[Update]:
-    """Pass a journal's records to ``model``, a window at a time; damage becomes events."""
+    """Pass a journal's records to ``model``, one window at a time; report damage as events."""
     for segment in segments(folder):
         for (start, _), text in zip(segment.damage, segment.damage_texts(), strict=True):
             model.report(segment.wall_before(start), "journal", text)

@@ -1,10 +1,10 @@
-"""From a source's bytes to columns in core units: rig quantities, caliper triples, image rows, survey stations.
+"""Convert a source's bytes to columns in core units: rig quantities, caliper triples, image rows, survey stations.
 
     frames x mapped items  ->  one table of float64, one of states (absent, value, null, invalid)  ->  columns
 
-Everything is done for many frames at once; only bad input and gaps are looked at one by one. A frame repeated word for
-word within the last 4096 frames that carried measurements is a duplicate if it carries a sequence number or
-the sensor's own depth: only then does a repeat differ from a new measurement.
+All steps work on many frames together; only bad input and gaps are checked one by one. A frame is a duplicate if its
+text equals one of the last 4096 frames with measurements and it contains a sequence number or the sensor's own depth.
+Without these two, a repeated frame cannot be distinguished from a new measurement.
 """
 
 from __future__ import annotations
@@ -45,9 +45,9 @@ class Chunk:
 
 @dataclass(slots=True)
 class Reading:
-    """Columns of one chunk. Triples and image rows carry the row of their frame in ``time`` and ``order``.
+    """Columns of one chunk. Triples and image rows have the row of their frame in ``time`` and ``order``.
 
-    ``pass_number`` is what the source had said by each frame, NO_NUMBER where nothing.
+    ``pass_number`` is the number in force at each frame; NO_NUMBER: none.
     """
 
     time: Integers
@@ -93,7 +93,7 @@ class SourceReader:
         self._distinguishing = np.array([self._column[code] for code in distinguishing], np.int64)
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
-        self._held = bytearray()  # what the parser holds; where its records end in the stream, and when they came
+        self._held = bytearray()  # bytes that the parser holds; below, ends and wall times of their records
         self._ends: list[int] = []
         self._walls: list[int] = []
 
@@ -113,7 +113,7 @@ class SourceReader:
         return [caliper.depth, caliper.toolface, caliper.radius] if caliper else []
 
     def _places(self, items: tuple[Item, ...]) -> tuple[Integers, Values]:
-        """Columns of the table and the scales of ``items``."""
+        """Return the table columns and the scales of ``items``."""
         return self._column[[item.code for item in items]], np.array([item.scale for item in items])
 
     def _mapped(self) -> list[int]:
@@ -142,7 +142,7 @@ class SourceReader:
         return readings
 
     def _finish(self, chunk: Chunk) -> Reading:
-        """Columns of what the end of the connection completes; it ended when the first record of ``chunk`` came."""
+        """Return the columns that the end of the connection completes; it ended at the first record of ``chunk``."""
         reading = self._columns(self._parser.finish(), chunk, np.array([np.iinfo(np.int64).max]))
         self._add_counts()
         self._parser, self._ends, self._walls, self._held = self._new_parser(), [], [], bytearray()
@@ -150,7 +150,7 @@ class SourceReader:
 
     @property
     def connection(self) -> int:
-        """Number of the last connection, 0 before the first."""
+        """Number of the last connection; 0 before the first."""
         return max(self._connection, 0)
 
     def _add_counts(self) -> None:
@@ -162,7 +162,7 @@ class SourceReader:
         return self.counts[name] + self._parser.counts[name]
 
     def _columns(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> Reading:
-        """Columns of a batch; ``ends`` are the stream offsets where the chunk's records end."""
+        """Return the columns of a batch; ``ends`` are the stream offsets of the ends of the chunk's records."""
         at = np.minimum(np.searchsorted(ends, batch.frames["stop"]), len(chunk.time) - 1)
         within = np.arange(len(at)) - np.searchsorted(at, at)
         order = (chunk.order[at] << 20) + within
@@ -189,7 +189,7 @@ class SourceReader:
         values = np.full((len(frames), len(self._codes)), np.nan)
         states = np.zeros(values.shape, np.uint8)
         column = self._column[items["code"]]
-        mapped = np.flatnonzero(column >= 0)[::-1]  # backwards: of an item sent twice in a frame, the first stays
+        mapped = np.flatnonzero(column >= 0)[::-1]  # backwards, so that the first of two equal items in a frame stays
         row = np.repeat(np.arange(len(frames)), frames["items"])[mapped]
         values[row, column[mapped]] = items["value"][mapped]
         states[row, column[mapped]] = np.array([VALUE, NULL, INVALID, INVALID], np.uint8)[items["flags"][mapped]]
@@ -223,7 +223,7 @@ class SourceReader:
         return self._event(int(reading.wall[frame]), rule, text, batch.line_of(row, frame), int(item["offset"]))
 
     def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
-        """Report the items ``bad``, which are no numbers, and numbers of no pass, frame by frame."""
+        """Report the items ``bad``, which are not numbers, and invalid pass numbers, frame by frame."""
         wrong = self._wrong_numbers(values)
         frames = np.concatenate([np.searchsorted(batch.frames["first"], bad, side="right") - 1, wrong])
 
@@ -235,7 +235,7 @@ class SourceReader:
         self._events.report_rows(np.argsort(frames, kind="stable"), describe)
 
     def _wrong_numbers(self, values: Values) -> Integers:
-        """Frames whose pass number is a number that no pass has."""
+        """Return the frames whose pass number is not a whole number in the allowed range."""
         if self.source.pass_number is None:
             return np.empty(0, np.int64)
         number = values[:, self._column[self.source.pass_number.code]]
@@ -248,7 +248,7 @@ class SourceReader:
         return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
     def _report_bad_text(self, batch: wits.Batch, wall: int) -> None:
-        """Events of bad text, each at the time its first byte came; ``wall``: the end of the connection."""
+        """Report bad text, at the time its first byte came; if that is not known, at ``wall``."""
         rules = batch.events["rule"]
 
         def describe(row: int) -> Event:
@@ -274,7 +274,7 @@ class SourceReader:
         self._report(int(reading.wall[row]), rule, text, int(reading.line[row]))
 
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
-        """DUPLICATE for frames with measurements whose text was there before."""
+        """Return DUPLICATE for frames with measurements whose text came before, 0 for the others."""
         flags = np.zeros(len(batch.frames), np.int64)
         measured = (states[:, self._measured] != ABSENT).any(axis=1) & (states[:, self._distinguishing] == VALUE).any(
             axis=1
@@ -305,12 +305,12 @@ class SourceReader:
             found, reported = watch.take(numbers)
             flags |= found
             events += [(index, rule, f"record {code // 100:02d}: {text}") for index, rule, text in reported]
-        for event in sorted(events, key=lambda event: event[0]):  # as they came, not record by record
+        for event in sorted(events, key=lambda event: event[0]):  # in order of arrival, not record by record
             self._report_frame(reading, *event)
         return flags
 
     def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
-        """The rig quantities; a depth of bit or hole that cannot be true becomes NaN, with an event."""
+        """Return the rig quantities; a bit or hole depth that cannot be true becomes NaN, with an event."""
         rig = {name: self._value(values, item) for name, item in self.source.items.items()}
         for name, steps in self._steps.items():
             wrong = steps.wrong(rig[name])
@@ -336,9 +336,9 @@ class SourceReader:
         return scaled
 
     def _pass_numbers(self, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> Integers:
-        """The pass number in each frame, or the last one sent before it; a null ends it.
+        """Return the pass number of each frame: its own, or the last one before it; a null ends that one.
 
-        The number of a late or repeated frame counts for that frame only.
+        The number of a late or repeated frame applies to that frame only.
         """
         item = self.source.pass_number
         if item is None:

@@ -1,10 +1,10 @@
-"""Records in, walls out: everything the live wall knows is a pure function of the journal's records, in order.
+"""The model of a live wall: a pure function of the journal's records, in order.
 
     records -> parser and mapping of each source -> rig tracks -> samples placed -> layers (walls), images, path
 
-The same records give the same bits whether the model takes them one by one or by the thousand at a replay:
-samples carry their time, so the wall does not depend on how they were grouped, and a sample is placed only when the
-depth entries on both sides of it are known. No sockets, no files, no clocks here.
+The same records give the same bits, whether the model takes them one by one or, at a replay, in thousands. Each sample
+has its time, so the wall does not depend on how samples were grouped; a sample gets its depth only when the depth
+entries before and after it are known. The model uses no socket, no file and no system clock.
 """
 
 from __future__ import annotations
@@ -44,28 +44,28 @@ PENDING = np.dtype(
 
 
 LATEST = 4e9
-"""Seconds since 1970: a later time of a sample (2096), or its negative, is wrong."""
+"""Seconds since 1970: a sample with a time later than this (2096), or earlier than its negative, is wrong."""
 LARGEST_TOOLFACE = 1e6
-"""Degrees: a larger toolface, either way, is wrong."""
+"""Degrees: a toolface with a larger absolute value is wrong."""
 LARGEST_RADIUS = 10.0
-"""Metres: a larger radius is wrong, from a host too."""
+"""Metres: a larger radius from a host is wrong."""
 
 
 class Model:
-    """The walls, images and path that a configuration and records give.
+    """The walls, images and path that result from a configuration and records.
 
     Attributes
     ----------
     layers
         A wall for each layer of the configuration; ``layers["main"]`` is the wall.
     images, stations
-        What came beside the caliper.
+        The image rows and the survey stations.
     layouts
-        How the sectors of images lie, of those where it is known.
+        The layout of each image whose layout is known.
     records, wall_time
-        How many records were taken, and when the last one was received, ns since 1970.
+        Number of records taken, and receive time of the last one, ns since 1970.
     passes
-        Which pass samples belong to, and the passes so far.
+        The log that decides the pass of each sample and lists the passes so far.
     events, counts
         Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
     """
@@ -109,7 +109,7 @@ class Model:
         return len(self._pending)
 
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
-        """Take records in order; any grouping of the same records ends in the same walls."""
+        """Read records in order; any grouping of the same records gives the same walls."""
         update = Update()
         if len(records):
             self.records, self.wall_time = self.records + len(records), int(records["wall"][-1])
@@ -144,7 +144,7 @@ class Model:
 
     @contextmanager
     def _set_aside(self, record: np.void, what: str, source: str = "") -> Iterator[None]:
-        """Whatever fails here is reported and left out: nothing that a record holds may end the drawing."""
+        """Report an error in the block and leave its record out: no record may stop the drawing."""
         try:
             yield
         except Exception as error:
@@ -169,7 +169,7 @@ class Model:
             before = self._pending
             with self._set_aside(records[-1], f"{len(before)} samples and image rows"):
                 self._place(int(times[-1]), update)
-            if self._pending is before:  # it failed before it knew what waits
+            if self._pending is before:  # it failed before it set the rows that wait
                 self._pending = before[:0]
         oldest = int(self._pending["time"].min()) if len(self._pending) else int(times[-1])
         self.rig.forget(min(oldest, int(times[-1]) - max(self._longest_latency, CONFIRMED_WITHIN)))
@@ -178,7 +178,7 @@ class Model:
         self, source: int, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes],
         times: npt.NDArray[np.int64], update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """Feed one source's records to its reader, a run of one connection at a time."""
+        """Pass one source's records to its reader, one connection at a time."""
         reader = self.readers[source]
         name = reader.source.name
         found: list[Rows] = []
@@ -218,7 +218,7 @@ class Model:
         self.last_seen[name] = int(times[last_received[-1]])
 
     def _use(self, reading: Reading, reader: SourceReader, update: Update) -> list[Rows]:
-        """Rig quantities to their tracks, stations to the path; triples and image rows become pending rows."""
+        """Add rig quantities to tracks and stations to the path; return triples and image rows as pending rows."""
         self.counts["keep_alives"] += reading.keep_alives
         for name, values in reading.rig.items():
             self.rig.tracks[name].append(reading.time, reading.order, values)
@@ -258,7 +258,7 @@ class Model:
         return rows
 
     def _station(self, station: list[float], event: Event, update: Update) -> None:
-        """Take a station; ``event`` has the place, should it be refused."""
+        """Add a station to the survey; if it is refused, report ``event`` with the reason."""
         moved, refused = self.stations.take(*station)
         if refused:
             self.events.report(replace(event, text=refused))
@@ -269,7 +269,7 @@ class Model:
         self, rows: npt.NDArray[np.int64], records: Rows, payloads: list[bytes], times: npt.NDArray[np.int64],
         update: Update,
     ) -> list[Rows]:  # fmt: skip
-        """What the host pushed: samples, stations, image rows, each with its depth."""
+        """Read what the host pushed, each with its depth: add stations and image rows, return samples."""
         found: list[Rows] = []
         for row in rows.tolist():
             with self._set_aside(records[row], "what the host pushed"):
@@ -312,7 +312,7 @@ class Model:
         return found
 
     def _place(self, now: int, update: Update) -> None:
-        """Give depths to what waits, draw what is ready, keep the rest."""
+        """Compute the depths of pending rows, draw the rows that are ready, and keep the others."""
         rows = self._pending
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
         flags = flags | rows["flags"]
@@ -326,7 +326,7 @@ class Model:
             self._report_depths(shown, lambda place: self.rig.depth_rule(float(shown["depth"][place]), orders[place]))
         self._pending = rows[~ready]
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
-        flags[late_from_bit] |= Flag.NO_DEPTH  # when it was measured is not known
+        flags[late_from_bit] |= Flag.NO_DEPTH  # its time of measurement is not known
         triples = ready & (rows["image"] < 0)
         if not triples.all():  # copying nearly all rows would double memory
             self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
@@ -336,13 +336,13 @@ class Model:
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
     def _report_depths(self, rows: Rows, rule: Callable[[int], str]) -> None:
-        """Report depths that cannot be true; ``rule(i)`` says what is wrong with row ``i``."""
+        """Report depths that cannot be true; ``rule(i)`` returns what is wrong with row ``i``."""
         if len(rows):
             depths = rows["depth"].tolist()
             self.passes.report(rows, np.arange(len(rows)), "range", lambda i: f"depth {depths[i]:g} m: {rule(i)}")
 
     def _append(self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update) -> None:
-        """Append samples to a layer; where that fails, record by record, so that only the wrong record is left out."""
+        """Append samples to a layer; if that fails, append record by record and leave out only the wrong record."""
         layer = self.layers[name]
         try:
             change = layer.append(*columns)
@@ -401,7 +401,7 @@ class Model:
     def _depth_gaps(
         self, name: str, depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Of ``rows``, at ``depth``, those before which the wall jumps over more depth than samples reach, in words."""
+        """Return (row, text) for each of ``rows`` after a gap in ``depth`` that is longer than samples can fill."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
         jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))

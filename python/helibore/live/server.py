@@ -1,9 +1,9 @@
-"""From links to a live wall: one thread a source, one that draws, one that syncs the journal.
+"""Run the sources of a live wall: one thread for each source, one that draws, one that syncs the journal.
 
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
-Bytes are in the journal before they are in the queue. A link that breaks is opened again after 1, 2, 4 ... 60 s, each
-shortened by up to half at random so that sources do not reconnect all at once.
+Bytes are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4 ... 60 s. Each wait
+is randomly shortened by up to half, so that the sources do not reconnect at the same time.
 """
 
 from __future__ import annotations
@@ -32,12 +32,12 @@ FIRST_WAIT, LONGEST_WAIT = 1.0, 60.0
 
 
 def back_off(failures: int, draw: Callable[[], float] = random.random) -> float:
-    """Return the seconds to wait after ``failures`` in a row: 1, 2, 4 ... 60, each times 0.5 to 1."""
+    """Return the seconds to wait after consecutive ``failures``: 1, 2, 4 ... 60, each times 0.5 to 1."""
     return float(min(LONGEST_WAIT, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
 
 
 class Queue:
-    """Stored records on their way to the model, in the order of the journal."""
+    """Stored records that the model has not taken yet, in the order of the journal."""
 
     def __init__(self, live: Live) -> None:
         self._live = live
@@ -47,7 +47,7 @@ class Queue:
         self._storing = threading.Lock()
 
     def put(self, source: str, connection: int, payload: bytes, kind: int, stop: threading.Event) -> None:
-        """Store and queue; waits while the queue is full. Raises JournalFullError, and has queued nothing then."""
+        """Store and queue a record; wait while the queue is full. After a JournalFullError nothing is queued."""
         with self._ready:
             while not stop.is_set() and (self._bytes > QUEUE_BYTES or len(self._records) > QUEUE_RECORDS):
                 self._ready.wait(TICK)
@@ -59,7 +59,7 @@ class Queue:
                 self._ready.notify_all()
 
     def take(self, seconds: float) -> list[Stored]:
-        """Return everything queued, waiting up to ``seconds`` for the first."""
+        """Return all queued records; wait up to ``seconds`` for the first."""
         with self._ready:
             if not self._records:
                 self._ready.wait(seconds)
@@ -72,7 +72,7 @@ class Queue:
 
 
 class Latency:
-    """How long it took from a packet's arrival to its changed vertices: counts in buckets, and the latest thousand."""
+    """The times from a packet's arrival to its changed vertices: counts in buckets, and the latest thousand times."""
 
     BOUNDS = (0.001, 0.002, 0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0)
 
@@ -88,7 +88,7 @@ class Latency:
         self.latest.append(seconds)
 
     def quantile(self, share: float) -> float:
-        """Return the quantile of the latest thousand; 0 when there is none."""
+        """Return the quantile of the latest thousand times; 0 if there is no time yet."""
         ordered = sorted(self.latest)
         return ordered[min(int(share * len(ordered)), len(ordered) - 1)] if ordered else 0.0
 
@@ -106,7 +106,7 @@ class Server:
     Attributes
     ----------
     latency, states, last_received
-        Packet in to changed vertices out; what each source is doing; when it last sent, seconds of the monotonic clock.
+        Times from packet to vertices; state of each source; time of its last bytes, seconds of the monotonic clock.
     """
 
     def __init__(self, live: Live, updated: Callable[[Update], None] = lambda _: None) -> None:
@@ -131,7 +131,7 @@ class Server:
         Raises
         ------
         OSError
-            If a listener cannot have its address.
+            If the address of a listener cannot be used.
         """
         try:
             for name, source in self.live.configuration.sources.items():
@@ -148,7 +148,7 @@ class Server:
             thread.start()
 
     def stop(self) -> None:
-        """Stop reading, draw what is queued, sync the journal."""
+        """Stop reading, draw the queued records, and sync the journal."""
         self._stop.set()
         for thread in self._threads:
             thread.join()
@@ -160,7 +160,7 @@ class Server:
         self.live.sync()
 
     def thread(self, name: str, run: Callable[[], None]) -> threading.Thread:
-        """Return a thread whose death is a failure: it is an event, it is logged, and it ends the server."""
+        """Return a thread that, if it fails, reports an event, logs the error and stops the server."""
 
         def guarded() -> None:
             try:
@@ -175,7 +175,7 @@ class Server:
         return threading.Thread(target=guarded, name=name, daemon=True)
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Wait for the end of every source (files), a failure or ``seconds``; return whether all are over."""
+        """Wait until every source has ended (files), a failure or ``seconds``; return whether all have ended."""
         end = time.monotonic() + (seconds if seconds is not None else float("inf"))
         while time.monotonic() < end and self.failure is None:
             if self.openers and not any(thread.is_alive() for thread in self._threads) and not len(self._queue):
@@ -192,12 +192,12 @@ class Server:
         self.live.report(rule, text, source)
 
     def _position(self, source: str) -> Position:
-        """Where the log of a store stands, as far as it is drawn: what is asked for twice is read once."""
+        """Return a function that returns the last index drawn of a store's log; rows requested twice are read once."""
         reader = self.live.model.readers[self.live.model.numbers[source]]
         return lambda: getattr(reader, "last", None)
 
     def _follow(self, source: Source, one: Opener) -> None:
-        """Open, read, open again, until the server stops."""
+        """Open and read a source again and again until the server stops."""
         failures = 0
         connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
         while not self._stop.is_set():
@@ -225,7 +225,7 @@ class Server:
                 self._stop.wait(back_off(failures))
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:
-        """Read one link to its end; returns whether anything came."""
+        """Read one link to its end; return whether any bytes came."""
         self.states[source.name] = f"connected to {link.peer}"
         came, write_at = False, time.monotonic()
         message = {"heartbeat": wits.HEARTBEAT, "poll": wits.POLL}.get(source.mode)
@@ -249,7 +249,7 @@ class Server:
         return came
 
     def _put(self, source: Source, connection: int, payload: bytes, kind: int) -> None:
-        """Store, trying again every second while the disk is full; the sender waits meanwhile."""
+        """Store a record; while the disk is full, try again every second and let the sender wait."""
         state, reported = self.states[source.name], False
         while True:
             try:
