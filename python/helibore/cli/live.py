@@ -1,4 +1,4 @@
-"""``helibore live rig.toml``: connect, store, draw, and show how it goes until Ctrl-C."""
+"""``helibore live rig.toml``: connect, store, draw, and show the status until Ctrl-C."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from helibore.live.server import Server
 
 TICK = 0.25
-"""Seconds between two looks at the server."""
+"""Seconds between two checks of the server."""
 METRICS_CONNECTIONS, METRICS_SECONDS = 8, 5.0
 
 
@@ -47,7 +47,7 @@ def live(
     configuration: Path, journal: Path | None, folder: Path | None, every: float | None, metrics_port: int | None,
     page: bool, view_port: int, seconds: float | None, check: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Grow a wall from the sources that CONFIGURATION names, every byte in a journal first.
+    """Grow a wall from the sources in CONFIGURATION; store every byte in a journal first.
 
     \b
     helibore live rig.toml --journal well-7.journal --snapshot now
@@ -71,7 +71,7 @@ def live(
 
 
 def _window(well: str, port: int) -> Window:
-    """Serve the page before a journal is begun: the command ends here if the page cannot be served."""
+    """Serve the page before the journal is opened, so that the command ends here if the page cannot be served."""
     from helibore.cli.live_view import Window
 
     window = Window(well, port=port)
@@ -86,7 +86,7 @@ def _run(
     """Serve the sources until the end, then write the last snapshot."""
     from helibore.live.server import Server
 
-    log = logging.StreamHandler()  # to stderr: a service without a terminal tells everything
+    log = logging.StreamHandler()  # to stderr: without a terminal, every warning
     log.setFormatter(logging.Formatter("%(levelname)s %(message)s"))
     log.setLevel(logging.CRITICAL if sys.stdout.isatty() and not quiet else logging.WARNING)
     logging.getLogger("helibore.live").addHandler(log)
@@ -116,7 +116,7 @@ def _run(
 def _watch(
     server: Server, window: Window | None, seconds: float | None, target: Path | None, every: float, quiet: bool
 ) -> None:
-    """Show the page and write snapshots until the end; of files that are read, the browser's page goes on."""
+    """Show the page and write snapshots until the end; the browser's page stays open after all files are read."""
     from rich.console import Console
     from rich.live import Live as Screen
 
@@ -146,7 +146,7 @@ def _watch(
 
 
 def _show(window: Window, server: Server) -> bool:
-    """Keep the page up to date; if the wall cannot be shown, report it, on the page too, and go on."""
+    """Update the page; if the wall cannot be shown, report the error, also on the page, and return False."""
     try:
         window.refresh(server.states)
     except (OSError, ValueError) as error:
@@ -157,7 +157,7 @@ def _show(window: Window, server: Server) -> bool:
 
 
 def _snapshot(running: Live, target: Path) -> None:
-    """Write a snapshot; if it cannot be written, report it and go on."""
+    """Write a snapshot; if it cannot be written, report the error and go on."""
     from helibore.live.snapshot import snapshot
 
     try:
@@ -187,7 +187,7 @@ class _Metrics(http.server.ThreadingHTTPServer):
                 self.wfile.write(body)
 
             def log_message(self, *_: object) -> None:
-                """Nothing is printed."""
+                """Print nothing."""
 
         super().__init__(("127.0.0.1", port), Pages)
         self._free = threading.BoundedSemaphore(METRICS_CONNECTIONS)
@@ -214,7 +214,7 @@ class _Metrics(http.server.ThreadingHTTPServer):
             request.shutdown(socket.SHUT_RDWR)
 
     def handle_error(self, *_: object) -> None:
-        """A client that leaves, or is slow, is no error of ours."""
+        """Ignore errors of a request: a client may leave or be slow."""
 
 
 def _serve_metrics(server: Server, port: int) -> _Metrics:

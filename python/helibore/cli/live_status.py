@@ -1,6 +1,6 @@
-"""What a running server shows: a page for people (rich) and a text for Prometheus. Both only read.
+"""The status of a running server: a page for people (rich) and a text for Prometheus. Both only read the state.
 
-Every number here is counted where the thing happens; nothing is guessed from another number.
+Every number is counted where its event happens; no number is estimated from another one.
 """
 
 from __future__ import annotations
@@ -82,14 +82,14 @@ def metrics(server: Server) -> str:
 
 
 def source_ages(server: Server) -> dict[str, float | None]:
-    """Return the seconds since the last byte of each source; None before the first."""
+    """Return the seconds since the last byte of each source; None before its first byte."""
     now = time.monotonic()
     last = server.last_received
     return {name: now - last[name] if name in last else None for name in server.states}
 
 
 class Page:
-    """The status page; rates are since it was last drawn."""
+    """The status page; a rate is the average since the page was last drawn."""
 
     def __init__(self, server: Server) -> None:
         self._server = server
@@ -141,7 +141,7 @@ class Page:
         table.add_row("bit", f"{bit[0]:,.2f} m" if bit else "-", "hole", f"{hole[0]:,.2f} m" if hole else "-")
         for name, wall in server.live.layers.items():
             table.add_row(name, f"{len(wall):,} vertices", "samples", f"{wall.sample_count:,}")
-        for run in list(model.passes.latest.values()):  # it grows meanwhile
+        for run in list(model.passes.latest.values()):  # copied: other threads change it meanwhile
             called = "" if run.number is None else f", number {run.number}"
             table.add_row("pass", f"{run.name}{called}", run.source or "host", f"{run.samples:,} samples")
         drawn = model.counts["drawn"]

@@ -1,12 +1,12 @@
-"""``helibore live --view``: the viewer's page beside the live wall.
+"""``helibore live --view``: show the live wall in the viewer's page.
 
     server's drawing thread --show(update)--> Feed of the viewer (a thread of its own) --> pages
     command's loop ---------refresh()-------> the wall begins with its first vertex; bit depth, path, sources
 
-The page is served from the start, before a journal is begun, so that a port in use is an error then; until the first
-vertex it says what it waits for. It shows layer ``main``. A path that ends above the wall goes on straight; one that
-begins below its top, or none, is a vertical hole. What the page looks like is ``helibore/viewer``; nothing of it is
-loaded without ``--view``.
+The page is served before the journal is opened, so that a port in use is an error at the start. Until the first vertex
+the page says what it waits for. It shows layer ``main``. A path that ends above the wall's end is extended straight. If
+there is no path, or it begins below the wall's top, the page shows a vertical hole. ``helibore/viewer`` draws the page;
+it is loaded only with ``--view``.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ if TYPE_CHECKING:
     from helibore.viewer.feed import Feed
 
 AHEAD = 100.0
-"""Metres the shown path goes on below the wall, for what is drilled next."""
+"""Metres by which the shown path extends below the wall, for the depth drilled next."""
 IMAGES_SECONDS = 1.0
-"""Images are mapped on the wall at most this often, and in a twentieth of the time."""
+"""Least seconds between two mappings of the images on the wall; mapping takes at most about 1/20 of the time."""
 
 
 class Window:
-    """A page that follows a live wall; served at once.
+    """A page that shows a live wall; it is served at once.
 
     Parameters
     ----------
     well
-        Its name on the page.
+        Name of the well on the page.
     host, port
-        Address to serve on. Port 0 takes a free one.
+        Address of the page. Port 0: a free port.
 
     Attributes
     ----------
     url : str
-        Where the page is.
+        Address of the page, with the scheme.
 
     Raises
     ------
@@ -75,15 +75,15 @@ class Window:
         self._path_moved = True
         self._newest: float | None = None
         self._path_stop = float("inf")
-        self._images: dict[str, int] = {}  # rows of each image that the page shows
+        self._images: dict[str, int] = {}  # number of rows of each image that the page shows
         self._images_due = 0.0
 
     def follow(self, live: Live) -> None:
-        """Say whose wall is to be shown."""
+        """Set the live wall that the page shows."""
         self._live = live
 
     def show(self, update: Update) -> None:
-        """Note what changed; returns at once."""
+        """Take the changes of ``update`` and return at once."""
         if update.path_from is not None:
             self._path_moved = True
         if change := update.changes.get("main"):
@@ -92,12 +92,12 @@ class Window:
                 self._feed.update(change)
 
     def refresh(self, states: Mapping[str, str]) -> None:
-        """Begin the wall when it has a vertex; follow the bit, the path, the images and the sources.
+        """Show the wall as soon as it has a vertex; update the bit, the path, the images and the sources.
 
-        To be called a few times a second, with what each source is doing.
+        Call this a few times a second, with the state of each source.
         """
         live = self._wanted()
-        if self._feed and live.model.layouts.keys() - self._images.keys():  # an image that no source announced
+        if self._feed and live.model.layouts.keys() - self._images.keys():  # a new image, not configured
             self._feed.close()
             self._feed = None
         if self._feed is None and len(live.wall):
@@ -112,11 +112,11 @@ class Window:
         self.scene.update_state(**known, sources=self._status_text(states))
 
     def report(self, text: str) -> None:
-        """Say on the page what keeps the wall from being shown."""
+        """Show on the page why the wall cannot be shown."""
         self.scene.update_state(sources=text)
 
     def close(self) -> None:
-        """Say on the page that the run has ended, and stop serving. May be called twice."""
+        """Show on the page that the run has ended, and stop serving; a second call does nothing more."""
         self.scene.update_state(ended=True)
         if self._feed:
             self._feed.close()
@@ -144,10 +144,10 @@ class Window:
         feed = Feed(live.wall, path=self._path(), attributes=attributes, well=self._well, scene=self.scene)
         feed.start()
         self._feed = feed
-        feed.update()  # what was drawn meanwhile
+        feed.update()  # changes that came meanwhile
 
     def _show_images(self) -> None:
-        """Map the images that have grown on the wall as it is now."""
+        """Map the images that have grown to the current wall."""
         if self._feed is None or time.monotonic() < self._images_due:
             return
         began, live = time.monotonic(), self._wanted()
@@ -160,7 +160,7 @@ class Window:
         self._images_due = time.monotonic() + max(IMAGES_SECONDS, 20 * (time.monotonic() - began))
 
     def _status_text(self, states: Mapping[str, str]) -> str:
-        """What the sources are doing; before the wall begins, how far samples have come too."""
+        """Return the states of the sources; before the wall begins, also how many samples have come."""
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if self._feed:
             return text
@@ -173,12 +173,12 @@ class Window:
         return self._live
 
     def _span(self) -> tuple[float, float]:
-        """Shallowest and deepest vertex, metres."""
+        """Return the depths of the shallowest and the deepest vertex, metres."""
         wall = self._wanted().wall
         return helix_of(wall).ends(len(wall))
 
     def _path(self) -> Path | None:
-        """The path so far, far enough for the wall and what comes next; None where it cannot carry the wall."""
+        """Return the path so far, extended below the wall; None if it does not cover the wall's top."""
         top, bottom = self._span()
         path = self._wanted().model.stations.reaching(bottom + AHEAD)
         if path is None or path.start_depth > top:

@@ -1,4 +1,4 @@
-"""What is connected and what its items mean: the tables ``[source.NAME]``, of a WITS sender or of a WITSML store.
+"""Read the tables ``[source.NAME]`` of WITS senders and WITSML stores: the connection, and what its items mean.
 
     [source.mwd]                                  [source.store]
     address = "tcp://127.0.0.1:9872"              address = "https://store.example/witsml"
@@ -6,8 +6,8 @@
     items = { bit_depth = "0108" }                items = { bit_depth = "DBTM" }
     caliper = { first = "5010", groups = 30 }     caliper = { toolface = ["TF1"], radius = ["R1"] }
 
-An item becomes a number and a scale to core units. Curves of a store are named by mnemonic and their units come with
-them; each gets a number, as a WITS item has its code RRII.
+Each item becomes a number and a scale to core units. A curve of a store has a mnemonic and sends its unit; it gets a
+number here, as a WITS item has its code RRII.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from helibore.live.layout import Layout, LayoutTable
 from helibore.live.pass_rules import PassNumbers, PassNumbersTable
 
 LENGTHS = {"metric": ("m", "mm"), "fps": ("ft", "in")}
-"""Units of depths and of radii, for each unit set (LIVE items 0108 and 0844)."""
+"""Units of depths and of radii, for each unit set (items 0108 and 0844)."""
 JUMPS = {"depth": 30.0, "time": 3600.0}
 INDEX = 1
-"""The number of a store's index curve, whatever its mnemonic."""
+"""The number of a store's index curve; its mnemonic does not matter."""
 KINDS = {"bit_depth": units.LENGTH, "hole_depth": units.LENGTH, "rotation": units.ROTATION, "activity": ""}
-"""The rig quantities, and what the unit of each measures."""
+"""The rig quantities, and the kind of unit that each must have."""
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Item:
 
 @dataclass(frozen=True)
 class CaliperItems:
-    """Triples of items, one triple a row of ``toolface``, ``radius`` and ``depth`` (empty: depth from the bit)."""
+    """Triples of items; triple n is item n of ``toolface``, ``radius`` and ``depth`` (empty: depth from the bit)."""
 
     toolface: tuple[Item, ...]
     radius: tuple[Item, ...]
@@ -74,7 +74,7 @@ class ImageItems:
 
 @dataclass(frozen=True)
 class Access:
-    """How a store is reached. The password itself is read from the environment when it is needed, and never kept."""
+    """The access to a store. The password is not here: it is read from the environment when it is needed."""
 
     user: str
     password_env: str
@@ -85,7 +85,7 @@ class Access:
 
 @dataclass(frozen=True)
 class Curve:
-    """A curve of the log: its mnemonic, what its unit must measure or how it must be written ("": any)."""
+    """A curve of the log: its mnemonic, the kind of its unit, and the text of its unit ("": any)."""
 
     mnemonic: str
     kind: str
@@ -94,9 +94,9 @@ class Curve:
 
 @dataclass(frozen=True)
 class Store:
-    """What is polled: uids of well, wellbore and object; ``curves[n]`` has the number n + 2.
+    """The objects that are polled: uids of well, wellbore and object; ``curves[n]`` has the number n + 2.
 
-    A row more than ``jump`` (m or s) behind the one before it counts when the next row lies within ``jump`` of it.
+    A row more than ``jump`` (m or s) after the previous one counts only if the next row is within ``jump`` after it.
     """
 
     access: Access
@@ -107,10 +107,10 @@ class Store:
     curves: tuple[Curve, ...]
 
     def meaning(self) -> dict[str, Any]:
-        """Return what decides the wall, without how the store is reached."""
+        """Return the settings that affect the wall, without those of the access."""
         meaning = {key: value for key, value in asdict(self).items() if key != "access"}
         for curve in meaning["curves"]:
-            del curve["unit"]  # the image's
+            del curve["unit"]  # the image has the same unit
         if self.jump == JUMPS[self.index]:
             del meaning["jump"]
         return meaning
@@ -118,7 +118,7 @@ class Store:
 
 @dataclass(frozen=True)
 class Source:
-    """One connection: how it is reached, and what its items mean."""
+    """One source: its connection, and what its items mean."""
 
     name: str
     address: Address
@@ -147,7 +147,7 @@ class Source:
         return mapped + [item for image in self.images for item in image.sectors]
 
     def records(self) -> list[int]:
-        """Return the record numbers of all mapped items, whose sequence numbers (item 04) are watched."""
+        """Return the record numbers of all mapped items; their sequence numbers (item 04) are checked."""
         return [] if self.store else sorted({item.code // 100 for item in self.mapped()})
 
 
@@ -192,7 +192,7 @@ Text = Annotated[str, Field(min_length=1)]
 
 
 class CaliperTable(Table):
-    """What the calipers of both kinds of source have."""
+    """The settings that the calipers of both kinds of source have."""
 
     measures: Literal["radius", "diameter"] = "radius"
     offset: float = 0.0
@@ -202,7 +202,7 @@ class CaliperTable(Table):
     def items(
         self, place: str, what: str, columns: dict[str, list[Item]], latency: float, bit_diameter: float
     ) -> CaliperItems:
-        """Return the caliper of ``columns``; radii are halved where diameters are measured."""
+        """Return the caliper of ``columns``; measured diameters are halved."""
         lengths = {name: len(items) for name, items in columns.items()}
         if len(set(lengths.values())) != 1 or not lengths["toolface"]:
             raise InputError(place, f"toolface, radius and depth must have equally many {what}, not {lengths}")
@@ -230,7 +230,7 @@ class WitsCaliperTable(CaliperTable):
     latency: Annotated[float, within(0, 3600)] = 0.0
 
     def read(self, place: str, source_units: str, bit_diameter: float) -> CaliperItems:
-        """Return the items that the table names."""
+        """Return the caliper items of the table."""
         codes: dict[str, list[int]] = {}
         if self.first is not None:
             order = self.order or ["toolface", "depth", "radius"]
@@ -254,7 +254,7 @@ class WitsCaliperTable(CaliperTable):
 
 
 class ImageTable(LayoutTable):
-    """What the images of both kinds of source have."""
+    """The settings that the images of both kinds of source have."""
 
     unit: Text = Field(description="the unit of its values")
     offset: float = 0.0
@@ -269,7 +269,7 @@ class WitsImageTable(ImageTable):
     latency: Annotated[float, within(0, 3600)] = 0.0
 
     def read(self, name: str, place: str, source_units: str, reference: str) -> ImageItems:
-        """Return the items that the table names."""
+        """Return the image items of the table."""
         depth = self.depth.scaled(LENGTHS[source_units][0]) if self.depth else None
         sectors = tuple(Item(code) for code in _run(place, self.first, "count", self.count))
         return ImageItems(name, self.unit, sectors, depth, self.offset, self.latency, self.layout(reference, place))
@@ -294,7 +294,7 @@ class RigTable(Table):
 
 
 class SourceTable(Table):
-    """What both kinds of source have."""
+    """The settings that both kinds of source have."""
 
     address: Annotated[Address, PlainValidator(read_address)] = Field(
         description='"tcp://HOST:PORT", "listen://HOST:PORT", "serial:///dev/ttyS0?baud=9600", '
@@ -347,7 +347,7 @@ def read_wits(name: str, entries: Any, bit_diameter: float, reference: str) -> S
 
 
 def _allowed(place: str, table: WitsTable) -> tuple[str, ...]:
-    """Who may connect; a listener that is not on loopback must say so."""
+    """Return the networks that may connect; a listener that is not on loopback must set ``allow``."""
     for index, network in enumerate(table.allow or []):
         try:
             ipaddress.ip_network(network)
@@ -360,7 +360,7 @@ def _allowed(place: str, table: WitsTable) -> tuple[str, ...]:
 
 
 def _run(place: str, first: int, name: str, given: int, members: int = 1) -> list[int]:
-    """Codes of consecutive items from ``first``: ``members`` times the number ``given`` as ``name``."""
+    """Return the codes of ``given`` times ``members`` consecutive items from ``first``; ``name``: the setting."""
     if not given:
         raise InputError(f"{place}.{name}", "must be set: a whole number")
     count = given * members
@@ -406,7 +406,7 @@ class StoreRigTable(Table):
 
 
 class StoreCaliperTable(CaliperTable):
-    """Triples by mnemonic; without ``depth`` at the index of the log."""
+    """Triples by mnemonic; without ``depth``, the depth is the index of the log."""
 
     toolface: list[Text] = Field(description="mnemonics, one for each sensor")
     radius: list[Text] = Field(description="mnemonics, one for each sensor")
@@ -450,7 +450,7 @@ def read_store(name: str, entries: Any, bit_diameter: float, reference: str) -> 
     curves: list[Curve] = []
 
     def items(where: str, mnemonics: Sequence[str], kind: str, unit: str = "") -> list[Item]:
-        """Number the curves in the order they are first named."""
+        """Return an item for each curve; curves are numbered in the order in which they are first named."""
         for mnemonic in mnemonics:
             known = next((curve for curve in curves if curve.mnemonic == mnemonic), None)
             if known is None:

@@ -1,12 +1,12 @@
-"""Polling a WITSML store over HTTPS: ask, take the bytes as they come, ask again from the last index.
+"""Poll a WITSML store over HTTPS: send a query, store the answer as it comes, query again from the last index.
 
     thread of the link:  POST question -> bytes (bounded, in time) -> queue -> read() -> journal -> model
-                              ^------------- every so many seconds, from the reader's last index on
+                              ^------------- every ``every`` seconds, from the reader's last index on
 
-Certificates are always verified, against the system's authorities and those of ``ca``. No redirect is followed, no
-proxy or netrc asked, no compressed answer taken. Every answer is in the journal before anything reads it, refused
-ones too. Credentials are read from the environment and appear in no text. An answer that fails ends the link with an
-OSError; when to try again is the server's business.
+Certificates are always verified against the system's authorities and those of ``ca``. Redirects, proxies, netrc files
+and compressed answers are not used. Every answer, also a refused one, is in the journal before any code reads it.
+Credentials are read from the environment and appear in no text. An answer that fails ends the link with an OSError;
+``server.py`` decides when to try again.
 """
 
 from __future__ import annotations
@@ -29,11 +29,11 @@ from helibore.live.sources import Source
 
 PIECE = 1 << 19
 SOON = 0.25
-"""Seconds until the rest of a partial answer is asked for."""
+"""Seconds until the query for the rest of a partial answer."""
 
 
 class AccessDeniedError(OSError):
-    """The store refused user or password: asking again changes nothing, and may lock the account."""
+    """The store refused user or password: another try would fail too, and could lock the account."""
 
 
 Position = Callable[[], tuple[str, str] | None]
@@ -44,10 +44,10 @@ class StoreClient:
 
     Raises
     ------
-    ImportError
-        Without httpx2; the text names the extra.
-    ValueError
-        If the password is not in the environment, or ``ca`` is no file of certificates.
+    MissingExtraError
+        If httpx2 is not installed.
+    InputError
+        If the password is not in the environment, or ``ca`` is not a file of certificates.
     """
 
     ends = False
@@ -75,7 +75,7 @@ class StoreClient:
             check_password(f"{place}.password_env", self._auth[1])
         self._redactor = Redactor(self._auth)
 
-    def open(self, seconds: float) -> StoreLink | None:  # noqa: ARG002 (the first question is asked by the link)
+    def open(self, seconds: float) -> StoreLink | None:  # noqa: ARG002 (the link sends the first query)
         """Begin polling."""
         client = self._http.Client(verify=self._trust, auth=self._auth, trust_env=False, follow_redirects=False)
         return StoreLink(client, self._http, self._source, self._position, self._refused, self._redactor)
@@ -85,10 +85,10 @@ class StoreClient:
 
 
 class StoreLink:
-    """Polls until closed or an answer fails.
+    """Polls a store until it is closed or an answer fails.
 
-    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that the same one again
-    costs the journal a line.
+    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that a repeated one takes
+    only a line of the journal.
     """
 
     def __init__(
@@ -118,16 +118,16 @@ class StoreLink:
             return b""
         if isinstance(piece, OSError):
             raise piece
-        if isinstance(piece, threading.Event):  # whoever asks for more has stored what came before
+        if isinstance(piece, threading.Event):  # the caller reads again only after it has stored all earlier pieces
             piece.set()
             return b""
         return piece
 
     def write(self, payload: bytes) -> None:
-        """A store is asked, nothing else is written to it."""
+        """Do nothing: only queries are sent to a store."""
 
     def close(self) -> None:
-        """Ask no more."""
+        """Stop polling."""
         self._closed.set()
 
     def _poll(self) -> None:
@@ -148,13 +148,13 @@ class StoreLink:
                 self._client.close()
 
     def _ask_log(self) -> bool:
-        """Ask for the log from its last index on; returns whether there is more at once."""
+        """Query the log from its last index on; return whether the store has more rows now."""
         assert self._store.log is not None
         options = "returnElements=data-only" if "log" in self._before else "returnElements=all"
         return self._ask("log", witsml.log_query(self._store.log, self._position()), options)
 
     def _ask(self, kind: str, query: str, options: str) -> bool:
-        """Ask, have the bytes stored, and look whether the store is content; returns whether the answer is partial."""
+        """Send a query, wait until the answer is stored, raise its error; return whether the answer is partial."""
         body, state, failure = self._answer(witsml.envelope(kind, query, options))
         body = self._redactor.clean(body, cut=state != "whole")
         same = state == "whole" and body == self._before.get(kind)
@@ -178,7 +178,7 @@ class StoreLink:
         return answer.result == witsml.PARTIAL and not same
 
     def _stored(self) -> bool:
-        """Wait until what was handed on is in the journal, however long its disk is full; False: closed meanwhile."""
+        """Wait until all pieces are in the journal, also while its disk is full; return False if closed meanwhile."""
         mark = threading.Event()
         self._pieces.put(mark)
         while not mark.wait(SOON):
@@ -187,7 +187,7 @@ class StoreLink:
         return True
 
     def _refusal(self, kind: str, body: bytes) -> bytes:
-        """A refused answer as it is stored: empty where it is the one before."""
+        """Return a refused answer as it is stored: empty if it equals the previous one."""
         checksum = hashlib.blake2b(body).digest()
         if self._refused.get(kind) == checksum:
             return b""
@@ -195,25 +195,25 @@ class StoreLink:
         return body
 
     def _note_socket(self, event: str, facts: dict[str, Any]) -> None:
-        """Note the connection's socket (httpx2 calls this at every step of a request)."""
+        """Remember the connection's socket (httpx2 calls this at every step of a request)."""
         if event.endswith(("start_tls.complete", "connect_tcp.complete")):
             self._socket = facts["return_value"].get_extra_info("socket")
 
     def _hang_up(self) -> None:
-        """End an answer that took too long, wherever it stands."""
+        """End an answer that takes too long, at any step of it."""
         with contextlib.suppress(OSError):
             if self._socket is not None:
                 self._socket.shutdown(socket.SHUT_RDWR)
 
     def _answer(self, question: bytes) -> tuple[bytes, str, OSError | None]:
-        """Return the body as far as it came; whether it is whole, cut or refused; and why it is not whole."""
+        """Return the body received so far; whether it is whole, cut or refused; and the error if it is not whole."""
         access, host = self._store.access, self._source.address.host
         end = time.monotonic() + access.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
         body, refused, denied = bytearray(), "", None
         self._answering = False
-        late = threading.Timer(access.timeout + 1.0, self._hang_up)  # no time limit of httpx2 covers all headers
+        late = threading.Timer(access.timeout + 1.0, self._hang_up)  # httpx2 has no time limit for all headers together
         late.daemon = True
         late.start()
         try:

@@ -1,9 +1,9 @@
-"""From a store's answers to columns in core units, as ``mapping.py`` does it from frames.
+"""Convert a store's answers to columns in core units, as ``mapping.py`` does for frames.
 
     journal bytes -> answers -> rows behind the last index -> cells by unit -> triples, image rows, rig, stations
 
-A row whose index is not behind the last one is a row that is there already: a store sends the row at ``startIndex``
-again. A curve is INVALID, with an event, if its unit is not sent, not known, of another quantity, or not the image's.
+A row whose index is not after the last one was read before: a store sends the row at ``startIndex`` again. A curve is
+INVALID, with an event, if its unit is missing, unknown, of another quantity, or not the unit of the image.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ from helibore.live.sources import INDEX, Curve, Source, Store
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024
-"""Rows whose cells are texts of their own at a time."""
+"""Number of rows that are split into cells at a time."""
 MOST_UNITS = 1000
 FUTURE = 86_400.0
-"""Seconds that the clock of a store may be ahead."""
+"""Seconds by which the clock of a store may be ahead."""
 
 
 class StoreReader(SourceReader):
@@ -36,7 +36,7 @@ class StoreReader(SourceReader):
     Attributes
     ----------
     last
-        Index of the last row read, as (text, unit); from there on is asked next. None before the first.
+        Index of the last row read, as (text, unit); the next query starts there. None before the first row.
     """
 
     def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
@@ -63,7 +63,7 @@ class StoreReader(SourceReader):
         return readings
 
     def _take(self, kind: str, state: str, body: bytes, stamp: tuple[int, int, int]) -> Reading | None:
-        """Columns of one answer; None where there is nothing to read in it."""
+        """Return the columns of one answer; None if it contains nothing to read."""
         if state == "cut":
             self._report(stamp[2], "cut_off", f"an answer about the {kind} ended after {len(body)} bytes: not read")
         if state == "refused":
@@ -112,10 +112,10 @@ class StoreReader(SourceReader):
         return reading
 
     def _new_rows(self, log: witsml.LogRows, store: Store, wall: int) -> list[int]:
-        """Numbers, from 1, of the rows behind the last index; each moves it on.
+        """Return the numbers, from 1, of the rows after the last index, and update the last index.
 
-        A row that is there already is passed over: a store sends the row at ``startIndex`` again. One that jumps moves
-        nothing on unless the row after it goes on from there, so that a glitch does not hide the rows to come.
+        A row that was read before is skipped: a store sends the row at ``startIndex`` again. A row that jumps counts
+        only if the next row goes on from there, so that one wrong index does not hide later rows.
         """
         scale = 1.0
         if store.index == "depth" and log.rows:
@@ -145,7 +145,7 @@ class StoreReader(SourceReader):
         return new
 
     def _index_rule(self, key: float, index: str, wall: int) -> str:
-        """What is wrong with an index, "" where it can be true; a wrong one would hide all rows to come."""
+        """Return what is wrong with an index, or "" if it can be true; a wrong index would hide all later rows."""
         if index == "depth":
             return self._limits.rule() if self._limits.outside(np.array(key)) else ""
         return "is in the future" if key > wall / 1e9 + FUTURE else ""
@@ -162,7 +162,7 @@ class StoreReader(SourceReader):
     def _fill(
         self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
     ) -> None:
-        """Take the cells of the mapped curves out of their rows, a block of rows at a time."""
+        """Write the cells of the mapped curves to ``values`` and ``states``, one block of rows at a time."""
         store = self.source.store
         assert store is not None
         curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if store.index == "depth" else {}
@@ -216,7 +216,7 @@ class StoreReader(SourceReader):
         return values, states
 
     def _unmeasured(self, states: npt.NDArray[np.uint8]) -> None:
-        """A row in which no caliper speaks is no triple, though it has an index."""
+        """Mark the index as absent in rows without a caliper value, so that these rows give no triple."""
         caliper, place = self.source.caliper, self._column[INDEX]
         if caliper and place >= 0:
             spoken = self._column[[item.code for item in (*caliper.toolface, *caliper.radius)]]
@@ -255,7 +255,7 @@ def _quantity(text: str, unit: str, kind: str) -> float:
 
 
 def _following(keys: list[float | None]) -> list[float | None]:
-    """Of each row the index of the next row that has one; from the end, so that a row is looked at once."""
+    """Return for each row the index of the next row that has one, in one pass from the end."""
     after: list[float | None] = []
     following = None
     for key in reversed(keys):
@@ -265,7 +265,7 @@ def _following(keys: list[float | None]) -> list[float | None]:
 
 
 def _index(text: str, index: str, scale: float) -> float | None:
-    """A depth in metres, a time as seconds since 1970; None where it is neither."""
+    """Return a depth in metres, or a time in seconds since 1970; None if the text is not valid."""
     if index == "depth":
         depth = float(text) * scale if NUMBER.fullmatch(text) else math.nan
         return depth if math.isfinite(depth) else None

@@ -1,8 +1,8 @@
-"""Where bytes come from: TCP client and listener, serial port, file (a store: store.py). One link at a time each.
+"""Receive bytes from a TCP client or listener, a serial port or a file, one link at a time (stores: store.py).
 
-    open() -> Link      Link.read(seconds) -> bytes, b"" when nothing came, None when the link ended
+    open() -> Link      Link.read(seconds) -> bytes, b"" if nothing came, None if the link ended
 
-Nothing is ever written unless the source's mode says so. ``server.py`` decides when to try again.
+Bytes are sent only if the mode of the source says so. ``server.py`` decides when to try again.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from helibore.live.store import Position, StoreClient
 
 CHUNK = 65536
 PATIENCE = 3
-"""A newcomer replaces no sender that was silent for less than so many of its own longest intervals."""
+"""A newcomer replaces a sender only after a silence of this many times the sender's longest interval."""
 ACCEPT_AGAIN = 1.0
 """Seconds until the next try after a connection could not be accepted (no descriptors left)."""
 
@@ -35,31 +35,31 @@ class Link(Protocol):
     peer: str
 
     def read(self, seconds: float) -> bytes | None:
-        """Return bytes, b"" when none came within ``seconds``, None when the link has ended."""
+        """Return bytes; b"" if none came within ``seconds``, None if the link has ended."""
 
     def write(self, payload: bytes) -> None:
         """Send a heartbeat or a poll."""
 
     def close(self) -> None:
-        """Close it."""
+        """Close the link."""
 
 
 class Opener(Protocol):
     """Opens links to one source."""
 
     ends: bool
-    """Whether the source is over when its link ends (a file)."""
+    """Whether the source ends when its link ends (a file)."""
 
     def open(self, seconds: float) -> Link | None:
-        """Return a link, None when none came within ``seconds``; OSError when it cannot be."""
+        """Return a link; None if none came within ``seconds``. Raise OSError if the link cannot be opened."""
 
     def close(self) -> None:
-        """Close it."""
+        """Close the opener."""
 
 
 @dataclass
 class SimpleOpener:
-    """Opens a link by calling ``connect`` with the seconds it may take; holds nothing."""
+    """Opens a link by calling ``connect`` with a time limit in seconds."""
 
     connect: Callable[[float], Link]
     ends: bool = False
@@ -69,11 +69,11 @@ class SimpleOpener:
         return self.connect(seconds)
 
     def close(self) -> None:
-        """Nothing is held."""
+        """Do nothing: there is nothing to close."""
 
 
 def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
-    """Return the sockets that have something; no descriptor is too large for poll, and none is needed."""
+    """Return the sockets that can be read; poll works with any descriptor number and needs no new descriptor."""
     with selectors.PollSelector() as selector:
         for one in sockets:
             selector.register(one, selectors.EVENT_READ)
@@ -81,7 +81,7 @@ def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
 
 
 def _keep_alive(connection: socket.socket) -> None:
-    """Notice within half a minute that the other side is gone, with a cable pulled too."""
+    """Detect within half a minute that the other side is gone, also if a cable is disconnected."""
     connection.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
     for option, value in (("TCP_KEEPIDLE", 10), ("TCP_KEEPINTVL", 5), ("TCP_KEEPCNT", 3)):
         if hasattr(socket, option):
@@ -89,7 +89,7 @@ def _keep_alive(connection: socket.socket) -> None:
 
 
 class SocketLink:
-    """A TCP connection; ``listener`` is asked whether a newcomer takes its place."""
+    """A TCP connection; ``listener`` decides whether a newcomer replaces it."""
 
     def __init__(
         self, connection: socket.socket, peer: str, listener: TcpListener | None = None, first: bytes = b""
@@ -106,7 +106,7 @@ class SocketLink:
             return first
         beside = self._listener.watched() if self._listener else []
         ready = _readable([self._connection, *beside], seconds)
-        if self._connection in ready:  # first: a sender that left and came back has left
+        if self._connection in ready:  # checked first: if the sender closed and connected again, this link has ended
             payload = self._connection.recv(CHUNK)
             now = time.monotonic()
             self.longest, self.last_received = max(self.longest, now - self.last_received), now
@@ -124,7 +124,7 @@ class SocketLink:
 
 @dataclass
 class Newcomer:
-    """A connection that came while another sender was connected, and what it sent so far."""
+    """A connection that came while another sender was connected, and the bytes that it sent so far."""
 
     connection: socket.socket
     peer: str
@@ -136,8 +136,8 @@ class Newcomer:
 class TcpListener:
     """Waits for one sender at a time; a peer that is not allowed is refused.
 
-    A newcomer replaces a sender only if that one has been silent for ``replace_after`` seconds and for `PATIENCE` times
-    its own longest interval, and only with a whole frame that has an item.
+    A newcomer replaces a sender only if the sender has been silent for ``replace_after`` seconds and for `PATIENCE`
+    times its own longest interval, and only if the newcomer sent a whole frame with an item.
     """
 
     ends = False
@@ -163,16 +163,16 @@ class TcpListener:
         return SocketLink(one.connection, one.peer, self, one.sent)
 
     def watched(self) -> list[socket.socket]:
-        """Return the sockets to look at beside the sender's."""
+        """Return the sockets to check in addition to the sender's."""
         listening = [self._listening] if time.monotonic() >= self._accept_from else []
         return listening + ([self._newcomer.connection] if self._newcomer else [])
 
     def _accept(self) -> None:
-        """Accept a newcomer; several may not wait at a time."""
+        """Accept a newcomer; only one can wait at a time."""
         try:
             connection, address = self._listening.accept()
         except BlockingIOError:
-            return  # it left again
+            return  # the peer closed the connection again
         except OSError as error:
             self._accept_from = time.monotonic() + ACCEPT_AGAIN
             self._refuse("link", f"a connection could not be accepted: {error}")
@@ -190,7 +190,7 @@ class TcpListener:
             self._newcomer = Newcomer(connection, f"{address[0]}:{address[1]}", parser)
 
     def replaces(self, sender: SocketLink, ready: list[Any]) -> bool:
-        """Accept or hear a newcomer; whether it takes the place of ``sender``."""
+        """Accept a newcomer or read its bytes; return whether it replaces ``sender``."""
         if self._listening in ready:
             self._accept()
         one = self._newcomer
@@ -272,7 +272,7 @@ class FileLink:
         self._start, self._sent = time.monotonic(), 0
 
     def read(self, seconds: float) -> bytes | None:
-        """Return what is due."""
+        """Return the bytes that are due at this speed."""
         size = CHUNK
         if self._speed:
             due = int((time.monotonic() - self._start) * self._speed) - self._sent
@@ -285,7 +285,7 @@ class FileLink:
         return payload or None
 
     def write(self, payload: bytes) -> None:
-        """A file is not written to."""
+        """Do nothing: a file is only read."""
 
     def close(self) -> None:
         """Close the file."""
@@ -293,14 +293,14 @@ class FileLink:
 
 
 def opener(source: Source, refuse: Callable[[str, str], None], position: Position = lambda: None) -> Opener:
-    """Return what opens links to ``source``; ``refuse`` reports refused peers, ``position`` returns a log's last index.
+    """Return the opener for ``source``; ``refuse`` reports refused peers, ``position`` returns a log's last index.
 
     Raises
     ------
     OSError
-        If a listener cannot have its address.
+        If the address of a listener cannot be used.
     MissingExtraError
-        If a serial source lacks pyserial, or a store httpx2.
+        If pyserial (for a serial source) or httpx2 (for a store) is not installed.
     InputError
         If a store's password or certificates are missing.
     """

@@ -1,7 +1,7 @@
-"""WITS level 0: text into rows of numbers, and rows into text.
+"""Read and write WITS level 0.
 
-A frame is ``&&``, lines ``RRIIvalue`` and ``!!``. The core does the reading; this file gives its arrays names. Units
-and the meaning of an item are agreed per source and are not known here (see ``configuration.py``).
+A frame is ``&&``, lines ``RRIIvalue`` and ``!!``. The C++ core reads frames; this file names its arrays.
+The configuration of a source defines the units and the meaning of its items (see ``sources.py``).
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ from helibore.base import nulls
 Rows = npt.NDArray[np.void]
 
 NULLS = (*nulls.NULLS, -8888.0)
-"""Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` is one too."""
+"""Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` counts too."""
 
 NULL = 1
 """Item flag: the value is empty or one of the source's null numbers."""
@@ -35,20 +35,20 @@ RULES = {
     "many_items": "a frame must not have more lines than the item limit; it was not read",
     "cut_off": "the connection ended within a frame; it was not read",
 }
-"""What each kind of bad text breaks, in the order of the numbers in ``Batch.events['rule']``."""
+"""The rule that each kind of bad text breaks, in the order of the numbers in ``Batch.events['rule']``."""
 RULE_NAMES = tuple(RULES)
 
 
 @dataclass(frozen=True, slots=True)
 class Batch:
-    """What one call of :meth:`Parser.feed` completed. All arrays are owned.
+    """The frames that one call of :meth:`Parser.feed` completed. The batch owns all its arrays.
 
     Attributes
     ----------
     base
         Offset in the stream of ``text[0]``.
     text
-        The stream from the first byte not given out before up to the end of the last complete frame or line.
+        The stream from the end of the previous batch up to the end of the last complete frame or line.
     items
         Structured (n,): ``frame`` (number since the parser began), ``code`` (RRII as an integer, 108 for record 01
         item 08), ``value`` (float64, NaN when flagged), ``flags`` (NULL, INVALID), ``offset`` and ``length`` of the
@@ -85,8 +85,8 @@ class Parser:
     nulls
         Numbers that mean "no value" in this source.
     line_limit, frame_limit, item_limit
-        Bytes of a line, bytes of a frame, lines of a frame. What is longer is counted and dropped; reading goes on at
-        the next line or the next ``&&``. They bound the memory the parser holds between two calls.
+        Bytes of a line, bytes of a frame, lines of a frame. A longer line or frame is counted and dropped; reading
+        goes on at the next line or the next ``&&``. The limits bound the memory that the parser holds between calls.
 
     Raises
     ------
@@ -108,7 +108,7 @@ class Parser:
         return Batch(*self._core.feed(chunk))
 
     def finish(self) -> Batch:
-        """Return what the end of the stream completes: a last ``!!`` needs no line end. Then the parser begins anew."""
+        """Return the frames that the end of the stream completes, and reset the parser; no line end is needed."""
         return Batch(*self._core.finish())
 
     @property

@@ -1,13 +1,12 @@
-"""WITSML 1.4.1.1 over SOAP: what is asked of a store, what it answers, and how answers lie in the journal.
+"""Write queries for a WITSML 1.4.1.1 store (SOAP), read its answers, and frame them for the journal.
 
     question:  WMLS_GetFromStore(WMLtypeIn, QueryIn, OptionsIn)   ->   answer: Result, XMLout, SuppMsgOut
 
     journal:   "WITSML log whole 1234\\n" + 1234 bytes as they came   |   "WITSML trajectory same 0\\n"   |   ...
 
-An answer that is byte for byte the one before is noted ("same"); one that was cut off ("cut") or must not be read
-("refused": not 200, compressed, too long) is kept as far as it came, and not read.
-Document types and entities are refused before any parser sees them; nesting is bounded here, size where bytes arrive.
-What the curves mean is not known here.
+An answer equal to the previous one is stored as "same" without its bytes. An answer that was cut off ("cut") or must
+not be read ("refused": not 200, compressed, too long) is stored as far as it came, and not read. Document types and
+entities are refused before an XML parser gets them. This file limits the nesting; ``store.py`` limits the size.
 """
 
 from __future__ import annotations
@@ -22,7 +21,7 @@ from xml.sax.saxutils import escape, quoteattr
 ACTION = "http://www.witsml.org/action/120/Store.WMLS_GetFromStore"
 SERIES = 'xmlns="http://www.witsml.org/schemas/1series" version="1.4.1.1"'
 PARTIAL = 2
-"""The Result of an answer that the store cut short: ask again for the rest."""
+"""The Result of an answer that the store limited: query again for the rest."""
 NESTING = 32
 BLOCK = 1 << 16
 
@@ -43,7 +42,7 @@ class Answer:
 
 @dataclass
 class LogRows:
-    """The rows of a log's answer, each the text of its cells; curves without rows where nothing has grown."""
+    """The rows of a log's answer, each a text of cells; no rows if the log has not grown."""
 
     mnemonics: list[str] = field(default_factory=list)
     units: list[str] = field(default_factory=list)
@@ -53,7 +52,7 @@ class LogRows:
 
 
 def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
-    """Return the query for a log from index ``start`` (value, unit; "" for a time) on; None: from its top."""
+    """Return the query for a log from index ``start`` (value, unit; "" for a time) on; None: from its first row."""
     within = ""
     if start is not None and start[1]:
         within = f"<startIndex uom={quoteattr(start[1])}>{escape(start[0])}</startIndex>"
@@ -63,7 +62,7 @@ def log_query(uids: tuple[str, str, str], start: tuple[str, str] | None) -> str:
 
 
 def trajectory_query(uids: tuple[str, str, str]) -> str:
-    """Return the query for a whole trajectory: a store corrects stations, and there are few."""
+    """Return the query for a whole trajectory: it has few stations, and a store may correct them."""
     return f"<trajectorys {SERIES}><trajectory {_uids(uids)}/></trajectorys>"
 
 
@@ -74,7 +73,7 @@ def _uids(uids: tuple[str, str, str]) -> str:
 
 
 def envelope(kind: str, query: str, options: str) -> bytes:
-    """Return the SOAP request that asks ``query`` of a store."""
+    """Return the SOAP request for ``query``."""
     return (
         '<?xml version="1.0" encoding="UTF-8"?>'
         '<soap:Envelope xmlns:soap="http://schemas.xmlsoap.org/soap/envelope/"><soap:Body>'
@@ -86,12 +85,12 @@ def envelope(kind: str, query: str, options: str) -> bytes:
 
 
 def read_answer(body: bytes) -> Answer:
-    """Take an answer out of its envelope.
+    """Return the answer in a SOAP envelope.
 
     Raises
     ------
     ValueError
-        If it is no UTF-8, no XML, declares a document type or entity, or is no answer of a store.
+        If it is not UTF-8 or not XML, declares a document type or entity, or is not the answer of a store.
     """
     try:
         text = body.decode("utf-8-sig")
@@ -115,7 +114,7 @@ def _short(text: str) -> str:
 def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path of local names, element) at every end tag.
 
-    An element is released after that, unless it is in one named ``whole``: a whole log would take 24 times its size.
+    An element is deleted after that, unless it is inside one named ``whole``: a whole log would take 24 times its size.
     """
     if match := FORBIDDEN.search(text):
         raise ValueError(f"<!{match[1].upper()} ...>: document types and entities are refused")
@@ -125,7 +124,7 @@ def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Elemen
     text = text.lstrip()
     try:
         for start in range(0, len(text) + 1, BLOCK):
-            parser.feed(text[start : start + BLOCK])  # it is text by now, whatever encoding it says it has
+            parser.feed(text[start : start + BLOCK])  # already decoded, so its encoding declaration does not matter
             for event, element in cast("Iterator[tuple[str, ET.Element]]", parser.read_events()):
                 if event == "start":
                     path.append(element.tag.rpartition("}")[2])
@@ -144,12 +143,12 @@ def _elements(text: str, whole: str = "") -> Iterator[tuple[list[str], ET.Elemen
 
 
 def read_log(document: str) -> LogRows:
-    """Return the rows of the log in ``document``, as they were written.
+    """Return the rows of the log in ``document`` as texts.
 
     Raises
     ------
     ValueError
-        If it is not XML of a log, or a row has other than one cell for each mnemonic.
+        If ``document`` is not the XML of a log, or a row does not have one cell for each mnemonic.
     """
     log = LogRows()
     described: list[tuple[str, str]] = []
@@ -184,7 +183,7 @@ def read_log(document: str) -> LogRows:
 
 
 def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
-    """Return ((text, unit) of md, incl and azi) for each station of a trajectory, ("", "") where one is not there."""
+    """Return ((text, unit) of md, incl and azi) for each station of a trajectory; ("", "") if missing."""
     stations: list[tuple[tuple[str, str], ...]] = []
     if not document.strip():
         return stations
@@ -199,25 +198,25 @@ def read_stations(document: str) -> list[tuple[tuple[str, str], ...]]:
 
 
 def framed(kind: str, state: str, body: bytes = b"") -> bytes:
-    """Return an answer as it lies in the journal."""
+    """Return an answer as it is stored in the journal."""
     return b"WITSML %s %s %d\n" % (kind.encode(), state.encode(), len(body)) + body
 
 
 class Frames:
-    """Takes framed answers apart again, however they were cut into pieces."""
+    """Splits the stored bytes into answers; the pieces may be cut anywhere."""
 
     def __init__(self) -> None:
         self._held = bytearray()
 
     def feed(self, piece: bytes) -> tuple[list[tuple[str, str, bytes]], int]:
-        """Return the (kind, state, body) that ``piece`` completes, and the bytes that belong to none (damage)."""
+        """Return the (kind, state, body) that ``piece`` completes, and the number of bytes outside answers (damage)."""
         self._held += piece
         held, found, stray = self._held, [], 0
         while held:
             head = HEAD.match(held)
             if head is None:
                 if b"\n" not in held[:LONGEST_HEAD] and len(held) < LONGEST_HEAD and HEAD_START.startswith(held[:7]):
-                    break  # the head is not all here
+                    break  # the head is not complete yet
                 after = held.find(HEAD_START, 1)
                 lost = after if after > 0 else max(len(held) - len(HEAD_START), 1)
                 stray += lost
