@@ -1,6 +1,6 @@
 """Measures the live viewer in a real browser: first picture, append to pixels, bytes, memory, many clients.
 
-    python -m bench.live.page [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--snapshots]
+    python -m bench.live.page [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--exports]
 
 Needs Debian's chromium and playwright; the browser draws with software GL, as a weak rig's would. The wall's values
 are those of tests/python/made_wall.py, checked against the page's read-back before anything is timed. Prints one
@@ -25,10 +25,11 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
 from made_wall import BIT, MadeWall, curved_path, gamma_and_resistivity
+from page_messages import unpack
 from screen import FLAGS
 
 import helibore as hb
-from helibore.viewer import Viewer, messages
+from helibore.viewer import Viewer
 
 # Resolves when the page has drawn a wall of so many vertices and the GPU has finished.
 DRAWN = """(size) => new Promise((done) => {
@@ -240,20 +241,20 @@ def with_clients(pages: int) -> tuple[float, float, float]:
 
 
 def while_saving(rounds: int = 3) -> None:
-    """The producer's append alone and while snapshots of 500 m are fetched without a pause, in turn: p50, p99, ms."""
+    """The producer's append alone and while exports of 500 m are fetched without a pause, in turn: p50, p99, ms."""
     found: dict[bool, list[tuple[float, float, float]]] = {False: [], True: []}
     for _ in range(rounds):
         for fetching, figures in found.items():
-            figures.append(with_snapshots(fetching))
+            figures.append(with_exports(fetching))
     for figures in found.values():
         p50, p99, count = (float(np.median(column)) for column in zip(*figures, strict=True))
-        name = f"append of 1,000 samples while {count:.0f} snapshots are made"
+        name = f"append of 1,000 samples while {count:.0f} exports are made"
         say(f"{name}, p50", p50, "ms")
         say(f"{name}, p99", p99, "ms")
 
 
-def with_snapshots(fetching: bool) -> tuple[float, float, float]:
-    """Append 300 times below 500 m of wall: p50 and p99 in ms, and how many snapshots were made meanwhile."""
+def with_exports(fetching: bool) -> tuple[float, float, float]:
+    """Append 300 times below 500 m of wall: p50 and p99 in ms, and how many exports were made meanwhile."""
     wall = hb.Wall(bit_diameter=BIT, start_depth=500.0)
     rng = np.random.default_rng(1)
     wall.append(500 + np.sort(rng.uniform(0, 500, 300_000)), rng.uniform(0, 360, 300_000), np.full(300_000, 0.11))
@@ -272,12 +273,12 @@ def with_snapshots(fetching: bool) -> tuple[float, float, float]:
 
 
 def fetch(url: str, stop: Any, started: Any, made: Any) -> None:
-    """Fetch snapshots until told to stop."""
+    """Fetch exports until told to stop."""
     import urllib.request
 
     while not stop.is_set():
-        with urllib.request.urlopen(f"{url}api/snapshot.html?start=500&stop=1000") as answer:
-            assert len(answer.read()) > 3e6, "a snapshot of 300,000 vertices"
+        with urllib.request.urlopen(f"{url}api/export.html?start=500&stop=1000") as answer:
+            assert len(answer.read()) > 3e6, "an export of 300,000 vertices"
         made.value += 1
         started.set()
 
@@ -329,7 +330,7 @@ async def read_all(url: str, pages: int, stop: Any, started: Any) -> None:
                 except TimeoutError:
                     continue
                 if isinstance(said, bytes):
-                    await socket.send(json.dumps({"session": session, "ack": messages.unpack(said).sequence}))
+                    await socket.send(json.dumps({"session": session, "ack": unpack(said).sequence}))
 
     tasks = [asyncio.create_task(reader(i == 0)) for i in range(pages)]
     await asyncio.sleep(1)
@@ -343,7 +344,7 @@ def main() -> None:
     parser.add_argument("--appends", type=int, default=9)
     parser.add_argument("--clients", type=int, default=10)
     parser.add_argument("--hidden", type=int, default=60, help="seconds that a page is hidden; 0: not measured")
-    parser.add_argument("--snapshots", action="store_true", help="measure appends while snapshots are made, too")
+    parser.add_argument("--exports", action="store_true", help="measure appends while exports are made, too")
     options = parser.parse_args()
     print(f"load {load()}, {os.cpu_count()} cores, {options.quads:,} quads")
     in_the_browser(options.quads, options.appends)
@@ -351,7 +352,7 @@ def main() -> None:
         hidden(options.hidden)
     if options.clients:
         many_clients(options.clients)
-    if options.snapshots:
+    if options.exports:
         while_saving()
     print(f"load {load()}")
 
