@@ -1,1 +1,1 @@
-"""Which channel of a file is what, and the readings that follow from it."""
+"""Decide the role of each channel of a file, and turn channels into readings."""

@@ -1,7 +1,6 @@
-"""Turn channels with roles into a column in core units, a survey or a sector image.
+"""Turn channels with roles into a column in metres, degrees or seconds, a survey or a sector image.
 
-Results are in metres, degrees and seconds. Rows without a value are left out and counted. ``readings`` has the columns
-that a wall is made from.
+Rows without a value are left out and counted. ``readings`` makes the columns that a wall is built from.
 """
 
 from __future__ import annotations
@@ -37,10 +36,10 @@ class RawSectorImage:
     values
         (n, K), NaN where missing.
     first, step
-        Angle of the first sector and from one to the next, degrees, as the file or a map states; None where neither
-        does. Log files do not state whether a sector is centred there or starts there.
+        Angle of the first sector, and angle from one sector to the next, degrees; None if neither the file nor a map
+        states them. Log files do not state whether a sector is centred on its angle or starts there.
     members
-        The columns it was joined from.
+        The columns that form the image.
     dropped
         Rows left out because they have no depth.
     """
@@ -73,14 +72,14 @@ class RawSectorImage:
         Parameters
         ----------
         origin, reference
-            As in `SectorImage`; log files state neither whether sector 1 is centred on its angle nor what the
-            angles count from.
+            As in `SectorImage`. Log files do not state whether sector 1 is centred on its angle or starts there, nor
+            what the angles count from.
         direction
             None: by the sign of ``step``, clockwise if it is not stated.
         offset
             Degrees; None: ``first``, or 0 if it is not stated.
         reach, name
-            As in `SectorImage`; ``name`` None: the channel's.
+            As in `SectorImage`; ``name`` None: the name of the channel.
 
         Raises
         ------
@@ -127,7 +126,7 @@ def column(log_set: RawSet, role: Role) -> Floats:
 
 
 def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
-    """The channel that has a role, or an error that says how to name one."""
+    """Return the channel that has a role, or raise an InputError that says how to name one."""
     found = roles.one(role)
     if found is None:
         near = [f"; {each.channel} is {each.reason}" for each in roles if f"like {role}, but" in each.reason]
@@ -138,7 +137,7 @@ def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
 
 
 def about_names(log_set: RawSet) -> str:
-    """Remarks that explain why no name fits: the table has no header, or names repeat."""
+    """Return the remarks that explain why no name fits: the table has no header, or names repeat."""
     return "".join(f"; {remark}" for remark in log_set.remarks if NO_HEADER in remark or "columns are named" in remark)
 
 
@@ -150,7 +149,7 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
     Raises
     ------
     ValueError
-        If a column is not there, its unit is missing or wrong, degrees look like radians, or depth does not grow.
+        If a column or its unit is missing, a unit is wrong, degrees look like radians, or depth does not grow.
     """
     roles = roles or guess(log_set)
     named = {role: needed(log_set, roles, role) for role in ("depth", "inclination", "azimuth")}

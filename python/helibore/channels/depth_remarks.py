@@ -1,4 +1,4 @@
-"""What stands out in the depths of a set: where in metres, direction, repeats, gaps, as sentences. Changes nothing."""
+"""Describe the depths of a set in sentences: range in metres, direction, repeats and gaps."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from helibore.files.raw_set import RawSet
 
 
 def depth_remarks(log_set: RawSet, roles: RoleMap) -> list[str]:
-    """Depths in metres where the file has other units, their direction, repeats and gaps (over three median steps)."""
+    """Describe range in metres (if the file has another unit), direction, repeats, and gaps over three median steps."""
     role = roles.one("depth")
     if role is None or log_set[role.channel].is_text:
         return []

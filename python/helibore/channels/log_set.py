@@ -26,7 +26,7 @@ from helibore.trajectory.survey import Survey
 class LogSet(RawSet):
     """Channels with one index, sector columns joined into images: a LAS data section, a DLIS frame, a table.
 
-    Attributes as those of a `RawSet`; an image stands in the place of its first column.
+    Attributes are those of a `RawSet`; an image takes the place of its first column.
     """
 
     def readings(
@@ -36,7 +36,7 @@ class LogSet(RawSet):
         return readings(self, roles, bit_diameter, echo)
 
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
-        """Return the wall samples as a `helibore.Caliper`; a radius that no hole has is an error with its line.
+        """Return the wall samples as a `helibore.Caliper`. The error for an impossible radius names its line.
 
         ``helibore.prepare(file.readings(), ...)`` conditions, corrects and merges them first.
         """
@@ -54,8 +54,8 @@ class LogSet(RawSet):
 class LogFile:
     """An opened file: its format and the sets it holds.
 
-    A file with one set can be used as that set (``file["GR"]``, ``file.caliper()``). With several, choose:
-    ``file.set("name").survey()``; a role map may name the set, too.
+    A file with one set can be used as that set (``file["GR"]``, ``file.caliper()``). If a file has several sets, choose
+    one by ``file.set("name").survey()`` or by the set that a role map names.
     """
 
     def __init__(
@@ -67,7 +67,7 @@ class LogFile:
         self._close = close
 
     def set(self, name: str | None = None) -> LogSet:
-        """Return the set of that name; without a name the only one, or an InputError that lists them."""
+        """Return the set of that name, or the only set. If there is none, raise an InputError that lists the sets."""
         names = ", ".join(repr(each.name) for each in self.sets)
         if name is None:
             if len(self.sets) == 1:
@@ -114,7 +114,7 @@ class LogFile:
         return self._set_of(roles).image(name, roles)
 
     def close(self) -> None:
-        """Close the file. Values already loaded stay."""
+        """Close the file. Loaded values remain available."""
         if self._close is not None:
             with suppress(OSError):
                 self._close()

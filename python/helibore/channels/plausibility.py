@@ -1,10 +1,10 @@
-"""Checks of values against the role of their channel: each error names the channel, the number and the rule.
+"""Check the values of a channel against its role: each error names the channel, the number and the rule.
 
     median radius 0.216 m                          an 8.5 in bit: looks like a diameter
     toolface between 0 and 6.28, stated in deg     looks like radians
     median radius 108 m                            the unit looks like mm
 
-A role that a map confirms skips the checks for likely mistakes; a value that no borehole can have is always an error.
+If a map confirms a role, checks for likely mistakes are skipped. An impossible value is always an error.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from helibore.files.raw_set import RawSet
 
 Floats = npt.NDArray[np.float64]
 
-# Common bit diameters, inches. A radius near one of the first is more likely its diameter, unless twice the radius is
-# near one of the second, which are then the real hole.
+# Common bit diameters, inches. A radius near one of SMALL_BITS is probably a diameter, unless twice the radius is near
+# one of LARGE_BITS, which is then the size of the hole.
 SMALL_BITS = (7.875, 8.375, 8.5, 8.75, 9.5, 9.875, 10.625, 12.25)
 LARGE_BITS = (16.0, 17.5)
 
 RADIUS_RANGE = (0.02, 1.0)
-"""Metres: medians outside belong to no borehole, so the unit is wrong."""
+"""Metres: no borehole has a median radius outside this range, so the unit is wrong."""
 
 FEW = 5
 """Fewer values than this are not checked for likely mistakes."""
 
 
 MANY = 1 << 16
-"""Of more values than this, the median is that of evenly chosen ones."""
+"""If there are more values than this, the median is taken of evenly chosen values."""
 
 
 def present(values: Floats) -> Floats:
-    """The values that are numbers, as one column; not a copy where all are."""
+    """Return the values that are not NaN as one column; it is a copy only if a value is NaN."""
     flat = values.reshape(-1)
     return flat[np.isfinite(flat)] if np.isnan(flat.min(initial=0.0)) else flat
 
@@ -84,7 +84,7 @@ def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
 
 
 def depths(log_set: RawSet, role: Role, values: Floats) -> None:
-    """Check measured depths, in metres: negative throughout, they make a mirror image of the hole."""
+    """Refuse measured depths, in metres, if all are negative: they would make a mirror image of the hole."""
     found = present(values)
     if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
         return
@@ -96,7 +96,7 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
 
 
 def unstated_angle(values: Floats) -> str:
-    """Return "deg" where angles without a unit can only be degrees (one is beyond 2 pi), else ``""``."""
+    """Return "deg" if angles without a unit can only be degrees (one is beyond 2 pi), else ``""``."""
     found = values[np.isfinite(values)]
     return "deg" if found.size and float(np.abs(found).max()) > 2.0 * np.pi + 1e-6 else ""
 

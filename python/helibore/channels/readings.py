@@ -1,4 +1,4 @@
-"""Channels with roles become readings: what each sensor read in each row, in metres, degrees and seconds.
+"""Turn channels with roles into readings: what each sensor measured in each row, in metres, degrees and seconds.
 
     radius        one sensor at its angle            radius-image  one a sector, at first + i * step
     diameter      two, half of it each, at its       travel-time   as a radius or an image, through the mud by an Echo
@@ -53,11 +53,11 @@ def readings(
     roles
         What each channel means; guessed where None.
     bit_diameter
-        Metres. Known, it decides whether a radius is one; else a ``bit-diameter`` channel does.
+        Metres; None: from a ``bit-diameter`` channel if there is one. It shows whether a radius is a diameter.
     echo
         How travel times become radii.
     tracked
-        Depths and toolfaces come by time from somewhere else: the set needs none, but a time.
+        Whether depths and toolfaces come from another source by time: the set then needs only a time.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def _depth(log_set: RawSet, role: Role) -> Floats:
 
 
 def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
-    """What is missing, and what the set can be used for instead."""
+    """Return the error text for a set without a wall channel, and what the set can be used for instead."""
     means = [each.channel for each in roles.all("mean-diameter")]
     if means:
         return (
@@ -127,7 +127,7 @@ def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
 
 
 def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) -> Floats:
-    """Readings of a wall channel as (n, p) radii or diameters, metres."""
+    """Return the readings of a wall channel as (n, p) radii or diameters, metres."""
     values = column(log_set, arm).reshape(log_set.rows, -1)
     if arm.role == "travel-time":
         if echo is None:
@@ -142,7 +142,7 @@ def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) ->
 
 
 def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float]:
-    """Where the sensors of one channel look, degrees from the toolface."""
+    """Return the directions in which the sensors of one channel look, degrees from the toolface."""
     if width > 1 or arm.role == "radius-image":
         if arm.first is None or arm.step is None:
             rule = "the angles of its sectors are not stated: set first and step (degrees) in a map"
@@ -159,7 +159,7 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
 
 
 def _bit(log_set: RawSet, roles: RoleMap) -> float | None:
-    """Median of the bit-diameter channel, metres."""
+    """Return the median of the bit-diameter channel, metres."""
     role = roles.one("bit-diameter")
     if role is None or not role.unit:
         return None
@@ -168,7 +168,7 @@ def _bit(log_set: RawSet, roles: RoleMap) -> float | None:
 
 
 def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
-    """Seconds: as stated, or since 1970 where the file holds dates."""
+    """Return times in seconds: as stated, or since 1970 if the file holds dates."""
     role = roles.one("time")
     if role is None:
         return None
@@ -200,7 +200,7 @@ def _passes(log_set: RawSet, roles: RoleMap) -> Integers | None:
 
 
 def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
-    """Which rows count from the high side, by the words of the toolface-reference channel."""
+    """Return which rows count from the high side, by the words of the toolface-reference channel."""
     role = roles.one("toolface-reference")
     if role is None:
         return None
@@ -221,7 +221,7 @@ def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
 def _count_missing(
     log_set: RawSet, roles: RoleMap, depth: Floats, toolface: Floats, time: Floats | None
 ) -> dict[str, int]:
-    """How many values of each channel used are missing, where any are."""
+    """Return the number of missing values of each channel in use that has any."""
     named = {"depth": depth, "toolface": toolface, "time": time}
     counts = {}
     for role in roles.all("depth", "toolface", "time"):
@@ -241,7 +241,7 @@ def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
 
 
 def _together(arms: list[Role]) -> list[str]:
-    """Sentences about channels that measure in one direction, as two calipers of one well do: their biases differ."""
+    """Return remarks on channels that measure in the same direction, such as two calipers: their biases differ."""
     by_direction: dict[tuple[str, float, float], list[str]] = {}
     for role in arms:
         if role.angle is not None:
@@ -254,7 +254,7 @@ def _together(arms: list[Role]) -> list[str]:
 
 
 def note(role: Role) -> str:
-    """The sentence that says what a channel is taken for, where it sits, and why."""
+    """Return the sentence that states the role of a channel, the place of its sensor, and the reason."""
     parts = [f"{role.channel} is {role.role}"]
     kind = units.LENGTH if role.role == "bit-diameter" else role.role
     if kind not in ("pass", "toolface-reference"):

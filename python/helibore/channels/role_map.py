@@ -11,8 +11,8 @@
     step = 22.5
     reference = "north"                # toolface: counts from north, high-side or automatic (by inclination)
 
-A channel that the map does not name keeps its guessed role. A role that the map states is confirmed: checks that only
-suspect a wrong column are left out.
+A channel that the map does not name keeps its guessed role. A role that the map states is confirmed: the checks for
+likely mistakes are skipped.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ SPELLING = re.compile(r"(?P<name>.+?)(?:@(?P<angle>[-+]?\d+\.?\d*))?(?::(?P<unit
 def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
     """Return roles as a TOML map, reasons as comments, and the channels without a role as comments to be edited.
 
-    ``warning`` says, as the first comment, why the file is refused as it stands.
+    ``warning`` becomes the first comment; it says why the file is refused with these roles.
     """
     lines = [f"# Refused as it stands: {warning}".replace("\n", " "), ""] if warning else []
     if roles.set_name and with_set:
@@ -64,7 +64,7 @@ def write_map(roles: RoleMap, with_set: bool = True, warning: str = "") -> str:
 
 
 def _without_role(roles: RoleMap) -> list[str]:
-    """Channels without a role: as entries to fill in where the set cannot be used without them, else by name."""
+    """Return channels without a role: as entries to fill in if the set cannot be used without them, else as names."""
     rest = [role for role in roles if role.role == "none"]
     if not rest:
         return []
@@ -86,7 +86,7 @@ def quoted(text: str) -> str:
 
 
 def read_map(path: str | Path, file: LogFile) -> RoleMap:
-    """Read a TOML map and lay it over the guessed roles of the set it names.
+    """Read a TOML map, and replace the guessed roles of the set it names by those of the map.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
 
 
 def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
-    """Return the roles with entries laid over them; ``place`` names the map in errors, ``why`` in roles."""
+    """Return the roles, those with an entry replaced; ``place`` names the map in errors, ``why`` in roles."""
     changed = dict(roles.roles)
     for name, entry in entries.items():
         if name not in log_set:
@@ -163,21 +163,21 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
 def parse_options(
     log_set: RawSet, roles: RoleMap, columns: Mapping[str, str | None], arms: Mapping[str, Sequence[str]]
 ) -> RoleMap:
-    """Apply columns written ``NAME[@ANGLE][:UNIT]`` over roles, as options of the command line do.
+    """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
 
     Parameters
     ----------
     log_set, roles
         The set, and the roles so far.
     columns
-        Role to column, for roles that one channel has; None leaves the role as it is.
+        Column by role, for roles that one channel has; None leaves the role as it is.
     arms
-        Role to columns, for wall channels. When any is given, no other channel keeps such a role.
+        Columns by role, for wall channels. If any is given, all other channels lose such a role.
 
     Raises
     ------
     ValueError
-        If a column is not in the set, an angle is given to what has none, or a unit is unknown or of the wrong kind.
+        If a column is not in the set, its role has no angle but one is given, or a unit is unknown or of a wrong kind.
     """
     wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
@@ -201,13 +201,13 @@ def parse_options(
         roles = RoleMap(roles.set_name, kept)
     laid = overlay(roles, log_set, entries, log_set.path.name, "named by an option")
     for name, entry in entries.items():
-        if "unit" not in entry:  # a name alone confirms no unit: degrees that look like radians are still refused
+        if "unit" not in entry:  # a name alone does not confirm a unit: degrees that look like radians are refused
             laid.roles[name] = replace(laid.roles[name], confirmed=False)
     return laid
 
 
 def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | None:
-    """Angle of an arm that is named without one: what is known of it already, or, of a radius, the toolface."""
+    """Return the angle of an arm whose option states none: its guessed angle, or, for a radius, the toolface."""
     known = roles.roles.get(name)
     if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):
         return known.angle
@@ -215,12 +215,12 @@ def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | N
 
 
 def wanted_toolface(roles: RoleMap, columns: Mapping[str, str | None]) -> bool:
-    """Whether there is, or will be, a toolface channel."""
+    """Return whether there is, or will be, a toolface channel."""
     return columns.get("toolface") is not None or roles.one("toolface") is not None
 
 
 def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, str | None]:
-    """Name, angle and unit of ``NAME[@ANGLE][:UNIT]``; a name that is in the file as it is written has neither."""
+    """Return name, angle and unit of ``NAME[@ANGLE][:UNIT]``, or only a name if a channel has this whole text."""
     if spelling in log_set:
         return spelling, None, None
     match = SPELLING.fullmatch(spelling)

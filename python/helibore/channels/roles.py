@@ -1,11 +1,11 @@
-"""What each channel of a set means: a guess with its reason, and the small TOML map that overrides it.
+"""Guess the role of each channel of a set, with a reason. A TOML map can override the guess.
 
     name, description, unit, shape  --guess-->  role: depth, toolface, radius, diameter, inclination, image ...
-    [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (a map: what it names, it decides)
+    [channels."pfc1_x_in"]  role = "diameter"  unit = "in"  angle = 0.0        (an entry of a map)
 
-A guess reads names and units, never the size of the numbers. Nothing is converted here (``columns`` does that).
+A guess uses names and units, never the size of the numbers. ``columns`` converts the values.
 A ``diameter`` is two wall points, at ``angle`` and opposite; a ``radius`` is one. ``angle`` is counted from the
-toolface channel where there is one, else from the toolface reference.
+toolface channel if there is one, else from the toolface reference.
 """
 
 from __future__ import annotations
@@ -92,7 +92,7 @@ ARM = re.compile(
 SIDE = re.compile(r"\bcaliper\b.*\b(horizontal|vertical)\b|\b(horizontal|vertical)\b.*\bcaliper\b", re.IGNORECASE)
 ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
 MEAN = re.compile(r"hcal|cali?|calcm|caliper|.*cal.*(ave|avg|mean).*|(ave|avg|mean)[_ ]?cal.*|[du]cav")
-# The largest or smallest diameter of a row, which is neither a mean nor in any direction: cal_max_diameter, CMAX, HMIN.
+# The largest or smallest diameter of a row: it is no mean and has no direction (cal_max_diameter, CMAX, HMIN).
 EXTREME = re.compile(r".*(cal|diam).*(max|min).*|(max|min).*(cal|diam).*|[ch](max|min)")
 CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosity|salinity)\b)", re.IGNORECASE)
 
@@ -110,18 +110,18 @@ class Role:
     reason
         Why, as a sentence.
     unit
-        Unit to read it in, ``""`` where none is known.
+        Unit of the values; ``""`` if it is not known.
     angle
-        For a radius or diameter: where it stands, degrees from the toolface. None: not known.
+        For a radius or diameter: its direction, degrees from the toolface. None: not known.
     first, step
-        For an image: angle of its first sector and from one to the next, in degrees. None: not stated.
+        For an image: angle of its first sector, and from one sector to the next, degrees. None: not stated.
     offset, latency
         For the sensor of a wall channel: metres up the string from where the depth is counted, and seconds from the
         measurement to its time stamp.
     reference
         For a toolface: what it counts from, one of ``REFERENCES``; "": what the wall's toolface counts from.
     confirmed
-        Whether a map states this role: checks for likely mistakes are then left out.
+        Whether a map states this role: the checks for likely mistakes are then skipped.
     """
 
     channel: str
@@ -138,7 +138,7 @@ class Role:
 
     @property
     def turns(self) -> bool:
-        """Whether it is one of an arm pair, whose angle counts from the tool and says nothing without a toolface."""
+        """Whether the channel is an arm pair, whose angle counts from the tool and so needs a toolface channel."""
         return "arm pair" in self.reason
 
 
@@ -160,7 +160,7 @@ class RoleMap:
         return [each for each in self if each.role in roles]
 
     def one(self, role: str) -> Role | None:
-        """The channel that has this role, None when none has it."""
+        """Return the channel that has this role, or None."""
         found = self.all(role)
         return found[0] if found else None
 
@@ -176,7 +176,7 @@ def guess(log_set: RawSet) -> RoleMap:
     Returns
     -------
     RoleMap
-        One role a channel, each with its reason; ``none`` where nothing fits.
+        One role for each channel, with its reason; ``none`` if no role fits.
     """
     roles = {channel.name: _none(channel, NO_RULE) for channel in log_set}
     _single_roles(log_set, roles)
@@ -196,7 +196,7 @@ def guess(log_set: RawSet) -> RoleMap:
 
 
 def _text_roles(log_set: RawSet, roles: dict[str, Role], has_toolface: bool) -> None:
-    """Give a missing role to a text column that is named like it: reading the column then names the bad cell."""
+    """Give a missing role to a text column whose name fits: the error of reading it then names the bad cell."""
     taken = {each.role for each in roles.values()}
     for channel in log_set:
         if not channel.is_text or roles[channel.name].role != "none" or len(channel.shape) != 1:
@@ -218,7 +218,7 @@ def _none(channel: Channel, reason: str) -> Role:
 
 
 def stem(channel: Channel) -> str:
-    """The channel's name in lower case without the unit it ends in: ``pfc1_x_in`` -> ``pfc1_x``."""
+    """Return the channel's name in lower case without the unit at its end: ``pfc1_x_in`` -> ``pfc1_x``."""
     name = channel.name.lower()
     unit = describe(channel.name).lower()
     if unit and name.endswith(unit) and not name[: -len(unit)].endswith(("[", "(")):
@@ -227,7 +227,7 @@ def stem(channel: Channel) -> str:
 
 
 def _fits(channel: Channel, kind: str) -> bool:
-    """Whether a channel's unit allows a role: of the right kind, or not stated."""
+    """Return whether a channel's unit allows a role: it is of the right kind, or not stated."""
     return not kind or not channel.unit or units.measures(channel.unit) == kind
 
 
@@ -281,7 +281,7 @@ def _match(channel: Channel, name: str, described: str) -> str:
 
 
 def _image_role(channel: Channel) -> Role:
-    """An image; one in a unit of length is a caliper image."""
+    """Return the role of an image: a unit of length makes it a caliper image, a travel time an echo image."""
     sectors = channel.shape[1]
     if channel.members:
         first_name, *_, last_name = channel.member_names
@@ -306,13 +306,13 @@ def _image_role(channel: Channel) -> Role:
 
 
 def _is_echo(channel: Channel) -> bool:
-    """Whether a channel is named or described as a travel time, in a unit of time."""
+    """Return whether a channel is named or described as a travel time, in a unit of time."""
     named = ECHO.fullmatch(stem(channel)) or re.search(r"\btravel ?time\b", channel.description, re.IGNORECASE)
     return bool(named) and units.measures(channel.unit) == units.TIME
 
 
 def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
-    """Radius, diameter, arm, travel time or mean diameter."""
+    """Return the role of a wall channel: radius, diameter, arm, travel time or mean diameter; None if none fits."""
     if _is_echo(channel):
         reason = f"named or described as a travel time ({channel.description or channel.name})"
         return Role(channel.name, "travel-time", reason, channel.unit, 0.0 if has_toolface else None)
@@ -342,7 +342,7 @@ def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
 
 
 def _pair_arms(roles: dict[str, Role]) -> None:
-    """An arm named x or y without its partner is no X-Y caliper: it loses its angle."""
+    """Remove the role of an arm named x or y if the arm at right angles is missing."""
     arms = [each for each in roles.values() if each.role == "diameter" and each.turns]
     if len({arm.angle for arm in arms}) == 1:
         for arm in arms:

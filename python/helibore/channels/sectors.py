@@ -1,4 +1,4 @@
-"""Sector columns become one image: ABDC1M..ABDC16M, GRAS0M..7M, GRIM[1].., GRIM:1.., GRIM1.. -> (n, K).
+"""Join sector columns into one image: ABDC1M..ABDC16M, GRAS0M..7M, GRIM[1].., GRIM:1.., GRIM1.. -> (n, K).
 
     stem  number  suffix            joined if the numbers run without a gap from 0 or 1, at least four of them, with
     ABDC    16      M               one unit, and the columns are those of one tool around the hole
@@ -20,10 +20,10 @@ from helibore.files.delimited import FEWEST_SECTORS
 from helibore.files.raw_set import Array, Channel, SectorAxis
 
 NAMELESS = "column"
-"""Columns without a name are called ``column 1``, ``column 2`` ...: those numbers do not count sectors."""
+"""Name of columns without a name (``column 1``, ``column 2`` ...): their numbers do not count sectors."""
 
 SURE = 8
-"""So many numbered columns are an image, even without stated angles."""
+"""The number of numbered columns that make an image even without stated angles."""
 
 IMAGE_UNITS = frozenset(["gapi", "api", "aapi", "g/cc", "g/cm3", "g/c3", "kg/m3", "k/m3", "cps", "b/e"])
 """Units, in lower case, of gamma and density images; dip meters measure neither."""
@@ -83,7 +83,7 @@ def _gap(numbers: list[int]) -> str:
 
 
 def _doubt(stem: str, members: list[Channel]) -> str:
-    """Why numbered columns may not lie around the hole; "" where they do."""
+    """Return why numbered columns may not lie around the hole, or "" if they do."""
     if units.measures(members[0].unit) == units.LENGTH or _axis(members) is not None:
         return ""
     if NOT_AROUND.fullmatch(stem) or NOT_AROUND_TEXT.search(members[0].description):
@@ -107,12 +107,12 @@ def _image(name: str, members: list[Channel]) -> Channel:
 
 
 def _axis(members: list[Channel]) -> SectorAxis | None:
-    """The members' own angles as one axis; step NaN where they are not evenly spaced."""
+    """Return the members' own angles as one axis; its step is NaN if they are not evenly spaced."""
     angles = [member.axis.first for member in members if member.axis is not None]
     units = {member.axis.unit for member in members if member.axis is not None}
     if len(angles) < len(members) or len(units) != 1:
         return None
     step = (angles[-1] - angles[0]) / (len(angles) - 1)
-    # Files round their angles (2.8125 deg is written 2.81): half a percent of a sector is still even.
+    # Files round their angles (2.8125 deg is written 2.81): errors up to half a percent of a sector are allowed.
     even = all(abs(angle - angles[0] - sector * step) <= 0.005 * abs(step) for sector, angle in enumerate(angles))
     return SectorAxis(angles[0], step if even else np.nan, units.pop())

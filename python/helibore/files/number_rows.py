@@ -1,4 +1,4 @@
-"""Rows of delimited text: cut by blanks, commas or another character, one row a line or wrapped over several lines.
+"""Read rows of numbers from text. Blanks, commas or another character separate cells; a row may span several lines.
 
     fast      every cell a number or empty, every row of one width     one call of numpy.loadtxt
     careful   everything else                                          cell by cell; an error names its line and column
@@ -111,13 +111,13 @@ def read_rows(
 
 
 def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
-    """All columns by one call; None where the rows are not that plain."""
+    """Read all columns by one call of NumPy; return None if it cannot read the rows."""
     filled = False
     try:
         block = np.loadtxt(kept, dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
     except ValueError:
         text = "\n".join(kept)
-        if delimiter is None or "nan" in text.lower():  # a written NaN is computed, and not an empty cell
+        if delimiter is None or "nan" in text.lower():  # a NaN in the text is a computed value, not an empty cell
             return None
         text = f"\n{text}\n".replace("\n" + delimiter, "\nnan" + delimiter).replace(
             delimiter + "\n", delimiter + "nan\n"
@@ -143,7 +143,7 @@ def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | N
 def _cells(
     path: Path, kept: list[str], line_of: Callable[[int], int], width: int, delimiter: str | None, remarks: list[str]
 ) -> list[list[str]]:
-    """Every row cut into cells, as many as there are columns."""
+    """Split every row into as many cells as there are columns."""
     rows: list[list[str]] = []
     cut_rows = 0
     for line in kept:
@@ -167,7 +167,7 @@ def _cells(
 
 
 def split_cells(line: str, delimiter: str | None) -> list[str]:
-    """Cut one line into cells; a delimiter between quotes cuts nothing."""
+    """Split one line into cells; a delimiter between quotes belongs to its cell."""
     if '"' in line:
         text = line.strip() if delimiter is None else line
         with suppress(csv.Error):  # a cell of more than 128 KiB
@@ -190,7 +190,7 @@ def _wrapped(path: Path, kept: list[str], line_of: Callable[[int], int], names: 
 
 
 def column_of(cells: list[str]) -> Array:
-    """Return cells as a column: numbers, masked where empty, if every cell is a number or empty; else text."""
+    """Return a column of numbers, masked where cells are empty. If any other cell is no number, return text."""
     every = "".join(cells)
     try:
         if not every.isascii() or "_" in every:

@@ -2,8 +2,8 @@
 
     RawFile  --sets-->  RawSet  --channels-->  Channel: name, unit as written, shape (n,) or (n, K), values
 
-A channel loads its values when they are first used. Declared and customary nulls, empty cells and infinities become NaN
-and are counted. What a channel means is not decided here: see ``helibore.channels``.
+A channel loads its values at their first use. Null values (declared by the file or in common use), empty cells and
+infinities become NaN and are counted. ``helibore.channels`` decides what a channel means.
 """
 
 from __future__ import annotations
@@ -53,7 +53,7 @@ class Channel:
     Attributes
     ----------
     name
-        As in the file; a repeated name carries ``:1``, ``:2`` ...
+        As in the file; ``:1``, ``:2`` ... is added to a repeated name.
     unit
         As written, ``""`` where the file states none.
     description
@@ -61,17 +61,16 @@ class Channel:
     shape
         (n,) or (n, K).
     members
-        The K columns an image was joined from, ``()`` for a channel that is stored as one.
+        The K columns that form an image; ``()`` if the file stores the channel as one column or array.
     axis
-        The sector angles where the file states them, else None.
+        The sector angles if the file states them, else None.
     is_text
         Whether the values are text.
 
     Notes
     -----
-    ``values`` is the array as stored, or a function that loads it; a masked array says which cells are empty. In a
-    format that has its own way to leave a cell empty, ``nan_is_missing`` is False: a NaN is then a computed value (see
-    ``odd_row``).
+    ``values`` is the array as stored, or a function that loads it; a mask marks empty cells. ``nan_is_missing`` is
+    False for a format that has its own mark for empty cells: a NaN is then a computed value (see ``odd_row``).
     """
 
     def __init__(
@@ -110,7 +109,7 @@ class Channel:
     def values(self) -> Array:
         """The values, loaded at the first call and kept (read-only): float64, float32 as stored, or text.
 
-        Whole numbers become float64 unless one is too large to be exact. Nulls are NaN in numbers, "" in text.
+        Integers become float64 unless one is too large to be exact. A null is NaN among numbers and "" among texts.
         """
         if self._values is None:
             stored = self._stored if isinstance(self._stored, np.ndarray) else self._stored()
@@ -126,7 +125,7 @@ class Channel:
 
     @property
     def odd_row(self) -> int | None:
-        """The first row in which the file holds an infinity, or a NaN where an empty cell is not written as NaN."""
+        """The first row with an infinity, or with a NaN in a format that does not write empty cells as NaN."""
         _ = self.values
         return self._odd
 
@@ -137,7 +136,7 @@ class Channel:
 def clean(values: Array, nulls: tuple[float, ...], nan_is_missing: bool = True) -> tuple[Array, int, int | None]:
     """Return numbers with nulls and infinities as NaN, how many cells are missing, and the first odd row (see Channel).
 
-    A copy is made only where something is replaced or converted.
+    The numbers are copied only if one is replaced or converted.
     """
     kind = values.dtype.kind
     if kind in "OSUMm":
@@ -196,11 +195,11 @@ class RawSet:
     rows
         The number of rows.
     header
-        What the file says beside the channels (well name, null value, azimuth reference ...), as text.
+        What else the file states (well name, null value, azimuth reference ...), as text.
     remarks
         Every assumption made and every flaw met while reading, as sentences.
     line_of
-        Returns the line of a row in a text file, counted from 1; else None.
+        For a text file, a function that returns the line of a row, counted from 1; else None.
     """
 
     def __init__(
@@ -249,7 +248,7 @@ class RawSet:
     def input_error(
         self, rule: str, row: int | None = None, column: str | None = None, value: str | None = None
     ) -> InputError:
-        """Return the error of a set: the file, then the row and the column where known, the value and the rule."""
+        """Return an InputError that names the file, the row and column if they are known, the value and the rule."""
         return file_error(self.path, rule, None if row is None else self.place(row), column, value)
 
     def numbers(self, name: str) -> Floats:
@@ -293,7 +292,7 @@ def readable_sets(readers: Iterable[Callable[[], RawSet]]) -> list[RawSet]:
     Raises
     ------
     InputError
-        That of the first set, where none can be read.
+        The error of the first set, if no set can be read.
     """
     sets: list[RawSet] = []
     errors: list[InputError] = []

@@ -1,9 +1,9 @@
-"""The bytes of a file, plain or gzip: no more in memory than a caller asked for.
+"""Read the bytes of a plain or gzipped file; only the bytes that a caller asks for are in memory.
 
     path -> first bytes -> format name          (the name of the file plays no part)
     path -> stream()    -> bytes, gunzipped, a gzip bomb refused, a line longer than 1 MiB refused
 
-Knows nothing of channels.
+This file does not know about channels.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ GZIP_RATIO = 200
 
 UTF8_BOM = codecs.BOM_UTF8
 
-# First bytes of files that are not read, and what to do with them.
+# First bytes of files that helibore does not read, and the advice in the error.
 FOREIGN = {
     b"\xff\xfe": "UTF-16 text: save it as UTF-8",
     b"\xfe\xff": "UTF-16 text: save it as UTF-8",
@@ -57,7 +57,7 @@ FOREIGN = {
 def file_error(
     path: Path, rule: str, line: int | str | None = None, column: str | None = None, value: str | None = None
 ) -> InputError:
-    """Return the error of a file: its name, then the line (or "row 7") and the column where known."""
+    """Return an InputError that names the file, and the line (or "row 7") and the column if they are known."""
     place = path.name
     if line is not None:
         place += f", line {line}" if isinstance(line, int) else f", {line}"
@@ -126,7 +126,7 @@ class Source:
                 number += 1
 
     def pieces(self) -> Iterator[bytes]:
-        """Yield the content in pieces of whole lines, some 2 MiB each; a line that does not fit is an error."""
+        """Yield the content in pieces of whole lines, about 2 MiB each; a line that is too long is an error."""
         with self.stream() as stream:
             lines, rest = 0, b""
             while more := read_exactly(stream, PIECE):
@@ -145,10 +145,10 @@ class Source:
         return file_error(self.path, f"a line is longer than {LINE_LIMIT:,} bytes", line)
 
     def text(self) -> tuple[str, str]:
-        """Return the whole text and a remark on its encoding ('' for UTF-8); bounded only in its lines.
+        """Return the whole text and a remark on its encoding ('' for UTF-8).
 
-        UTF-8 is read as such. Text that is not UTF-8 anywhere is read as Windows-1252 and remarked on. Text with both
-        is refused: no single reading is right.
+        Valid UTF-8 is read as UTF-8. Other text is read as Windows-1252, with a remark, unless a line of it is UTF-8
+        beyond ASCII: mixed encodings are refused, because neither fits the whole text.
         """
         pieces: list[bytes] = []
         with self.stream() as stream:
@@ -187,7 +187,7 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
 
 
 def _utf8_line(content: bytes) -> int | None:
-    """The number of the first line that holds a multi-byte character in good UTF-8, None where there is none."""
+    """Return the number of the first line with a multi-byte character in valid UTF-8, None if there is none."""
     for number, line in enumerate(content.split(b"\n"), 1):
         if line.isascii():
             continue
@@ -200,7 +200,7 @@ def _utf8_line(content: bytes) -> int | None:
 
 
 def read_exactly(stream: BinaryIO, size: int) -> bytes:
-    """Read ``size`` bytes, fewer only at the end; no more memory is taken than there are bytes."""
+    """Read ``size`` bytes, or fewer at the end of the stream; memory grows only with the bytes that are read."""
     pieces = []
     while size and (piece := stream.read(min(size, LINE_LIMIT))):
         pieces.append(piece)

@@ -1,8 +1,8 @@
-"""XLSX workbooks through python-calamine: one set a sheet, mostly surveys.
+"""Read XLSX workbooks, mostly surveys, through python-calamine: one set for each sheet.
 
 Well 15/9-F-12                          lines above the header are left out
 MD (m)   Incl (deg)   Azim (deg)        the header: the first row of two names or more with numbers below it
-100.0          0.50        31.20        rows, to the first row without a cell
+100.0          0.50        31.20        rows, up to the first empty row
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ def read(source: Source, nulls: tuple[float, ...], header_line: int | None = Non
     try:
         book = python_calamine.CalamineWorkbook.from_path(source.path)
         sheets = {name: book.get_sheet_by_name(name).to_python(skip_empty_area=False) for name in book.sheet_names}
-    except BaseException as error:  # a panic of calamine's Rust is no Exception
+    except BaseException as error:  # a panic in calamine's Rust code is not an Exception
         if isinstance(error, KeyboardInterrupt | SystemExit):
             raise
         raise file_error(source.path, f"truncated or damaged workbook ({str(error).splitlines()[0]})") from error
@@ -71,7 +71,7 @@ def _sheet(source: Source, name: str, sheet: list[list[Any]], nulls: tuple[float
 
 
 def _find_header(rows: list[list[str]]) -> int | None:
-    """The first row of two names or more with numbers in one of the two rows below it, where units may stand."""
+    """Find the first row of two names or more with numbers in the row below; a row of units may stand between."""
     for at, row in enumerate(rows[:HEADING_ROWS]):
         names = [position for position, cell in enumerate(row) if cell and not is_number(cell)]
         below = rows[at + 1 : at + 3]
@@ -83,7 +83,7 @@ def _find_header(rows: list[list[str]]) -> int | None:
 
 
 def _text(cell: Any) -> str:
-    """A cell as text: numbers with all digits, dates as ISO 8601."""
+    """Return a cell as text: numbers with all digits, dates as ISO 8601."""
     if isinstance(cell, float | int) and not isinstance(cell, bool):
         return repr(int(cell)) if cell == int(cell) else repr(cell)
     return cell.isoformat() if hasattr(cell, "isoformat") else str(cell).strip()

@@ -1,4 +1,4 @@
-"""Columns as a file: CSV, gzipped CSV or NPZ, whole or not at all. The same columns give the same bytes."""
+"""Write columns to a CSV, gzipped CSV or NPZ file, whole or not at all. The same columns give the same bytes."""
 
 from __future__ import annotations
 

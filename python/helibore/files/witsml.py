@@ -1,11 +1,11 @@
-"""WITSML 1.4.1.1 (and 1.3.1.1) logs and trajectories, streamed.
+"""Read WITSML 1.4.1.1 (and 1.3.1.1) logs and trajectories as a stream.
 
     <logs><log>  <logCurveInfo><mnemonic/><unit/></logCurveInfo> ...     one RawSet a log
                  <logData><mnemonicList/><unitList/><data>1,2,3</data> ...
     <trajectorys><trajectory> <trajectoryStation><md uom="m"/><incl uom="rad"/><azi/> ...   one RawSet a trajectory
 
 Units are read from ``uom`` and kept as written (radians stay radians). Any document type or entity declaration is
-refused before the parser gets it. The length of a text, the nesting and the elements of a station are bounded.
+refused before the parser gets it. The length of a text, the nesting and the elements of a station are limited.
 """
 
 from __future__ import annotations
@@ -23,13 +23,13 @@ from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, uniq
 from helibore.files.source import LINE_LIMIT, Source, file_error
 
 NESTING = 32
-"""Deepest element that is read; WITSML reaches 6."""
+"""Greatest depth of nested elements; WITSML needs 6."""
 
 KEPT = ("trajectoryStation", "logCurveInfo")
-"""Elements whose children are kept until their end; all others are freed one by one."""
+"""Elements whose children are kept until the element ends; children of all others are freed one by one."""
 
 CHILDREN = 10_000
-"""Most elements within one of them; WITSML has some 60."""
+"""Greatest number of elements within one of ``KEPT``; WITSML has about 60."""
 
 FORBIDDEN = re.compile(rb"<!\s*(DOCTYPE|ENTITY|ELEMENT|ATTLIST|NOTATION)", re.IGNORECASE)
 ENCODING = re.compile(rb"""^\s*<\?xml[^>]*encoding\s*=\s*["']([A-Za-z0-9._-]+)["']""")
@@ -40,7 +40,7 @@ STATION = ("md", "tvd", "incl", "azi", "mtf", "gtf", "dispNs", "dispEw", "vertSe
 
 
 class Checked(io.RawIOBase):
-    """The bytes of an XML file; each piece is checked before the parser gets it."""
+    """Read the bytes of an XML file and check each piece before the parser gets it."""
 
     def __init__(self, source: Source, stream: BinaryIO) -> None:
         self._source = source
@@ -84,7 +84,7 @@ class Log:
 
 @dataclass
 class Trajectory:
-    """A trajectory under construction: one row of (value, uom) by element name a station."""
+    """A trajectory under construction: for each station, (value, uom) by element name."""
 
     name: str = ""
     stations: list[dict[str, tuple[str, str]]] = field(default_factory=list)
@@ -117,7 +117,7 @@ def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
 
 
 def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
-    """Yield (path of local names, element) at every end tag; children of what was used are dropped by the caller."""
+    """Yield (path of local names, element) at every end tag; the caller frees the elements that it has used."""
     path: list[str] = []
     parents: list[ET.Element] = []
     inside = 0
@@ -146,7 +146,7 @@ def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.
 
 
 def _take(found: list[Log | Trajectory], path: list[str], element: ET.Element) -> None:
-    """Take what is needed from an element, and free it."""
+    """Copy the needed values from an element, and free it."""
     name = path[-1]
     text = (element.text or "").strip()
     if name == "start":
