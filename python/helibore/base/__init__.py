@@ -1,1 +1,1 @@
-"""What every folder may use. It does not know about boreholes."""
+"""Arrays, units, colours, errors and files: code that every folder may use and that does not know about boreholes."""

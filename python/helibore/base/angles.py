@@ -1,4 +1,4 @@
-"""Angles brought into one turn: [0, 360) degrees, or [0, 180) for axes, which have no beginning and no end.
+"""Bring angles into one turn: [0, 360) degrees, or [0, 180) for axes, which have no sense of direction.
 
     -10 -> 350      360 -> 0      -1e-20 -> 0: its remainder is 360 - 1e-20, which rounds to 360
 
@@ -13,7 +13,7 @@ from helibore.base.arrays import Floats
 
 
 def wrapped(angle: Floats, period: float = 360.0) -> Floats:
-    """Return angles in [0, ``period``), degrees; NaN stays. The array itself where all of them lie there."""
+    """Return angles in [0, ``period``), degrees; NaN stays NaN. If all lie there already, return the array itself."""
     if angle.size and angle.min() >= 0.0 and angle.max() < period:
         return angle
     turned = angle % period

@@ -1,4 +1,4 @@
-"""Where callers' arrays become ours: the one file that calls ``asarray``.
+"""Convert the arrays of callers to those of helibore: no other file calls ``asarray``.
 
 Inputs may be lists, reversed, strided, Fortran-ordered, read-only, float32 or integer. Anything that is not already a
 one-dimensional, C-contiguous float64 array is copied here, and nowhere else.
@@ -27,7 +27,7 @@ Array = npt.NDArray[Any]
 
 
 def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDArray[Any]:
-    """Return ``values`` as an array of ``dtype`` and of its own shape, copied only if it has another dtype."""
+    """Return ``values`` as an array of ``dtype`` in its shape; it is copied only if it has another dtype."""
     return np.asarray(values, dtype)
 
 
@@ -39,7 +39,7 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
     name
         The argument's name, for errors.
     values
-        Anything NumPy can read as numbers. Masked arrays are refused: a mask would be lost in silence.
+        Anything NumPy can read as numbers. Masked arrays are refused: the mask would be lost without a message.
     length, like
         When given, the length the column must have and the name of the column that sets it.
 
@@ -88,7 +88,7 @@ def require(name: str, values: Floats | Integers, valid: Mask, rule: str) -> Non
 def sample_columns(
     depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None
 ) -> tuple[Floats, Floats, Floats, Floats | None]:
-    """Return the columns of samples as the core takes them, each as by `column`; the core compares their lengths."""
+    """Return the columns of samples for the core, each converted by `column`; the core compares their lengths."""
     columns: tuple[Any, Any, Any, Any] = depth, toolface, radius, time
     if not _core.are_columns(*columns):  # at once: a live host appends thousands of small batches
         columns = (

@@ -1,6 +1,6 @@
-"""Whole files or none: written beside, flushed to disk, then renamed.
+"""Write files whole or not at all: to a temporary file in the same folder, flushed to disk, then renamed.
 
-A reader, or a machine that loses power, meets the old file or the new one, never a part. Not for files that grow.
+A reader sees the old file or the new one, never a part, even after a loss of power. Not for files that grow.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from typing import BinaryIO
 
 
 def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], object]) -> None:
-    """Call ``writer`` with a binary file beside ``path``, then put that file in the place of ``path``.
+    """Call ``writer`` with a temporary binary file in the folder of ``path``, then rename that file to ``path``.
 
     Parameters
     ----------
     path
-        The file to write; replaced if it is there. Its folder must be.
+        The file to write; it is replaced if it exists. Its folder must exist.
     writer
-        Writes the whole content. If it raises, ``path`` stays as it was and nothing is left beside it.
+        Writes the whole content. If it raises, ``path`` does not change and the temporary file is deleted.
 
     Raises
     ------
     OSError
-        If the folder is not there or cannot be written to, or the disk is full; it names ``path``.
+        If the folder does not exist or cannot be written to, or the disk is full; it names ``path``.
     """
 
     target = Path(path)
@@ -47,7 +47,7 @@ def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], objec
 
 
 def _flush_folder(folder: Path) -> None:
-    """Make the rename itself last; some systems cannot open a folder, and then the system's own pace must do."""
+    """Flush the rename to disk. Systems that cannot open a folder flush it when they choose."""
     with contextlib.suppress(OSError):
         descriptor = os.open(folder, os.O_RDONLY)
         try:

@@ -1,4 +1,4 @@
-"""Axes and lobes around a circle: what a breakout of a wall and one of an image have in common.
+"""Axes and lobes around a circle, which breakouts of a wall and breakouts of an image share.
 
 Axes have no sense of direction: 1 and 179 degrees are 2 apart. Their mean and spread are Mardia's:
 
@@ -22,11 +22,11 @@ class BreakoutLobe:
     Attributes
     ----------
     toolface
-        Of its middle by weight, [0, 360), degrees.
+        Direction of its weighted middle, [0, 360), degrees.
     opening
-        The angle over which it stands higher than the floor, degrees; NaN where a tool with few arms cannot tell.
+        The angle over which it is higher than the floor, degrees; NaN if the tool has too few arms to measure it.
     height
-        The greatest, over the circle of C2, metres; in an image the greatest darkness, a share.
+        The greatest height over the circle of C2, metres; in an image the greatest darkness, a fraction.
     """
 
     toolface: float
@@ -41,13 +41,13 @@ class Axes:
     Attributes
     ----------
     mean
-        [0, 180), degrees; NaN where there are none.
+        [0, 180), degrees; NaN if there are no axes.
     deviation
         Standard deviation, degrees; infinite where the axes point nowhere.
     concentration
         R, from 0 (anywhere) to 1 (all alike).
     count, weight
-        How many, and the sum of their weights (lengths).
+        The number of axes, and the sum of their weights (lengths).
     """
 
     mean: float
@@ -58,7 +58,7 @@ class Axes:
 
 
 def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
-    """Return mean and spread of axes in degrees, weighted."""
+    """Return weighted mean and spread of axes in degrees."""
     weight = np.ones(axes.size) if weights is None else weights
     total = float(weight.sum())
     if not total > 0:
@@ -73,7 +73,7 @@ def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
 def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, level: float = 0.0) -> BreakoutLobe:
     """Return the lobe of a mean section within a quarter turn of a toolface.
 
-    ``floor`` is the height at which its opening is measured; None: ``level`` times the greatest.
+    ``floor`` is the height at which its opening is measured; None: ``level`` times the greatest height.
     """
     step = 360 / height.size
     first = math.ceil((toolface - 90 - start) / step)
@@ -89,7 +89,7 @@ def lobe_of(height: Floats, toolface: float, start: float, floor: float | None, 
 
 
 def _crossing(side: Floats, floor: float) -> float:
-    """Steps from the first value to where values fall to the floor, linear between; all of them where they do not."""
+    """Return the steps from the first value to where values fall to the floor, linear between; all steps if never."""
     below = np.flatnonzero(side < floor)
     if not below.size:
         return float(side.size - 1)

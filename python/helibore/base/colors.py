@@ -1,9 +1,9 @@
-"""Colours of values: the maps of the trade, scales between two values, and the grey of what is missing.
+"""Colours of values: the usual colour maps for logs, scales between two values, and grey for missing values.
 
     share = (value - low) / (high - low), of logarithms on a log scale       colour = map[share]       missing: grey
 
-``color_maps.json`` is the only definition of the maps: meshes, pictures and the viewer's page read it. No map comes
-near the grey. Not here: how low and high are found (``normalization``).
+``color_maps.json`` is the only definition of the maps: meshes, pictures and the viewer's page read it. No map holds a
+colour close to the grey. ``normalization`` finds low and high.
 """
 
 from __future__ import annotations
@@ -47,11 +47,11 @@ class ColorMap:
     Attributes
     ----------
     label
-        What it is for, as a menu shows it.
+        What it is for; menus show this text.
     stops
         (red, green, blue) from the least value to the greatest, 0 to 255.
     safe
-        Whether its order survives red and green weakness: lightness alone tells it.
+        Whether lightness alone shows the order of values, so that people with red-green colour blindness can read it.
     """
 
     label: str
@@ -88,7 +88,7 @@ def color_table(color_map: str, count: int = 256) -> Colors:
 
 
 def customary_map(name: str, unit: str = "") -> str:
-    """Return the map that the trade expects for a quantity, by its name and unit.
+    """Return the usual map for a quantity, by its name and unit.
 
     >>> customary_map("GRAS"), customary_map("APRA", "ohm.m"), customary_map("ABDC", "g/cm3")
     ('gamma', 'resistivity', 'image')
@@ -109,13 +109,13 @@ class ColorScale:
     Parameters
     ----------
     low, high
-        Values of the first and the last colour; what lies beyond takes them, too.
+        Values of the first and the last colour; values beyond them get these colours, too.
     color_map
         One of `COLOR_MAPS`.
     log
         Whether colours follow the logarithm; both ends must then be above 0.
     reverse
-        Turn the map round.
+        Whether to reverse the order of the colours.
 
     Raises
     ------
@@ -161,7 +161,7 @@ class ColorScale:
         return _table_with_missing(self.color_map)[place]
 
     def matplotlib(self) -> tuple[Colormap, Normalize]:
-        """Return the scale as matplotlib has it, missing values in their grey: ``cmap, norm = scale.matplotlib()``.
+        """Return the scale for matplotlib, missing values in grey: ``cmap, norm = scale.matplotlib()``.
 
         Raises
         ------
@@ -184,7 +184,7 @@ _FINE = 1024
 
 @cache
 def _table_with_missing(color_map: str) -> Colors:
-    """Its colours in 1024 steps and, last, the grey of what is missing, (1025, 4)."""
+    """Return the colours in 1024 steps, then the grey of missing values, (1025, 4)."""
     table = np.full((_FINE + 1, 4), 255, dtype=np.uint8)
     table[:_FINE, :3] = color_table(color_map, _FINE)
     table[_FINE, :3] = MISSING
@@ -211,7 +211,7 @@ def colors_of(
     values
         float64 of any shape; NaN where missing.
     limits
-        Values of the first and the last colour. By default values that are all alike take the first colour.
+        Values of the first and the last colour. By default, values that are all equal get the first colour.
     color_map, log
         As in `ColorScale`.
 
@@ -229,5 +229,5 @@ def colors_of(
 
 
 def _above(value: float) -> float:
-    """A number above ``value`` by more than rounding, for a scale whose only value is at its foot."""
+    """Return a number above ``value`` by more than rounding: the upper end of a scale for a single value."""
     return value + max(abs(value), 1.0)

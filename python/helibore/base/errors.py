@@ -1,4 +1,4 @@
-"""The two errors that a user can put right: input that breaks a rule, and an extra that is not installed.
+"""The two errors that a user can correct: input that breaks a rule, and an extra that is not installed.
 
     InputError("toolface[17]", "must be finite", "nan")     ->  toolface[17] = nan: must be finite
     InputError("well.las, line 12", "truncated")            ->  well.las, line 12: truncated
@@ -19,11 +19,11 @@ class InputError(ValueError):
     Attributes
     ----------
     place : str
-        Where the input stands: an argument, a setting, a file with its line, an option.
+        Where the input is: an argument, a setting, a file with its line, an option.
     rule : str
         What the input must be, or what is wrong with it.
     value : str or None
-        The value as it is shown; None where no single value is at fault.
+        The value as the error shows it; None if no single value is wrong.
     """
 
     def __init__(self, place: str, rule: str, value: str | None = None) -> None:
@@ -46,7 +46,7 @@ def check_not_negative(settings: Mapping[str, float]) -> None:
 
 
 class MissingExtraError(ImportError):
-    """A library of an extra is not installed.
+    """Error for a library that an extra installs and that is missing.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""The union of half-open ranges [start, stop) of whole numbers: what changed, or what a reader still lacks."""
+"""The union of half-open ranges [start, stop) of integers, such as changed vertices."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ Range = tuple[int, int]
 
 
 def union(ranges: Iterable[Iterable[int]], most: int | None = None) -> list[Range]:
-    """Return the sorted ranges that cover all of ``ranges``; those that touch become one, and empty ones go.
+    """Return the sorted ranges that cover all of ``ranges``. Ranges that touch are merged, empty ones removed.
 
-    ``most`` bounds how many there are: the narrowest gaps are then covered, too, of equal ones the first.
+    ``most`` limits their number: the narrowest gaps are then covered, too; of equal gaps, the first.
     """
     found: list[list[int]] = []
     for start, stop in sorted((int(start), int(stop)) for start, stop in ranges):

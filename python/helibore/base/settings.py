@@ -1,4 +1,4 @@
-"""What a wall is built with: every vertex is a pure function of these settings and the samples."""
+"""Settings of a wall: every vertex depends only on these settings and the samples."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ _LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
 @dataclass(frozen=True, kw_only=True)
 class Settings:
-    """What a wall is built with; the method is Energies 2021, 14, 291.
+    """Settings of a wall; the method is Energies 2021, 14, 291.
 
     Attributes
     ----------
@@ -38,20 +38,20 @@ class Settings:
     power
         Weights are distance^-power.
     max_distance
-        Metres; a sample farther away has no say; None: no limit.
+        Metres; samples farther away are not used; None: no limit.
     max_iterations, tolerance
         The estimate is repeated with the new radius until it moves by at most ``tolerance`` metres or this often.
     angular_scale
-        1: distances along the wall are true arc lengths; 2: twice that, as the published Eq. 4 has it. Beyond 1 the
-        neighbours lie above and below rather than around: 4 halves the error of many holes, whose shapes go on along
-        them (``bench/accuracy/angular_scale.py``).
+        1: distances around the hole are true arc lengths; 2: twice that, as in the published Eq. 4. Above 1, more
+        neighbours lie above and below than around: 4 halves the error of many holes, whose shape changes little with
+        depth (``bench/accuracy/angular_scale.py``).
     gap_reach, largest_gap
         A part of the turn counts as measured where the angle between the nearest samples on its two sides, within
         ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these.
     direct
         Direct connection (published Eq. 6), for live walls: where a vertex is not settled and samples lie in its cell
-        (half a sector to either side, half a pitch up and down), the last of them in canonical order stands for it,
-        provisionally. Once settled it is interpolated like any other.
+        (half a sector to either side, half a pitch up and down), it takes the radius of the last of these samples in
+        canonical order for now. Once it is settled, it is interpolated like any other vertex.
     most_vertices
         An append that would give the wall more vertices is refused, and the error names the depth; so one wrong depth
         does not fill the memory. 1 to 2147483647.

@@ -1,8 +1,8 @@
-"""A table of logs: named columns on one depth, with units, descriptions, and the facts they were made with.
+"""A table of logs: named columns on one depth, with units, descriptions, and facts about how they were made.
 
     table = wall.logs().table()          table["DEQ"].values, table["DEQ"].unit, table.facts["bit diameter"]
 
-What files are written from. Missing values are NaN.
+Writers of log files take this table. Missing values are NaN.
 """
 
 from __future__ import annotations
@@ -30,11 +30,11 @@ class LogColumn:
     unit
         ``"m"``, ``"m3"``, ``"deg"``, ``"s"``, or ``""`` for a fraction or a code.
     description
-        What it is, in one line of ASCII.
+        The meaning of the log, in one line of ASCII.
     values
         (n,) float64; NaN where missing.
     decimals
-        That text files write; None: as fine as the unit deserves.
+        Number of decimals in text files; None: by the unit.
     """
 
     mnemonic: str
@@ -58,7 +58,7 @@ class LogTable:
     columns
         The first is the depth, metres, strictly rising or falling. All of one length, mnemonics all different.
     facts
-        What they were made with, as texts: ``{"bit diameter": "0.2159 m"}``. Every file states them.
+        How the columns were made, as texts: ``{"bit diameter": "0.2159 m"}``. Every file states them.
 
     Raises
     ------
@@ -89,7 +89,7 @@ class LogTable:
 
     @property
     def rows(self) -> int:
-        """How many rows."""
+        """Number of rows."""
         return int(self.depth.values.size)
 
     @property

@@ -1,4 +1,4 @@
-"""How many threads there are to use: the process's affinity mask, never the machine's count."""
+"""Count the processors that this process may use (its affinity mask), not those of the machine."""
 
 from __future__ import annotations
 

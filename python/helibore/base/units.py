@@ -1,9 +1,9 @@
-"""Units: the one file that knows them. Everything beyond it is metres, degrees, seconds and rpm.
+"""Convert units. Only this file knows them: all other code uses metres, degrees, seconds and rpm.
 
     core value = written value x factor(unit)          8.5 in -> 8.5 x 0.0254 m = 0.2159 m
 
-Names are taken as real files write them (``M``, ``FT``, ``INCHES``, ``0.1 in``, ``DEGA`` ...), in either case. A unit
-that is not in the table is refused; nothing is guessed from the size of a number.
+The table holds unit names as real files write them (``M``, ``FT``, ``INCHES``, ``0.1 in``, ``DEGA`` ...), in upper or
+lower case. Other units are refused; nothing is guessed from the size of a number.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def canonical(unit: str) -> str:
 
 
 def factor(unit: str, kind: str) -> float:
-    """Return what a value in ``unit`` is multiplied by to become metres, degrees, seconds or turns a minute.
+    """Return the factor that turns a value in ``unit`` into metres, degrees, seconds or turns per minute.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def measures(unit: str) -> str:
 def split(name: str, kind: str) -> tuple[str, str | None]:
     """Split the unit off a column's name: ``md_m``, ``Depth (ft)`` and ``CAL[in]`` give ``("md", "m")`` and so on.
 
-    It is a proposal: whoever takes it must say so. Where the name ends with no unit of this ``kind``, the unit is None.
+    The unit is a guess: a caller that uses it must report it. If no unit of this ``kind`` ends the name, it is None.
     """
     for pattern in _SUFFIXES:
         match = pattern.fullmatch(name)
@@ -111,7 +111,7 @@ def split(name: str, kind: str) -> tuple[str, str | None]:
 
 
 def quantity(text: str, kind: str) -> float:
-    """Return ``text`` in metres, degrees or seconds: ``8.5in``, ``12 1/4 in``, ``100 mm``; a bare number is in those.
+    """Return ``text`` in metres, degrees or seconds: ``8.5in``, ``12 1/4 in``, ``100 mm``, or a number without a unit.
 
     Raises
     ------

@@ -1,11 +1,11 @@
-"""The angular gap of each vertex: how far apart, around the hole, the samples on its two sides are.
+"""The angular gap of each vertex: the angle around the hole between the nearest samples on its two sides.
 
               x  sample clockwise           gap = clockwise angle + counter-clockwise angle, degrees,
     vertex  o                                     to the nearest samples within ``reach`` metres of its depth;
               x  sample counter-clockwise         0 at a sample's toolface, 360 where there are none, or one elsewhere
 
-A small gap means that the tool saw this part of the turn. Between few arms it is large: the wall there is interpolated,
-however near the arms' samples are.
+A small gap means that the tool measured this part of the turn. Between few arms the gap is large: the wall there is
+interpolated, even if samples of the arms are near.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ def angular_gap(helix: Helix, count: int, depth: Floats, toolface: Floats, reach
     Parameters
     ----------
     helix, count
-        Where vertices lie, and how many.
+        The positions of the vertices, and their number.
     depth, toolface
-        Of the samples, the depth rising: metres, degrees.
+        Depth and toolface of the samples, metres and degrees, in order of rising depth.
     reach
         Metres of depth, above and below a vertex, whose samples count; both ends included.
     """

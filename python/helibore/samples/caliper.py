@@ -1,9 +1,9 @@
-"""Radius samples of a hole, checked: what a wall is rebuilt from.
+"""Checked radius samples of a hole, from which a wall is rebuilt.
 
-A sample is (toolface, depth, radius), with a time where the tool kept one. Units are metres and degrees, toolface is
-clockwise looking downhole, and radius is measured from the axis of the hole. A well without an azimuthal caliper has
-samples all the same, of an average caliper or of bit size; `Caliper.basis` says which, and so does all that is made
-from them.
+A sample is (toolface, depth, radius), with a time if the tool recorded one. Units are metres and degrees, toolface is
+clockwise looking downhole, and radius is measured from the axis of the hole. For a well without an azimuthal caliper,
+samples can be made from an average caliper or from the bit size. `Caliper.basis` states which; every wall, mesh and
+log made from the samples states it too.
 """
 
 from __future__ import annotations
@@ -52,12 +52,12 @@ class Caliper:
     radius
         (n,) metres from the axis of the hole, above 0 and at most 2: never a diameter, never inches.
     time
-        (n,) seconds or any other clock, finite; or None. With a time, the order in which samples arrive does not
-        matter, and rows equal in all four columns count once.
+        (n,) seconds or any other clock, finite; or None. If there are times, the order in which samples arrive does not
+        matter, and rows that are equal in all four columns count once.
     arm
-        (n,) which arm of the tool each sample is from, whole numbers; None: not known, or a tool that sees all around.
-        The two ends of a measured diameter have one number, or each end its own. Logs of a tool with few arms take
-        their diameters from the arms (`helibore.logs.arms`).
+        (n,) number of the arm that measured each sample, integers; None: not known, or a tool that measures all around.
+        The two ends of a measured diameter may have one number or two. For a tool with few arms, logs take their
+        diameters from the arms (`helibore.logs.arms`).
     basis
         What the radii are: ``"azimuthal"``, measured around the hole; ``"average"`` or ``"gauge"``, as
         `from_average` and `gauge` make them.
@@ -103,7 +103,7 @@ class Caliper:
 
     @classmethod
     def from_average(cls, depth: npt.ArrayLike, diameter: npt.ArrayLike) -> Caliper:
-        """Return samples of a hole whose size is known and whose shape is not: 16 around the hole at each depth.
+        """Return samples of a round hole from its mean diameter, whose shape is not known: 16 at each depth.
 
         Parameters
         ----------
@@ -134,7 +134,7 @@ class Caliper:
 
     @classmethod
     def gauge(cls, start: float, stop: float, bit_diameter: float, step: float = 0.1) -> Caliper:
-        """Return samples of a hole that nothing measured, at bit size: 16 around it every ``step`` from start to stop.
+        """Return samples of an unmeasured hole at bit size: 16 around the hole every ``step`` from start to stop.
 
         Parameters
         ----------
@@ -214,7 +214,7 @@ class Caliper:
 
 
 def _frozen(values: Floats) -> Floats:
-    """A read-only view."""
+    """Return a read-only view."""
     view = values.view()
     view.setflags(write=False)
     return view

@@ -1,4 +1,4 @@
-"""The helix of a wall, as surfaces, volumes and images need it: where each vertex lies along and around the hole.
+"""The helix of a wall: where each vertex lies along and around the hole. Surfaces, volumes and images use it.
 
 Vertex k has depth start_depth + k pitch/K and toolface (start_toolface + k 360/K) mod 360. Nothing here knows a radius
 or a place in space.
@@ -19,7 +19,7 @@ from helibore.samples.caliper import Basis
 
 
 class HelixSettings(Protocol):
-    """The settings of a wall that its helix follows from."""
+    """The settings of a wall that define its helix."""
 
     @property
     def sectors(self) -> int: ...
@@ -30,7 +30,7 @@ class HelixSettings(Protocol):
 
 
 class WallLike(Protocol):
-    """What a surface needs of a wall; `helibore.Wall` is one."""
+    """The part of a wall that a surface needs; `helibore.Wall` has it."""
 
     @property
     def settings(self) -> HelixSettings: ...
@@ -41,7 +41,7 @@ class WallLike(Protocol):
 
 
 class Helix(NamedTuple):
-    """Metres and degrees; ``pitch`` is negative where the helix grows upwards."""
+    """A helix in metres and degrees; ``pitch`` is negative if the helix grows upwards."""
 
     start_depth: float
     start_toolface: float
@@ -49,18 +49,18 @@ class Helix(NamedTuple):
     sectors: int
 
     def depth(self, k: Integers) -> Floats:
-        """Depth of vertices, metres, with the bits that the wall has."""
+        """Return the depth of vertices, metres, with exactly the bits of the wall."""
         depth: Floats = self.start_depth + k * self.pitch / self.sectors
         return depth
 
     def toolface(self, k: Integers) -> Floats:
-        """Toolface of vertices, degrees in [0, 360); every turn has those of the first."""
+        """Return the toolface of vertices, degrees in [0, 360); every turn has the toolfaces of the first turn."""
         first = np.mod(self.start_toolface + np.arange(self.sectors) * 360.0 / self.sectors, 360.0)
         toolface: Floats = first[k % self.sectors]
         return toolface
 
     def ends(self, vertices: int) -> tuple[float, float]:
-        """The shallowest and the deepest of so many vertices, metres."""
+        """Return the depths of the shallowest and the deepest of this many vertices, metres."""
         last = self.start_depth + (vertices - 1) * self.pitch / self.sectors
         return min(self.start_depth, last), max(self.start_depth, last)
 
@@ -121,7 +121,7 @@ def vertices_between(helix: Helix, count: int, start: float | None, stop: float 
 
 
 def spread(ranges: Integers) -> Integers:
-    """Return all the numbers in half-open ranges, in order."""
+    """Return all numbers of half-open ranges, in order."""
     return np.concatenate([np.arange(start, stop) for start, stop in ranges] or [np.arange(0)])
 
 

@@ -1,1 +1,1 @@
-"""Where the hole goes: surveys, paths, and what toolfaces are measured from."""
+"""Surveys, paths of the hole, and the references of toolfaces."""

@@ -1,11 +1,11 @@
-"""What toolfaces are measured from: samples tagged north or high side, turned into the reference of the wall's path.
+"""Turn toolfaces measured from north or from the high side into the reference of the wall's path.
 
 Looking downhole, with t the tangent, every reference is a direction z square to t, and a toolface is the angle from z,
 clockwise. From one reference to another, at one depth, is therefore one angle::
 
     z_from = cos(a) z_to + sin(a) (t x z_to)            toolface_to = toolface_from + a
 
-    north to high side:  a = atan2(-sin A, cos I cos A);   the usual "less the azimuth" holds at I = 0 alone
+    north to high side:  a = atan2(-sin A, cos I cos A);   the usual "subtract the azimuth" is exact only at I = 0
 
 A wall has one reference from top to bottom. The high side has no meaning where the hole is vertical and swings about
 close to it; north has none where the hole runs level north or south. So a well from vertical to horizontal wants the
@@ -14,8 +14,8 @@ close to it; north has none where the hole runs level north or south. So a well 
 angle, whatever the tool called it, and in a well that builds at one azimuth A the high side lies at toolface A all the
 way down. The angle depends on the path above it and on nothing below.
 
-Not here: magnetic declination and grid convergence (north is the north of the survey), and toolfaces measured against
-the dipping magnetic field itself.
+Not supported: magnetic declination and grid convergence (north is the north of the survey), and toolfaces measured
+from the dipping magnetic field itself.
 """
 
 from __future__ import annotations
@@ -36,11 +36,11 @@ Reference = Literal["high-side", "north", "parallel-transport"]
 
 REFERENCES: tuple[Reference, ...] = get_args(Reference)
 
-_LEAST_ANGLE = 1e-6  # radians between reference and tangent, as everywhere in helibore
+_LEAST_ANGLE = 1e-6  # radians between reference and tangent, the same limit as in all of helibore
 
 
 class FramedPath(Protocol):
-    """What a change of reference needs of a path; `helibore.Path` is one."""
+    """The part of a path that a change of reference needs; `helibore.Path` has it."""
 
     @property
     def reference(self) -> Reference: ...
@@ -64,7 +64,7 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
     Returns
     -------
     ndarray
-        (n,) bool, new: True for the high side, False for north. Made for :func:`onto_path`.
+        (n,) bool, new: True for the high side, False for north. Pass it to :func:`onto_path`.
     """
     inclined = finite_column("inclination", inclination)
     if not 0 <= low <= high:
@@ -103,7 +103,7 @@ def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
 
 
 def onto_path(toolface: npt.ArrayLike, depth: npt.ArrayLike, path: FramedPath, high_side: Mask | bool) -> Floats:
-    """Turn toolfaces measured from north or from the high side into the path's reference, whatever that is.
+    """Turn toolfaces measured from north or from the high side into the reference of the path.
 
     Parameters
     ----------

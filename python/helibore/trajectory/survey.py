@@ -1,11 +1,11 @@
-"""Where the hole goes: a survey's stations, and the path through them.
+"""The stations of a survey, and the path of the hole through them.
 
     survey = hb.Survey(depth, inclination, azimuth)       # metres, degrees, degrees
     path = survey.path(extend=20.0)
     path.position(depths)                                 # (n, 3): north, east, down
 
-Positions and frames between stations follow the method's own curve. Corrections of a survey (grid convergence,
-declination, sag) and its uncertainty are not made here.
+Positions and frames between stations follow the curve of the method. Not supported: corrections of a survey (grid
+convergence, declination, sag) and its uncertainty.
 """
 
 from __future__ import annotations
@@ -114,7 +114,7 @@ class Survey:
 
 
 class Path:
-    """A path through a survey's stations; made by `Survey.path`. Never changes."""
+    """A path through the stations of a survey; `Survey.path` makes it. A path never changes."""
 
     def __init__(
         self, survey: Survey, method: Method, reference: Reference, head: tuple[float, float, float], extend: float
@@ -127,7 +127,7 @@ class Path:
 
     @property
     def survey(self) -> Survey:
-        """The survey the path goes through."""
+        """The survey that the path follows."""
         return self._survey
 
     @property
@@ -240,7 +240,7 @@ def _shaped(rows: Floats, depth: npt.ArrayLike) -> Floats:
 
 
 def checked_path(path: Path | None) -> Path | None:
-    """Return what a wall follows, a `Path` or None, or say how a survey becomes one."""
+    """Return ``path`` if it is a `Path` or None; the error for a survey says how to make a path from it."""
     if path is None or isinstance(path, Path):
         return path
     how = ": survey.path() is one" if isinstance(path, Survey) else ""
@@ -248,6 +248,6 @@ def checked_path(path: Path | None) -> Path | None:
 
 
 def core_path(path: Path | None) -> _core.Path:
-    """Return the path as the core knows it; None: straight down from (0, 0, 0), toolface 0 to the north."""
+    """Return the path for the core; None: straight down from (0, 0, 0), toolface 0 to the north."""
     path = checked_path(path)
     return _core.Path() if path is None else path._core

@@ -6,8 +6,8 @@
                                |
 
 A true depth is known if the survey begins at depth 0 or the path's head gives the true depth of the first station.
-Otherwise "down" counts from a first station somewhere in the hole, which is no true depth. Log files do not state the
-elevation, so it is an option.
+Otherwise "down" counts from a first station somewhere in the hole, and so is not a true depth. Log files do not state
+the elevation, so it is an option.
 """
 
 from __future__ import annotations
@@ -41,7 +41,7 @@ class TrueDepth:
 
 
 def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
-    """Return the true depths of a path; None if they are not known and no ``elevation`` needs them.
+    """Return the true depths of a path, or None if they are not known and no ``elevation`` is given.
 
     Raises
     ------
