@@ -1,16 +1,16 @@
-"""Breakouts that an image shows: dark sectors on opposite sides of the hole, where the radius shows less or nothing.
+"""Find breakouts in an image: dark sectors on opposite sides of the hole. The radius may show less of them, or nothing.
 
     relative = value / median of its row         dark: relative < ``dark``
 
     toolface  0        90       180       270       360
               |         ####               ####      |       two dark arcs, half a turn apart: a row of a breakout
-              |          ##                          |       one alone: a spall, a joint, a tool mark; not a breakout
+              |          ##                          |       one dark arc: a spall, a joint, a tool mark; no breakout
 
 Broken wall scatters the pulse of a televiewer and lets mud into a pad's button, so both read low there, long before the
 lobes are an inch deep. `ImageCriteria` says what is dark, how wide, how opposite and how long; every output states it.
-An image says where a breakout is and how wide it opens, not how deep it is: that is the radius's (``zones``).
+An image shows where a breakout is and how wide it opens. Only the radius shows how deep it is (``zones``).
 
-Not here: joints and beds, which are sinusoids; the dark bands that a decentred tool leaves, unless they are narrow.
+Not found: joints and beds, which are sinusoids. Narrow dark bands of a decentred tool may be taken for breakouts.
 """
 
 from __future__ import annotations
@@ -37,13 +37,13 @@ class ImageCriteria:
     dark
         A sector is dark below this share of the median of its row, in (0, 1).
     least_opening, most_opening
-        Degrees: a dark arc narrower than the first is a speck, one wider than the second is no lobe.
+        Degrees: a dark arc narrower than the first or wider than the second is ignored.
     opposite
-        Degrees that two arcs may be off half a turn.
+        Degrees: the angle between two arcs may differ from half a turn by this much.
     least_length, least_rows
         Metres of hole, and rows with two dark arcs, that make a breakout.
     join
-        Metres between two breakouts that do not part them, if their axes agree within ``opposite``.
+        Metres: breakouts with a smaller gap between them become one, if their axes agree within ``opposite``.
     """
 
     dark: float = 0.6
@@ -76,7 +76,7 @@ class ImageCriteria:
 
 
 class ImageRows(Protocol):
-    """What is read of a `SectorImage`."""
+    """The part of a `SectorImage` that the search reads."""
 
     name: str
     unit: str
@@ -99,11 +99,11 @@ class DarkLobe:
     Attributes
     ----------
     toolface
-        Of its middle by darkness, [0, 360), degrees from the image's reference.
+        Direction of its middle, weighted by darkness, [0, 360), degrees from the image's reference.
     opening
         The angle over which the mean row is dark, degrees.
     relative
-        The least share of the row's median.
+        Its least value as a share of the row's median.
     """
 
     toolface: float
@@ -141,16 +141,16 @@ class ImageBreakout:
 
 @dataclass(frozen=True)
 class ImageBreakouts:
-    """All breakouts of an image; made by `SectorImage.breakouts`.
+    """All breakouts of an image; `SectorImage.breakouts` makes it.
 
     Attributes
     ----------
     image
-        Where they were found.
+        The image that was searched.
     zones
         In order of depth.
     criteria
-        What they were found with.
+        The criteria of the search.
     """
 
     image: ImageRows
@@ -158,11 +158,11 @@ class ImageBreakouts:
     criteria: ImageCriteria
 
     def axis(self) -> Axes:
-        """Return mean axis and spread, weighted by length; NaN where there are none."""
+        """Return mean axis and spread, weighted by length; NaN if there are no breakouts."""
         return axial_mean(np.array([of.toolface for of in self.zones]), np.array([of.length for of in self.zones]))
 
     def facts(self) -> dict[str, str]:
-        """Return what they were found in, and with."""
+        """Return the image and the criteria of the search as texts."""
         image = self.image
         return {
             "image": f"{image.name}, {image.sectors} sectors",
@@ -172,7 +172,7 @@ class ImageBreakouts:
         }
 
     def table(self) -> LogTable:
-        """Return them, one a row, with the criteria among the facts; without breakouts the table has no row."""
+        """Return a table with one breakout per row and the criteria as facts; without breakouts it has no row."""
         zones = self.zones
         rows: list[Any] = [
             ("DEPT", "m", "Middle of the breakout", [(of.start + of.stop) / 2 for of in zones]),
@@ -195,7 +195,7 @@ class ImageBreakouts:
 
 
 def find_breakouts(image: ImageRows, criteria: ImageCriteria | None = None) -> ImageBreakouts:
-    """Find where an image is dark on opposite sides of the hole: `SectorImage.breakouts`."""
+    """Find where an image is dark on opposite sides of the hole; see `SectorImage.breakouts`."""
     if customary_map(image.name, image.unit) == "gamma":
         raise InputError(f"image {image.name!r}", "gamma is dark in beds, not in breakouts: take an image of the wall")
     criteria = ImageCriteria() if criteria is None else criteria
@@ -219,7 +219,7 @@ def find_breakouts(image: ImageRows, criteria: ImageCriteria | None = None) -> I
 
 
 def _relative(image: ImageRows) -> tuple[Floats, Floats]:
-    """Values over their row's median, sectors clockwise, and the sectors' toolfaces; NaN where there is no value."""
+    """Return values over their row's median, sectors clockwise, and the sectors' toolfaces; NaN where missing."""
     values, toolface = image.values, image.toolface
     wrong = np.argwhere(values < 0)
     if wrong.size:
@@ -249,7 +249,7 @@ def _arcs(dark: Mask) -> tuple[Integers, Integers, Integers]:
 
 
 def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
-    """Rows with two arcs half a turn apart, within ``opposite`` degrees."""
+    """Return the rows with two arcs half a turn apart, within ``opposite`` degrees."""
     found = np.zeros(rows, dtype=np.bool_)
     most = int(np.bincount(row).max()) if row.size else 0
     for apart in range(1, most):
@@ -260,7 +260,7 @@ def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
 
 
 def _axes(relative: Floats, toolface: Floats, dark: float) -> Floats:
-    """The axis of each row in degrees: half the direction of the doubled angles, weighted by darkness."""
+    """Return the axis of each row in degrees: half the direction of the doubled angles, weighted by darkness."""
     weight = np.maximum(dark - np.nan_to_num(relative, nan=dark), 0)
     angles: Floats = np.degrees(np.angle(weight @ np.exp(2j * np.radians(toolface)))) / 2
     return angles
@@ -269,7 +269,7 @@ def _axes(relative: Floats, toolface: Floats, dark: float) -> Floats:
 def _stretches(
     broken: Mask, axes: Floats, low: Floats, high: Floats, criteria: ImageCriteria
 ) -> Iterator[tuple[int, int]]:
-    """Rows [top, stop) of breakouts, joined over short gaps and parted where the axis turns away."""
+    """Return the rows [top, stop) of each breakout, joined over short gaps and split where the axis changes."""
     joined: list[list[int]] = []
     for row in np.flatnonzero(broken).tolist():
         if joined:

@@ -1,10 +1,10 @@
-"""Where a colour scale begins and ends: one range everywhere (static), or the range of a window that slides (dynamic).
+"""Find the two ends of a colour scale: one range everywhere (static), or the range of a sliding window (dynamic).
 
     static    low, high = percentiles 2 and 98 of all values                 the same colour is the same value
     dynamic   share = 1/2 + (value - mean) / (4 s)  of the window            brings out layers; colours are NOT values
 
 mean and s are mean and standard deviation of all values within half a window above and below, so that the scale spans
-mean - 2 s to mean + 2 s, as in the viewer. LWD images of scalars (gamma, density) are customarily shown static.
+mean - 2 s to mean + 2 s, as in the viewer. LWD images of gamma or density are usually shown with a static scale.
 """
 
 from __future__ import annotations
@@ -28,7 +28,7 @@ WINDOW = 1.0
 def percentile_limits(
     values: npt.ArrayLike, percentiles: tuple[float, float] = PERCENTILES, log: bool = False
 ) -> tuple[float, float]:
-    """Return the two ends of a static scale: percentiles of the values that are there.
+    """Return the two ends of a static scale: percentiles of the values that are not missing.
 
     Parameters
     ----------
@@ -74,7 +74,7 @@ def image_scale(
     image
         Its name and unit choose the map (`customary_map`), its values the limits (`percentile_limits`).
     color_map, log, limits
-        What is to be otherwise. By default a resistivity has a log scale.
+        Values that replace the defaults. By default, a resistivity has a log scale.
 
     Raises
     ------
@@ -89,7 +89,7 @@ def image_scale(
 def symmetric_limit(values: Floats, unit: float) -> float:
     """Return how far a scale centred on zero reaches: 1, 2, 3 or 5 times a power of ten of ``unit``, at least one unit.
 
-    It holds 99.8 % of the values; NaN are left out.
+    The scale holds 99.8 % of the values; NaN are left out.
     """
     there = np.abs(values[np.isfinite(values)])
     reach = max(float(np.percentile(there, NEARLY_ALL)) / unit, 1.0) if there.size else 1.0
@@ -160,7 +160,7 @@ def _moments(rows: Floats, first: Integers, stop: Integers) -> tuple[Floats, Flo
     with np.errstate(invalid="ignore", divide="ignore"):
         mean = total / count
         variance = square / count - mean * mean
-    # What is left of equal values is rounding of the sums.
+    # If all values are equal, the rest is a rounding error of the sums.
     rounding = 1e-12 * max(float(sums[2][-1]) / max(float(sums[0][-1]), 1.0), np.finfo(float).tiny)
     spread: Floats = np.sqrt(np.where(variance > rounding, variance, 0.0))
     return middle + mean, spread

@@ -1,4 +1,4 @@
-"""A sector image: rows of values around the hole, and the value each quad of a wall takes from it.
+"""A sector image: rows of values around the hole, and how quads of a wall take values from it.
 
     origin "edge":    sector 1 starts at ``offset``        |  1  |  2  |  3  | ...
     origin "centre":  sector 1 is centred on ``offset``  1 |  2  |  3  | ...
@@ -7,8 +7,8 @@
     image = hb.SectorImage(depth, values, name="GR", unit="gAPI", origin="edge", reference="high-side")
     surface.attributes["GR"] = image.on(wall)
 
-A row covers half the way to its neighbours, but at most ``reach``: beyond it the image has a gap, and gaps stay NaN.
-It maps rows of evenly spaced sectors. Scattered values and colours are not its business.
+A row covers half the distance to its neighbours, but at most ``reach``; beyond it, the image has a gap, which is NaN.
+Sectors must be evenly spaced. Scattered values are not supported, and colours are made elsewhere.
 """
 
 from __future__ import annotations
@@ -50,10 +50,10 @@ class SectorImage:
     values
         (n, S) one row a depth, one column a sector, S at least 2; NaN where missing. Copied.
     name, unit
-        What the values are.
+        Name and unit of the values.
     origin
-        What of sector 1 lies at ``offset``: its ``"centre"``, or the ``"edge"`` where it starts. Tools differ, and a
-        wrong choice turns the image by half a sector, so there is no default.
+        The part of sector 1 that lies at ``offset``: its ``"centre"``, or the ``"edge"`` where it starts. Tools differ,
+        and a wrong choice turns the image by half a sector, so there is no default.
     reference
         What toolface 0 is: ``"high-side"``, ``"north"``, or ``"parallel-transport"`` as by a path of that reference. On
         a wall with a path of another reference the image is turned (`onto`); a wall without a path does not know, so
@@ -63,7 +63,7 @@ class SectorImage:
     offset
         Toolface of sector 1's origin, degrees.
     reach
-        How far above and below its depth a row counts, metres; None: 0.75 of the median spacing.
+        The distance above and below its depth that a row covers at most, metres; None: 0.75 of the median spacing.
 
     Attributes
     ----------
@@ -125,7 +125,7 @@ class SectorImage:
         Parameters
         ----------
         criteria
-            What is dark, how wide, how opposite, how long; None: the defaults.
+            The criteria of a breakout; None: the defaults.
 
         Raises
         ------
@@ -182,7 +182,7 @@ class SectorImage:
         )
 
     def on(self, wall: WallLike, method: Method = "cell") -> Floats:
-        """Return one value for every quad the whole wall has room for.
+        """Return one value for every quad that the whole wall has room for.
 
         Parameters
         ----------
@@ -236,7 +236,7 @@ class SectorImage:
             raise InputError(f"image '{self.name}' reaches from {top:g} to {bottom:g} m", rule)
 
     def cover(self) -> tuple[Floats, Floats]:
-        """The depths [low, high) that each row covers: half the way to its neighbours, at most its reach."""
+        """Return the depths [low, high) of each row: half the distance to its neighbours, at most its reach."""
         low, high = self.depth - self.reach, self.depth + self.reach
         near = np.diff(self.depth) <= 2 * self.reach
         middle = self.depth[:-1] + np.diff(self.depth) / 2
@@ -252,7 +252,7 @@ class SectorImage:
 
 
 def _around(rows: Floats, place: Floats, method: Method) -> Floats:
-    """The value of each row at places around it, in sectors from the centre of the first."""
+    """Return the value of each row at positions around it, in sectors from the centre of the first."""
     low = np.floor(place + 0.5 if method == "cell" else place)
     first = low.astype(np.int64) % rows.shape[1]
     values: Floats = np.take_along_axis(rows, first, axis=1)
@@ -269,7 +269,7 @@ def _one_of(name: str, word: str, known: tuple[str, ...]) -> None:
 
 
 def _order(depths: Floats) -> Integers:
-    """The rows from the shallowest to the deepest."""
+    """Return the rows from the shallowest to the deepest."""
     if not depths.size:
         raise InputError("depth", "must have at least one row")
     wrong = np.flatnonzero(~np.isfinite(depths))
@@ -309,7 +309,7 @@ def _reach(reach: float | None, depth: Floats) -> float:
 
 
 class SectorImages(dict[str, SectorImage]):
-    """Images of a wall by name: an array, which lacks depth and layout, is refused where it is put in."""
+    """Images of a wall by name. Setting a plain array is refused, because it has neither depth nor layout."""
 
     def __setitem__(self, name: str, image: SectorImage) -> None:
         if not isinstance(image, SectorImage):

@@ -1,10 +1,10 @@
-"""Named values on cells: gamma, resistivity, the difference of two passes, any number of them, apart from geometry.
+"""Named values on cells, such as gamma, resistivity or the difference of two passes, separate from the geometry.
 
     surface.attributes["GR"] = image.on(wall)       # one value a quad, with a unit:
     surface.attributes.units["GR"] = "gAPI"
     wall.attributes["GR"] = values                  # for the whole wall; every surface made of it has them
 
-A value that is missing is NaN. Colours are not made here.
+Missing values are NaN.
 """
 
 from __future__ import annotations
@@ -50,12 +50,12 @@ class _NamedValues(MutableMapping[str, Floats]):
 class Attributes(_NamedValues):
     """Named values, one a cell (quad or hexahedron): each (cells,) float64, copied and read-only.
 
-    It also takes one value for every cell that the whole wall has room for, and drops the values of missing cells.
+    It also accepts one value for every cell that the whole wall has room for, and drops the values of missing cells.
 
     Attributes
     ----------
     units
-        Name to unit, where one is known; files state it.
+        Unit by name, if it is known; files state it.
     index
         The cell of the whole wall that each cell is.
     """
@@ -76,8 +76,8 @@ class Attributes(_NamedValues):
 class WallAttributes(_NamedValues):
     """Named values of a wall, one for each quad it has room for, by vertex k: each float64, copied and read-only.
 
-    A wall that grows keeps them; quads that came later have none (NaN). They belong to the helix they were set on: if
-    a shallower sample moves the start of the helix, set them anew.
+    A wall that grows keeps the values; later quads have NaN. Values belong to the helix on which they were set: if a
+    shallower sample moves the start of the helix, set them again.
 
     Attributes
     ----------
@@ -103,12 +103,12 @@ class WallAttributes(_NamedValues):
         return self._starts[name]
 
     def restore(self, name: str, start_depth: float, values: Floats) -> None:
-        """Set values that were set on a helix with this start, as an archive keeps them."""
+        """Set values that an archive keeps for a helix with this start."""
         self._starts[name] = start_depth
         self._keep(name, values)
 
     def whole(self, name: str, start_depth: float, quads: int) -> Floats:
-        """Return values for a wall of so many quads that starts at this depth: those set, then NaN.
+        """Return values for a wall with this start and number of quads: the values that were set, then NaN.
 
         Raises
         ------

@@ -1,11 +1,11 @@
-"""A surface as binary glTF 2.0, written straight from arrays.
+"""Write a surface as binary glTF 2.0, directly from arrays.
 
     12 bytes  "glTF", version 2, length of the file
     chunk     "JSON": the scene: one node, one mesh, where each array lies in the next chunk
     chunk     "BIN": positions (4 q, 3) float32 | colours (4 q, 4) uint8 | attributes | corners (6 q) uint32
 
-Written by hand: trimesh takes three times as long for the same mesh, since it hashes each array (bench/emission.py).
-Sections quoted are those of the glTF 2.0 specification. No textures, normals or animation.
+No library is used: trimesh takes three times as long for the same mesh, since it hashes each array (bench/emission.py).
+Section numbers are those of the glTF 2.0 specification. No textures, normals or animation.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Array, Bytes, Floats, Floats32, Integers
 from helibore.base.errors import InputError
 
-MISSING = -999.25  # the field's own absent value, exact in float32
+MISSING = -999.25  # the usual null value of well logs, exact in float32
 
 LARGEST = (1 << 32) - 1
 """Bytes of a GLB: its header counts them in 32 bits (4.4.2)."""
@@ -34,7 +34,7 @@ _ARRAY_BUFFER, _ELEMENT_ARRAY_BUFFER = 34962, 34963  # 3.6.2.1
 
 
 def check_size(file: Path, quads: int, attributes: int) -> None:
-    """Refuse what no GLB can hold: 4 corners a quad of position, colour and attributes, 6 indices, and some text."""
+    """Refuse a mesh too large for a GLB: per quad, 4 corners of position, colour and attributes, and 6 indices."""
     size = quads * (4 * (12 + 4 + 4 * attributes) + 24) + (1 << 20)
     if size > LARGEST:
         limit = f"{quads:,} quads take {size / 1e9:.1f} GB, and a GLB holds at most {LARGEST / 1e9:.1f}"
@@ -49,7 +49,7 @@ def write_glb(
     attributes: Mapping[str, Floats],
     extras: Mapping[str, Any],
 ) -> None:
-    """Write quads, each of one colour.
+    """Write quads, each in one colour.
 
     Quads share no vertices: glTF has colours at vertices only, and a shared one would smear neighbours into each other.
     Without normals, viewers shade each quad flat (3.7.2.1). The middle of the mesh goes into the node's translation,
@@ -70,7 +70,7 @@ def write_glb(
         (q,) float64 each. Written as float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1), with
         -999.25 for missing values, which the mesh's extras say: glTF forbids NaN (3.6.2.2).
     extras
-        What else the mesh's extras say, as JSON has it.
+        Further entries of the mesh's extras, as JSON values.
     """
     y_up = np.stack([positions[:, 1], -positions[:, 2], -positions[:, 0]])
     middle = (y_up.min(axis=1) + y_up.max(axis=1)) / 2
@@ -123,7 +123,7 @@ def _triangles(quads: int) -> npt.NDArray[np.uint32]:
 
 
 def _linear(colors: Bytes) -> Bytes:
-    """From sRGB to linear light, which vertex colours are in (3.7.2.1); alpha is linear as it is."""
+    """Convert sRGB to linear light, as vertex colours require (3.7.2.1); alpha is already linear."""
     share = np.arange(256) / 255
     linear = np.where(share <= 0.04045, share / 12.92, ((share + 0.055) / 1.055) ** 2.4)
     table = np.rint(255 * linear).astype(np.uint8)
@@ -164,7 +164,7 @@ def _scene(views: list[_View], vertices: int, middle: Floats, extras: Mapping[st
                 "byteLength": view.array.nbytes,
                 "target": _ARRAY_BUFFER if view.name else _ELEMENT_ARRAY_BUFFER,
             }
-            for start, view in zip(starts, views, strict=False)  # starts has the end, too
+            for start, view in zip(starts, views, strict=False)  # starts also holds the end
         ],
         "buffers": [{"byteLength": sum(view.array.nbytes for view in views)}],
     }

@@ -1,4 +1,4 @@
-"""The plain arrays of a surface or volume, which the writers of files take: they know neither class."""
+"""The plain arrays of a surface or volume for the file writers, which do not know these classes."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ class MeshArrays:
     attributes, units
         (m,) values by name, and units by name where they are known.
     basis, metadata
-        What the wall is made from; texts by name.
+        What the wall is built from; texts by name.
     layer
         (m,) of hexahedra; None for quads.
     """

@@ -1,14 +1,14 @@
-"""Surfaces and volumes as files: which ending means what. OBJ and STL go through trimesh, VTKHDF through h5py.
+"""Write surfaces and volumes to files in the format of the ending. trimesh writes OBJ and STL, h5py writes VTKHDF.
 
-GLB, PLY and VTK's XML are written by hand: trimesh takes three times as long for GLB, and its PLY holds neither quads
-nor float64 (``vtk_xml`` says why for VTK).
+GLB, PLY and VTK's XML need no library: trimesh takes three times as long for GLB, and its PLY holds neither quads nor
+float64 (``vtk_xml`` gives the reason for VTK).
 
 Files have their own axes. From (north, east, down):
 
     GLB                 (east, up, -north)     Y up, as glTF requires
     all others          (east, north, up)      Z up, as maps are
 
-Both are rotations; swapping only the sign of down would mirror the hole. What a file holds is in `Surface.save`.
+Both are rotations; changing only the sign of down would mirror the hole. `Surface.save` lists what a file holds.
 """
 
 from __future__ import annotations
@@ -127,7 +127,7 @@ def _glb(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint
 
 
 def _lines(mesh: MeshArrays) -> list[str]:
-    """The metadata in ASCII lines, as PLY and OBJ have comments."""
+    """Return the metadata as ASCII lines for the comments of PLY and OBJ."""
     metadata = {"axes": f"{AXES}, metres", **mesh.described()}
     return [f"helibore: {name}: {ascii(text)[1:-1]}" for name, text in metadata.items()]
 
@@ -174,7 +174,7 @@ def _ply(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint
 
 
 def _records(columns: list[tuple[str, str, Any]]) -> Rows:
-    """Columns (name, dtype, values) side by side, as PLY holds them."""
+    """Return columns (name, dtype, values) as records of a PLY file."""
     length = max(len(values) for _, _, values in columns if np.ndim(values))
     records: Rows = np.empty(length, dtype=[(name, dtype) for name, dtype, _ in columns])
     for name, _, values in columns:

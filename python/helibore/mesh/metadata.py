@@ -1,4 +1,4 @@
-"""What a mesh says about itself: texts by name, the same in every format that holds texts.
+"""The metadata of a mesh: texts by name, the same in every format that holds texts.
 
 {"made by": "helibore 0.1.0", "basis": "radius measured ...", "helix": "64 sectors, pitch 0.1 m, ...", ...}
 """

@@ -76,7 +76,7 @@ class Volume:
 
     @property
     def layers(self) -> int:
-        """Layers of hexahedra: one less than there are shells, the wall included."""
+        """Number of layers of hexahedra: one for each shell outside the wall."""
         return len(self._layer_ranges)
 
     @cached_property

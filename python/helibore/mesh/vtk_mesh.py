@@ -1,9 +1,9 @@
-"""A mesh as VTK's formats hold it: points, cells of one kind, named values on both, texts.
+"""A mesh for VTK's formats: points, cells of one kind, named values on both, and texts.
 
     points   (east, north, up), float64            Z up, as maps are; both ways of turning are rotations
     cells    quads (type 9) or hexahedra (type 12), corners in helibore's own order, which is VTK's
 
-What vtk_xml.py and vtkhdf.py write; the two differ in nothing else.
+vtk_xml.py and vtkhdf.py write the same mesh in two formats.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ _LARGEST_INT32 = 2**31 - 1
 
 @dataclass(frozen=True)
 class VtkMesh:
-    """What goes into a file; ``active`` names the cell values that programs show first."""
+    """The content of a file; ``active`` names the cell values that programs show first."""
 
     points: Floats
     corners: Array

@@ -1,4 +1,4 @@
-"""Meshes as VTKHDF, VTK's HDF5: written whole, or grown part by part as the hole does. Needs the extra ``vtkhdf``.
+"""Write meshes as VTKHDF (VTK's HDF5), whole or part by part as the hole grows. Needs the extra ``vtkhdf``.
 
     /VTKHDF  Version, Type = "UnstructuredGrid"
       NumberOfPoints, NumberOfCells, NumberOfConnectivityIds    (parts,)
@@ -6,9 +6,9 @@
       PointData/radius ...   CellData/GR ...   FieldData/basis ...
 
 Connectivity and Offsets count from 0 in each part. Surfaces of neighbouring intervals meet without overlap or gap, so a
-file that got each in turn holds the whole wall. HDF5 works in memory, and the result then takes the file's place:
-readers meet the parts before or the parts after, and HDF5, which has been seen to end the program on a full disk, never
-meets one. Layout: "VTKHDF file format" (Kitware), 2.2.
+file with all of them holds the whole wall. HDF5 writes to memory, and the result then replaces the file: a reader sees
+the old parts or the new ones. HDF5, which has been seen to end the program on a full disk, never writes to the disk.
+Layout: "VTKHDF file format" (Kitware), 2.2.
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import h5py
 
 ENDING = ".vtkhdf"
-_CHUNK, _LARGE_CHUNK = 1 << 13, 1 << 16  # rows: a file of a few turns stays small, a large one has few pieces
+_CHUNK, _LARGE_CHUNK = 1 << 13, 1 << 16  # rows: a file of a few turns is small, and a large file has few chunks
 _FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file must have in common
 _COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
 
@@ -99,7 +99,7 @@ def _columns(mesh: VtkMesh) -> dict[str, Array]:
 
 
 def _create(group: h5py.Group, mesh: VtkMesh) -> None:
-    """Write the first part; every array has its size at once and may grow."""
+    """Write the first part; every array gets its full size at once and may grow later."""
     for name in (*mesh.cell_values, *mesh.metadata):
         if "/" in name or name in ("", "."):
             raise InputError(f"attributes[{name!r}]", "a name must not be empty, '.' or hold '/' in a VTKHDF file")
@@ -124,7 +124,7 @@ def _add(group: h5py.Group, mesh: VtkMesh) -> None:
 
 
 def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:
-    """Refuse a part that has other attributes or another kind of cells than those before."""
+    """Refuse a part whose attributes or kind of cells differ from the earlier parts."""
     kind = {int(each) for each in group["Types"][:1]}
     if kind - {part.cell_type}:
         raise InputError(str(path), f"holds cells of VTK type {kind.pop()}, the part has type {part.cell_type}")
