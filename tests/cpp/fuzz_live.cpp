@@ -1,8 +1,8 @@
 // Fuzzes the readers of bytes from outside: the WITS parser (any chunking gives the same frames, bounded memory) and
 // the journal scan (the records it returns are intact and in order).
 //
-//   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -Icpp/include tests/cpp/fuzz_live.cpp
-//           cpp/src/acquire/wits.cpp cpp/src/acquire/journal.cpp -o fuzz_live && ./fuzz_live -max_total_time=600
+//   clang++ -std=c++20 -O1 -g -fsanitize=fuzzer,address,undefined -Icpp/include -Icpp/src tests/cpp/fuzz_live.cpp
+//           cpp/src/acquire/{wits,journal}.cpp cpp/src/base/error.cpp -o fuzz_live && ./fuzz_live -max_total_time=600
 //   g++ -DSEEDED=200000 (the same without fuzzer) ... && ./fuzz_live          random inputs from a grammar, no clang
 #include <cstdint>
 #include <cstdio>

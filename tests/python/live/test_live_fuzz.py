@@ -12,9 +12,9 @@ from locations import ROOT
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="there is no C++ compiler here")
 def test_fuzzed(tmp_path):
-    names = "tests/cpp/fuzz_live.cpp", "cpp/src/acquire/wits.cpp", "cpp/src/acquire/journal.cpp"
-    sources = [ROOT / name for name in names]
-    flags = ["-DSEEDED=4000", "-std=c++20", "-O1", "-I", ROOT / "cpp/include"]
+    names = "acquire/wits.cpp", "acquire/journal.cpp", "base/error.cpp"
+    sources = [ROOT / "tests/cpp/fuzz_live.cpp", *(ROOT / "cpp/src" / name for name in names)]
+    flags = ["-DSEEDED=4000", "-std=c++20", "-O1", "-I", ROOT / "cpp/include", "-I", ROOT / "cpp/src"]
     subprocess.run(["c++", *flags, *sources, "-o", tmp_path / "fuzz_live"], check=True)
     assert subprocess.run([tmp_path / "fuzz_live"], check=True, capture_output=True).stdout == b"4000 inputs\n"
 
