@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "check.hpp"
+#include "helibore/error.hpp"
 #include "helibore/image.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/surface.hpp"

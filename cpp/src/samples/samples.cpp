@@ -207,8 +207,8 @@ Samples::Place Samples::place(Index rank) const {
 }
 
 Index Samples::count_to(double depth, std::size_t& near) const {
-    const bool is_near = near < chunks_.size() && chunks_[near]->first_depth() <= depth &&
-                         depth < chunks_[near]->last_depth();
+    const bool is_near =
+        near < chunks_.size() && chunks_[near]->first_depth() <= depth && depth < chunks_[near]->last_depth();
     if (!is_near) {
         const auto chunk = std::partition_point(chunks_.begin(), chunks_.end(),
                                                 [&](const auto& c) { return c->last_depth() <= depth; });

@@ -8,8 +8,8 @@
 // re-scan, late data) rewrites the chunks that it falls into. An insertion can be undone.
 #pragma once
 
-#include <compare>
 #include <algorithm>
+#include <compare>
 #include <memory>
 #include <vector>
 

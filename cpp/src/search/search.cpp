@@ -129,8 +129,8 @@ void Search::find_windows(const Samples& samples, const kernel::Group& g, Index 
     const Index n = samples.size();
     windows.length = std::min(*settings_.window, n);
     for (Index i = 0; i < lanes; ++i) {
-        windows.centered[i] = i < used ? samples.count_to(g.depth[i], windows.chunk) - *settings_.window / 2
-                                       : windows.centered[used - 1];
+        windows.centered[i] =
+            i < used ? samples.count_to(g.depth[i], windows.chunk) - *settings_.window / 2 : windows.centered[used - 1];
         windows.first[i] = std::clamp<Index>(windows.centered[i], 0, n - windows.length);
     }
     const auto [first, last] = std::minmax(windows.first[0], windows.first[lanes - 1]);
@@ -176,16 +176,15 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         const double width = half_height / (least_trial * rules_.scale);
         const double height = std::min(half_height, 1.001 * settings_.max_distance);
         const double low = span.shallow - height, high = span.deep + height;
-        const bool all_depths =
-            samples.size() == 0 || (low <= scratch.windows.shallow && high >= scratch.windows.deep);
+        const bool all_depths = samples.size() == 0 || (low <= scratch.windows.shallow && high >= scratch.windows.deep);
         const double across = span.half_width + width + 1e-9;
         const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
         kernel::Box box{all_depths ? no_limit : height, across < 180.0 ? width : no_limit, across, 0.5 * (high - low),
                         false};
         fetch_box(samples, low, high, filter, box, g, scratch);
         const Index fewest = place_windows(scratch.windows, scratch.list, g);
-        box.narrow = rules_.neighbors <= std::min<Index>(fewest, 8) &&
-                     scratch.list.count <= kernel::narrow_capacity && across + span.half_width < 180.0;
+        box.narrow = rules_.neighbors <= std::min<Index>(fewest, 8) && scratch.list.count <= kernel::narrow_capacity &&
+                     across + span.half_width < 180.0;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;
         if (verdict == kernel::Verdict::widen) half_height *= 1.5;

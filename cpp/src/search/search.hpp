@@ -35,9 +35,9 @@ class Search {
     // Which samples a group may use: all, or those in the windows of its vertices.
     struct Windows {
         Index centered[kernel::lanes], first[kernel::lanes], length;  // ranks; first: moved to where samples are
-        Range all;                                                     // ranks of all windows together
-        double shallow, deep;                                          // depths of the first and last of them
-        std::size_t chunk = 0;                                         // near the last vertex
+        Range all;                                                    // ranks of all windows together
+        double shallow, deep;                                         // depths of the first and last of them
+        std::size_t chunk = 0;                                        // near the last vertex
     };
 
     // Memory of one worker: the list of candidates and the place of the previous group. Every group writes to it, so it

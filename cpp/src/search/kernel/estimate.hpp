@@ -35,8 +35,8 @@ inline P exp2_of(P y) {
     y = P::max(y, P(-1000.0));
     const P round(0x1.8p52), whole = (y + round) - round, f = (y - whole) * P(0.6931471805599453);
     constexpr double inverse_factorials[] = {
-        1.0,         1.0,          1.0 / 2,       1.0 / 6,        1.0 / 24,        1.0 / 120,        1.0 / 720,
-        1.0 / 5040,  1.0 / 40320,  1.0 / 362880,  1.0 / 3628800,  1.0 / 39916800,  1.0 / 479001600,  1.0 / 6227020800};
+        1.0,        1.0,         1.0 / 2,      1.0 / 6,       1.0 / 24,       1.0 / 120,       1.0 / 720,
+        1.0 / 5040, 1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
     P result(0.0);
 #pragma GCC unroll 14
     for (int i = 13; i >= 0; --i) result = result * f + P(inverse_factorials[i]);
@@ -82,9 +82,10 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
     }
 }
 
-// The 8 nearest, or fewer, of each vertex by floats. The bound it returns on the squared distances of the others is below the true one by what their rounding may have done, u = 2^-24: each
-// coordinate errs by u of the list's extent, their difference by as much again and, once scaled, by 2 u more; a float
-// square k, cut to 15 bits of fraction, stands for at least
+// The 8 nearest, or fewer, of each vertex by floats. The bound it returns on the squared distances of the others is
+// below the true one by what their rounding may have done, u = 2^-24: each coordinate errs by u of the list's extent,
+// their difference by as much again and, once scaled, by 2 u more; a float square k, cut to 15 bits of fraction, stands
+// for at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
 template <class P, bool windowed>
@@ -222,9 +223,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     for (;;) {
         if (any(wanted)) {
             if (narrow) {
-                rejected = rules.windowed
-                               ? find_eight<P, true>(g, current * scale, list, box, rules.neighbors, at)
-                               : find_eight<P, false>(g, current * scale, list, box, rules.neighbors, at);
+                rejected = rules.windowed ? find_eight<P, true>(g, current * scale, list, box, rules.neighbors, at)
+                                          : find_eight<P, false>(g, current * scale, list, box, rules.neighbors, at);
                 selected_at = current;
             } else {
                 rejected = P::blend(wanted, nearest.find(g, current, P::bits(wanted), at), rejected);

@@ -46,8 +46,9 @@ struct alignas(32) Candidate {
     std::int64_t rank;  // in canonical order
 };
 
-// Columns of list_capacity + 1 values, `across` and `along` of 16 more, which may be read. Positions from count on, up to the next multiple of 16, and list_capacity itself
-// hold "none": depth none_depth, toolface and radius 0; in the narrow columns 0 and narrow_none.
+// Columns of list_capacity + 1 values, `across` and `along` of 16 more, which may be read. Positions from count on, up
+// to the next multiple of 16, and list_capacity itself hold "none": depth none_depth, toolface and radius 0; in the
+// narrow columns 0 and narrow_none.
 struct CandidateList {
     Candidate* rows;
     float* across;                 // toolface less the group's center, in (-180, 180]

@@ -7,8 +7,8 @@
 //     best    b0 <= b1 <= ... <= b7          min(b0,a7) min(b1,a6) ... min(b7,a0)   the 8 smallest of the 16, bitonic
 //     batch   a0 <= a1 <= ... <= a7    ->    max(...)                               the others: only their least counts
 //
-// All else: lanes are the candidates of one vertex. Float keys and a threshold that a few more than V of them pass, found
-// by counting; then the exact keys of those that pass, and a threshold that V of them pass.
+// All else: lanes are the candidates of one vertex. Float keys and a threshold that a few more than V of them pass,
+// found by counting; then the exact keys of those that pass, and a threshold that V of them pass.
 #pragma once
 
 #include "search/kernel/kernel.hpp"
@@ -167,9 +167,9 @@ inline Number threshold(Number guess, Number low, Number high, int all, int leas
             return guess;
         }
         const Number wanted = static_cast<Number>(least + most + 1) / 2;
-        Number next = bounded ? low + (high - low) * (wanted - static_cast<Number>(below)) /
-                                          static_cast<Number>(above - below)
-                              : start + (guess - start) * wanted / static_cast<Number>(passed > 0 ? passed : 1);
+        Number next =
+            bounded ? low + (high - low) * (wanted - static_cast<Number>(below)) / static_cast<Number>(above - below)
+                    : start + (guess - start) * wanted / static_cast<Number>(passed > 0 ? passed : 1);
         if (tries > 6 || !(low < next && next < high)) next = halfway<Bits>(low, high);
         if (next == low || next == high) return high;
         guess = next;
@@ -257,7 +257,8 @@ class Nearest {
         for (int i = 0; i < n; i += Floats::width) {
             const Floats one_way = Floats::load(list_.across + first + i) - a;
             const Floats turned = Floats::max(one_way, zero - one_way);
-            const Floats x = metres * Floats::min(turned, circle - turned), y = Floats::load(list_.along + first + i) - z;
+            const Floats x = metres * Floats::min(turned, circle - turned),
+                         y = Floats::load(list_.along + first + i) - z;
             (x * x + y * y).store(keys_ + i);
         }
         for (int i = n; i < (n + 15) / 16 * 16; ++i) keys_[i] = __builtin_inff();
@@ -303,8 +304,9 @@ class Nearest {
         };
         double cut = missing_square;
         if (within > wanted)
-            cut = threshold<std::int64_t>(static_cast<double>(nearest) + static_cast<double>(limit - nearest) * (wanted + 0.5) / m, 0.0,
-                                          missing_square, m, wanted, wanted, passing);
+            cut = threshold<std::int64_t>(
+                static_cast<double>(nearest) + static_cast<double>(limit - nearest) * (wanted + 0.5) / m, 0.0,
+                missing_square, m, wanted, wanted, passing);
         farthest = within > wanted ? cut : rules_.reach_square;
         for (int i = 0; i < m; i += lanes) {
             const P key = P::load(exact_ + i);
