@@ -103,6 +103,7 @@ def test_images_of_the_rig_are_on_the_page() -> None:
         until(lambda: window.refresh({}) or (window.scene.levels[0].columns and shown(window, live)))
         (attribute,) = window.scene.shape.attributes
         assert (attribute.name, attribute.unit, attribute.color_map) == ("GR", "gAPI", "gamma")
+        until(lambda: "GR" in window.scene.state.ranges)  # the feed's thread sets it after the values
         low, high = window.scene.state.ranges["GR"]
         assert 0 <= low < high <= 167
         window.show(pushed(live, 101.0))
