@@ -20,7 +20,8 @@ from helibore.cli import cli
 from helibore.viewer.web_app import page
 
 BIT = ("--bit-diameter", "8.5in")
-HELIBORE = [sys.executable, "-c", "from helibore.cli import main; main()"]
+INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # a background job ignores it
+HELIBORE = [sys.executable, "-c", f"{INTERRUPTIBLE}; from helibore.cli import main; main()"]
 
 
 @pytest.fixture
