@@ -246,8 +246,8 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
     rows.append(("Measured", f"{100 * summary.coverage:.2f} % of the turns; the rest is interpolated or missing"))
     coverage = content.turns.coverage
     broken = int((coverage < 1).sum())
-    measured = f"{100 * float(coverage.mean()):.2f} % of the wall"
-    rows.append(("Coverage", f"{measured}, {broken:,} turns not measured all around"))
+    known = f"{100 * float(coverage.mean()):.2f} % of the wall"
+    rows.append(("With a radius", f"{known}, {broken:,} turns lack a radius somewhere"))
     for name, image in wall.images.items():
         share = 100 * image.missing / image.values.size
         rows.append((f"Image {name}", f"{image.depth.size:,} rows, {share:.1f} % of the values missing"))
@@ -258,7 +258,7 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
 
 
 def largest_gaps(turns: Diameters, pitch: float) -> list[tuple[float, float]]:
-    """Return the longest stretches, at most ten, whose turns are not measured all around; the longest first."""
+    """Return the longest stretches, at most ten, whose turns lack a radius somewhere; the longest first."""
     broken = np.concatenate([[False], turns.coverage < 1, [False]])
     edges = np.flatnonzero(np.diff(broken.astype(np.int8)))
     runs = [(first, stop - 1) for first, stop in zip(edges[::2], edges[1::2], strict=True)]

@@ -148,9 +148,9 @@ def test_intervals_against_a_loop(wall: hb.Wall) -> None:
 
 def test_the_largest_gap_is_found(wall: hb.Wall) -> None:
     gaps = largest_gaps(content_of(wall, Drawing(polar=(), body=())).turns, wall.settings.pitch)
-    # No sample from 2012 to 2016 m: what lies within half a metre of one counts as measured.
-    assert gaps[0][0] == pytest.approx(2012.5, abs=0.2)
-    assert gaps[0][1] == pytest.approx(2015.5, abs=0.2)
+    # No sample from 2012 to 2016 m: a vertex within max_distance of one, a metre, has a radius.
+    assert gaps[0][0] == pytest.approx(2013.0, abs=0.2)
+    assert gaps[0][1] == pytest.approx(2015.0, abs=0.2)
 
 
 def test_a_wall_that_was_not_measured_says_so() -> None:
