@@ -48,7 +48,8 @@ Result work(int threads, const Hole& hole) {
     for (const helibore::Path& path : {helibore::Path(survey), *stations.path()}) {
         const helibore::Surface surface = helibore::surface_of(helix, path, threads);
         for (const auto& vertex : surface.vertices) add(vertex);
-        for (const auto& axis : path.frame(depth)[1]) add(axis);
+        const auto frames = path.frame(depth);
+        for (const auto& axis : frames[1]) add(axis);
         add(path.tangent(depth)[1]);
         add(path.north_to_high_side(depth));
     }
