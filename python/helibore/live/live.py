@@ -107,7 +107,7 @@ class Live:
         self._sequence = 0
         self._names = {number: name for name, number in self.model.numbers.items()}
         self._began, self._last_bytes = clock()[1], dict[str, int]()
-        self._silent: set[str] = set()
+        self._silence_reported: dict[str, int] = {}  # the time of the last bytes before it
         self._pending_update = Update()
         self._logged: dict[tuple[str, str], float] = {}
         self.journal: Journal | None = None
@@ -349,10 +349,9 @@ class Live:
         """Report, once, each source that has sent nothing for more than its ``silence`` seconds."""
         now = self._clock()[1]
         for name, source in self.configuration.sources.items():
-            if now - self._last_bytes.get(name, self._began) <= source.silence * 1e9:
-                self._silent.discard(name)
-            elif name not in self._silent:
-                self._silent.add(name)
+            last = self._last_bytes.get(name, self._began)
+            if now - last > source.silence * 1e9 and self._silence_reported.get(name) != last:
+                self._silence_reported[name] = last
                 self.report("silent", f"nothing has come for {source.silence:g} s", name)
 
     def report(self, rule: str, text: str, source: str = "") -> None:

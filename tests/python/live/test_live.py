@@ -122,3 +122,17 @@ def test_with_direct_the_end_shows_samples_flagged_and_has_the_bits_of_the_batch
     assert 0 < np.count_nonzero(~settled) < len(live.wall)
     assert np.array_equal(live.wall.radius[settled], plain.wall.radius[settled], equal_nan=True)
     assert not plain.wall.provisional.any()
+
+
+def test_a_silence_is_reported_once_however_seldom_it_is_looked_for():
+    clock = Clock()
+    live = Live(parse(SENT), clock=clock)
+    name = next(iter(live.configuration.sources))
+    counts = lambda: live.model.events.counts[name, "silent"]  # noqa: E731
+    for silences in (1, 2, 3):
+        clock.step(1000.0)
+        live.check_silence()
+        live.check_silence()
+        assert counts() == silences
+        live.receive(name, b"&&\r\n!!\r\n")
+        assert counts() == silences
