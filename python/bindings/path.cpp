@@ -1,4 +1,4 @@
-// Survey and Path for Python: arrays in, arrays out.
+// Survey, Path and Stations for Python: arrays in, arrays out.
 #include "helibore/path.hpp"
 
 #include "arrays.hpp"
@@ -36,6 +36,27 @@ void register_path(py::module_& m) {
         .def_property_readonly("start_depth", &Path::start_depth)
         .def_property_readonly("survey_depth", &Path::survey_depth)
         .def_property_readonly("stop_depth", &Path::stop_depth);
+
+    py::class_<Stations>(m, "Stations")
+        .def(py::init([](const std::string& method, const std::string& reference, const Vector3& head, double extend) {
+                 return std::make_unique<Stations>(settings_of(method, reference, head, extend));
+             }),
+             py::arg("method"), py::arg("reference"), py::arg("head"), py::arg("extend"))
+        .def("take",
+             [](Stations& stations, const Column& depth, const Column& inclination, const Column& azimuth) {
+                 Stations::Taken taken = stations.take(span_of(depth), span_of(inclination), span_of(azimuth));
+                 return py::make_tuple(taken.path_from, std::move(taken.refused));
+             })
+        .def("columns",
+             [](const Stations& stations) {
+                 const auto copied = [](std::span<const double> of) {
+                     return array_of(std::vector<double>(of.begin(), of.end()));
+                 };
+                 return py::make_tuple(copied(stations.depth()), copied(stations.inclination()),
+                                       copied(stations.azimuth()));
+             })
+        .def("path", &Stations::path)
+        .def("__len__", [](const Stations& stations) { return stations.depth().size(); });
 }
 
 }  // namespace helibore::bindings

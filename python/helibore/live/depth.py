@@ -191,6 +191,8 @@ class Rig:
     def forget(self, time: int) -> None:
         """Delete the entries that no measurement at ``time`` or later needs."""
         for name, track in self.tracks.items():
+            if len(track.time) <= 4096:
+                continue
             needed = time - int(max(self._rules.stale, self._rules.max_depth_gap) * SECOND)
             spare = int(np.searchsorted(track.time, needed)) - 1
             if spare > 4096:

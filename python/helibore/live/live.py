@@ -8,17 +8,10 @@
 `Live` is for software with its own transport: it has no thread and no callback. ``helibore live`` adds sockets and a
 status page. The logger ``helibore.live`` logs all events.
 
-`helibore::Live` in C++ offers samples, stations, image rows and `poll` to hosts that have no journal. `Live` here does
-not bind it, because each part would lose something:
-
-- It holds one wall. Here a sample goes to the walls of several layers, and one update joins the changes of all.
-- It copies image rows while it holds its lock. `ImageRows` copies without a lock, so that an export of a long image
-  does not delay the next packet.
-- It makes a survey from two stations on and reports a refused station without its source and line. Here one station is
-  exported and restored too, and every event names the line it came from.
-- It stores nothing. Here a push is journalled between its checks and its effect.
-
-Both append to `helibore::Wall`, and ``test_a_host_in_cpp_has_the_bits_of_python`` holds them to the same bits.
+`Live` shares the C++ classes `Wall` and `Stations` with `helibore::Live`, and so its bits
+(``test_a_host_in_cpp_has_the_bits_of_python``). It does not bind `helibore::Live` itself: that class has one wall, not
+one for each layer, stores nothing, and copies image rows while it holds its lock. In a trial with 400,000 rows of 36
+sectors, an append waited up to 500 ms for an export there, and 0.2 ms here (``ImageRows``).
 """
 
 from __future__ import annotations
@@ -316,9 +309,10 @@ class Live:
     def _store(self, source: int, connection: int, payload: bytes, kind: int) -> Update:
         """Store a record in the journal, then pass it to the model."""
         with self._lock:
-            return self._add_to_pending(self.model.take(*self._stamp(source, connection, payload, kind)))
+            return self._take(*self._stamp(source, connection, payload, kind))
 
-    def _add_to_pending(self, update: Update) -> Update:
+    def _take(self, records: Rows, payloads: list[bytes]) -> Update:
+        update = self.model.take(records, payloads)
         merge(self._pending_update, update)
         return update
 
@@ -372,9 +366,7 @@ class Live:
         """Read all ``stored`` records and draw them."""
         with self._lock:
             records = np.concatenate([one.record for one in stored])
-            return self._add_to_pending(
-                self.model.take(records, [payload for one in stored for payload in one.payloads])
-            )
+            return self._take(records, [payload for one in stored for payload in one.payloads])
 
     def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:
         if self.journal is not None:

@@ -1,4 +1,4 @@
-"""Survey stations as they arrive: late stations are sorted in, corrected ones replace the old, the path is rebuilt."""
+"""Survey stations as they arrive; the C++ `Stations` sorts them in and computes the path only where it changed."""
 
 from __future__ import annotations
 
@@ -8,67 +8,62 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.live.depth_limits import DepthLimits
 from helibore.trajectory.survey import Path, Survey
 
 
 class Stations:
-    """The stations of a growing survey.
-
-    Attributes
-    ----------
-    survey, path
-        Survey and path of all stations so far; None while there are fewer than two.
-    """
+    """The stations of a growing survey; one at the depth of an earlier one replaces it."""
 
     def __init__(self, settings: dict[str, Any], limits: DepthLimits) -> None:
         self._limits = limits
         self._settings = {**settings, "head": tuple(settings["head"])}
         first = self._settings.pop("stations")
-        self._rows: dict[float, tuple[float, float]] = {}
-        self.survey: Survey | None = None
-        self.path: Path | None = None
+        self._core = _core.Stations(**self._settings)
+        self._survey: Survey | None = None
+        self._path: Path | None = None
         for row in first:
             _, bad = self.take(*row)
             if bad:
                 raise ValueError(f"path.stations: {bad}")
 
     def __len__(self) -> int:
-        return len(self._rows)
+        return len(self._core)
 
     def take(self, depth: float, inclination: float, azimuth: float) -> tuple[float | None, str]:
         """Add one station; return (depth below which the path changed or None, why the station was refused or "").
 
         A station that is already in the survey changes nothing.
         """
-        if not math.isfinite(depth):
-            return None, f"station at {depth:g} m: depth must be finite"
-        if self._limits.outside(np.array(depth)):
+        if math.isfinite(depth) and self._limits.outside(np.array(depth)):
             return None, f"station at {depth:g} m: {self._limits.rule()}"
-        row = (inclination, azimuth)
-        if self._rows.get(depth) == row:
-            return None, ""
-        rows = dict(sorted({**self._rows, depth: row}.items()))
-        columns = np.array([(key, *value) for key, value in rows.items()]).T
-        try:
-            if len(rows) > 1:
-                survey = Survey(*columns)
-                self.path, self.survey = survey.path(**self._settings), survey
-            elif not (0 <= inclination <= 180 and -360 <= azimuth <= 360):
-                raise ValueError(f"inclination {inclination:g}, azimuth {azimuth:g}: must be in [0, 180], [-360, 360]")
-        except ValueError as error:
-            return None, f"station at {depth:g} m: {error}"
-        self._rows = rows
-        above = columns[0][columns[0] < depth]
-        return float(above[-1]) if len(above) else float(depth), ""
+        moved, refused = self._core.take(*np.array([[depth], [inclination], [azimuth]]))
+        if moved is not None:
+            self._survey = self._path = None
+        return moved, "".join(refused)
+
+    @property
+    def survey(self) -> Survey | None:
+        """The survey of all stations so far; None while there are fewer than two."""
+        if self._survey is None and len(self) > 1:
+            self._survey = Survey(*self._core.columns())
+        return self._survey
+
+    @property
+    def path(self) -> Path | None:
+        """The path through the survey; None while there is no survey."""
+        if self._path is None and (survey := self.survey) is not None:
+            self._path = Path(survey, **self._settings, core=self._core.path())
+        return self._path
 
     def reaching(self, depth: float) -> Path | None:
         """Return the path; if it ends above ``depth``, it is extended straight to there."""
-        if self.path is None or self.survey is None or self.path.stop_depth >= depth:
-            return self.path
-        beyond = depth - max(self._rows)
-        return self.survey.path(**{**self._settings, "extend": max(beyond, self._settings["extend"])})
+        path = self.path
+        if path is None or path.stop_depth >= depth:
+            return path
+        return path.survey.path(**{**self._settings, "extend": depth - path.survey_depth})
 
     def rows(self) -> npt.NDArray[np.float64]:
         """Return (n, 3): depth m, inclination and azimuth deg, shallowest first."""
-        return np.array([(key, *value) for key, value in self._rows.items()]).reshape(-1, 3)
+        return np.column_stack(self._core.columns())

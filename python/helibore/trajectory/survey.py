@@ -117,13 +117,19 @@ class Path:
     """A path through the stations of a survey; `Survey.path` makes it. A path never changes."""
 
     def __init__(
-        self, survey: Survey, method: Method, reference: Reference, head: tuple[float, float, float], extend: float
+        self,
+        survey: Survey,
+        method: Method,
+        reference: Reference,
+        head: tuple[float, float, float],
+        extend: float,
+        core: _core.Path | None = None,
     ) -> None:
         north, east, down = head
         self._head = (float(north), float(east), float(down))
         self._extend = float(extend)
         self._survey, self._method, self._reference = survey, method, reference
-        self._core = _core.Path(survey._core, method, reference, self._head, self._extend)
+        self._core = core or _core.Path(survey._core, method, reference, self._head, self._extend)
 
     @property
     def survey(self) -> Survey:
