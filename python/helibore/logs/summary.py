@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from types import MappingProxyType
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -164,7 +163,7 @@ def summarize(
         rugosity=_mean_and_greatest(logs.rugosity),
         rugosity_window=turns.rugosity_window,
         washed_out=math.nan if turns.basis == "gauge" else metres["washout"],
-        kinds=MappingProxyType({kind: length for kind, length in metres.items() if length}),
+        kinds={kind: length for kind, length in metres.items() if length},
         breakout_axis=zones.breakout_axis(),
         shape=turns.shape,
         arms=len(turns.arm_diameter),

@@ -10,7 +10,7 @@ convergence, declination, sag) and its uncertainty.
 
 from __future__ import annotations
 
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -65,6 +65,9 @@ class Survey:
 
     def __len__(self) -> int:
         return self._depth.size
+
+    def __reduce__(self) -> tuple[type[Survey], tuple[Floats, ...]]:
+        return Survey, (self._depth, self._inclination, self._azimuth)
 
     def __repr__(self) -> str:
         return f"Survey({len(self)} stations, {self._depth[0]:g} to {self._depth[-1]:g} m)"
@@ -170,6 +173,9 @@ class Path:
     def stop_depth(self) -> float:
         """Depth the path ends at, metres: the last station plus ``extend``."""
         return self._core.stop_depth
+
+    def __reduce__(self) -> tuple[type[Path], tuple[Any, ...]]:
+        return Path, (self._survey, self._method, self._reference, self._head, self._extend)
 
     def __repr__(self) -> str:
         return f"Path({self._method}, {self._reference}, {self.start_depth:g} to {self.stop_depth:g} m)"

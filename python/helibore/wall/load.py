@@ -61,28 +61,28 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
         versions = f"written by helibore {contents['helibore']}; helibore {_core.__version__} does not have them"
         raise InputError(f"settings {', '.join(unknown)}", versions)
     wall = Wall(threads=threads, basis=contents["basis"], **contents["settings"])
-    samples = {name: members.array(f"samples/{name}") for name in contents["samples"]}
-    if samples:
-        wall.append(**samples)
-    if arms := contents.get("arms"):
-        columns: dict[str, Any] = {name: members.array(f"arms/{name}", ARMS[name]) for name in arms}
-        wall._keep_arms(Caliper(**columns))
+    samples = [members.array(f"samples/{name}") for name in contents["samples"]]
+    columns: dict[str, Any] = {name: members.array(f"arms/{name}", ARMS[name]) for name in contents.get("arms", ())}
     saved = {name: members.array(f"vertices/{name}", dtype) for name, dtype in VERTICES.items()}
-    if not recompute:
-        _require_same(wall, saved, contents)
+    path = None
     if contents["path"] is not None:
         placing = contents["path"] | {"head": tuple(contents["path"]["head"])}
-        wall.path = Survey(*(members.array(f"survey/{name}") for name in STATIONS)).path(**placing)
+        path = Survey(*(members.array(f"survey/{name}") for name in STATIONS)).path(**placing)
+    images = {}
     for number, image in enumerate(contents["images"]):
         key = image.pop("key")
         depth, values = members.array(f"images/{number}/depth"), members.array(f"images/{number}/values", "<f8", 2)
-        wall.images[key] = SectorImage(depth, values, **image)
+        images[key] = SectorImage(depth, values, **image)
+    attributes, units = {}, {}
     for number, row in enumerate(contents["attributes"]):
         start = math.nan if row["start_depth"] is None else row["start_depth"]
-        wall.attributes.restore(row["name"], start, members.array(f"attributes/{number}"))
+        attributes[row["name"]] = start, members.array(f"attributes/{number}")
         if row["unit"] is not None:
-            wall.attributes.units[row["name"]] = row["unit"]
-    wall.made_from = contents["made_from"]
+            units[row["name"]] = row["unit"]
+    arms = Caliper(**columns) if columns else None
+    wall.__setstate__((samples, arms, path, images, attributes, units, contents["made_from"]))
+    if not recompute:
+        _require_same(wall, saved, contents)
     return wall
 
 

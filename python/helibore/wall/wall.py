@@ -74,7 +74,8 @@ class Wall:
     Notes
     -----
     A wall has vertices from its first sample on. It may be used from several threads: each call sees it before or after
-    another, never between. Every array it returns is an owned copy.
+    another, never between. Every array it returns is an owned copy. A wall can be copied and pickled: the copy has the
+    same bits, now and after further appends.
     """
 
     def __init__(
@@ -338,6 +339,23 @@ class Wall:
         """
         return volume_of(self._state(samples=False), self._resolve_path(path), shells, start, stop)
 
+    def __reduce__(self) -> tuple[Any, ...]:
+        state = self._state()
+        values = {name: (self.attributes.start_depth(name), of) for name, of in state.attributes.items()}
+        placing = (state.path, dict(state.images), values, dict(state.attributes.units), state.made_from)
+        return _empty_wall, (self._settings, self._basis, self._threads), (state.sample_columns, state.arms, *placing)
+
+    def __setstate__(self, state: tuple[Any, ...]) -> None:
+        """Restore an empty wall from what an archive or a pickle holds: the samples make the vertices again."""
+        samples, arms, self.path, images, attributes, units, self.made_from = state
+        if samples:
+            self.append(*samples)
+        self._keep_arms(arms)
+        self.images.update(images)
+        for name, (start_depth, values) in attributes.items():
+            self.attributes.restore(name, start_depth, values)
+        self.attributes.units.update(units)
+
     def _resolve_path(self, path: Path | Literal["own"] | None) -> Path | None:
         if isinstance(path, str):
             if path != "own":
@@ -409,3 +427,7 @@ class Wall:
             return "Wall(empty)"
         last = self.start_depth + (len(self) - 1) * self._settings.pitch / self._settings.sectors
         return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
+
+
+def _empty_wall(settings: Settings, basis: Basis, threads: int) -> Wall:
+    return Wall(threads=threads, basis=basis, **vars(settings))
