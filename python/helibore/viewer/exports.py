@@ -31,6 +31,7 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
         "support": state & messages.SUPPORT_MASK,
         "rescanned": bool(state & messages.RESCANNED),
         "provisional": bool(state & messages.PROVISIONAL),
+        "interpolated": bool(state & messages.INTERPOLATED),
         "attributes": {
             attribute.name: _or_none(float(column[k]))
             for attribute, column in zip(shape.attributes, level.columns, strict=True)

@@ -4,7 +4,8 @@
 
 The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
 copies what changed, `CHUNK` vertices at a time; then the thread sleeps as long as the read took, which leaves half a
-core to the producer. The same thread finds the zones of the wall again when it has changed.
+core to the producer. The same thread finds the zones of the wall, and what is interpolated between arms, again when it
+has changed.
 """
 
 from __future__ import annotations
@@ -197,6 +198,9 @@ class Feed:
             return
         with self._finding:
             self._zones = found = classify(self._wall)
+        gap = getattr(self._wall, "angular_gap", None) if self._shape.basis == "azimuthal" else None
+        if gap is not None:
+            self.scene.set_interpolated(gap > self._wall.settings.largest_gap)
         zones = tuple(
             {
                 "kind": zone.kind,
@@ -216,7 +220,8 @@ class Feed:
             self._zones = self._zones or classify(self._wall)
         summary = summarize(self._wall, start, stop, zones=self._zones)
         names = ("start", "stop", "volume", "excess", "measured", "not_measured", "washed_out", "without_radius")
-        values = {name: float(getattr(summary, name)) for name in names}
+        values = {name: float(getattr(summary, name)) for name in (*names, "coverage", "mean_diameter")}
+        values |= {name: getattr(summary, name).value for name in ("least_diameter", "greatest_diameter")}
         return {name: value if math.isfinite(value) else None for name, value in values.items()}
 
     def _extend_path(self, *, again: bool = False) -> None:

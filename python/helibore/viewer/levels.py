@@ -7,7 +7,7 @@ Vertex k of the wall (level 0, a helix) lies at
 The overview (level 1) is a stack of rings, so a feature that goes straight around the hole stays level. Cell (R, C)
 holds the vertices of `TURNS` turns from R * TURNS on and of one of its eight sectors: the mean radius and the mean of
 every attribute (missing values do not count), the largest distance to a sample and the smallest support, so no mean
-hides a doubtful vertex.
+hides a doubtful vertex. It is interpolated between arms if most of its vertices are.
 """
 
 from __future__ import annotations
@@ -102,6 +102,9 @@ def refresh_overview(over: Level, wall: Level, start: int, stop: int) -> tuple[i
         over.texels[target, column] = mean(texels[:, column], there, 0.0)
     over.texels[target, messages.NEAREST] = cells(np.maximum, texels[:, messages.NEAREST], 0)
     over.texels[target, messages.STATE] = cells(np.minimum, support, messages.SUPPORT_MASK)
+    between = (texels[:, messages.STATE] & messages.INTERPOLATED) > 0
+    most = cells(np.add, np.where(between, 2.0, 0.0), 0.0) > cells(np.add, np.ones(len(between)), 0.0)
+    over.texels[target, messages.STATE][most] |= messages.INTERPOLATED
     for over_column, wall_column in zip(over.columns, wall.columns, strict=True):
         values = wall_column[part]
         over_column[target] = mean(values, np.isfinite(values), np.nan)

@@ -122,6 +122,8 @@ class RunState:
         Ends of the colours by quantity, metres or the attribute's unit; chosen once, from the whole wall.
     zones
         Zones of the wall as JSON objects, in order of depth.
+    alarms
+        What the live feed warns of, in words; a page shows each until its user silences it.
     """
 
     bit_depth: float = math.nan
@@ -131,6 +133,7 @@ class RunState:
     true_depth: tuple[float, float, float] | None = None
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()
+    alarms: tuple[str, ...] = ()
 
 
 class Scene:
@@ -177,6 +180,7 @@ class Scene:
             before = level.size
             level.reserve(stop)
             self._keep_first_pass(level.texels[first:stop], texels, first)
+            texels[:, messages.STATE] |= level.texels[first:stop, messages.STATE] & messages.INTERPOLATED
             differs = _replace(level.texels[first:stop], texels, np.uint64)
             for column, attribute in zip(level.columns, self.shape.attributes, strict=True):
                 if attribute.name in attributes:
@@ -190,6 +194,21 @@ class Scene:
             else:
                 return
             self.history.note(time.time(), level.size, self.state.bit_depth)
+            self._notify(0, start, stop)
+            self._notify(1, *refresh_overview(self.levels[1], level, start, stop))
+        self.on_change()
+
+    def set_interpolated(self, interpolated: npt.NDArray[np.bool_]) -> None:
+        """Set which vertices, from the first on, are interpolated between arms; only differences are sent."""
+        with self.lock:
+            level = self.levels[0]
+            marks = np.where(interpolated[: level.size], messages.INTERPOLATED, 0).astype(np.uint16)
+            state = level.texels[: len(marks), messages.STATE]
+            changed = np.flatnonzero((state ^ marks) & messages.INTERPOLATED)
+            if not len(changed):
+                return
+            state[changed] ^= messages.INTERPOLATED
+            start, stop = int(changed[0]), int(changed[-1]) + 1
             self._notify(0, start, stop)
             self._notify(1, *refresh_overview(self.levels[1], level, start, stop))
         self.on_change()

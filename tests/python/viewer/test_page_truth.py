@@ -178,3 +178,29 @@ def test_what_goes_straight_around_the_hole_is_level_from_afar(browser: Any) -> 
         assert washed.any(axis=0).all()
         assert np.ptp(tops) == 0, "its top is at one height all around"
         screen.close()
+
+
+def test_what_lies_between_arms_is_hatched_and_not_counted_as_measured(browser: Any) -> None:
+    depth = np.repeat(np.arange(2000.0, 2030.0, 0.05), 4)
+    arm = np.tile([0, 1, 2, 3], depth.size // 4)
+    radius = BIT / 2 + 0.02 + 0.0002 * (arm % 2)
+    caliper = hb.Caliper(depth, (depth * 12 + arm * 90) % 360, radius, arm=arm)
+    wall = hb.reconstruct(caliper, bit_diameter=BIT)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2015&sec=10&at=2015_45", (1366, 700))
+        screen.until("window.__wall.app.store.vertex(9608)?.state & 0x800")
+        screen.settle()
+        screen.until("window.__wall.app.summary")
+        assert "interpolated between arms" in ink_texts(screen)
+        k = screen.evaluate("window.__wall.app.quad.k")
+        assert wall.angular_gap[k] > 60
+        assert screen.readout()["Samples used"] == "8 (between arms)"
+        assert f"{100 * wall.summary(2010, 2020).coverage:.1f} %" in screen.inner_text("#section")
+        row = slice(9600 - 9600 % 64, 9600 - 9600 % 64 + 64)
+        assert f"{int(100 * (wall.angular_gap[row] <= 60).mean() + 0.5)} %" in screen.inner_text("#turn")
+        image = screen.pixels("image")[..., :3].astype(int)
+        full = image[..., 0] - image[..., 2] > 100  # the orange of 20 mm over bit, not faded
+        assert full.mean() == pytest.approx((wall.angular_gap <= 60).mean(), abs=0.05)
+        grey = abs(image - image[..., :1]).max(axis=-1) <= 2
+        assert 0.03 < grey.mean() < 0.2, "sparse lines"
+        screen.close()

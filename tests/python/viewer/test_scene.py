@@ -307,3 +307,27 @@ def test_a_bad_subscription_is_named(said: object, text: str) -> None:
     with pytest.raises(BadMessageError) as caught:
         read_subscription(said, 2)
     assert str(caught.value) == text
+
+
+def test_only_vertices_whose_mark_changes_are_sent_again_as_interpolated() -> None:
+    scene = begun()
+    rows = 4 * TURNS
+    scene.write(0, Vertices(np.full(rows * K, 0.1)), {})
+    page = Page(scene)
+    page.client.subscribe(Subscription(((0, 1),), 0, 0))
+    page.drain()
+    marks = np.zeros(rows * K, bool)
+    marks[3 * K : 30 * K] = True  # most of ring 0 (13 of 16 turns), 14 of 16 of ring 1
+    marks[31 * K] = True
+    scene.set_interpolated(marks)
+    sent = [message for message in page.drain() if message.level == 0]
+    assert [(message.first, message.count) for message in sent] == [(3 * K, 28 * K + 1)]
+    wall, over = scene.levels
+    np.testing.assert_array_equal((wall.texels[: wall.size, messages.STATE] & messages.INTERPOLATED) > 0, marks)
+    rings = (over.texels[: over.size, messages.STATE] & messages.INTERPOLATED > 0).reshape(4, -1)
+    assert rings.all(axis=1).tolist() == [True, True, False, False]
+    assert not rings[2:].any()
+    scene.set_interpolated(marks)
+    assert page.drain() == []
+    scene.write(4 * K, Vertices(np.full(K, 0.11)), {})
+    assert (wall.texels[4 * K : 5 * K, messages.STATE] & messages.INTERPOLATED).all(), "a new radius keeps the mark"

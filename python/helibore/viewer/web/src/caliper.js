@@ -1,19 +1,21 @@
 // The caliper track: smallest and largest diameter of every turn (green, blue), filled between, bit size dashed. Orange
-// beyond the bit, strong in a zone; red where the hole is tighter than the bit; hatched where a turn has no diameter.
+// beyond the bit, strong in a zone; red where the hole is tighter than the bit; hatched where a turn has no diameter, sparsely where it is interpolated
+// between arms.
 
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { niceStep } from './lod.js';
-import { hatched, line } from './strokes.js';
+import { hatched, line, SPARSE } from './strokes.js';
 import { tileTurns } from './turns.js';
 import { LENGTHS } from './units.js';
 import { zoneAt } from './zones.js';
 
-// Smallest Cmin and largest Cmax of the turns under each pixel row: {min, max, seen}; seen 0 beyond the wall.
+// Smallest Cmin and largest Cmax of the turns under each pixel row: {min, max, seen, between}; seen 0 beyond the
+// wall, between 1 where a turn is mostly interpolated between arms.
 export function profile({ store, view, imagePieces, rects }) {
   const { height } = rects.image;
   const rows = Math.ceil(height);
   const [min, max] = [0, 1].map(() => new Float32Array(rows).fill(NaN));
-  const seen = new Uint8Array(rows);
+  const [seen, between] = [0, 1].map(() => new Uint8Array(rows));
   const perRow = (view.bottom - view.top) / height;
   for (const { tile, top, bottom } of imagePieces) {
     const turns = tileTurns(store, tile, view.pass === 'first');
@@ -25,12 +27,13 @@ export function profile({ store, view, imagePieces, rects }) {
       const first = Math.max(0, Math.floor(Math.min(...ends)));
       for (let row = first; row <= Math.min(Math.max(...ends), tile.level.rows - 1, last - 1); row++) {
         seen[y] = 1;
+        between[y] |= turns.between[row];
         if (!(turns.min[row] >= min[y])) min[y] = turns.min[row];
         if (!(turns.max[row] <= max[y])) max[y] = turns.max[row];
       }
     }
   }
-  return { min, max, seen };
+  return { min, max, seen, between };
 }
 
 // Ends of the scale: round numbers, `per` a metre, about the tightest and the widest turn in view, and a tenth of bit size at least.
@@ -48,7 +51,7 @@ export function drawCaliper(ink, look) {
   const bit = 2 * store.bitRadius;
   const found = profile(look);
   if (!rect.width) return found; // nothing measured it
-  const { min, max, seen } = found;
+  const { min, max, seen, between } = found;
   const [low, high] = scaleFor(bit, found, LENGTHS[view.units].scale);
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
   ink.fillStyle = palette.panel;
@@ -57,7 +60,7 @@ export function drawCaliper(ink, look) {
   ink.beginPath();
   ink.rect(rect.left, rect.top, rect.width, rect.height);
   ink.clip();
-  gaps(ink, rect, min, seen, palette);
+  runs(seen, (y) => seen[y] && Number.isNaN(min[y]), (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette));
   for (let y = 0; y < min.length; y++) {
     if (Number.isNaN(min[y])) continue;
     const py = rect.top + y;
@@ -66,6 +69,7 @@ export function drawCaliper(ink, look) {
     if (max[y] > bit) band(ink, x(bit), x(max[y]), py, zone && zone.kind !== 'undergauge' ? palette.zones[zone.kind] : palette.over);
     if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.tight);
   }
+  runs(between, (y) => between[y], (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette, SPARSE));
   curve(ink, rect, min, x, palette.min);
   curve(ink, rect, max, x, palette.max);
   line(ink, x(bit), rect.top, x(bit), rect.top + rect.height, palette.ink, [5, 4]);
@@ -81,11 +85,11 @@ const band = (ink, a, b, y, colour) => {
   ink.fillRect(a, y, b - a, 1);
 };
 
-function gaps(ink, rect, min, seen, palette) {
-  for (let y = 0; y < min.length; y++) {
+function runs({ length }, isIn, draw) {
+  for (let y = 0; y < length; y++) {
     const start = y;
-    while (y < min.length && seen[y] && Number.isNaN(min[y])) y++;
-    if (y > start) hatched(ink, rect.left, rect.top + start, rect.width, y - start, palette);
+    while (y < length && isIn(y)) y++;
+    if (y > start) draw(start, y - start);
   }
 }
 

@@ -12,3 +12,6 @@ function drawnInSoftware() {
 }
 
 export const pen = (canvas) => canvas.getContext('2d', { willReadFrequently: SOFTWARE });
+
+// Pixels of a canvas per CSS pixel of its element; more than two are not seen.
+export const pixelRatio = (element) => Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2);

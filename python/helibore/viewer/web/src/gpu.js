@@ -5,7 +5,7 @@
 
 import * as THREE from 'three';
 import { Q_ATTRIBUTE, themed } from './colour.js';
-import { SOFTWARE } from './device.js';
+import { pixelRatio, SOFTWARE } from './device.js';
 import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { placeInside, WIDE } from './inside.js';
 import { CUTS } from './path.js';
@@ -51,7 +51,7 @@ export class Gpu {
 
   resize(width, height) {
     this.height = height;
-    this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+    this.renderer.setPixelRatio(pixelRatio(this.canvas));
     this.renderer.setSize(width, height, false);
   }
 

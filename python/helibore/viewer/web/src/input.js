@@ -130,6 +130,7 @@ export function bindControls(app) {
   on('pass', 'change', ({ target }) => target.value === 'change' && app.setQuantity('change'));
   on('sectionLength', 'change', ({ target }) => app.setLength(target.value));
   on('follow', 'click', () => app.follow(!view.follow));
+  on('rigOpen', 'click', () => app.rig());
   on('theme', 'click', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
   on('fit', 'click', () => app.fit());
   on('keys', 'click', () => byId('help').showModal());
@@ -193,6 +194,8 @@ const KEYS = {
   r: (app) => app.replay.toggle(),
   d: (app) => app.picking.toggle(),
   b: (app) => app.notes.open(),
+  k: (app) => app.rig(),
+  a: (app) => app.alarms.silence(),
   n: (app) => app.jump(1),
   N: (app) => app.jump(-1),
   Enter: (app) => app.picking.keep(),

@@ -5,16 +5,16 @@
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 
-export const HEAD = 66;
+export const HEAD = 80;
 const FOOT = 8;
 
 const DIPS = 70;
 
-export function layout(width, height, dips = false, measured = true) {
+export function layout(width, height, { dips = false, measured = true, rig = false } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
-  const image = Math.round(Math.min(360, Math.max(190, width * 0.25)));
+  const image = rig ? Math.round(width * 0.36) : Math.round(Math.min(360, Math.max(190, width * 0.25)));
   const caliper = Math.round(Math.min(230, Math.max(120, width * 0.15)));
-  const widths = { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
+  const widths = rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
   const rects = {};
   let left = 4;
   for (const [name, w] of Object.entries(widths)) {

@@ -4,27 +4,30 @@
 //
 // Nothing is drawn unless something changed; a page at rest costs nothing.
 
+import { Alarms } from './alarms.js';
 import { fromAddress, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
 import { MAPS, quantities, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
+import { lamp } from './lamp.js';
 import { Gpu } from './gpu.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNotes, Notes } from './notes.js';
-import { applyTheme, byId, disableControls, fillSelects, Histogram, lamp, links, listZones, nameCuts, options, readout, reflect, sectionText, showBasis, write } from './panel.js';
+import { applyTheme, byId, disableControls, fillSelects, Histogram, links, listZones, nameCuts, options, readout, reflect, sectionText, showBasis, write } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
 import { Replay } from './replay.js';
+import { recent, toggleRig, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
-import { drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
+import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
 import { scaleOf, showLength } from './units.js';
 import { View } from './view.js';
 import { jump } from './zones.js';
@@ -54,12 +57,13 @@ class App {
     this.replay = new Replay(this);
     this.picking = new Picking(this);
     this.notes = new Notes(this);
+    this.alarms = new Alarms(this);
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
     this.resize();
     this.contents = exportedContents();
     this.named = fromAddress(this, location.hash || (this.contents?.address ?? ''), MAPS);
     window.addEventListener('hashchange', () => this.readdress());
-    setInterval(() => lamp(this), 1000);
+    setInterval(() => (lamp(this), this.view.rig && this.store && writeRig(this)), 1000);
     const { protocol, host, search } = location;
     const on = {
       handshake: (handshake) => this.begin(handshake),
@@ -96,6 +100,7 @@ class App {
     this.store = new Store(handshake);
     disableControls(false);
     showBasis(handshake);
+    this.alarms.begin(handshake.session);
     this.path = new Path(handshake.start_depth, handshake.frame_step);
     this.glow.rows = this.store.levels[0].rows;
     const kept = this.quantities;
@@ -118,12 +123,14 @@ class App {
   forget() {
     for (const level of this.store.levels) for (const tile of level.tiles.values()) tile.textures?.dispose();
     this.fitted = this.view.follow ? this.fitted : true;
+    this.zonesBefore = null;
   }
 
-  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones }) {
+  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, alarms = [] }) {
     this.sources = sources;
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
-    this.zones = zones;
+    this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || this.lastWrite !== null), alarms);
+    this.zones = this.zonesBefore = zones;
     this.path.trueDepth = trueDepth;
     takeRanges(this.quantities, ranges);
     this.bitDepth = bit;
@@ -270,6 +277,7 @@ class App {
     drawAxis(ink, look);
     drawImageHead(ink, look);
     const calipers = drawCaliper(ink, look);
+    drawAhead(ink, look);
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
@@ -294,15 +302,17 @@ class App {
     this.read = readout({ store, view, path, quad: this.quad });
     write('readout', this.read);
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
-    if (store.basis === 'azimuthal') {
+    if (store.basis === 'azimuthal' && !view.rig) {
       const found = drawPolar(byId('polar'), look);
       write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
     }
     byId('sectionTitle').textContent = `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
     this.summarize();
     write('section', sectionText(store, this.summary));
-    listZones(this.zones, view, (zone) => this.showZone(zone));
-    this.histogram.draw(look);
+    this.alarms.write(view.units);
+    listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
+    writeRig(this);
+    if (!view.rig) this.histogram.draw(look);
     reflect(view, quantity);
     links(this, toAddress(this));
     lamp(this);
@@ -310,7 +320,7 @@ class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = byId('stage');
-    this.rects = layout(width, height, this.picking.shown, this.store?.basis !== 'gauge');
+    this.rects = layout(width, height, { dips: this.picking.shown, measured: this.store?.basis !== 'gauge', rig: this.view.rig });
     this.gpu?.resize(width, height);
     const { wall } = this.rects;
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
@@ -339,6 +349,14 @@ class App {
     const { level } = found.tile;
     const k = found.tile.index * level.tileSize + found.at + 0.5 * (level.sectors + 1);
     return this.view.set({ cursor: { depth: level.depth(k), toolface: level.toolface(found.at + 0.5) } });
+  }
+
+  rig(on) {
+    toggleRig(this.view, on);
+    this.follow(this.view.follow);
+    writeRig(this);
+    this.resize();
+    this.fit();
   }
 
   follow(on) {
@@ -370,25 +388,28 @@ class App {
     else this.redraw();
   }
 
-  // Ask the server for the figures of the section when it has rested; an exported file holds those of its own section.
+  // Ask the server for the figures of the section, or in rig mode of the last metres, once it rests; while the wall grows,
+  // every now and then. An exported file holds those of its own section.
   summarize() {
     const { view, store, contents } = this;
     if (contents) this.summary = contents.summary;
-    const key = [view.top.toFixed(2), view.bottom.toFixed(2), store.levels[0].size, store.session].join();
-    if (contents || key === this.summarized || store.basis === 'gauge') return;
-    this.summarized = key;
-    clearTimeout(this.summaryWait);
+    const [start, stop] = view.rig ? recent(store) : [view.top, view.bottom];
+    const key = [start.toFixed(2), stop.toFixed(2), store.levels[0].size, store.session].join();
+    if (contents || this.summaryPending || key === this.summarized || store.basis === 'gauge') return;
     this.summaryPending = true;
-    this.summaryWait = setTimeout(async () => {
+    setTimeout(async () => {
+      const [from, to] = view.rig ? recent(this.store) : [view.top, view.bottom];
+      this.summarized = [from.toFixed(2), to.toFixed(2), this.store.levels[0].size, this.store.session].join();
       const query = new URLSearchParams(location.search);
-      query.set('start', view.top);
-      query.set('stop', view.bottom);
+      query.set('start', from);
+      query.set('stop', to);
+      const began = performance.now();
       const answer = await fetch(`api/summary?${query}`).catch(() => null);
-      const summary = answer?.ok ? await answer.json() : null;
-      if (key !== this.summarized) return;
-      this.summaryPending = false;
-      this.summary = summary;
-      write('section', sectionText(store, summary));
+      this.summary = answer?.ok ? await answer.json() : null;
+      setTimeout(() => {
+        this.summaryPending = false;
+        this.redraw();
+      }, 4 * (performance.now() - began));
     }, SUMMARY_WAIT);
   }
 

@@ -1,5 +1,6 @@
 // The map: the whole well from the overview, in the colours of the current quantity, with zones and enlargement beside it,
-// the section as a window to drag, the cursor and the bit. Grey at its left edge: a vertex there is not measured.
+// the section as a window to drag, the cursor and the bit. Grey at its left edge: a vertex there is not measured; dots of
+// grey: interpolated between arms.
 
 import { lookup, themed } from './colour.js';
 import { pen } from './device.js';
@@ -35,6 +36,7 @@ export class DepthMap {
     const { view, rects, bitDepth, notes, zones } = look;
     const palette = PALETTES[view.theme];
     const rect = rects.map;
+    if (!rect.width) return;
     const [a, b] = this.ends(look);
     const y = (depth) => rect.top + ((depth - a) / (b - a)) * rect.height;
     this.refresh(look, a, b);
@@ -88,7 +90,7 @@ export class DepthMap {
   }
 }
 
-function paintRow({ pixels, width, colours, missing, bar }, y, { means, most, lacks }, { low, high, log }) {
+function paintRow({ pixels, width, colours, missing, bar }, y, { means, between, most, lacks }, { low, high, log }) {
   const f = log ? Math.log : (v) => v;
   const [a, b] = [f(low), f(high)];
   const line = y * width;
@@ -96,7 +98,9 @@ function paintRow({ pixels, width, colours, missing, bar }, y, { means, most, la
     if (mean === undefined) return;
     const share = Math.min(1, Math.max(0, (f(mean) - a) / (b - a)));
     const colour = Number.isNaN(share) ? missing : colours[Math.round(255 * share)];
-    pixels.fill(colour, line + Math.round((c * WIDE) / means.length), line + Math.round(((c + 1) * WIDE) / means.length));
+    const [from, to] = [c, c + 1].map((end) => line + Math.round((end * WIDE) / means.length));
+    pixels.fill(colour, from, to);
+    if (between[c]) for (let x = from; x < to; x++) if ((x - line - y) % 4 === 0) pixels[x] = missing;
   });
   if (lacks) pixels.fill(missing, line, line + EDGE);
   pixels.fill(bar, line + WIDE + 4, line + WIDE + 4 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 4)));

@@ -1,16 +1,17 @@
 // What a line of the map shows: all rings of the overview that lie in it.
 
-import { valueAt } from './colour.js';
-import { RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
+import { Q_ATTRIBUTE, valueAt } from './colour.js';
+import { INTERPOLATED, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
 // The rings between two places (in rings) as one row: the mean of each sector, NaN if one of its cells has no value, so that
-// no mean hides a gap; undefined beyond the wall; the largest enlargement, and whether a vertex lacks support.
+// no mean hides a gap; undefined beyond the wall; whether a cell of the sector is interpolated between arms; the largest
+// enlargement, and whether a vertex lacks support.
 export function rowOf(store, quantity, pass, from, to) {
   const over = store.levels[1];
   const [x0, x1] = [Math.min(from, to), Math.max(from, to)];
-  const row = { means: [], most: 0, lacks: false };
+  const row = { means: [], between: [], most: 0, lacks: false };
   for (let c = 0; c < over.sectors; c++) {
-    let [sum, count] = [0, 0];
+    let [sum, count, between] = [0, 0, false];
     for (let r = Math.floor(x0); r < Math.max(Math.floor(x0) + 1, Math.floor(x1)); r++) {
       const k = r * over.sectors + c;
       const { tile, at } = over.locate(k);
@@ -19,9 +20,11 @@ export function rowOf(store, quantity, pass, from, to) {
       sum += strip.values[at];
       row.most = Math.max(row.most, strip.enlarged[at]);
       row.lacks ||= strip.lacks[at] === 1;
+      between ||= quantity.mode !== Q_ATTRIBUTE && (tile.texels[TEXEL * at + STATE] & INTERPOLATED) > 0;
       count++;
     }
     row.means.push(count ? sum / count : undefined);
+    row.between.push(between);
   }
   return row;
 }

@@ -4,8 +4,8 @@ import { MAPS, fitRange, histogram, sampleOf } from './colour.js';
 import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
-import { RESCANNED, PROVISIONAL, CLIPPED, SUPPORT_MASK } from './protocol.js';
-import { scaleOf, showAge, showAngle, showClock, showCount, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
+import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
+import { scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
 import { bySeverity, LETTERS } from './zones.js';
 
@@ -13,7 +13,6 @@ export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
 const SHAPES = [1, 2, 3, 5, 10, 20];
-const LATE = 60; // seconds without a sample
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
@@ -73,6 +72,7 @@ export function reflect(view, quantity) {
   byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
+  byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
   byId('quantity').value = quantity.id;
   byId('map').value = quantity.map;
   byId('log').checked = quantity.log;
@@ -87,37 +87,6 @@ export function reflect(view, quantity) {
   byId('rangeUnit').textContent = unitOf(quantity, view.units);
 }
 
-// The lamp's colour and text: how old the newest sample is, and how far the wall is behind the bit.
-export function lamp(app) {
-  const [colour, text] = lampWords(app);
-  const at = byId('lamp');
-  at.className = `lamp ${colour}`;
-  at.title = text;
-  if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
-}
-
-export function lampWords({ status, words, store, bitDepth, newest, ended, sources, lastWrite, replay, contents }) {
-  if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
-  if (status !== 'live' || !store) return ['lost', words || 'connecting'];
-  if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
-  if (contents) return ['', `export of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];
-  const seconds = newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000;
-  const parts = [];
-  if (ended) parts.push('run ended');
-  if (Number.isFinite(seconds)) parts.push(`newest sample ${showAge(seconds)} ago`);
-  else parts.push('saved wall');
-  if (bitDepth !== null) parts.push(behind(store, bitDepth));
-  const late = !ended && seconds > LATE;
-  parts.push(late && sources ? sources : `${showCount(store.levels[0].size)} vertices`); // then the reason matters more
-  return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
-}
-
-// A bit that was lifted is within the wall.
-function behind(store, bitDepth) {
-  const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
-  return ahead > -0.05 ? `${Math.max(0, ahead).toFixed(1)} m behind bit` : `bit back ${(-ahead).toFixed(1)} m in the wall`;
-}
-
 // The values of a quad: name and text in pairs; what is not known is a dash.
 export function readout({ store, view, path, quad }) {
   const { cursor, units } = view;
@@ -127,7 +96,7 @@ export function readout({ store, view, path, quad }) {
   const gauge = store.basis === 'gauge';
   const measured = gauge ? null : quad;
   const { state = 0 } = measured ?? {};
-  const marks = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale']].filter(([bit]) => state & bit).map(([, word]) => word);
+  const marks = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'between arms']].filter(([bit]) => state & bit).map(([, word]) => word);
   return [
     ['MD', showDepth(cursor?.depth)],
     ['TVD', showDepth(tvd)],
@@ -146,10 +115,10 @@ export function readout({ store, view, path, quad }) {
 export function sectionText(store, summary) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
-  const { volume, excess, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
+  const { volume, excess, coverage, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
   const number = (value) => value ?? NaN;
   return [
-    ['Vertices without a sample', showPercent(number(without))],
+    ['Measured / no sample', `${showPercent(number(coverage))} / ${showPercent(number(without))}`],
     [`Volume of ${measured.toFixed(1)} m measured`, measured ? `${volume.toFixed(3)} m³` : '–'],
     ['Over bit volume', showPercent(number(excess))],
     [`Washed out${washed === null ? '' : ` (${showPercent(washed / (measured + gaps))})`}`, washed === null ? '–' : `${washed.toFixed(1)} m`],
@@ -157,9 +126,9 @@ export function sectionText(store, summary) {
 }
 
 // The zones, worst first; a click shows one.
-export function listZones(zones, { units, theme }, show) {
+export function listZones(zones, { units, theme }, alarms, show) {
   const card = byId('zones');
-  const key = JSON.stringify([zones, units, theme]);
+  const key = JSON.stringify([zones, units, theme, alarms.zones]);
   if (card.dataset.key === key) return;
   card.dataset.key = key;
   card.parentElement.hidden = zones.length === 0;
@@ -169,7 +138,8 @@ export function listZones(zones, { units, theme }, show) {
     button.type = 'button';
     button.title = `${zone.kind} (N, Shift N: next, previous)`;
     button.style.borderColor = PALETTES[theme].zones[zone.kind];
-    button.textContent = `${LETTERS[zone.kind]}  ${zone.start.toFixed(1)}–${zone.stop.toFixed(1)} m  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
+    button.classList.toggle('new', alarms.isNew(zone));
+    button.textContent = `${alarms.isNew(zone) ? 'new ' : ''}${LETTERS[zone.kind]}  ${zone.start.toFixed(1)}–${zone.stop.toFixed(1)} m  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
     button.addEventListener('click', () => show(zone));
     return button;
   }));

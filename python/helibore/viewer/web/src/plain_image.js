@@ -1,10 +1,11 @@
 // The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
 
-import { dynamicRange, lookup, themed, valueAt } from './colour.js';
+import { dynamicRange, lookup, Q_ATTRIBUTE, themed, valueAt } from './colour.js';
 import { pen } from './device.js';
 import { depthAt } from './layout.js';
 import { CUTS } from './path.js';
 import { wrap360 } from './helix.js';
+import { INTERPOLATED, STATE, TEXEL } from './protocol.js';
 
 export class PlainImage {
   constructor() {
@@ -40,7 +41,8 @@ export class PlainImage {
         const row = Math.floor(at / level.sectors);
         const ends = ranges ? [ranges[2 * row], ranges[2 * row + 1]] : [quantity.low, quantity.high];
         const value = store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;
-        picture.data.set(this.colour(value, ends, quantity.log, table, x + y, look.dark), 4 * (y * picture.width + x));
+        const pixel = this.colour(value, ends, quantity.log, table, x + y, look.dark);
+        picture.data.set(between(quantity, tile, at) ? sparse(pixel, x - y, look.dark) : pixel, 4 * (y * picture.width + x));
       }
     }
   }
@@ -60,4 +62,11 @@ export class PlainImage {
     const at = 4 * Math.round(255 * share);
     return table.subarray(at, at + 4);
   }
+}
+
+const between = (quantity, tile, at) => quantity.mode !== Q_ATTRIBUTE && (tile.texels[TEXEL * at + STATE] & INTERPOLATED) > 0;
+
+function sparse([red, green, blue], diagonal, dark) {
+  if (diagonal % 10 === 0) return dark ? [117, 117, 117, 255] : [140, 140, 140, 255];
+  return [red, green, blue].map((c) => 0.45 * c + 0.55 * (dark ? 38 : 245)).concat(255);
 }

@@ -1,23 +1,24 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
-// Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; kept sections behind. The
+// Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; dotted where it is interpolated between
+// arms; kept sections behind. The
 // shape's exaggeration is the view's, and written.
 
-import { pen } from './device.js';
+import { pen, pixelRatio } from './device.js';
 import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { measure, turn } from './turns.js';
+import { measure, turn, unmeasured } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
 import { LENGTHS } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
 import { zoneAt, zoneText } from './zones.js';
 
-// The turn at a depth: {k, radii, measured, level}, from the wall or, where that is not here, nothing.
+// The turn at a depth: {k, radii, between, measured, level}, from the wall or, where that is not here, nothing.
 export function turnAt(store, view, depth) {
   const level = store.levels[0];
   const k = Math.max(0, level.turnAt(depth));
   const radii = turn(store, level, k, view.pass === 'first' ? FIRST : RADIUS);
-  return { k, radii, measured: measure(radii), level };
+  return { k, radii, between: unmeasured(level, k), measured: measure(radii), level };
 }
 
 // Direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
@@ -95,23 +96,27 @@ function disc(ink, x, y, radius, colour) {
 
 function outline(ink, found, place, colour, fill) {
   const K = found.radii.length;
-  ink.beginPath();
-  let drawing = false;
-  for (let j = 0; j <= K; j++) {
-    const r = found.radii[j % K];
-    if (Number.isNaN(r)) drawing = false;
-    else {
-      ink[drawing ? 'lineTo' : 'moveTo'](...place(r, j % K, found));
-      drawing = true;
-    }
+  const [filled, measured, dotted] = [new Path2D(), new Path2D(), new Path2D()];
+  for (let j = 0; j < K; j++) {
+    const [a, b] = [j, (j + 1) % K].map((i) => (Number.isNaN(found.radii[i]) ? null : place(found.radii[i], i, found)));
+    if (!a || !b) continue;
+    filled[j ? 'lineTo' : 'moveTo'](...a);
+    const edge = found.between[j] || found.between[(j + 1) % K] ? dotted : measured;
+    edge.moveTo(...a);
+    edge.lineTo(...b);
   }
   if (fill && found.measured.share === 1) {
     ink.fillStyle = fill;
-    ink.fill();
+    ink.fill(filled);
   }
   ink.strokeStyle = colour;
   ink.lineWidth = fill ? 1.8 : 1.1;
-  ink.stroke();
+  ink.stroke(measured);
+  ink.globalAlpha = 0.6;
+  ink.setLineDash([1.5, 3]);
+  ink.stroke(dotted);
+  ink.setLineDash([]);
+  ink.globalAlpha = 1;
 }
 
 function diameters(ink, { radii, measured }, place, palette) {
@@ -151,12 +156,13 @@ export function turnText(look, found, show) {
     ['Cmin', known ? `${show(measured.min)} @ ${axis(measured.minAt)}` : '–'],
     ['Cmax', known ? `${show(measured.max)} @ ${axis(measured.maxAt)}` : '–'],
     ['Area diameter', show(equivalent)],
+    ['Turn measured', `${(100 * (1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length)).toFixed(0)} %`],
     ['Zone', zoneText(zoneAt(look.zones, depth), look.view.units)],
   ];
 }
 
 export function sized(canvas) {
-  const ratio = Math.min(window.devicePixelRatio, 2);
+  const ratio = pixelRatio(canvas);
   const { clientWidth: width, clientHeight: height } = canvas;
   const [w, h] = [Math.round(width * ratio), Math.round(height * ratio)];
   if (canvas.width !== w || canvas.height !== h) [canvas.width, canvas.height] = [w, h];

@@ -12,7 +12,7 @@ export const SURVEYED = 1; // in `mask` of FRAMES
 export const TEXEL = 4;
 export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];
 export const SUPPORT_MASK = 0x00ff;
-export const [RESCANNED, PROVISIONAL, CLIPPED] = [0x0100, 0x0200, 0x0400];
+export const [RESCANNED, PROVISIONAL, CLIPPED, INTERPOLATED] = [0x0100, 0x0200, 0x0400, 0x0800];
 
 export const attributesIn = (mask) => {
   const bits = [];

@@ -52,7 +52,7 @@ float value(int k) {
 }
 bool known(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u && !(logarithmic && v <= 0.0); }
 vec3 nothing() {
-  bool line = mod(gl_FragCoord.x + gl_FragCoord.y, 7.0) < 1.6;
+  bool line = mod(gl_FragCoord.x - gl_FragCoord.y, 7.0) < 1.6;
   return dark ? (line ? vec3(0.36) : vec3(0.24)) : (line ? vec3(0.62) : vec3(0.80));
 }
 vec3 colourOf(float v, int row) {
@@ -65,6 +65,12 @@ vec3 colourOf(float v, int row) {
 vec3 dotted(vec3 colour, int k) {
   bool dot = (texel(k).w & 0x200u) != 0u && (int(gl_FragCoord.x) & 3) < 2 && (int(gl_FragCoord.y) & 3) < 2;
   return dot ? mix(colour, vec3(dark ? 0.0 : 1.0), 0.7) : colour;
+}
+// Between arms the wall is interpolated: faded, with sparse lines that run the other way than those of no data.
+vec3 interpolated(vec3 colour, int k) {
+  if (mode == 5 || (texel(k).w & 0x800u) == 0u) return colour;
+  bool line = mod(gl_FragCoord.x + gl_FragCoord.y, 10.0) < 1.3;
+  return line ? vec3(dark ? 0.46 : 0.55) : mix(colour, dark ? vec3(0.12, 0.15, 0.18) : vec3(0.96), 0.55);
 }
 vec3 glowing(vec3 colour, int k) {
   for (int i = 0; i < 8; i++) {
@@ -150,7 +156,7 @@ void main() {
   float light = 0.38 + 0.50 * facing + 0.18 * max(0.0, dot(normal * sign(normal.z), normalize(vec3(-0.5, 0.6, 0.6))));
   if (lamp > 0.0) light = (0.62 + 0.55 * facing) * exp(-0.9 * length(seen) / lamp);
   float v = value(k);
-  vec3 base = known(v) ? colourOf(v, k / K) : nothing();
+  vec3 base = known(v) ? interpolated(colourOf(v, k / K), k) : nothing();
   vec3 lit = base * min(light, 1.08);
   lit = glowing(dotted(lit, k), k);
   float line = abs(depthHere - cursor) / max(fwidth(depthHere), 1e-6);
@@ -236,7 +242,8 @@ void main() {
     return;
   }
   float mean = sum / float(count);
-  vec3 base = colourOf(logarithmic ? exp(mean) : mean, row);
-  colour = vec4(glowing(dotted(base, row * K + col), row * K + col), 1.0);
+  int k = row * K + col;
+  vec3 base = interpolated(colourOf(logarithmic ? exp(mean) : mean, row), k);
+  colour = vec4(glowing(dotted(base, k), k), 1.0);
 }
 `;

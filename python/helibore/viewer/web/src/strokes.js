@@ -11,23 +11,25 @@ export function line(ink, x0, y0, x1, y1, colour, dash = []) {
   ink.setLineDash([]);
 }
 
-export function hatched(ink, x, y, width, height, palette) {
+export const DENSE = { step: 5, fill: 0.35, rising: true }; // no data
+export const SPARSE = { step: 10, fill: 0, rising: false }; // interpolated between arms
+
+export function hatched(ink, x, y, width, height, palette, { step, fill, rising } = DENSE) {
   ink.save();
   ink.beginPath();
   ink.rect(x, y, width, height);
   ink.clip();
-  ink.globalAlpha = 0.35;
+  ink.globalAlpha = fill;
   ink.fillStyle = palette.hatch;
   ink.fillRect(x, y, width, height);
   ink.globalAlpha = 1;
   ink.strokeStyle = palette.hatch;
   ink.lineWidth = 1.2;
   ink.beginPath();
-  for (let d = -height; d < width; d += 5) {
-    ink.moveTo(x + d, y + height);
-    ink.lineTo(x + d + height, y);
+  for (let d = -height; d < width; d += step) {
+    ink.moveTo(x + d, rising ? y + height : y);
+    ink.lineTo(x + d + height, rising ? y : y + height);
   }
   ink.stroke();
   ink.restore();
 }
-

@@ -1,11 +1,11 @@
 // The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track, labels
 // in the 3-D view. (caliper.js and map.js draw their own tracks.) Everything here is drawn anew for each frame.
 
-import { MAPS, themed } from './colour.js';
+import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
 import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { hatched, line } from './strokes.js';
+import { DENSE, hatched, line, SPARSE } from './strokes.js';
 import { scaleOf, showDepth, unitOf } from './units.js';
 import { CAMERAS, ticks } from './view.js';
 import { drawZones } from './zones.js';
@@ -55,9 +55,9 @@ export function drawImageHead(ink, look) {
   const cut = CUTS[view.cut];
   const known = leftEdge(path, view.cut, view.middle).known;
   const units = unitOf(quantity, view.units);
-  label(ink, quantity.name + (units ? ` [${units}]` : ''), left + 2, 11, { colour: palette.ink, font: BOLD });
+  if (!view.rig) label(ink, quantity.name + (units ? ` [${units}]` : ''), left + 2, 11, { colour: palette.ink, font: BOLD });
   const mode = quantity.dynamic ? 'dynamic, 1 m' : 'static';
-  label(ink, mode, left + width - 2, 11, { colour: quantity.dynamic ? palette.cursor : palette.soft, align: 'right', font: SMALL });
+  if (!view.rig) label(ink, mode, left + width - 2, 11, { colour: quantity.dynamic ? palette.cursor : palette.soft, align: 'right', font: SMALL });
   const bar = ink.createLinearGradient(left, 0, left + width, 0);
   const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
   anchors.forEach((c, i) => bar.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));
@@ -72,9 +72,15 @@ function ends(ink, { view, quantity }, left, width, palette) {
   const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(3)).toString().replace('-', '−'));
   label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
   label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
-  const x = left + width / 2;
-  hatched(ink, x - 34, 32, 12, 9, palette);
-  label(ink, 'no data', x - 18, 37, { colour: palette.soft, font: SMALL });
+  if (view.rig) return;
+  const legend = [['no data', DENSE], ...(quantity.mode === Q_ATTRIBUTE ? [] : [[width < 240 ? 'between arms' : 'interpolated between arms', SPARSE]])];
+  legend.reduce((x, [text, hatching]) => {
+    hatched(ink, x, 47, 12, 10, palette, hatching);
+    ink.strokeStyle = palette.hatch;
+    ink.strokeRect(x + 0.5, 47.5, 11, 9);
+    label(ink, text, x + 16, 52, { colour: palette.soft, font: SMALL });
+    return x + 28 + ink.measureText(text).width;
+  }, left);
 }
 
 function letters(ink, names, known, left, width, palette, reference) {
@@ -88,6 +94,17 @@ function letters(ink, names, known, left, width, palette, reference) {
     line(ink, x, HEAD - 3, x, HEAD, palette.ink);
     label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: BOLD });
   });
+}
+
+// Between the newest sample and the bit nothing is measured yet.
+export function drawAhead(ink, { view, rects, store, bitDepth }) {
+  if (bitDepth === null) return;
+  const palette = PALETTES[view.theme];
+  const { top, height } = rects.image;
+  const [from, to] = [store.end, bitDepth].sort((a, b) => a - b).map((depth) => Math.min(top + height, Math.max(top, yOf(view, rects.image, depth))));
+  if ((bitDepth - store.end) * store.levels[0].pitch <= 0 || to - from < 2) return;
+  for (const { left, width } of [rects.image, rects.caliper]) if (width) hatched(ink, left, from, width, to - from, palette);
+  if (to - from > 24) label(ink, 'not measured yet', rects.image.left + rects.image.width / 2, (from + to) / 2, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
 }
 
 // The same depth through every track: the cursor's line with its depth, and the bit.
@@ -138,7 +155,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   if (view.median > 1) words.push(`median of ${view.median} turns`);
   if (!path.surveyed) words.unshift('no survey: drawn vertical');
   if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera]);
-  label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
+  if (!view.rig) label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
   ink.restore();
 }
 

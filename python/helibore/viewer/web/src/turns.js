@@ -6,7 +6,7 @@
 // A turn with a missing radius has no area, and no diameter there; nothing is filled in. Volumes and zones of the wall come
 // from the server.
 
-import { FIRST, RADIUS, TEXEL } from './protocol.js';
+import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 
 const TAU = 2 * Math.PI;
 
@@ -53,19 +53,32 @@ export function turn(store, level, k, column = RADIUS) {
   return radii;
 }
 
-// Cmin and Cmax of every turn of a tile, kept with the tile until it changes.
+// Which vertices of that turn are interpolated between arms or have no radius, as 1.
+export function unmeasured(level, k) {
+  return Uint8Array.from({ length: level.sectors }, (_, j) => {
+    const { tile, at } = level.locate(k + j);
+    return !tile || k + j >= level.shown || !tile.texels[TEXEL * at + RADIUS] || tile.texels[TEXEL * at + STATE] & INTERPOLATED ? 1 : 0;
+  });
+}
+
+// Cmin and Cmax of every turn of a tile, and whether most of it is interpolated between arms; kept with the tile until it changes.
 export function tileTurns(store, tile, first = false) {
   const key = first ? 'turnsFirst' : 'turns';
   if (tile[key]?.version === tile.version) return tile[key];
   const { sectors, rows } = tile.level;
   const [min, max] = [0, 1].map(() => new Float64Array(rows).fill(NaN));
+  const between = new Uint8Array(rows);
   const radii = new Float64Array(sectors);
   const column = first ? FIRST : RADIUS;
   for (let row = 0; row < rows; row++) {
+    let interpolated = 0;
     for (let j = 0; j < sectors; j++) {
-      radii[j] = (tile.texels[TEXEL * (row * sectors + j) + column] || NaN) * store.radiusUnit;
+      const at = TEXEL * (row * sectors + j);
+      radii[j] = (tile.texels[at + column] || NaN) * store.radiusUnit;
+      if (tile.texels[at + STATE] & INTERPOLATED) interpolated++;
     }
+    between[row] = 2 * interpolated > sectors ? 1 : 0;
     ({ min: min[row], max: max[row] } = measure(radii));
   }
-  return (tile[key] = { version: tile.version, min, max });
+  return (tile[key] = { version: tile.version, min, max, between });
 }

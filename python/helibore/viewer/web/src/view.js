@@ -21,6 +21,7 @@ const DEFAULTS = {
   median: 1,
   follow: true,
   camera: 'outside',
+  rig: false, // large digits; follows the bit, whatever the user does
 };
 
 export class View {
@@ -44,13 +45,14 @@ export class View {
   }
 
   set(changes) {
-    Object.assign(this, changes);
+    Object.assign(this, changes, this.rig && changes.rig !== false ? { follow: true } : {});
     for (const listener of this.listeners) listener(changes);
     this.redraw();
   }
 
   // Show `length` metres from `top`, kept near the wall; by the user's hand it stops following.
   show(top, length, store, byHand = true) {
+    if (this.rig && byHand) return;
     const [shallow, deep] = store.span;
     const longest = Math.max(20, (deep - shallow) * 1.1);
     const size = Math.min(Math.max(length, SHORTEST), longest);
@@ -91,7 +93,7 @@ export class View {
     for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera']) {
       if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
     }
-    if (this.follow) parts.follow = 1;
+    for (const key of ['follow', 'rig']) if (this[key]) parts[key] = 1;
     return `#${new URLSearchParams(parts)}`;
   }
 
@@ -116,9 +118,11 @@ export class View {
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
     for (const [key, value] of Object.entries(taken)) if (value !== null) this[key] = value;
+    this.rig = parts.get('rig') === '1';
+    if (this.rig) this.follow = true;
     const depth = number('md', -1e5, 1e6);
     if (depth === null) return false;
-    this.follow = parts.get('follow') === '1';
+    this.follow = this.rig || parts.get('follow') === '1';
     this.top = depth - this.length / 2;
     return true;
   }

@@ -4,7 +4,7 @@ import { Glow } from '../src/glow.js';
 import { depthAt, layout, yOf } from '../src/layout.js';
 import { gridIndices, niceStep, pickStride, rowsShown, steps, tubeFor } from '../src/lod.js';
 import { leftEdge, Path } from '../src/path.js';
-import { lampWords } from '../src/panel.js';
+import { lampWords } from '../src/lamp.js';
 import { showLength, showSigned, showValue } from '../src/units.js';
 import { ticks, View } from '../src/view.js';
 

@@ -1,0 +1,61 @@
+// Rig mode (K): bit depth, hole size, worst zone, lag and age of the data in digits that are read from three metres. The
+// view follows the bit until the mode is left; the address holds the mode, so a reload keeps it.
+
+import { ageOf, lampWords } from './lamp.js';
+import { byId } from './panel.js';
+import { LENGTHS, showAge, showSigned } from './units.js';
+import { bySeverity } from './zones.js';
+
+export const RECENT = 30; // metres of hole that "last" means
+
+// Depths of the last metres of a wall, shallow first.
+export const recent = ({ end, levels: [{ pitch }] }) => [end - RECENT * Math.sign(pitch), end].sort((a, b) => a - b);
+
+export function worstOf(zones, [top, bottom]) {
+  return bySeverity(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
+}
+
+export function toggleRig(view, on = !view.rig) {
+  view.set(on ? { rig: true, follow: true, desk: view.length, length: RECENT * 1.15, cursor: null, pinned: false } : { rig: false, length: view.desk ?? RECENT });
+}
+
+// Text in a cell: the digits, their unit, the line below. Digits that are too wide are set narrower, not lower.
+function cell(id, digits, unit, more) {
+  const at = byId(id);
+  const text = `${digits}${unit && ` ${unit}`}`;
+  if (at.dataset.text !== text) {
+    at.dataset.text = text;
+    const [number, small] = ['span', 'small'].map((name) => document.createElement(name));
+    number.textContent = digits;
+    small.textContent = ` ${unit}`;
+    at.replaceChildren(number, small);
+  }
+  const room = at.parentElement.clientWidth - 40;
+  at.style.transform = at.scrollWidth > room ? `scaleX(${room / at.scrollWidth})` : '';
+  if (byId(`${id}More`).textContent !== more) byId(`${id}More`).textContent = more;
+}
+
+export function writeRig(app) {
+  const { view, store, path, bit, zones, summary, alarms } = app;
+  byId('rig').hidden = !view.rig;
+  document.body.classList.toggle('rig', view.rig);
+  if (!view.rig) return;
+  const { scale, unit } = LENGTHS[view.units];
+  const size = (metres) => (Number.isFinite(metres ?? NaN) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
+  const tvd = path.tvd(bit ?? NaN);
+  cell('rigBit', bit === null ? '–' : bit.toFixed(1), bit === null ? '' : 'm', bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${tvd.toFixed(1)} m` : 'MD');
+  const measured = store.basis !== 'gauge' && summary?.mean_diameter;
+  cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
+    ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `not measured, bit ${size(2 * store.bitRadius)} ${unit}`);
+  const worst = worstOf(zones, recent(store));
+  const [number, inUnit] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
+  cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${worst.start.toFixed(1)}–${worst.stop.toFixed(1)} m` : store.basis === 'gauge' ? 'not measured' : 'no zone');
+  byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
+  const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
+  cell('rigLag', Number.isFinite(lag) ? Math.max(0, lag).toFixed(1) : '–', Number.isFinite(lag) ? 'm' : '', `data end at ${store.end.toFixed(1)} m`);
+  const [colour, text] = lampWords(app);
+  const [age, ageUnit = ''] = showAge(ageOf(app)).split(' ');
+  cell('rigAge', age, ageUnit, { live: 'live', late: 'no new data', lost: text }[colour] ?? text.split(' · ')[0]);
+  byId('rigLamp').className = colour;
+  byId('rigLamp').textContent = { live: '✓', late: '!', lost: '✕' }[colour] ?? '–';
+}

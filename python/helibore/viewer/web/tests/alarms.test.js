@@ -1,0 +1,23 @@
+import assert from 'node:assert/strict';
+import test from 'node:test';
+import { newZones } from '../src/alarms.js';
+import { recent, worstOf } from '../src/rig.js';
+
+const zone = (kind, start, stop, severity = 1) => ({ kind, start, stop, severity, measure: 0.01 });
+
+test('a zone is new if none of its kind lay there before; one that grows is not', () => {
+  const before = [zone('washout', 10, 12), zone('breakout', 20, 25)];
+  const now = [zone('washout', 10, 14), zone('breakout', 11, 13), zone('breakout', 26, 28)];
+  assert.deepEqual(newZones(before, now), now.slice(1));
+  assert.deepEqual(newZones(before, before), []);
+});
+
+test('the worst zone of the last 30 m reaches into them, drilling down or up', () => {
+  const zones = [zone('washout', 10, 20, 9), zone('breakout', 60, 71, 3), zone('washout', 80, 82, 2)];
+  const wall = (pitch) => ({ end: 100, levels: [{ pitch }] });
+  assert.deepEqual(recent(wall(0.1)), [70, 100]);
+  assert.deepEqual(recent(wall(-0.1)), [100, 130]);
+  assert.equal(worstOf(zones, [70, 100]), zones[1]);
+  assert.equal(worstOf(zones, [71, 100]), zones[2]);
+  assert.equal(worstOf(zones, [90, 100]), null);
+});

@@ -1,0 +1,93 @@
+"""Rig mode: digits for three metres, follow locked, alarms of new zones; all kept over a reload."""
+
+from __future__ import annotations
+
+import time
+from typing import Any
+
+import pytest
+from made_wall import MadeWall
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+
+pytestmark = NEEDS_BROWSER
+
+# The height of a digit as drawn, and what leaves its cell.
+DIGITS = """[...document.querySelectorAll('#rig .digits')].map((at) => {
+  const ink = document.createElement('canvas').getContext('2d');
+  const { fontWeight, fontSize, fontFamily } = getComputedStyle(at);
+  ink.font = `${fontWeight} ${fontSize} ${fontFamily}`;
+  const { actualBoundingBoxAscent: height } = ink.measureText('0');
+  const [inner, outer] = [at, at.parentElement].map((e) => e.getBoundingClientRect());
+  return { text: at.textContent, height, fits: inner.right <= outer.right && inner.bottom <= outer.bottom };
+})"""
+
+
+@pytest.mark.parametrize("bit", [1033.4, 12345.6])
+def test_digits_can_be_read_from_three_metres(browser: Any, bit: float) -> None:
+    with hb.view(MadeWall(20_000)) as viewer:
+        viewer.scene.update_state(bit_depth=bit, newest=time.time())
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
+        screen.keyboard.press("k")
+        screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
+        screen.settle()
+        cells = screen.evaluate(DIGITS)
+        assert len(cells) == 5
+        assert min(cell["height"] for cell in cells) >= 77
+        assert all(cell["fits"] for cell in cells)
+        texts = [cell["text"] for cell in cells]
+        assert texts[0] == f"{bit:.1f} m"
+        assert texts[3] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
+        worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
+        assert texts[2] == f"+{1000 * worst:.0f} mm"
+        size = screen.evaluate("window.__wall.app.summary.mean_diameter")
+        assert texts[1] == f"{1000 * size:.0f} mm"
+        screen.close()
+
+
+def test_rig_mode_follows_and_survives_a_reload(browser: Any) -> None:
+    with hb.view(MadeWall(30_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
+        screen.keyboard.press("k")
+        screen.settle()
+        top = screen.evaluate("window.__wall.app.view.top")
+        for key in ("ArrowUp", "PageUp", " "):
+            screen.keyboard.press(key)
+        assert screen.evaluate("[window.__wall.app.view.top, window.__wall.app.view.follow]") == [top, True]
+        assert "rig=1" in screen.address()
+        screen.reload()
+        screen.until("window.__wall?.ready")
+        assert screen.is_visible("#rig")
+        assert screen.evaluate("window.__wall.app.view.top") == pytest.approx(top, abs=0.01)
+        screen.keyboard.press("k")
+        assert not screen.is_visible("#rig")
+        screen.close()
+
+
+def test_a_new_zone_announces_itself_until_it_is_silenced(browser: Any) -> None:
+    wall = MadeWall(25_000)
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1020&sec=20", drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        before = screen.evaluate("window.__wall.app.zones.length")
+        assert not screen.is_visible("#alarm"), "zones of the wall as it was are not new"
+        viewer.scene.update_state(newest=time.time())
+        screen.until("window.__wall.app.newest")
+        viewer.update(wall.grow(20_000))
+        screen.until(f"window.__wall.app.zones.length > {before}")
+        screen.until("!document.getElementById('alarm').hidden")
+        text = screen.inner_text("#alarmText")
+        assert text.startswith("New washout")
+        assert screen.evaluate("document.querySelectorAll('#zones .new').length") >= 1
+        screen.reload()
+        screen.until("window.__wall?.ready && window.__wall.app.zones.length")
+        screen.settle()
+        assert screen.inner_text("#alarmText") == text
+        screen.keyboard.press("a")
+        screen.settle()
+        assert not screen.is_visible("#alarm")
+        viewer.scene.update_state(alarms=("WITS: no record for 60 s",))
+        screen.until("!document.getElementById('alarm').hidden")
+        assert screen.inner_text("#alarmText") == "WITS: no record for 60 s"
+        screen.close()
