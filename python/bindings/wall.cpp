@@ -7,6 +7,7 @@
 
 #include "arrays.hpp"
 #include "helibore/error.hpp"
+#include "helibore/estimates.hpp"
 #include "register.hpp"
 
 namespace helibore::bindings {
@@ -18,6 +19,12 @@ InstructionSet instruction_set_named(const std::string& name) {
     if (name == "avx2") return InstructionSet::avx2;
     if (name == "avx512") return InstructionSet::avx512;
     throw InputError("instruction_set", "must be automatic, plain, avx2 or avx512", "'" + name + "'");
+}
+
+Estimator estimator_named(const std::string& name) {
+    if (name == "inverse-distance") return Estimator::inverse_distance;
+    if (name == "kriging") return Estimator::kriging;
+    throw InputError("estimator", "must be inverse-distance or kriging", "'" + name + "'");
 }
 
 // Settings have the same names in both languages; None means no value, or no limit.
@@ -40,9 +47,14 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     take("max_iterations", s.max_iterations);
     take("tolerance", s.tolerance);
     take("angular_scale", s.angular_scale);
+    s.estimator = estimator_named(given["estimator"].cast<std::string>());
+    std::optional<double> kriging_range;
+    take("kriging_range", kriging_range);
+    take("nugget", s.nugget);
     take("direct", s.direct);
     take("most_vertices", s.most_vertices);
     s.max_distance = max_distance.value_or(std::numeric_limits<double>::infinity());
+    s.kriging_range = kriging_range.value_or(0.0);
     s.threads = threads;
     s.instruction_set = instruction_set_named(instruction_set);
     return s;
@@ -185,6 +197,26 @@ void register_wall(py::module_& m) {
             columns.validate(threads);
         },
         py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"), py::arg("threads"));
+    m.def(
+        "estimate_at",
+        [](const std::array<Column, 3>& samples, const std::array<Column, 5>& points, const py::dict& settings,
+           int threads) {
+            const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
+            const PointColumns at{span_of(points[0]), span_of(points[1]), span_of(points[2]), span_of(points[3]),
+                                  span_of(points[4])};
+            const Settings with = settings_of(settings, threads, "automatic");
+            PointEstimates of;
+            {
+                const py::gil_scoped_release released;
+                of = estimate_at(columns, at, with);
+            }
+            py::list spread;
+            for (auto& column : of.spread) spread.append(array_of(std::move(column)));
+            return py::make_tuple(array_of(std::move(of.radius)), array_of(std::move(of.nearest)),
+                                  array_of(std::move(of.farthest)), array_of(std::move(of.square_weights)),
+                                  array_of(std::move(of.scatter)), spread);
+        },
+        py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("threads"));
     m.def("instruction_set_in_use", [] { return std::string(instruction_set_in_use()); });
 }
 

@@ -47,6 +47,9 @@ def reference(
     max_iterations: int = 4,
     tolerance: float = 1e-6,
     angular_scale: float = 1.0,
+    estimator: str = "inverse-distance",
+    kriging_range: float = 0.0,
+    nugget: float = 0.1,
     digits: int | None = None,
 ) -> SimpleNamespace:
     """Fields of the wall, as arrays. ``digits``: distances that agree when rounded to so many decimals are ties."""
@@ -88,13 +91,36 @@ def reference(
             weight = (d == 0).astype(float) if d.min() == 0 else (d.min() / d) ** power
             wall.radius[k] = np.sum(weight * r) / np.sum(weight)
             estimate = wall.radius[k]
+            if estimator == "kriging":  # of the same neighbours; the iteration goes on with inverse distance
+                near = (turn[order], along[order], r)
+                wall.radius[k] = krige(*near, trial * angular_scale, kriging_range, nugget)
             if abs(estimate - trial) <= tolerance:
                 break
             if abs(estimate - before) <= tolerance:  # it would swing for ever
-                wall.radius[k] = (estimate + trial) / 2
+                if estimator != "kriging":
+                    wall.radius[k] = (estimate + trial) / 2
                 break
             before, trial = trial, estimate
     return wall
+
+
+def krige(turn: Floats, along: Floats, radius: Floats, scale: float, reach: float, nugget: float) -> float:
+    """Ordinary kriging of one vertex by the bordered system of the textbooks; ``scale``: metres a radian."""
+    reach = min(reach, np.pi * scale)
+
+    def covariance(turn: Floats, along: Floats) -> Floats:
+        around = (turn + np.pi) % (2 * np.pi) - np.pi
+        q = np.minimum(np.hypot(scale * around, along) / reach, 1.0)
+        return np.asarray((1 - q) ** 4 * (1 + 4 * q))
+
+    n = radius.size
+    system, right = np.ones((n + 1, n + 1)), np.ones(n + 1)
+    system[:n, :n] = covariance(turn[:, None] - turn, along[:, None] - along) + nugget * np.eye(n)
+    system[n, n] = 0.0
+    right[:n] = covariance(turn, along)
+    estimate = np.linalg.solve(system, right)[:n] @ radius
+    half = (radius.max() - radius.min()) / 2
+    return float(np.clip(estimate, radius.min() - half, radius.max() + half))
 
 
 def random_hole(seed: int, shape: str, n: int, length: float, top: float = 1000.0) -> tuple[Floats, Floats, Floats]:

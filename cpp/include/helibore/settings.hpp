@@ -11,6 +11,9 @@ namespace helibore {
 // The instructions that a search uses. All give the same bits; tests and benchmarks choose one.
 enum class InstructionSet { automatic, plain, avx2, avx512 };
 
+// How a radius follows from its neighbours. Kriging takes those of the last estimate by inverse distance.
+enum class Estimator { inverse_distance, kriging };
+
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();
 
 struct Settings {
@@ -20,16 +23,19 @@ struct Settings {
     std::optional<double> start_depth = {};  // depth of vertex 0, within 1e7 m of 0; none: the first sample
     std::optional<double> stop_depth = {};   // the wall ends here; none: the last sample along the helix
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
-    int neighbors = 8;                       // V: nearest samples a vertex is estimated from, 1 to 256
-    std::optional<Index> window = {};        // U: search only this many consecutive samples; none: all, exactly
-    double power = 1.0;                      // weight = distance^-power
-    double max_distance = 1.0;               // metres; samples farther away are not used. no_limit: none
-    int max_iterations = 4;                  // the most estimates per vertex
-    double tolerance = 1e-6;                 // metres; stop when the radius changes by no more
-    double angular_scale = 1.0;              // 1: true arc length; 2: as published (Energies 2021, 14, 291, Eq. 4)
-    bool direct = false;                     // a vertex that is not settled shows its latest sample, provisionally
-    Index most_vertices = 100'000'000;       // an append that would give the wall more is refused: a wrong depth
-    int threads = 1;                         // 1 or more; the result does not depend on it
+    int neighbors = 8;                 // V: nearest samples a vertex is estimated from, 1 to 256; kriging: 1 to 64
+    std::optional<Index> window = {};  // U: search only this many consecutive samples; none: all, exactly
+    double power = 1.0;                // weight = distance^-power
+    double max_distance = 1.0;         // metres; samples farther away are not used. no_limit: none
+    int max_iterations = 4;            // the most estimates per vertex
+    double tolerance = 1e-6;           // metres; stop when the radius changes by no more
+    double angular_scale = 1.0;        // 1: true arc length; 2: as published (Energies 2021, 14, 291, Eq. 4)
+    Estimator estimator = Estimator::inverse_distance;
+    double kriging_range = 0.0;         // metres in the metric of angular_scale; kriging: must be set
+    double nugget = 0.1;                // kriging: variance of the noise over that of the shape, at least 1e-6
+    bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
+    Index most_vertices = 100'000'000;  // an append that would give the wall more is refused: a wrong depth
+    int threads = 1;                    // 1 or more; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
 
     // Throws InputError that names the first setting that breaks its rule.

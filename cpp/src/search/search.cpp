@@ -50,6 +50,8 @@ Search::Search(const Settings& settings)
     rules_.max_iterations = settings.max_iterations;
     rules_.tolerance = settings.tolerance;
     rules_.power = settings.power;
+    rules_.range = settings.estimator == Estimator::kriging ? settings.kriging_range : 0.0;
+    rules_.nugget = settings.nugget;
     const double stretch = settings.angular_scale * settings.angular_scale;
     rules_.max_square = std::min(settings.max_distance * settings.max_distance, kernel::missing_square / 2);
     rules_.reach_square = std::min(rules_.max_square * std::max(stretch, 1.0), kernel::missing_square / 2);

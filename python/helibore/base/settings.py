@@ -5,13 +5,13 @@ from __future__ import annotations
 import math
 import operator
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
 from helibore.base.errors import InputError
 
-_OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance")
+_OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance", "kriging_range")
 _LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
 
@@ -32,7 +32,7 @@ class Settings:
     start_toolface
         Toolface of vertex 0, degrees.
     neighbors
-        V, the nearest samples a vertex is estimated from; 1 to 256.
+        V, the nearest samples a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with kriging 16.
     window
         U: search only this many consecutive samples around the vertex's depth, as published; None: search all, exactly.
     power
@@ -45,6 +45,17 @@ class Settings:
         1: distances around the hole are true arc lengths; 2: twice that, as in the published Eq. 4. Above 1, more
         neighbours lie above and below than around: 4 halves the error of many holes, whose shape changes little with
         depth (``bench/accuracy/angular_scale.py``).
+    estimator
+        'inverse-distance', the published method; or 'kriging': ordinary kriging of the neighbours that the last
+        estimate by inverse distance used, at its trial radius. Kriging weighs neighbours by how alike two radii are at
+        their distance, so it averages out noise and follows slopes. Its radius may lie outside the radii used, by at
+        most half of their range.
+    kriging_range
+        Metres, in the metric of ``angular_scale``: the distance at which two radii have nothing in common any more
+        (the covariance is Wendland's C2 function); at most half a turn counts. None: `helibore.reconstruct` takes four
+        times the median distance of the 16th nearest sample; a live wall must be given it.
+    nugget
+        Variance of the noise over the variance of the shape, for kriging; at least 1e-6.
     gap_reach, largest_gap
         A part of the turn counts as measured where the angle between the nearest samples on its two sides, within
         ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these.
@@ -63,19 +74,24 @@ class Settings:
     start_depth: float | None = None
     stop_depth: float | None = None
     start_toolface: float = 0.0
-    neighbors: int = 8
+    neighbors: int = cast(int, None)  # becomes 8 or 16
     window: int | None = None
     power: float = 1.0
     max_distance: float | None = 1.0
     max_iterations: int = 4
     tolerance: float = 1e-6
     angular_scale: float = 1.0
+    estimator: str = "inverse-distance"
+    kriging_range: float | None = None
+    nugget: float = 0.1
     direct: bool = False
     gap_reach: float = 0.5
     largest_gap: float = 60.0
     most_vertices: int = 100_000_000
 
     def __post_init__(self) -> None:
+        if self.neighbors is None:
+            object.__setattr__(self, "neighbors", 16 if self.estimator == "kriging" else 8)
         for name, value in vars(self).items():
             if value is None and name in _OPTIONAL:
                 continue
@@ -105,6 +121,12 @@ def _number(name: str, value: Any) -> float:
         raise InputError(name, "must be a number", repr(value)) from None
 
 
+def _estimator(name: str, value: Any) -> str:
+    if value not in ("inverse-distance", "kriging"):
+        raise InputError(name, "must be 'inverse-distance' or 'kriging'", repr(value))
+    return str(value)
+
+
 def _flag(name: str, value: Any) -> bool:
     if not isinstance(value, bool | np.bool_):
         raise InputError(name, "must be True or False", repr(value))
@@ -114,4 +136,5 @@ def _flag(name: str, value: Any) -> bool:
 _KINDS = {
     **dict.fromkeys(("sectors", "neighbors", "max_iterations", "window", "most_vertices"), _integer),
     "direct": _flag,
+    "estimator": _estimator,
 }

@@ -42,7 +42,7 @@ ROWS = 24
 """Intervals in the table of diameters, at most."""
 MOST_GAPS = 10
 SETTING_UNITS = dict.fromkeys(("bit_diameter", "pitch", "start_depth", "stop_depth", "max_distance", "tolerance"), "m")
-SETTING_UNITS["start_toolface"] = "deg"
+SETTING_UNITS |= {"kriging_range": "m", "start_toolface": "deg"}
 NO_SETTING = {"start_depth": "that of the samples", "stop_depth": "that of the samples", "window": "all samples"}
 STYLE = """
 :root { color-scheme: light; }
@@ -290,4 +290,6 @@ def _setting_text(name: str, value: Any) -> str:
     """A setting of the wall with its unit, in words where it is none."""
     if value is None or isinstance(value, bool):
         return NO_SETTING.get(name, "none") if value is None else "yes" if value else "no"
+    if isinstance(value, str):
+        return value
     return f"{value:.10g} {SETTING_UNITS.get(name, '')}".strip()

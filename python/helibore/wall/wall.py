@@ -90,6 +90,8 @@ class Wall:
         check_basis(basis)
         self._basis = basis
         self._settings = Settings(bit_diameter=bit_diameter, **settings)
+        if self._settings.estimator == "kriging" and self._settings.kriging_range is None:
+            raise InputError("kriging_range", "must be given where samples arrive later; reconstruct() finds it")
         self._threads = thread_count(threads)
         self._core = _core.Wall(vars(self._settings), self._threads, instruction_set)
         self._growing = threading.Lock()  # between an append and what must see all columns of one moment

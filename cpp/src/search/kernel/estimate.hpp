@@ -4,6 +4,7 @@
 // on how they were found.
 #pragma once
 
+#include "search/kernel/kriging.hpp"
 #include "search/kernel/select.hpp"
 
 namespace helibore::kernel {
@@ -215,6 +216,10 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         iterations.store(g.iterations);
         reach.store(g.reach_square);
         least_trial.store(g.least_trial);
+        if (rules.range > 0.0) {  // kriging, of those that are done now and have neighbours
+            const auto done = P::less(P(0.0), P::blend(active, P(0.0), P::min(P::load(g.active), P::load(g.support))));
+            if (any(done)) P::blend(done, krige(g, list, rules, at, current).radius, P::load(g.radius)).store(g.radius);
+        }
         P::blend(active, P(1.0), P(0.0)).store(g.active);
         return verdict;
     };

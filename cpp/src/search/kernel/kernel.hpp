@@ -25,6 +25,7 @@ inline constexpr int lanes = 8;
 inline constexpr int position_bits = 12;
 inline constexpr std::int64_t list_capacity = (std::int64_t{1} << position_bits) - 1;  // the last position is "none"
 inline constexpr int max_neighbors = 256;
+inline constexpr int max_kriged = 64;  // neighbours of an estimate by kriging
 
 // Short lists are searched with floats first, at half the cost, with the position in the low 8 bits. Doubles decide
 // what floats cannot tell apart, so the result does not depend on which of the two found the neighbours.
@@ -70,6 +71,7 @@ struct Rules {
     int max_iterations;
     double tolerance;
     double power;
+    double range, nugget;  // of kriging; range 0: inverse distance
     // max_distance squared, on the wall; the greatest squared distance of a sample that near; a squared distance that
     // none beyond the limit is within. The three differ by angular_scale.
     double max_square, reach_square, sure_square;
@@ -142,6 +144,10 @@ struct Functions {
     // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the
     // nearest of the others.
     void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep);
+    // Kriges the group at its trial radii from the candidates at[0], at[lanes], ...: radii, and sums of squared
+    // weights.
+    void (*krige)(const Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at,
+                  double* radius, double* squares);
 };
 
 const Functions& plain();
