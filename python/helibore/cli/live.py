@@ -59,12 +59,12 @@ def live(
     if check:
         click.echo(f"{configuration}: fine: {', '.join(settings.sources)}")
         return
-    where = journal or (Path(settings.journal) if settings.journal else None)
+    where = journal or (Path(settings.journal.folder) if settings.journal.folder else None)
     if where is None:
         raise click.UsageError("no journal: give --journal FOLDER, or journal.folder in the configuration")
-    target = folder or (Path(settings.snapshot["folder"]) if settings.snapshot["folder"] else None)
+    target = folder or (Path(settings.snapshot.folder) if settings.snapshot.folder else None)
     with _window(configuration.stem, view_port) if page else nullcontext() as window, Live(settings, where) as running:
-        _run(running, window, metrics_port, seconds, target, every or settings.snapshot["every"], quiet)
+        _run(running, window, metrics_port, seconds, target, every or settings.snapshot.every, quiet)
         counts = running.model.counts
         click.echo(f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} not, {len(running.wall):,} vertices; "
                    f"journal {where}")  # fmt: skip

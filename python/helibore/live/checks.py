@@ -9,12 +9,12 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, TypeVar, get_args, get_origin
+from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from helibore.base.errors import InputError, MissingExtraError
 
 try:
-    from pydantic import AfterValidator, BaseModel, ConfigDict, ValidationError
+    from pydantic import AfterValidator, BaseModel, ConfigDict, PlainValidator, ValidationError
 except ImportError:
     raise MissingExtraError("pydantic", "live") from None
 
@@ -24,8 +24,19 @@ class Table(BaseModel):
 
     model_config = ConfigDict(extra="forbid", frozen=True, strict=True, allow_inf_nan=False)
 
+    def _derive(self, **values: Any) -> None:
+        """Set derived fields, or convert fields to core units; for `model_post_init` only."""
+        self.__dict__.update(values)
+
+
+def _not_a_setting(_: object) -> None:
+    raise InputError("", "is not a setting")
+
 
 Checked = TypeVar("Checked", bound=Table)
+Value = TypeVar("Value")
+Derived = Annotated[Value, PlainValidator(_not_a_setting)]
+"""A field that the file must not set: `Table._derive` sets it."""
 
 
 def within(least: float, most: float = math.inf) -> AfterValidator:
@@ -42,8 +53,8 @@ def within(least: float, most: float = math.inf) -> AfterValidator:
     return AfterValidator(check)
 
 
-def check(model: type[Checked], entries: Any, place: str = "") -> Checked:
-    """Return ``entries`` as a table of ``model``.
+def check(model: type[Checked], entries: Any, place: str = "", context: Any = None) -> Checked:
+    """Return ``entries`` as a table of ``model``; its validators get ``context``.
 
     Raises
     ------
@@ -51,7 +62,7 @@ def check(model: type[Checked], entries: Any, place: str = "") -> Checked:
         For the first entry that breaks a rule; ``place`` is the name of the table, such as ``source.rig``.
     """
     try:
-        return model.model_validate(entries)
+        return model.model_validate(entries, context=context)
     except ValidationError as error:
         first = error.errors(include_url=False)[0]
     where = joined_place(place, *first["loc"])

@@ -8,7 +8,8 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
+from types import SimpleNamespace
+from typing import Annotated, Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,7 @@ from pydantic import Field
 
 from helibore.base.errors import InputError
 from helibore.images.sector_image import Direction, Origin, SectorImage
-from helibore.live.checks import Table, check, joined_place, within, without_none
+from helibore.live.checks import Derived, Table, check, within, without_none
 from helibore.trajectory.references import Reference
 
 PathReference = Literal["high-side", "north"]
@@ -49,13 +50,15 @@ class LayoutTable(Table):
     reference: PathReference = Field(description='"high-side" or "north": what toolface 0 is')
     direction: Direction = "clockwise"
     toolface_offset: Annotated[float, within(-360, 360)] = 0.0
+    layout: Derived[Layout] = Layout("edge", "high-side", "clockwise", 0.0)
 
-    def layout(self, path_reference: str, place: str = "") -> Layout:
-        """Return the layout; ``path_reference`` is the reference of the wall's toolfaces."""
-        if self.reference != path_reference:
-            rule = f'must be the path\'s reference, "{path_reference}": an image is not turned on its way to the wall'
-            raise InputError(joined_place(place, "reference"), rule, repr(self.reference))
-        return Layout(self.origin, self.reference, self.direction, self.toolface_offset)
+    def model_post_init(self, context: Any) -> None:
+        if self.reference != context.reference:
+            rule = (
+                f'must be the path\'s reference, "{context.reference}": an image is not turned on its way to the wall'
+            )
+            raise InputError("reference", rule, repr(self.reference))
+        self._derive(layout=Layout(self.origin, self.reference, self.direction, self.toolface_offset))
 
 
 def given_layout(
@@ -67,4 +70,4 @@ def given_layout(
     entries = without_none(
         origin=origin, reference=reference, direction=direction, toolface_offset=float(toolface_offset)
     )
-    return check(LayoutTable, entries).layout(path_reference)
+    return check(LayoutTable, entries, context=SimpleNamespace(reference=path_reference)).layout

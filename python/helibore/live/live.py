@@ -116,8 +116,8 @@ class Live:
         self.journal = Journal(
             journal,
             opening,
-            segment_bytes=self.configuration.segment_bytes,
-            sync_interval=self.configuration.sync_interval,
+            segment_bytes=self.configuration.journal.segment_mb << 20,
+            sync_interval=self.configuration.journal.sync_interval,
             clock=clock,
         )
         for note in self.journal.recovery.notes:  # read_into reports the damage
@@ -278,7 +278,7 @@ class Live:
         """
         depths = column("depth", depth)
         self._check_image(name, depths.size, values, unit)
-        layout = given_layout(origin, reference, direction, toolface_offset, self.configuration.path["reference"])
+        layout = given_layout(origin, reference, direction, toolface_offset, self.configuration.path.reference)
         if layout and self.model.layouts.get(name, layout) != layout:
             raise ValueError(f"image '{name}': has another layout: {self.model.layouts[name]}")
         _require_finite("depth", depths)

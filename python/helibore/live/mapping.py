@@ -22,7 +22,7 @@ from helibore.live.depth_limits import DepthLimits, Steps
 from helibore.live.events import Event, EventBook, Flag
 from helibore.live.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.sequence import SequenceWatch
-from helibore.live.sources import ImageItems, Item, Source
+from helibore.live.sources import Image, Item, Source
 
 Integers = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
@@ -59,7 +59,7 @@ class Reading:
     triple_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     triples: Values = field(default_factory=lambda: np.empty((0, 3)))
     triple_flags: Integers = field(default_factory=lambda: np.empty(0, np.int64))
-    images: list[tuple[ImageItems, Integers, Values, Values, Integers]] = field(default_factory=list)
+    images: list[tuple[Image, Integers, Values, Values, Integers]] = field(default_factory=list)
     stations: Values = field(default_factory=lambda: np.empty((0, 3)))
     station_frame: Integers = field(default_factory=lambda: np.empty(0, np.int64))
     pass_number: Integers = field(default_factory=lambda: np.empty(0, np.int64))
@@ -73,24 +73,18 @@ class SourceReader:
         self.source = source
         self._events = events
         self._limits = limits
-        self._steps = {name: Steps(limits) for name in ("bit_depth", "hole_depth") if name in source.items}
+        self._steps = {name: Steps(limits) for name in ("bit_depth", "hole_depth") if name in source.rig}
         self._parser = self._new_parser()
         self._connection = -1
         self.counts = dict.fromkeys(self._parser.counts, 0)
-        self.watches: dict[int, SequenceWatch] = {100 * record + 4: SequenceWatch() for record in source.records()}
+        self.watches: dict[int, SequenceWatch] = {100 * record + 4: SequenceWatch() for record in source.records}
         self._column = np.full(10_000, -1, np.int64)
-        self._codes: list[int] = []
-        for code in sorted({*self.watches, *self._mapped()}):
-            self._column[code] = len(self._codes)
-            self._codes.append(code)
-        self._measured = np.array(sorted({self._column[c] for c in self._measurements()}), np.int64)
-        self._caliper_places = [self._places(items) for items in self._item_groups()]
-        distinguishing = [*self.watches]
-        if caliper := source.caliper:
-            distinguishing += [item.code for item in caliper.depth]
-        distinguishing += [image.depth.code for image in source.images if image.depth]
-        distinguishing += [item.code for item in (source.survey or ())[:1]]
-        self._distinguishing = np.array([self._column[code] for code in distinguishing], np.int64)
+        self._codes = sorted({*self.watches, *source.mapped})
+        self._column[self._codes] = np.arange(len(self._codes))
+        self._measured = np.unique(self._places(source.measured)[0])
+        depths = [*(source.caliper.depth if source.caliper else []), *source.station[:1]]
+        depths += [image.depth for image in source.images if image.depth]
+        self._distinguishing = np.append(self._column[[*self.watches]], self._places(depths)[0])
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
         self._held = bytearray()  # bytes that the parser holds; below, ends and wall times of their records
@@ -100,25 +94,10 @@ class SourceReader:
     def _new_parser(self) -> wits.Parser:
         return wits.Parser(self.source.nulls, *self.source.limits)
 
-    def _measurements(self) -> list[int]:
-        items: list[Item] = list(self.source.survey or ())
-        if caliper := self.source.caliper:
-            items += [*caliper.toolface, *caliper.radius, *caliper.depth]
-        for image in self.source.images:
-            items += [*image.sectors, *([image.depth] if image.depth else [])]
-        return [item.code for item in items]
-
-    def _item_groups(self) -> list[tuple[Item, ...]]:
-        caliper = self.source.caliper
-        return [caliper.depth, caliper.toolface, caliper.radius] if caliper else []
-
-    def _places(self, items: tuple[Item, ...]) -> tuple[Integers, Values]:
+    def _places(self, items: list[Item]) -> tuple[Integers, Values]:
         """Return the table columns and the scales of ``items``."""
-        return self._column[[item.code for item in items]], np.array([item.scale for item in items])
-
-    def _mapped(self) -> list[int]:
-        said = [self.source.pass_number] if self.source.pass_number else []
-        return [item.code for item in (*self.source.items.values(), *said)] + self._measurements()
+        codes = np.array([item.code for item in items], np.int64)
+        return self._column[codes], np.array([item.scale for item in items])
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the frames that ``chunk`` completes."""
@@ -177,9 +156,8 @@ class SourceReader:
         reading.pass_number = self._pass_numbers(values, states, flags | repeated)
         self._triples(reading, values, states, flags | repeated)
         self._images(reading, values, states, flags | repeated)
-        if self.source.survey:
-            columns = [self._value(values, item) for item in self.source.survey]
-            stations = np.column_stack(columns)
+        if self.source.station:
+            stations = np.column_stack([self._value(values, item) for item in self.source.station])
             reading.station_frame = np.flatnonzero(np.isfinite(stations).all(axis=1) & (repeated == 0))
             reading.stations = stations[reading.station_frame]
         return reading
@@ -236,14 +214,14 @@ class SourceReader:
 
     def _wrong_numbers(self, values: Values) -> Integers:
         """Return the frames whose pass number is not a whole number in the allowed range."""
-        if self.source.pass_number is None:
+        if self.source.items.pass_number is None:
             return np.empty(0, np.int64)
-        number = values[:, self._column[self.source.pass_number.code]]
+        number = values[:, self._column[self.source.items.pass_number.code]]
         return np.flatnonzero(~np.isnan(number) & ~_counts_passes(number))
 
     def _wrong_number(self, row: int, reading: Reading, values: Values) -> Event:
-        assert self.source.pass_number is not None
-        number = values[row, self._column[self.source.pass_number.code]]
+        assert self.source.items.pass_number is not None
+        number = values[row, self._column[self.source.items.pass_number.code]]
         text = f"pass number {number:g}: must be a whole number from 0 to {LARGEST}"
         return self._event(int(reading.wall[row]), "invalid", text, int(reading.line[row]))
 
@@ -311,7 +289,7 @@ class SourceReader:
 
     def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
         """Return the rig quantities; a bit or hole depth that cannot be true becomes NaN, with an event."""
-        rig = {name: self._value(values, item) for name, item in self.source.items.items()}
+        rig = {name: self._value(values, item) for name, item in self.source.rig.items()}
         for name, steps in self._steps.items():
             wrong = steps.wrong(rig[name])
             if not len(wrong):
@@ -340,7 +318,7 @@ class SourceReader:
 
         The number of a late or repeated frame applies to that frame only.
         """
-        item = self.source.pass_number
+        item = self.source.items.pass_number
         if item is None:
             return np.full(len(values), NO_NUMBER)
         column = self._column[item.code]
@@ -357,7 +335,7 @@ class SourceReader:
         caliper = self.source.caliper
         if caliper is None:
             return
-        places = self._caliper_places
+        places = [self._places(items) for items in (caliper.depth, caliper.toolface, caliper.radius)]
         columns = [values[:, column] * scale for column, scale in places]
         if not caliper.depth:
             columns[0] = np.full_like(columns[1], np.nan)

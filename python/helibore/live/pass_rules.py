@@ -23,7 +23,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.errors import InputError
-from helibore.live.checks import Table, within
+from helibore.live.checks import Derived, Table, within
 from helibore.live.file_names import RULE, can_be_file
 
 Integers = npt.NDArray[np.int64]
@@ -49,11 +49,32 @@ class PassRules(Table):
     stale: Annotated[float, within(0.001)] = 60.0
 
 
-@dataclass(frozen=True)
-class PassNumbers:
-    """What the numbers of one source mean: sorted (number, index into PASSES); empty: 1 is drill, larger are rescan."""
+class PassNumbers(Table):
+    """The table ``source.NAME.pass_numbers``: the numbers of each pass; empty: 1 is drill, larger are rescan.
 
-    listed: tuple[tuple[int, int], ...] = ()
+    Attributes
+    ----------
+    listed
+        Number to index into PASSES, sorted.
+    """
+
+    drill: list[int] = []
+    ream: list[int] = []
+    rescan: list[int] = []
+    trip: list[int] = []
+    unknown: list[int] = []
+    listed: Derived[dict[int, int]] = {}
+
+    def model_post_init(self, _: object) -> None:
+        listed: dict[int, int] = {}
+        for name in PASSES:
+            for number in getattr(self, name):
+                if not 0 <= number <= LARGEST:
+                    raise InputError(name, f"must be whole numbers from 0 to {LARGEST}", str(number))
+                if number in listed:
+                    raise InputError(name, f"is {PASSES[listed[number]]} already", str(number))
+                listed[number] = PASSES.index(name)
+        self._derive(listed=dict(sorted(listed.items())))
 
     def kind(self, number: int) -> int | None:
         """Return the pass that ``number`` means; UNKNOWN if it is not listed, None if it has no meaning."""
@@ -61,7 +82,7 @@ class PassNumbers:
             return None
         if not self.listed:
             return {0: None, 1: DRILL}.get(number, RESCAN)
-        return dict(self.listed).get(number, None if number == 0 else UNKNOWN)
+        return self.listed.get(number, None if number == 0 else UNKNOWN)
 
 
 @dataclass(frozen=True)
@@ -78,7 +99,7 @@ class Layer:
         return of_kind[kind] | np.isin(number, self.numbers) if self.numbers else of_kind[kind]
 
 
-def layer_of(names: tuple[str, ...]) -> Layer:
+def layer_of(names: list[str]) -> Layer:
     """Return the layer that takes the passes ``names`` ("ream", "pass 2")."""
     found = [NUMBERED.fullmatch(name) for name in names]
     return Layer(
@@ -87,42 +108,16 @@ def layer_of(names: tuple[str, ...]) -> Layer:
     )
 
 
-def read_layers(layers: dict[str, list[str]], *, numbered: bool) -> dict[str, tuple[str, ...]]:
-    """Check the table ``layers`` and return it; ``numbered``: whether any source sends pass numbers."""
+def read_layers(layers: dict[str, list[str]]) -> dict[str, list[str]]:
+    """Check the table ``layers`` and return it, with the layer ``main``."""
     for name, kinds in layers.items():
-        place = f"layers.{name}"
         if not can_be_file(name):
-            raise InputError(place, f"its name {RULE}", repr(kinds))
+            raise InputError(name, f"its name {RULE}", repr(kinds))
         if name.casefold() in TABLES or name.casefold().startswith("image-"):
             rule = f"the snapshot has a table of that name, as of {', '.join(TABLES)}, image-*"
-            raise InputError(place, rule, repr(kinds))
+            raise InputError(name, rule, repr(kinds))
         for kind in kinds:
-            if NUMBERED.fullmatch(kind):
-                if not numbered:
-                    raise InputError(place, "no source maps pass_number", repr(kind))
-            elif kind not in PASSES:
+            if kind not in PASSES and not NUMBERED.fullmatch(kind):
                 rule = f'must be passes out of {", ".join(PASSES)}, or "pass N" by its number'
-                raise InputError(place, rule, repr(kind))
-    return {"main": ("drill", "rescan", "unknown"), **{name: tuple(kinds) for name, kinds in layers.items()}}
-
-
-class PassNumbersTable(Table):
-    """The table ``source.NAME.pass_numbers``: the numbers of each pass."""
-
-    drill: list[int] = []
-    ream: list[int] = []
-    rescan: list[int] = []
-    trip: list[int] = []
-    unknown: list[int] = []
-
-    def read(self, place: str) -> PassNumbers:
-        """Return what the numbers mean."""
-        listed: dict[int, int] = {}
-        for name in PASSES:
-            for number in getattr(self, name):
-                if not 0 <= number <= LARGEST:
-                    raise InputError(f"{place}.{name}", f"must be whole numbers from 0 to {LARGEST}", str(number))
-                if number in listed:
-                    raise InputError(f"{place}.{name}", f"is {PASSES[listed[number]]} already", str(number))
-                listed[number] = PASSES.index(name)
-        return PassNumbers(tuple(sorted(listed.items())))
+                raise InputError(name, rule, repr(kind))
+    return {"main": ["drill", "rescan", "unknown"], **layers}

@@ -16,7 +16,6 @@ from collections import deque
 from collections.abc import Callable
 
 from helibore.live import journal as journals
-from helibore.live import wits
 from helibore.live.events import LOGGER
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
@@ -228,13 +227,13 @@ class Server:
         """Read one link to its end; return whether any bytes came."""
         self.states[source.name] = f"connected to {link.peer}"
         came, write_at = False, time.monotonic()
-        message = {"heartbeat": wits.HEARTBEAT, "poll": wits.POLL}.get(source.mode)
+        message, every = source.message or (b"", 0.0)
         try:
             self._put(source, connection, link.peer.encode(), journals.CONNECTED)
             while not self._stop.is_set():
                 if message and time.monotonic() >= write_at:
                     link.write(message)
-                    write_at = time.monotonic() + source.every
+                    write_at = time.monotonic() + every
                 wait = min(TICK, max(write_at - time.monotonic(), 0)) if message else TICK
                 payload = link.read(wait)
                 if payload is None:
@@ -279,7 +278,7 @@ class Server:
 
     def _sync(self) -> None:
         """Sync every ``sync_ms``; a disk that refuses is reported once, tried again, and reported when it succeeds."""
-        interval = self.live.configuration.sync_interval
+        interval = self.live.configuration.journal.sync_interval
         if self.live.journal is None or interval == 0:
             return
         failing = False

@@ -53,7 +53,7 @@ def snapshot(live: Live, folder: str | Path) -> list[Path]:
         of = frozen_copy(live)
         for text in of.left_out:
             live.report("snapshot", text)
-        _write(of, beside, str(live.configuration.snapshot["logs"]))
+        _write(of, beside, live.configuration.snapshot.logs)
         return _put_in_place(beside, target, of)
     finally:
         shutil.rmtree(beside, ignore_errors=True)

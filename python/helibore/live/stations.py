@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
+from helibore.live.configuration import PathTable
 from helibore.live.depth_limits import DepthLimits
 from helibore.trajectory.survey import Path, Survey
 
@@ -16,14 +17,13 @@ from helibore.trajectory.survey import Path, Survey
 class Stations:
     """The stations of a growing survey; one at the depth of an earlier one replaces it."""
 
-    def __init__(self, settings: dict[str, Any], limits: DepthLimits) -> None:
+    def __init__(self, path: PathTable, limits: DepthLimits) -> None:
         self._limits = limits
-        self._settings = {**settings, "head": tuple(settings["head"])}
-        first = self._settings.pop("stations")
+        self._settings: dict[str, Any] = path.model_dump(exclude={"stations"}) | {"head": tuple(path.head)}
         self._core = _core.Stations(**self._settings)
         self._survey: Survey | None = None
         self._path: Path | None = None
-        for row in first:
+        for row in path.stations:
             _, bad = self.take(*row)
             if bad:
                 raise ValueError(f"path.stations: {bad}")

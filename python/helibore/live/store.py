@@ -25,7 +25,7 @@ from typing import Any
 from helibore.base.errors import InputError, MissingExtraError
 from helibore.live import witsml
 from helibore.live.redaction import Redactor, check_password
-from helibore.live.sources import Source
+from helibore.live.sources import StoreSource
 
 PIECE = 1 << 19
 SOON = 0.25
@@ -52,26 +52,25 @@ class StoreClient:
 
     ends = False
 
-    def __init__(self, source: Source, position: Position) -> None:
+    def __init__(self, source: StoreSource, position: Position) -> None:
         try:
             import httpx2
         except ImportError:
             raise MissingExtraError("httpx2", "witsml") from None
-        assert source.store is not None
         self._source, self._position, self._http = source, position, httpx2
-        access, place = source.store.access, f"source.{source.name}"
+        place = f"source.{source.name}"
         self._trust = ssl.create_default_context()
-        if access.ca:
+        if source.ca:
             try:
-                self._trust.load_verify_locations(access.ca)
+                self._trust.load_verify_locations(source.ca)
             except OSError as error:
-                raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(access.ca)) from None
+                raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(source.ca)) from None
         self._auth: tuple[str, str] | None = None
         self._refused: dict[str, bytes] = {}
-        if access.user:
-            if access.password_env not in os.environ:
-                raise InputError(f"{place}.password_env", "is not set in the environment", repr(access.password_env))
-            self._auth = access.user, os.environ[access.password_env]
+        if source.user:
+            if source.password_env not in os.environ:
+                raise InputError(f"{place}.password_env", "is not set in the environment", repr(source.password_env))
+            self._auth = source.user, os.environ[source.password_env]
             check_password(f"{place}.password_env", self._auth[1])
         self._redactor = Redactor(self._auth)
 
@@ -92,12 +91,11 @@ class StoreLink:
     """
 
     def __init__(
-        self, client: Any, http: Any, source: Source, position: Position, refused: dict[str, bytes],
+        self, client: Any, http: Any, source: StoreSource, position: Position, refused: dict[str, bytes],
         redactor: Redactor,
     ) -> None:  # fmt: skip
-        assert source.store is not None
         self.peer = source.address.url
-        self._client, self._http, self._source, self._store = client, http, source, source.store
+        self._client, self._http, self._source = client, http, source
         self._position = position
         self._refused, self._redactor = refused, redactor
         self._pieces: queue.SimpleQueue[bytes | OSError | threading.Event] = queue.SimpleQueue()
@@ -133,9 +131,9 @@ class StoreLink:
     def _poll(self) -> None:
         try:
             while not self._closed.is_set():
-                partial = self._ask_log() if self._store.log else False
-                if self._store.trajectory and not partial:
-                    self._ask("trajectory", witsml.trajectory_query(self._store.trajectory), "returnElements=all")
+                partial = self._ask_log() if self._source.log else False
+                if self._source.trajectory and not partial:
+                    self._ask("trajectory", witsml.trajectory_query(self._source.trajectory.uids), "returnElements=all")
                 self._closed.wait(SOON if partial else self._source.every)
         except AccessDeniedError as error:
             self._pieces.put(error)
@@ -149,9 +147,9 @@ class StoreLink:
 
     def _ask_log(self) -> bool:
         """Query the log from its last index on; return whether the store has more rows now."""
-        assert self._store.log is not None
+        assert self._source.log is not None
         options = "returnElements=data-only" if "log" in self._before else "returnElements=all"
-        return self._ask("log", witsml.log_query(self._store.log, self._position()), options)
+        return self._ask("log", witsml.log_query(self._source.log.uids, self._position()), options)
 
     def _ask(self, kind: str, query: str, options: str) -> bool:
         """Send a query, wait until the answer is stored, raise its error; return whether the answer is partial."""
@@ -207,13 +205,13 @@ class StoreLink:
 
     def _answer(self, question: bytes) -> tuple[bytes, str, OSError | None]:
         """Return the body received so far; whether it is whole, cut or refused; and the error if it is not whole."""
-        access, host = self._store.access, self._source.address.host
-        end = time.monotonic() + access.timeout
+        source, host = self._source, self._source.address.host
+        end = time.monotonic() + source.timeout
         headers = {"Content-Type": "text/xml; charset=utf-8", "SOAPAction": f'"{witsml.ACTION}"',
                    "Accept-Encoding": "identity"}  # fmt: skip
         body, refused, denied = bytearray(), "", None
         self._answering = False
-        late = threading.Timer(access.timeout + 1.0, self._hang_up)  # httpx2 has no time limit for all headers together
+        late = threading.Timer(source.timeout + 1.0, self._hang_up)  # httpx2 has no time limit for all headers together
         late.daemon = True
         late.start()
         try:
@@ -222,7 +220,7 @@ class StoreLink:
                 self._source.address.url,
                 content=question,
                 headers=headers,
-                timeout=access.timeout,
+                timeout=source.timeout,
                 extensions={"trace": self._note_socket},
             ) as response:
                 self._answering = True
@@ -234,16 +232,16 @@ class StoreLink:
                     refused = "sent a compressed answer, which was not asked for"
                 for piece in response.iter_raw():
                     body += piece
-                    if len(body) > access.answer_bytes:
-                        del body[access.answer_bytes :]
-                        refused = refused or f"an answer of more than {access.answer_bytes >> 20} MB: refused"
+                    if len(body) > source.answer_mb << 20:
+                        del body[source.answer_mb << 20 :]
+                        refused = refused or f"an answer of more than {source.answer_mb} MB: refused"
                         break
                     if time.monotonic() > end or self._closed.is_set():
-                        slow = OSError(f"{host}: {refused or f'the answer took longer than {access.timeout:g} s'}")
+                        slow = OSError(f"{host}: {refused or f'the answer took longer than {source.timeout:g} s'}")
                         return bytes(body), "refused" if refused else "cut", slow
         except self._http.TransportError as error:
             slow_headers = time.monotonic() > end and not self._answering
-            reason = f"the answer took longer than {access.timeout:g} s" if slow_headers else str(error)
+            reason = f"the answer took longer than {source.timeout:g} s" if slow_headers else str(error)
             broken = OSError(f"{host}: {refused or reason or type(error).__name__}")
             return bytes(body), "refused" if refused else "cut", denied or broken
         finally:

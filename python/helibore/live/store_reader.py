@@ -20,7 +20,7 @@ from helibore.live import witsml
 from helibore.live.depth_limits import DepthLimits
 from helibore.live.events import Event, EventBook
 from helibore.live.mapping import ABSENT, INVALID, NULL, VALUE, Chunk, Integers, Reading, SourceReader, Values
-from helibore.live.sources import INDEX, Curve, Source, Store
+from helibore.live.sources import INDEX, Curve, Source, StoreSource
 
 NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d{1,3})?")
 BLOCK = 1024
@@ -39,8 +39,9 @@ class StoreReader(SourceReader):
         Index of the last row read, as (text, unit); the next query starts there. None before the first row.
     """
 
-    def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
+    def __init__(self, source: StoreSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
+        self._store = source
         self._frames = witsml.Frames()
         self.last: tuple[str, str] | None = None
         self._last_key = -np.inf
@@ -85,13 +86,11 @@ class StoreReader(SourceReader):
             return None
 
     def _log(self, log: witsml.LogRows, stamp: tuple[int, int, int]) -> Reading | None:
-        store = self.source.store
-        assert store is not None
         if log.direction == "decreasing":
             raise ValueError("direction = 'decreasing': must be increasing")
         if log.null and NUMBER.fullmatch(log.null):
-            self._nulls = (*self.source.nulls, float(log.null))
-        numbers = self._new_rows(log, store, stamp[2])
+            self._nulls = [*self.source.nulls, float(log.null)]
+        numbers = self._new_rows(log, stamp[2])
         if not numbers:
             return None
         time, order, wall = (np.full(len(numbers), value, np.int64) for value in stamp)
@@ -111,13 +110,13 @@ class StoreReader(SourceReader):
         self._images(reading, values, states, flags)
         return reading
 
-    def _new_rows(self, log: witsml.LogRows, store: Store, wall: int) -> list[int]:
+    def _new_rows(self, log: witsml.LogRows, wall: int) -> list[int]:
         """Return the numbers, from 1, of the rows after the last index, and update the last index.
 
         A row that was read before is skipped: a store sends the row at ``startIndex`` again. A row that jumps counts
         only if the next row goes on from there, so that one wrong index does not hide later rows.
         """
-        scale = 1.0
+        store, scale = self._store, 1.0
         if store.index == "depth" and log.rows:
             found = self._scale(Curve(log.mnemonics[0], units.LENGTH), log.units[0], wall)
             if found is None:
@@ -132,7 +131,7 @@ class StoreReader(SourceReader):
                 self._report(wall, "index", text, place + 1)
             elif key > self._last_key:
                 if key - self._last_key > store.jump and not (after is not None and key < after <= key + store.jump):
-                    self._report_jump(texts[place], key, store, wall, place + 1)
+                    self._report_jump(texts[place], key, wall, place + 1)
                     continue
                 if wrong := self._index_rule(key, store.index, wall):
                     if key != self._reported_index:
@@ -150,23 +149,21 @@ class StoreReader(SourceReader):
             return self._limits.rule() if self._limits.outside(np.array(key)) else ""
         return "is in the future" if key > wall / 1e9 + FUTURE else ""
 
-    def _report_jump(self, text: str, key: float, store: Store, wall: int, line: int) -> None:
+    def _report_jump(self, text: str, key: float, wall: int, line: int) -> None:
         if key == self._reported_jump:  # the store sends it again with every answer
             return
         self._reported_jump = key
-        unit = "m" if store.index == "depth" else "s"
+        unit = "m" if self._store.index == "depth" else "s"
         far = f"{key - self._last_key:.6g} {unit} behind the last" if np.isfinite(self._last_key) else "the first"
-        rule = f"no row goes on from it within {store.jump:g} {unit}: not read"
+        rule = f"no row goes on from it within {self._store.jump:g} {unit}: not read"
         self._report(wall, "jump", f"index {text[:60]}: {far}, and {rule}", line)
 
     def _fill(
         self, log: witsml.LogRows, numbers: list[int], values: Values, states: npt.NDArray[np.uint8], wall: int
     ) -> None:
         """Write the cells of the mapped curves to ``values`` and ``states``, one block of rows at a time."""
-        store = self.source.store
-        assert store is not None
-        curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if store.index == "depth" else {}
-        curves |= dict(enumerate(store.curves, INDEX + 1))
+        curves = {INDEX: Curve(log.mnemonics[0], units.LENGTH)} if self._store.index == "depth" else {}
+        curves |= dict(enumerate(self._store.curves, INDEX + 1))
         places = []
         for code, curve in curves.items():
             if self._column[code] >= 0 and curve.mnemonic in log.mnemonics:
@@ -242,7 +239,9 @@ class StoreReader(SourceReader):
 
 def reader_of(source: Source, events: EventBook, limits: DepthLimits) -> SourceReader:
     """Return what reads the bytes of ``source``."""
-    return (StoreReader if source.store else SourceReader)(source, events, limits)
+    if isinstance(source, StoreSource):
+        return StoreReader(source, events, limits)
+    return SourceReader(source, events, limits)
 
 
 _STATION_KINDS = (units.LENGTH, units.ANGLE, units.ANGLE)

@@ -19,7 +19,7 @@ from typing import Any, Protocol
 
 from helibore.base.errors import MissingExtraError
 from helibore.live import wits
-from helibore.live.sources import Source
+from helibore.live.sources import Source, StoreSource, WitsSource
 from helibore.live.store import Position, StoreClient
 
 CHUNK = 65536
@@ -142,14 +142,14 @@ class TcpListener:
 
     ends = False
 
-    def __init__(self, source: Source, refuse: Callable[[str, str], None]) -> None:
+    def __init__(self, source: WitsSource, refuse: Callable[[str, str], None]) -> None:
         host, port = source.address.host, source.address.port
         self._listening = socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET,
                                                backlog=64)  # fmt: skip
         self._listening.settimeout(0.0)
         self.port = int(self._listening.getsockname()[1])
         self._source, self._refuse = source, refuse
-        self._allow = [ipaddress.ip_network(network) for network in source.allow]
+        self._allow = source.allow
         self._newcomer: Newcomer | None = None
         self._accept_from = 0.0
 
@@ -305,9 +305,9 @@ def opener(source: Source, refuse: Callable[[str, str], None], position: Positio
         If a store's password or certificates are missing.
     """
     kind = source.address.kind
-    if kind == "https":
+    if isinstance(source, StoreSource):
         return StoreClient(source, position)
-    if kind == "listen":
+    if isinstance(source, WitsSource) and kind == "listen":
         return TcpListener(source, refuse)
     if kind == "file":
         file, speed = Path(source.address.file), source.address.speed

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
+from helibore.live.configuration import PathTable
 from helibore.live.depth_limits import DepthLimits
 from helibore.live.stations import Stations
 
@@ -18,7 +19,7 @@ def test_stations_in_any_order_give_the_path_of_the_batch(method):
     depth = np.arange(60) * 30.0
     inclination, azimuth = 20 + draw.normal(0, 2, 60).cumsum() % 60, draw.uniform(0, 360, 60)
     settings = {**SETTINGS, "method": method}
-    stations = Stations({**settings, "stations": []}, DepthLimits())
+    stations = Stations(PathTable(**settings), DepthLimits())
     for at in draw.permutation(60).tolist():
         stations.take(depth[at], 5.0, 5.0)  # replaced by the next
         assert stations.take(depth[at], inclination[at], azimuth[at])[1] == ""
@@ -47,7 +48,7 @@ def test_stations_in_any_order_give_the_path_of_the_batch(method):
     ],
 )
 def test_a_refused_station_changes_nothing(station, text):
-    stations = Stations({**SETTINGS, "stations": [[0.0, 0.0, 0.0], [30.0, 2.0, 40.0]]}, DepthLimits())
+    stations = Stations(PathTable(**SETTINGS, stations=[[0.0, 0.0, 0.0], [30.0, 2.0, 40.0]]), DepthLimits())
     path = stations.path
     assert stations.take(*station) == (None, text)
     assert stations.take(30.0, 2.0, 40.0) == (None, "")
@@ -56,4 +57,4 @@ def test_a_refused_station_changes_nothing(station, text):
 
 def test_a_wrong_tie_in_is_refused():
     with pytest.raises(ValueError, match=r"^path.stations: station at 5 m: inclination 200, azimuth 0: must be in "):
-        Stations({**SETTINGS, "stations": [[5.0, 200.0, 0.0]]}, DepthLimits())
+        Stations(PathTable(**SETTINGS, stations=[[5.0, 200.0, 0.0]]), DepthLimits())
