@@ -1,15 +1,20 @@
-"""What each arm of each pass reads too much, found where several of them saw the same cell of the wall.
+"""What each arm of each pass reads too much, found where passes and arms see the hole.
 
-    radius = wall(cell) + by_pass[pass] + by_arm[arm] + by_both[pass, arm] + noise
+    radius = level(depth) + shape(sector) + wall(cell) + by_pass[pass] + by_arm[arm] + by_both[pass, arm] + noise
 
-The walls of the cells, a level and a slope each, are eliminated, which leaves one linear system as small as the number
-of biases. ``by_both`` is what an arm does in one pass alone: an arm that drifts from pass to pass, while another stays,
-is no shape of the hole. All three are pulled to 0 as far as overlap does not decide (shrinkage).
+A cell is half a metre of depth and a sector of the hole. Two arms that see one cell are compared there. Arms that see
+other sectors are compared by the level of their depth and the shape that the hole keeps along the log, as far as both
+explain the walls of the cells: the deviation of the cells from them is found with the biases. So a tool that turns
+tells its arms from the shape of the hole; a tool that stays at one bearing does not.
+
+``by_both`` is what an arm does in one pass alone: an arm that drifts from pass to pass, while another stays, is no
+shape of the hole. Biases are pulled to 0 as far as the samples do not decide (shrinkage). Their covariance is the
+posterior one, and that of the scores of stretches of 10 m (the sandwich of clustered samples), for walls that go on
+along the hole.
 
 Only differences can be found. Zero is the mean of all, unless some arms drift while others are steady: then it is the
-mean of the steady ones. Arms that never saw one part of the wall, as in passes that all lie at one bearing, cannot be
-told from the hole's shape: they form groups of their own (``Bias.part``), and ``by_arm`` is NaN. Not here: gain errors,
-and a bias that changes within a pass.
+mean of the steady ones. A bias whose deviation exceeds 0.127 mm is NaN and is not
+corrected. Not here: gain errors, and a bias that changes within a pass.
 """
 
 from __future__ import annotations
@@ -20,15 +25,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, finite_column, require, whole_column
+from helibore.base.arrays import Floats, Integers, Mask, finite_column, require, whole_column
 from helibore.base.errors import InputError
 
 __all__ = ["Bias", "arm_sides", "find_bias"]
 
 _STEEPNESS = 0.001  # m: how much a wall may well change from the middle of a cell to its edge
-_OVERLAP = 0.02  # of its cells that a pass and arm must share with another one to be compared with it
-_ENOUGH = 30  # shared samples of a pass and arm that say something of their disagreement
-_CELLS_SHARED = 5  # and the least number of them
+_SHAPE = 0.01  # m: how much a sector may well depart from the mean radius along the whole log
+_KNOWN = 0.000127  # m, 0.01 in of diameter: a bias is subtracted where its deviation is no larger
+_STRETCH = 10.0  # m: walls may go on so far along the hole
 _PAIRS_AT_ONCE = 1 << 16
 _STEADY = 0.33  # of the drift of another arm: an arm that drifts less is steady beside it
 
@@ -42,15 +47,24 @@ class Bias:
     passes, arms
         Their numbers, (p,) and (a,) int64, sorted.
     by_pass, by_arm
-        Their biases, (p,) and (a,) m; NaN for arms that cannot be told from the hole's shape.
+        Their biases, (p,) and (a,) m; NaN for arms that cannot be told from the hole's shape, and for passes that
+        cannot be compared with another.
     by_both
         What each arm of each pass reads too much beside these, (p, a) m.
+    estimate, sigma
+        Best estimate of their sums and its standard deviation, (p, a) m.
     table
-        Their sums, (p, a) m; NaN where an arm of a pass shares no cell with another.
-    shared
-        Samples of each pass and arm that lie in cells another one saw too, (p, a) int64: what the biases rest on.
+        What is subtracted, (p, a) m: the estimate, NaN where its deviation exceeds 0.127 mm, for an arm that drifts
+        and cannot be compared with a steady one, and where less than half of an arm's samples can be compared.
+    samples
+        Samples of each pass and arm, (p, a) int64.
     part
-        Passes and arms of one number saw cells of each other, directly or by others, (p, a) int64; -1: shared nothing.
+        Passes and arms of one number can be compared, and share one zero, (p, a) int64.
+    drift, drift_sigma
+        How far each arm goes from its least to its largest bias over the passes that can be compared, (a,) m, and its
+        standard deviation; NaN with fewer than two passes.
+    drift_ends
+        Rows of these two passes, (a, 2) int64.
     noise
         Robust deviation of a sample from its cell after correction, m.
     """
@@ -60,57 +74,60 @@ class Bias:
     by_pass: Floats
     by_arm: Floats
     by_both: Floats
+    estimate: Floats
+    sigma: Floats
     table: Floats
-    shared: Integers
+    samples: Integers
     part: Integers
+    drift: Floats
+    drift_sigma: Floats
+    drift_ends: Integers
     noise: float
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
-        """Bias of each sample, (n,) m, new: subtract it from the radius. InputError at an unknown pass or arm."""
+        """Return the bias of each sample, (n,) m, new: subtract it from the radius. 0 where it is not known.
+
+        Raises
+        ------
+        InputError
+            At an unknown pass or arm.
+        """
         number = whole_column("pass_number", pass_number)
         arms = np.zeros(number.size, dtype=np.int64) if arm is None else whole_column("arm", arm)
         rows = rows_of("pass_number", number, self.passes), rows_of("arm", arms, self.arms)
-        apart = np.nan_to_num(self.by_pass)[rows[0]] + np.nan_to_num(self.by_arm)[rows[1]]
-        table = self.table[rows]
-        return np.where(np.isnan(table), apart, table)
-
-    @property
-    def drift(self) -> Floats:
-        """How far each arm goes from its least to its largest bias over the passes, (a,) m; NaN with fewer than two."""
-        known = np.where(self.shared > 0, self.table, np.nan)
-        enough = np.isfinite(known).sum(axis=0) > 1
-        drift = np.full(self.arms.size, np.nan)
-        drift[enough] = np.nanmax(known[:, enough], axis=0) - np.nanmin(known[:, enough], axis=0)
-        return drift
+        return np.nan_to_num(self.table)[rows]
 
     def lines(self, names: Sequence[str]) -> list[str]:
         """Return one sentence a pass, with the arms by ``names``, and what disagrees or cannot be told."""
         lines = []
         for row, number in enumerate(self.passes):
             arms = [
-                f"{name} {1e3 * value:+.2f}"
-                for name, value, samples in zip(names, self.table[row], self.shared[row], strict=True)
+                f"{name} {1e3 * value:+.2f} ± {1e3 * sigma:.2f}" if np.isfinite(value) else f"{name} not known"
+                for name, value, sigma, samples in zip(
+                    names, self.table[row], self.sigma[row], self.samples[row], strict=True
+                )
                 if samples
             ]
-            count = int(self.shared[row].sum())
-            lines.append(f"pass {number}, mm: {', '.join(arms) or 'no overlap'} ({count:,} samples in shared cells)")
+            lines.append(f"pass {number}, mm: {', '.join(arms)}")
         return [*lines, *self.warnings(names)]
 
     def disagreements(self, names: Sequence[str]) -> list[str]:
         """Return a sentence for arms that drift, and for passes and arms that disagree by more than their noise."""
-        lines, known = [], np.where(self.shared >= _ENOUGH, self.table, np.nan)
-        drift = np.nan_to_num(self.drift)
-        drifting = drift > np.maximum(3.0 * self.noise, drift.min(initial=0.0) / _STEADY)
+        lines, drift = [], np.nan_to_num(self.drift)
+        least = np.maximum(3.0 * np.fmax(self.noise, self.drift_sigma), drift.min(initial=0.0) / _STEADY)
+        drifting = drift > least
         for arm in np.flatnonzero(drifting).tolist() if not drifting.all() else ():  # all alike: that is the passes
             others = [f"{names[i]} by {1e3 * drift[i]:.2f}" for i in np.flatnonzero(~drifting).tolist()]
-            least, most = int(np.nanargmin(known[:, arm])), int(np.nanargmax(known[:, arm]))
             beside = f", {' and '.join(others)}" if others else ""
-            ends = [f"{1e3 * known[row, arm]:+.2f} in pass {self.passes[row]}" for row in (least, most)]
+            ends = [f"{1e3 * self.estimate[row, arm]:+.2f} in pass {self.passes[row]}" for row in self.drift_ends[arm]]
             span = f"{names[arm]} drifts by {1e3 * drift[arm]:.2f} mm over the passes"
             lines.append(f"{span}, from {ends[0]} to {ends[1]}{beside}")
-        if np.isfinite(known).any():
+        seen = np.isfinite(self.table) & (self.samples > 0)
+        if seen.any():
+            largest = np.argmax(np.bincount(self.part[seen], self.samples[seen]))
+            known = np.where(seen & (self.part == largest), self.table, np.nan)
             low, high = (divmod(int(found(known)), self.arms.size) for found in (np.nanargmin, np.nanargmax))
-            if known[high] - known[low] > self.noise:
+            if known[high] - known[low] > max(self.noise, 3.0 * np.hypot(self.sigma[high], self.sigma[low])):
                 ends = [
                     f"{names[at[1]]} of pass {self.passes[at[0]]} reads {1e3 * known[at]:+.2f} mm" for at in (high, low)
                 ]
@@ -123,12 +140,23 @@ class Bias:
         lines = self.disagreements(names)
         unknown = [names[arm] for arm in np.flatnonzero(np.isnan(self.by_arm)).tolist()]
         if unknown:
-            few = unknown if len(unknown) <= 6 else [*unknown[:5], f"{len(unknown) - 5} more"]
             lines.append(
-                f"the biases of {' and '.join(few)} cannot be told from the hole's shape: they never saw one part "
-                "of the wall (passes at one bearing)"
+                f"the bias of {_few(unknown)} cannot be told from the hole's shape: the arms see other parts of "
+                "the wall throughout, or the shape turns with the tool"
             )
+        left = [
+            f"{names[arm]} of pass {self.passes[row]}"
+            for row, arm in np.argwhere(np.isnan(self.table) & (self.samples > 0)).tolist()
+        ]
+        if left:
+            lines.append(f"the bias of {_few(left)} is not known to {1e3 * _KNOWN:g} mm: not corrected")
         return lines
+
+
+def _few(names: list[str]) -> str:
+    """The names, or the first of many."""
+    few = names if len(names) <= 6 else [*names[:5], f"{len(names) - 5} more"]
+    return " and ".join([", ".join(few[:-1]), few[-1]] if len(few) > 1 else few)
 
 
 def find_bias(
@@ -138,131 +166,148 @@ def find_bias(
     pass_number: npt.ArrayLike,
     arm: npt.ArrayLike | None = None,
     *,
+    sides: int = 1,
     cell: float = 0.5,
     sectors: int = 24,
     floor: float = 0.0002,
     expected: float = 0.002,
-    both: bool = True,
     rounds: int = 10,
 ) -> Bias:
-    """Find the bias of each pass and arm from the cells of the wall that more than one of them saw.
+    """Find the bias of each pass and arm from the wall that they saw.
 
-    The walls of the cells are eliminated, the biases solved for with Huber's weights (1.345 deviations, found by the
-    median) in some rounds.
+    Levels, cells (a level and a slope each) and biases are solved for together, with Huber's weights (1.345 deviations,
+    found by the median) in some rounds.
 
     Parameters
     ----------
     depth, toolface, radius, pass_number
         Metres, degrees, metres, whole numbers: (n,), finite. Depths with their shifts applied.
     arm
-        Whole numbers; None: one arm. Any classes will do, such as those of :func:`arm_sides`.
+        Whole numbers; None: one arm. Or the classes of :func:`arm_sides`.
+    sides
+        Classes of each arm: ``arm`` is arm * sides + side. An arm may read differently in each pass, and differently
+        on each side.
     cell, sectors
         Height of a cell in m and cells around the hole.
     floor
         Least deviation, m. Quantised radii mostly agree exactly, and their median deviation is 0: about half a step.
     expected
-        Expected deviation of biases, m: a weak pull to 0 that decides what overlap does not.
-    both
-        Whether an arm may read differently in each pass; else ``by_both`` is 0.
+        Expected deviation of biases, m: a weak pull to 0 that decides what the samples do not.
     rounds
         Of weights and biases in turn.
 
     Notes
     -----
-    Huber, Ann. Math. Statist. 35 (1964) 73.
+    Huber, Ann. Math. Statist. 35 (1964) 73; Liang and Zeger, Biometrika 73 (1986) 13 (clustered samples).
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")
     number = whole_column("pass_number", pass_number, where.size, "depth")
     angle = finite_column("toolface", toolface, where.size, "depth")
     arms = np.zeros(where.size, dtype=np.int64) if arm is None else whole_column("arm", arm, where.size, "depth")
-    if not (cell > 0 and sectors >= 1 and floor > 0 and expected > 0):
-        place = f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}"
+    if not (cell > 0 and sectors >= 1 and floor > 0 and expected > 0 and sides >= 1):
+        place = f"cell = {cell:g}, sectors = {sectors}, floor = {floor:g}, expected = {expected:g}, sides = {sides}"
         raise InputError(place, "all must be larger than 0")
     passes, arm_numbers = np.unique(number), np.unique(arms)
     shape = passes.size, arm_numbers.size
     group = np.searchsorted(passes, number) * shape[1] + np.searchsorted(arm_numbers, arms)
-    groups = shape[0] * shape[1]
-    sector = (angle % 360.0) / 360.0 * sectors
-    around = np.floor(sector) % sectors
-    aside = 2.0 * (sector - np.floor(sector)) - 1.0
-    cells, spot = np.unique(np.floor(where / cell) * sectors + around, return_inverse=True)
-    pairs, pair = np.unique(spot * groups + group, return_inverse=True)
-    alone = np.bincount(pairs // groups, minlength=cells.size) < 2
-    shared = np.bincount(group, weights=~alone[spot], minlength=groups).astype(np.int64).reshape(shape)
-    every = np.arange(groups)
-    design = np.zeros((groups, shape[0] + shape[1] + (groups if both and min(shape) > 1 else 0)))
-    design[every, every // shape[1]] = 1.0
-    design[every, shape[0] + every % shape[1]] = 1.0
-    if design.shape[1] > sum(shape):
-        design[every, sum(shape) + every] = 1.0
-    biases: Floats = np.zeros(design.shape[1])
+    row, of = np.divmod(np.arange(shape[0] * shape[1]), shape[1])
+    tool = (arm_numbers // sides)[of]
+    design = np.hstack([_indicators(row), _indicators(of), _indicators(row * (tool.max(initial=0) + 1) + tool)])
+    prior = np.concatenate([np.full(design.shape[1], expected), np.full(sectors, _SHAPE)])
+    terms = np.zeros((len(design) + sectors, prior.size))
+    terms[: len(design), : design.shape[1]] = design
+    terms[len(design) :, design.shape[1] :] = np.eye(sectors)
+    walls = _Walls(where, angle, group, len(design), cell, sectors)
     weight: Floats = np.ones(distance.size)
-    deviation = floor
+    deviation, rough = floor, expected
     for _ in range(rounds):
-        walls = _Walls(spot, aside, weight, cells.size, (deviation / _STEEPNESS) ** 2)
-        matrix, side = walls.eliminated(distance, pair, pairs, groups)
-        ridge = (deviation / expected) ** 2 * np.eye(design.shape[1])
-        biases = np.linalg.solve(design.T @ matrix @ design + ridge, design.T @ side).astype(np.float64, copy=False)
-        corrected = distance - (design @ biases)[group]
-        residual = np.abs(corrected - walls.fitted(corrected))
-        used = residual[~alone[spot]]
+        walls.weigh(weight, deviation, rough)
+        matrix, side = walls.eliminated(distance)
+        precision = terms.T @ matrix @ terms + np.diag(np.square(deviation / prior))
+        found = terms @ np.linalg.solve(precision, terms.T @ side)
+        residual, rough = walls.residual(distance, found)
+        rough = max(rough, 0.3 * deviation)
+        used = np.abs(residual[walls.compared])
         deviation = max(floor, 1.4826 * float(np.median(used))) if used.size else floor
-        weight = np.minimum(1.0, 1.345 * deviation / np.maximum(residual, 1e-12))
-    part = _parts(pairs, groups).reshape(shape)
-    part[shared == 0] = -1
-    return _referred((design @ biases).reshape(shape), passes, arm_numbers, shared, part, deviation)
+        scores = walls.scores(residual, np.unique(np.floor(where / _STRETCH), return_inverse=True)[1]) @ terms
+        weight = np.minimum(1.0, 1.345 * deviation / np.maximum(np.abs(residual), 1e-12))
+    inverse = np.linalg.inv(precision)
+    spread = inverse @ (scores.T @ scores) @ inverse + deviation**2 * inverse
+    covariance = terms[: len(design)] @ spread @ terms[: len(design)].T
+    samples = np.bincount(group, minlength=len(design)).reshape(shape)
+    return _referred(found[: len(design)], covariance, passes, arm_numbers, samples, deviation)
 
 
-def _parts(pairs: Integers, groups: int) -> Integers:
-    """Number of the part that each group belongs to; groups that share enough cells belong to one part."""
-    cell, group = pairs // groups, pairs % groups
-    together = np.zeros((groups, groups))
-    for first in range(0, int(cell.max(initial=-1)) + 1, 4096):
-        begin, end = np.searchsorted(cell, [first, first + 4096])
-        seen = np.zeros((4096, groups))
-        seen[cell[begin:end] - first, group[begin:end]] = 1.0
-        together += seen.T @ seen
-    least = np.minimum(together.diagonal()[:, None], together.diagonal())
-    joined = together >= np.maximum(_CELLS_SHARED, _OVERLAP * least)
-    part = np.arange(groups)
-    for _ in range(groups):
-        lowest = np.where(joined | np.eye(groups, dtype=bool), part, groups).min(axis=1, initial=groups)
+def _indicators(of: Integers) -> Floats:
+    """A column for each number, 1 in the rows that have it."""
+    columns: Floats = (of[:, None] == np.unique(of)).astype(np.float64)
+    return columns
+
+
+def _parts(joined: Mask) -> Integers:
+    """Number of the part that each group belongs to: groups that are joined, directly or by others, are one part."""
+    size = len(joined)
+    part = np.arange(size)
+    for _ in range(size):
+        lowest = np.where(joined | np.eye(size, dtype=bool), part, size).min(axis=1, initial=size)
         if (lowest == part).all():
             break
         part = lowest
     return part
 
 
-def _referred(total: Floats, passes: Integers, arms: Integers, shared: Integers, part: Integers, noise: float) -> Bias:
-    """Place the zero of every part, and split the sums into passes, arms and both."""
-    table = np.where(shared > 0, total, 0.0)
-    squares, weight = np.zeros((2, arms.size))
-    for each in np.unique(part[part >= 0]):
-        mine = np.where(part == each, shared, 0)
-        mean = (mine * table).sum(axis=0) / np.maximum(mine.sum(axis=0), 1)
-        several = np.count_nonzero(mine, axis=0) > 1
-        squares += several * (mine * np.square(table - mean)).sum(axis=0)
-        weight += several * mine.sum(axis=0)
-    drift = np.sqrt(np.where(weight > 0, squares / np.maximum(weight, 1), np.nan))
-    most = np.nan_to_num(drift).max(initial=0.0)
-    steady = np.where(drift < _STEADY * most, True, False) if most > noise else np.zeros(arms.size, dtype=bool)
-    for each in np.unique(part[part >= 0]):
-        mine = part == each
-        zero = mine & steady if (mine & steady).any() else mine
-        table[mine] -= np.average(table[zero], weights=shared[zero])
-    weights = np.maximum(shared, 1e-9)
-    by_arm = np.average(table, axis=0, weights=weights) if table.size else np.zeros(arms.size)
-    by_pass = np.average(table - by_arm, axis=1, weights=weights) if table.size else np.zeros(passes.size)
-    by_both = np.where(shared > 0, table - by_arm - by_pass[:, None], 0.0)
-
-    if arms.size > 1:  # an arm that shares no part with another cannot be compared with it
-        own = [set(part[part[:, a] >= 0, a].tolist()) for a in range(arms.size)]
-        others: list[set[int]] = [set().union(*(own[b] for b in range(arms.size) if b != a)) for a in range(arms.size)]
-        known = [bool(mine & rest) for mine, rest in zip(own, others, strict=True)]
-        by_arm = np.where(known, by_arm, np.nan)
+def _referred(
+    found: Floats, covariance: Floats, passes: Integers, arms: Integers, samples: Integers, noise: float
+) -> Bias:
+    """Place the zero of every part whose differences are known, and split the sums into passes, arms and both."""
+    shape, count = samples.shape, samples.ravel()
+    arm, seen, variance = np.tile(np.arange(arms.size), passes.size), count > 0, covariance.diagonal()
+    part = _parts(variance[:, None] + variance - 2.0 * covariance <= (2.0 * _KNOWN) ** 2)
+    drift, drift_sigma, rms = np.full((3, arms.size), np.nan)
+    drift_ends = np.zeros((arms.size, 2), dtype=np.int64)
+    for each in range(arms.size):  # within the part of most of its samples
+        mine = (arm == each) & seen
+        mine &= part == np.argmax(np.bincount(part[mine], count[mine], 1))
+        if np.count_nonzero(mine) > 1:
+            low, high = (int(np.argmin(np.where(mine, sign * found, np.inf))) for sign in (1, -1))
+            drift[each], drift_ends[each] = found[high] - found[low], (low // arms.size, high // arms.size)
+            drift_sigma[each] = np.sqrt(max(variance[high] + variance[low] - 2.0 * covariance[low, high], 0.0))
+            rms[each] = np.sqrt(np.cov(found[mine], aweights=count[mine], bias=True))
+    most = np.nan_to_num(rms).max(initial=0.0)
+    steady = rms < _STEADY * most
+    if most <= noise or not steady.any():
+        steady[:] = True
+    told = np.full(arms.size, arms.size == 1)
+    known = np.zeros(count.size, dtype=bool)
+    estimate, sigma = np.zeros((2, count.size))
+    sizes = np.bincount(part, seen)
+    for each in [-1, *np.flatnonzero(sizes > 1).tolist()] if seen.any() else ():  # first all, for what has no part
+        mine = (part == each) | (each < 0)
+        zero = mine & seen & steady[arm]
+        sure = bool(zero.any())
+        weights = np.where(zero if sure else mine, count, 0)
+        weights = weights / weights.sum()
+        estimate[mine] = found[mine] - weights @ found
+        own = variance - 2.0 * (covariance @ weights) + weights @ covariance @ weights
+        sigma[mine] = np.sqrt(np.maximum(own[mine], 0.0))
+        if each >= 0:
+            held = np.bincount(arm, np.where(mine, count, 0)) / np.bincount(arm, count)
+            sure = sure and held[held > 0].min() >= 0.5  # few passes do not show which arm drifts
+            known |= mine & (sigma <= _KNOWN) & sure
+            beside = np.unique(arm[mine & known & seen])
+            told[beside] |= beside.size > 1
+    table, estimate, sigma = (of.reshape(shape) for of in (np.where(known, estimate, np.nan), estimate, sigma))
+    weight = np.where(np.isfinite(table), samples + 1e-9, 0.0)
+    rest = np.nan_to_num(table)
+    by_arm = np.where(told, (weight * rest).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-9), np.nan)
+    rest = np.where(weight > 0, rest - np.nan_to_num(by_arm), 0.0)
+    by_pass = (weight * rest).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9)
+    by_both = np.where(weight > 0, rest - by_pass[:, None], 0.0)
+    by_pass = np.where(weight.any(axis=1), by_pass, np.nan)
     return Bias(
-        passes, arms, by_pass, by_arm, by_both, np.where(shared > 0, table, np.nan), shared, part, noise
+        passes, arms, by_pass, by_arm, by_both, estimate, sigma, table, samples, part.reshape(shape),
+        drift, drift_sigma, drift_ends, noise,
     )  # fmt: skip
 
 
@@ -294,54 +339,116 @@ def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> In
 
 
 class _Walls:
-    """The wall of every cell, level + slope * aside, aside from -1 to 1 across it, by weighted least squares.
+    """The walls: a level for each row of cells, and level + slope * aside for each cell, aside from -1 to 1 across it.
 
-    The slope has a weak pull to 0. Without it, passes that look at other edges of a cell would take the slope for bias.
+    All are eliminated by weighted least squares from the equations of the groups (passes and arms) and sectors. The
+    level of a cell is pulled to 0 by its expected roughness, the slope by its expected steepness: without the latter,
+    passes that look at other edges of a cell would take the slope for bias.
     """
 
-    def __init__(self, spot: Integers, aside: Floats, weight: Floats, cells: int, ridge: float) -> None:
-        self.spot, self.aside, self.weight, self.cells = spot, aside, weight, cells
-        self.sum_1, self.sum_t = self._sum(np.ones(spot.size)), self._sum(aside)
-        self.sum_tt = self._sum(aside**2) + ridge
-        self.determinant = self.sum_1 * self.sum_tt - self.sum_t**2
+    def __init__(
+        self, depth: Floats, toolface: Floats, group: Integers, groups: int, cell: float, sectors: int
+    ) -> None:
+        place = (toolface % 360.0) / 360.0 * sectors
+        self.sector = np.floor(place).astype(np.int64) % sectors
+        self.aside = 2.0 * (place - np.floor(place)) - 1.0
+        self.group, self.groups, self.sectors = group, groups, sectors
+        self.row = np.unique(np.floor(depth / cell), return_inverse=True)[1]
+        cells, self.spot = np.unique(self.row * sectors + self.sector, return_inverse=True)
+        self.row_of, self.sector_of = np.divmod(cells, sectors)
+        pairs, self.pair = np.unique(self.spot * groups + group, return_inverse=True)
+        self.cell_of, self.group_of = np.divmod(pairs, groups)  # of every pair of a cell and a group with samples
+        self.compared = (np.bincount(self.cell_of, minlength=cells.size) > 1)[self.spot]
+
+    def weigh(self, weight: Floats, deviation: float, rough: float) -> None:
+        """Set the weights of the samples, their deviation, and that of the cells' walls."""
+        self.weight = weight
+        self.sum_1, self.sum_t = self._sum(np.ones(weight.size)), self._sum(self.aside)
+        self.own_1, self.own_tt = self.sum_1 + (deviation / rough) ** 2, self._sum(self.aside**2)
+        self.own_tt += (deviation / _STEEPNESS) ** 2
+        self.determinant = self.own_1 * self.own_tt - self.sum_t**2
+        self.variance = deviation**2 / self.own_1
 
     def _sum(self, values: Floats) -> Floats:
-        return np.bincount(self.spot, weights=self.weight * values, minlength=self.cells).astype(np.float64, copy=False)
+        return np.bincount(self.spot, self.weight * values, self.row_of.size).astype(np.float64, copy=False)
 
-    def fitted(self, radius: Floats) -> Floats:
-        """The wall at every sample."""
+    def _fitted(self, radius: Floats) -> tuple[Floats, Floats]:
+        """The level of each cell, and the wall at every sample."""
         r, rt = self._sum(radius), self._sum(radius * self.aside)
-        level = (self.sum_tt * r - self.sum_t * rt) / self.determinant
-        slope = (self.sum_1 * rt - self.sum_t * r) / self.determinant
-        fit: Floats = level[self.spot] + slope[self.spot] * self.aside
-        return fit
+        level = (self.own_tt * r - self.sum_t * rt) / self.determinant
+        slope = (self.own_1 * rt - self.sum_t * r) / self.determinant
+        return level, level[self.spot] + slope[self.spot] * self.aside
 
-    def eliminated(self, radius: Floats, pair: Integers, pairs: Integers, groups: int) -> tuple[Floats, Floats]:
-        """Normal equations of the groups alone: matrix = sum over cells of diag(a) - (a b) S^-1 (a b)'.
+    def eliminated(self, radius: Floats) -> tuple[Floats, Floats]:
+        """Normal equations of the groups and sectors alone.
 
-        a and b are the sums of w and w t of each group in the cell, S those of the cell as a 2 x 2 matrix. ``pairs``
-        are the cells and groups that have samples, cell * groups + group, sorted.
+        A cell leaves diag(a) - (a b) S^-1 (a b)' to its groups, with a and b the sums of w and w t of each group in the
+        cell and S those of the cell as a 2 x 2 matrix; its level and sector get the sums of that over the groups. Then
+        the level of each row of cells is eliminated, too.
         """
-        a = np.bincount(pair, weights=self.weight, minlength=pairs.size)
-        b = np.bincount(pair, weights=self.weight * self.aside, minlength=pairs.size)
-        spot, group = pairs // groups, pairs % groups
-        rest = np.bincount(pair, weights=self.weight * (radius - self.fitted(radius)), minlength=pairs.size)
-        side: Floats = np.bincount(group, weights=rest, minlength=groups).astype(np.float64, copy=False)
-        matrix: Floats = np.diag(np.bincount(group, weights=a, minlength=groups))
-        _, first, count = np.unique(spot, return_index=True, return_counts=True)
-        begin = np.repeat(first, count)  # of each pair's cell
-        size = np.repeat(count, count)
-        for start in range(0, pairs.size, _PAIRS_AT_ONCE):
-            some = np.arange(start, min(start + _PAIRS_AT_ONCE, pairs.size))
+        groups, sectors, cell, group, rows = (
+            self.groups,
+            self.sectors,
+            self.cell_of,
+            self.group_of,
+            self.row.max(initial=-1) + 1,
+        )
+        a: Floats = np.bincount(self.pair, self.weight, cell.size).astype(np.float64, copy=False)
+        b: Floats = np.bincount(self.pair, self.weight * self.aside, cell.size).astype(np.float64, copy=False)
+        rest = np.bincount(self.pair, self.weight * (radius - self._fitted(radius)[1]), cell.size)
+        matrix: Floats = np.zeros((groups + sectors, groups + sectors))
+        matrix[:groups, :groups] = np.diag(np.bincount(group, a, groups)) - self._shared(a, b)
+        left = a * (self.own_tt * self.sum_1 - self.sum_t**2)[cell] + b * ((self.own_1 - self.sum_1) * self.sum_t)[cell]
+        left = a - left / self.determinant[cell]
+        cell_left: Floats = np.bincount(cell, left, self.row_of.size).astype(np.float64, copy=False)
+        cell_rest = np.bincount(cell, rest, self.row_of.size)
+        matrix[:groups, groups:] = _table(group, self.sector_of[cell], left, groups, sectors)
+        matrix[groups:, :groups] = matrix[:groups, groups:].T
+        matrix[groups:, groups:] = np.diag(np.bincount(self.sector_of, cell_left, sectors))
+        side = np.append(np.bincount(group, rest, groups), np.bincount(self.sector_of, cell_rest, sectors))
+        self.coupling = np.hstack([_table(self.row_of[cell], group, left, rows, groups),
+                                   _table(self.row_of, self.sector_of, cell_left, rows, sectors)])  # fmt: skip
+        self.row_left = np.bincount(self.row_of, cell_left) + 1e-9
+        self.row_rest = np.bincount(self.row_of, cell_rest)
+        shares = self.coupling / self.row_left[:, None]
+        return matrix - self.coupling.T @ shares, side - shares.T @ self.row_rest
+
+    def _shared(self, a: Floats, b: Floats) -> Floats:
+        """(a b) S^-1 (a b)' of all cells, (groups, groups)."""
+        total: Floats = np.zeros((self.groups, self.groups))
+        _, first, count = np.unique(self.cell_of, return_index=True, return_counts=True)
+        begin, size = np.repeat(first, count), np.repeat(count, count)  # of each pair's cell
+        for start in range(0, size.size, _PAIRS_AT_ONCE):
+            some = np.arange(start, min(start + _PAIRS_AT_ONCE, size.size))
             one = np.repeat(some, size[some])
             step = np.arange(one.size) - np.repeat(np.cumsum(size[some]) - size[some], size[some])
-            two, at = begin[one] + step, spot[one]
-            share = a[one] * (self.sum_tt[at] * a[two] - self.sum_t[at] * b[two])
-            share += b[one] * (self.sum_1[at] * b[two] - self.sum_t[at] * a[two])
-            place = group[one] * groups + group[two]
+            two, at = begin[one] + step, self.cell_of[one]
+            share = a[one] * (self.own_tt[at] * a[two] - self.sum_t[at] * b[two])
+            share += b[one] * (self.own_1[at] * b[two] - self.sum_t[at] * a[two])
             share /= self.determinant[at]
-            matrix -= np.bincount(place, weights=share, minlength=groups**2).reshape(groups, groups)
-        return matrix, side
+            total += _table(self.group_of[one], self.group_of[two], share, self.groups, self.groups)
+        return total
+
+    def residual(self, radius: Floats, found: Floats) -> tuple[Floats, float]:
+        """What biases and walls leave of each radius, and the deviation of the cells from level and shape."""
+        level = (self.row_rest - self.coupling @ found) / self.row_left
+        rest = radius - found[self.group] - found[self.groups + self.sector] - level[self.row]
+        cells, fitted = self._fitted(rest)
+        return rest - fitted, float(np.sqrt((np.square(cells) + self.variance).sum() / max(cells.size, 1)))
+
+    def scores(self, residual: Floats, stretch: Integers) -> Floats:
+        """Gradients of the groups and sectors by stretches, (stretches, groups + sectors)."""
+        count, force = int(stretch.max(initial=-1)) + 1, self.weight * residual
+        return np.hstack([
+            _table(stretch, self.group, force, count, self.groups),
+            _table(stretch, self.sector, force, count, self.sectors),
+        ])  # fmt: skip
+
+
+def _table(row: Integers, column: Integers, weights: Floats, rows: int, columns: int) -> Floats:
+    """Sums of the weights by row and column."""
+    sums = np.bincount(row * columns + column, weights, rows * columns).reshape(rows, columns)
+    return sums.astype(np.float64, copy=False)
 
 
 def rows_of(name: str, numbers: Integers, known: Integers) -> Integers:

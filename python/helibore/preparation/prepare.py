@@ -550,7 +550,7 @@ class _Pipeline:
             arms = arm_sides(arms, self._of_row([one.toolface for one in self.readings]), SIDES)
             names = [f"{name} at {360 // SIDES * side} deg" for name in names for side in range(SIDES)]
         columns = samples.depth, samples.toolface, samples.radius, samples.pass_number, arms
-        found = self.bias = find_bias(*columns, both=not sides)
+        found = self.bias = find_bias(*columns, sides=SIDES if sides else 1)
         self.samples = replace(samples, radius=samples.radius - found.at(samples.pass_number, arms))
         self.report.append(("bias", f"subtracted; noise after it {1e3 * found.noise:.2f} mm"))
         shown = [names[number] for number in found.arms]

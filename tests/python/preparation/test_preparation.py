@@ -216,7 +216,7 @@ def test_bias_by_side_takes_the_tool_bearing() -> None:
     arm = np.tile([0, 0, 1, 1], N)
     sides = arm_sides(arm, one["rb"].values[samples.row])
     number = one["pass"].values[samples.row]
-    bias = find_bias(samples.depth, samples.toolface, samples.radius, number, sides, both=False)
+    bias = find_bias(samples.depth, samples.toolface, samples.radius, number, sides, sides=8)
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.at(number, sides), atol=1e-12)
 
 
