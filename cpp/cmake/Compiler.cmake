@@ -17,6 +17,8 @@ else()
   endif()
 endif()
 if(HELIBORE_SANITIZE)
-  target_compile_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE} -fno-omit-frame-pointer)
+  target_compile_definitions(helibore_compiler INTERFACE HELIBORE_SMALL_TESTS)  # tests are smaller
+  target_compile_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE} -fno-omit-frame-pointer
+                         -fno-sanitize-recover=all)
   target_link_options(helibore_compiler INTERFACE -fsanitize=${HELIBORE_SANITIZE})
 endif()

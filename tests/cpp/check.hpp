@@ -5,8 +5,16 @@
 //     return failures();
 #pragma once
 
+#include <cstddef>
 #include <iostream>
 #include <string>
+
+// Sanitizers make a program 5 to 30 times slower. Tests divide their sizes and repetitions by this.
+#ifdef HELIBORE_SMALL_TESTS
+inline constexpr std::size_t reduced = 10;
+#else
+inline constexpr std::size_t reduced = 1;
+#endif
 
 inline int& failures() {
     static int count = 0;

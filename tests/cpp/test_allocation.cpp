@@ -85,24 +85,29 @@ void fail_and_go_another_way() {
 }  // namespace
 
 int main() {
-    const Hole hole = oval_hole(9000, 10.0, 2.0), deeper = oval_hole(6000, 12.0, 1.0);
+    const double length = 2.0 / reduced;
+    const Hole hole = oval_hole(9000 / reduced, 10.0, length),
+               deeper = oval_hole(6000 / reduced, 10.0 + length, 0.5 * length);
     for (const int threads : {1, 3}) {
         const Settings down{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .threads = threads};
         Settings fixed = down, up = down, direct = down;
         direct.direct = true;
-        fixed.start_depth = 9.0;
+        fixed.start_depth = 10.0 - 0.5 * length;
         fixed.window = 100;
         up.pitch = -0.05;
         CHECK(fail_each(down, {}, hole.all()) > 10);            // the first samples
         CHECK(fail_each(down, hole.all(), deeper.all()) > 10);  // below all
         CHECK(fail_each(direct, hole.all(), deeper.all()) > 10);
         CHECK(fail_each(down, deeper.all(), hole.all()) > 10);  // above all: the helix starts anew
-        CHECK(fail_each(fixed, hole.all(), oval_hole(300, 10.5, 0.2).rows(0, 300)) > 3);  // in between
-        CHECK(fail_each(up, hole.all(), deeper.all()) > 10);                              // logging up
+        CHECK(fail_each(fixed, hole.all(), oval_hole(300, 10.0 + 0.25 * length, 0.1 * length).rows(0, 300)) >
+              3);                                             // in between
+        CHECK(fail_each(up, hole.all(), deeper.all()) > 10);  // logging up
         auto untimed = hole.all(), more = deeper.all();
         untimed.time = more.time = {};
         CHECK(fail_each(down, untimed, more) > 10);
     }
+    const Settings shared{.bit_diameter = 0.216, .sectors = 48, .pitch = 0.02, .threads = 2};
+    CHECK(fail_each(shared, {}, oval_hole(9000 / reduced, 10.0, 2.0).all()) > 10);  // 4,800 vertices on two threads
     fail_and_go_another_way();
     return failures();
 }

@@ -1,8 +1,5 @@
 // Everything that starts threads, or that several threads may use, with enough work for several: the same bits as on
-// one thread. This is the test for ThreadSanitizer:
-//
-//   cmake -S . -B build/tsan -DHELIBORE_TESTS=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo -DCMAKE_CXX_FLAGS=-fsanitize=thread
-//   cmake --build build/tsan && ctest --test-dir build/tsan
+// one thread. This is the test for ThreadSanitizer (`./develop sanitize`).
 #include <algorithm>
 #include <atomic>
 #include <cstring>

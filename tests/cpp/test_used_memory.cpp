@@ -68,7 +68,7 @@ int main() {
     for (const auto set : {plain, avx2, avx512}) {
         if (!runs(set)) continue;
         int different = 0;
-        for (int i = 0; i < 1000; ++i) {
+        for (int i = 0; i < static_cast<int>(1000 / reduced); ++i) {
             Settings settings{.bit_diameter = 0.216, .sectors = 12 + i % 50, .pitch = 0.03 + 0.001 * (i % 90)};
             settings.instruction_set = set;
             if (i % 10 == 9) settings.window = 30;
