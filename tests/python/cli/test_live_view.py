@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from test_live_server import free_port
+from live_servers import free_port, until
 
 import helibore as hb
 from helibore.cli import cli
@@ -37,13 +37,6 @@ def health(url: str) -> dict[str, Any]:
     with urllib.request.urlopen(url + "healthz") as answer:
         found: dict[str, Any] = json.loads(answer.read())
         return found
-
-
-def until(condition, seconds: float = 30.0) -> None:
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not come"
-        time.sleep(0.02)
 
 
 @pytest.fixture

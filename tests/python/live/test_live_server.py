@@ -10,74 +10,21 @@ import socket
 import threading
 import time
 import urllib.request
+from types import SimpleNamespace
 
-import numpy as np
 import pytest
 from click.testing import CliRunner
+from live_servers import Running, configured, frames, free_port, is_closed, payloads, until
 
 from helibore import Live
 from helibore.cli import cli
 from helibore.cli import live as command
 from helibore.cli.live_status import metrics
 from helibore.live import server as server_module
-from helibore.live import wits
+from helibore.live import transport, wits
 from helibore.live.configuration import parse
-from helibore.live.journal import BYTES, JournalFullError, segments
+from helibore.live.journal import JournalFullError
 from helibore.live.server import Server, back_off
-
-WALL = "[wall]\nbit_diameter = 0.216\nstart_depth = 100.0\nsectors = 16\nthreads = 1\n"
-SOURCE = (
-    '[source.mwd]\naddress = "ADDRESS"\nunits = "metric"\n'
-    'caliper = { toolface = ["5010"], depth = ["5011"], radius = ["5012"] }\n'
-)
-
-
-def frames(count, first=0):
-    return [
-        wits.frame([(5004, str(i)), (5010, str(i * 37 % 360)), (5011, f"{100 + 0.01 * i:.2f}"), (5012, "110")])
-        for i in range(first, first + count)
-    ]
-
-
-def until(condition, seconds=20.0):
-    end = time.monotonic() + seconds
-    while not condition():
-        assert time.monotonic() < end, "it did not come"
-        time.sleep(0.005)
-
-
-def received(folder):
-    return b"".join(s.payload(r) for s in segments(folder) for r in np.flatnonzero(s.records["kind"] == BYTES))
-
-
-def is_closed(link):
-    try:
-        return link.recv(1) == b""
-    except ConnectionResetError:  # it sent what nobody read
-        return True
-
-
-class Running:
-    """A server on a journal; ``address`` may hold PORT, then a free one is taken."""
-
-    def __init__(self, folder, address, extra=""):
-        text = WALL + SOURCE.replace("ADDRESS", address) + extra
-        self.live = Live(parse(text), folder)
-        self.server = Server(self.live)
-
-    def __enter__(self):
-        self.server.start()
-        return self
-
-    def __exit__(self, *_):
-        self.server.stop()
-        self.live.close()
-        assert self.server.failure is None
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as s:
-        return s.getsockname()[1]
 
 
 def test_back_off_grows_to_a_minute_and_is_spread():
@@ -87,10 +34,10 @@ def test_back_off_grows_to_a_minute_and_is_spread():
 
 def test_a_file_is_read_to_its_end(tmp_path):
     (tmp_path / "rig.wits").write_bytes(b"".join(frames(500)))
-    with Running(tmp_path / "j", f"file://{tmp_path}/rig.wits") as running:
+    with Running(configured(f"file://{tmp_path}/rig.wits"), tmp_path / "j") as running:
         assert running.server.wait(20)
     assert running.live.wall.sample_count == 500
-    assert received(tmp_path / "j") == b"".join(frames(500))
+    assert b"".join(payloads(tmp_path / "j")) == b"".join(frames(500))
     assert sum(running.server.latency.counts) >= 2
 
 
@@ -98,7 +45,7 @@ def test_a_file_is_read_at_its_speed(tmp_path):
     stream = b"".join(frames(20))
     (tmp_path / "rig.wits").write_bytes(stream)
     start = time.monotonic()
-    with Running(tmp_path / "j", f"file://{tmp_path}/rig.wits?speed={2 * len(stream)}") as running:
+    with Running(configured(f"file://{tmp_path}/rig.wits?speed={2 * len(stream)}"), tmp_path / "j") as running:
         assert running.server.wait(20)
     assert time.monotonic() - start >= 0.5
     assert running.live.wall.sample_count == 20
@@ -107,20 +54,20 @@ def test_a_file_is_read_at_its_speed(tmp_path):
 def test_a_listener_keeps_every_byte_of_a_sender_that_reconnects(tmp_path, monkeypatch):
     monkeypatch.setattr(server_module, "FIRST_WAIT", 0.01)
     port = free_port()
-    with Running(tmp_path, f"listen://127.0.0.1:{port}") as running:
+    with Running(configured(f"listen://127.0.0.1:{port}"), tmp_path) as running:
         for i in range(100):
             with socket.create_connection(("127.0.0.1", port)) as sender:
                 sender.sendall(frames(1, i)[0])
             until(lambda i=i: running.live.wall.sample_count == i + 1)
-    assert received(tmp_path) == b"".join(frames(100))
+    assert b"".join(payloads(tmp_path)) == b"".join(frames(100))
     assert running.live.model.counts["connections mwd"] == 100
 
 
 def test_a_client_comes_back_when_the_server_does(tmp_path, monkeypatch):
     monkeypatch.setattr(server_module, "FIRST_WAIT", 0.05)
     port = free_port()
-    with Running(tmp_path, f"tcp://127.0.0.1:{port}") as running:
-        until(lambda: running.live.model.events.counts["mwd", "link"] > 0)
+    with Running(configured(f"tcp://127.0.0.1:{port}"), tmp_path) as running:
+        until(lambda: running.count("link", "mwd") > 0)
         for i in range(3):
             with socket.create_server(("127.0.0.1", port)) as rig:
                 connection, _ = rig.accept()
@@ -136,7 +83,7 @@ def test_a_client_comes_back_when_the_server_does(tmp_path, monkeypatch):
 def test_heartbeat_and_poll_are_sent_when_asked_for(tmp_path, mode, wanted):
     with socket.create_server(("127.0.0.1", 0)) as rig:
         port = rig.getsockname()[1]
-        with Running(tmp_path, f"tcp://127.0.0.1:{port}", f'mode = "{mode}"\nevery = 0.05\n') as running:
+        with Running(configured(f"tcp://127.0.0.1:{port}", f'mode = "{mode}"\nevery = 0.05\n'), tmp_path) as running:
             connection, _ = rig.accept()
             with connection, connection.makefile("rb") as stream:
                 assert stream.read(3 * len(wanted)) == 3 * wanted
@@ -146,19 +93,19 @@ def test_heartbeat_and_poll_are_sent_when_asked_for(tmp_path, mode, wanted):
 
 def test_who_is_not_allowed_is_turned_away(tmp_path):
     port = free_port()
-    with Running(tmp_path, f"listen://127.0.0.1:{port}", 'allow = ["10.0.0.0/8"]\n') as running:
+    with Running(configured(f"listen://127.0.0.1:{port}", 'allow = ["10.0.0.0/8"]\n'), tmp_path) as running:
         for _ in range(50):
             with socket.create_connection(("127.0.0.1", port)) as sender:
                 assert sender.recv(1) == b""
-        until(lambda: running.live.model.events.counts["mwd", "refused"] == 50)
+        until(lambda: running.count("refused", "mwd") == 50)
         assert running.live.model.events.latest[-1].text == "127.0.0.1: is not in allow"
-    assert received(tmp_path) == b""
+    assert b"".join(payloads(tmp_path)) == b""
 
 
 def test_a_second_sender_is_turned_away_while_the_first_sends(tmp_path):
     port = free_port()
     with (
-        Running(tmp_path, f"listen://127.0.0.1:{port}") as running,
+        Running(configured(f"listen://127.0.0.1:{port}"), tmp_path) as running,
         socket.create_connection(("127.0.0.1", port)) as one,
     ):
         one.sendall(frames(1)[0])
@@ -169,27 +116,29 @@ def test_a_second_sender_is_turned_away_while_the_first_sends(tmp_path):
         until(lambda: running.live.wall.sample_count == 2)
 
 
-def test_a_slow_sender_is_not_replaced_by_a_newcomer_and_a_silent_one_only_by_a_whole_frame(tmp_path):
-    port = free_port()
+def test_a_slow_sender_is_not_replaced_by_a_newcomer_and_a_silent_one_only_by_a_whole_frame(tmp_path, monkeypatch):
+    port, now = free_port(), [1000.0]
+    monkeypatch.setattr(transport, "time", SimpleNamespace(monotonic=lambda: now[0]))
     with (
-        Running(tmp_path, f"listen://127.0.0.1:{port}", "replace_after = 0.2\n") as running,
+        Running(configured(f"listen://127.0.0.1:{port}", "replace_after = 10.0\n"), tmp_path) as running,
         socket.create_connection(("127.0.0.1", port)) as one,
     ):
-        for frame in frames(3):  # its own interval is longer than replace_after
-            time.sleep(0.4)
+        until(lambda: running.server.states["mwd"].startswith("connected"))
+        for number, frame in enumerate(frames(3), 1):  # its own interval is longer than replace_after
+            now[0] += 20.0
             one.sendall(frame)
-        until(lambda: running.live.wall.sample_count == 3)
-        time.sleep(0.4)
+            until(lambda number=number: running.live.wall.sample_count == number)
+        now[0] += 20.0
         with socket.create_connection(("127.0.0.1", port)) as two:
             two.sendall(frames(1, 50)[0])
             assert is_closed(two)
         one.sendall(frames(1, 3)[0])
         until(lambda: running.live.wall.sample_count == 4)
-        time.sleep(2.5)  # silent for longer than three of its intervals
-        for noise in (b"GET / HTTP/1.1\r\n\r\n", b"&&\r\n!!\r\n", b""):
+        now[0] += 61.0  # silent for longer than three of its intervals
+        for number, noise in enumerate((b"GET / HTTP/1.1\r\n\r\n", b"&&\r\n!!\r\n", b""), 2):
             with socket.create_connection(("127.0.0.1", port)) as scanner:
                 scanner.sendall(noise)
-            time.sleep(0.1)
+            until(lambda number=number: running.count("refused", "mwd") == number)
         with socket.create_connection(("127.0.0.1", port)) as three:
             three.sendall(frames(1, 4)[0])
             until(lambda: running.live.wall.sample_count == 5)
@@ -204,7 +153,7 @@ def test_a_descriptor_beyond_1024_is_read(tmp_path):
     try:
         port = free_port()
         with (
-            Running(tmp_path, f"listen://127.0.0.1:{port}") as running,
+            Running(configured(f"listen://127.0.0.1:{port}"), tmp_path) as running,
             socket.create_connection(("127.0.0.1", port)) as sender,
         ):
             sender.sendall(frames(1)[0])
@@ -218,15 +167,15 @@ def test_a_listener_off_loopback_must_say_who_may_connect():
     with pytest.raises(
         ValueError, match=r"^source\.mwd\.allow: must be set: who may connect to a listener on 0\.0\.0\.0$"
     ):
-        parse(WALL + SOURCE.replace("ADDRESS", "listen://0.0.0.0:5000"))
+        parse(configured("listen://0.0.0.0:5000"))
     with pytest.raises(ValueError, match=r"^source\.mwd\.allow\[0\] = 'rig': must be an IP address or a network"):
-        parse(WALL + SOURCE.replace("ADDRESS", "listen://0.0.0.0:5000") + 'allow = ["rig"]\n')
+        parse(configured("listen://0.0.0.0:5000", 'allow = ["rig"]\n'))
 
 
 def test_a_serial_line(tmp_path):
     pytest.importorskip("serial", reason="pyserial is not installed")
     line, device = pty.openpty()
-    with Running(tmp_path, f"serial://{os.ttyname(device)}?baud=115200") as running:
+    with Running(configured(f"serial://{os.ttyname(device)}?baud=115200"), tmp_path) as running:
         until(lambda: running.server.states["mwd"].startswith("connected"))
         for frame in frames(20):
             os.write(line, frame)
@@ -238,7 +187,7 @@ def test_a_serial_line(tmp_path):
 def test_a_full_disk_makes_the_sender_wait_and_loses_nothing(tmp_path, monkeypatch):
     port = free_port()
     full = threading.Event()
-    with Running(tmp_path, f"listen://127.0.0.1:{port}") as running:
+    with Running(configured(f"listen://127.0.0.1:{port}"), tmp_path) as running:
         append = running.live.journal.append
 
         def refuse(*arguments):
@@ -257,7 +206,7 @@ def test_a_full_disk_makes_the_sender_wait_and_loses_nothing(tmp_path, monkeypat
             full.clear()
             until(lambda: running.live.wall.sample_count == 51)
             assert running.server.states["mwd"].startswith("connected to 127.0.0.1")
-    assert received(tmp_path) == b"".join(frames(51))
+    assert b"".join(payloads(tmp_path)) == b"".join(frames(51))
 
 
 def test_a_disk_that_does_not_sync_is_told_and_the_reading_goes_on(tmp_path, monkeypatch):
@@ -270,14 +219,14 @@ def test_a_disk_that_does_not_sync_is_told_and_the_reading_goes_on(tmp_path, mon
             raise OSError(5, "Input/output error")
         real(file)
 
-    with Running(tmp_path, f"listen://127.0.0.1:{port}") as running:
+    with Running(configured(f"listen://127.0.0.1:{port}"), tmp_path) as running:
         monkeypatch.setattr(os, "fdatasync", fdatasync)
         with socket.create_connection(("127.0.0.1", port)) as sender:
             sender.sendall(frames(1)[0])
             until(lambda: len(refusals) == 3)
             sender.sendall(frames(1, 1)[0])
             until(lambda: running.live.wall.sample_count == 2)
-        assert running.live.model.events.counts["", "disk"] == 1
+        assert running.count("disk") == 1
         assert [e.text for e in running.live.model.events.latest if e.rule == "disk"] == [
             f"[Errno 5] Input/output error: not synced: '{tmp_path}'"
         ]
@@ -293,7 +242,7 @@ def test_with_sync_ms_0_a_sender_waits_for_a_disk_that_does_not_sync(tmp_path, m
         real(file)
 
     monkeypatch.setattr(os, "fdatasync", fdatasync)
-    with Running(tmp_path, f"listen://127.0.0.1:{port}", "[journal]\nsync_ms = 0\n") as running:
+    with Running(configured(f"listen://127.0.0.1:{port}", "[journal]\nsync_ms = 0\n"), tmp_path) as running:
         with socket.create_connection(("127.0.0.1", port)) as sender:
             sender.sendall(frames(1)[0])
             until(lambda: running.live.wall.sample_count == 1)
@@ -304,7 +253,7 @@ def test_with_sync_ms_0_a_sender_waits_for_a_disk_that_does_not_sync(tmp_path, m
             refusing.clear()
             until(lambda: running.live.wall.sample_count == 21)
         assert running.live.model.counts["connections mwd"] == 1
-    assert received(tmp_path) == b"".join(frames(21))
+    assert b"".join(payloads(tmp_path)) == b"".join(frames(21))
 
 
 @pytest.mark.parametrize(
@@ -313,7 +262,7 @@ def test_with_sync_ms_0_a_sender_waits_for_a_disk_that_does_not_sync(tmp_path, m
 )
 def test_the_death_of_a_thread_is_a_failure_that_is_shown(tmp_path, monkeypatch, caplog, of, name, thread):
     port = free_port()
-    live = Live(parse(WALL + SOURCE.replace("ADDRESS", f"listen://127.0.0.1:{port}")), tmp_path)
+    live = Live(parse(configured(f"listen://127.0.0.1:{port}")), tmp_path)
     server = Server(live)
     server.start()
 
@@ -324,7 +273,7 @@ def test_the_death_of_a_thread_is_a_failure_that_is_shown(tmp_path, monkeypatch,
         with monkeypatch.context() as patch, socket.create_connection(("127.0.0.1", port)) as sender:
             patch.setattr(of, name, die)
             sender.sendall(frames(1)[0])
-            until(lambda: live.model.events.counts["", "failure"] > 0, 2.0)
+            until(lambda: live.model.events.counts["", "failure"] > 0)
             assert str(server.failure) == "killed"
             assert not server.wait(1.0)
             until(lambda: f"thread {thread} died: RuntimeError: killed" in caplog.text)
@@ -338,7 +287,7 @@ def test_the_command_ends_with_an_error_when_a_thread_died(tmp_path, monkeypatch
     def die(*_):
         raise RuntimeError("killed")
 
-    (tmp_path / "rig.toml").write_text(WALL + SOURCE.replace("ADDRESS", f"listen://127.0.0.1:{free_port()}"))
+    (tmp_path / "rig.toml").write_text(configured(f"listen://127.0.0.1:{free_port()}"))
     monkeypatch.setattr(Server, "_sync", die)
     result = CliRunner().invoke(cli, ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "-q"])
     assert result.exit_code != 0
@@ -347,8 +296,8 @@ def test_the_command_ends_with_an_error_when_a_thread_died(tmp_path, monkeypatch
 
 def test_silence_is_an_event_when_it_begins(tmp_path):
     port = free_port()
-    with Running(tmp_path, f"listen://127.0.0.1:{port}", "silence = 0.4\n") as running:
-        silent = lambda: running.live.model.events.counts["mwd", "silent"]  # noqa: E731
+    with Running(configured(f"listen://127.0.0.1:{port}", "silence = 0.4\n"), tmp_path) as running:
+        silent = lambda: running.count("silent", "mwd")  # noqa: E731
         until(lambda: silent() == 1)  # it has never sent a byte
         with socket.create_connection(("127.0.0.1", port)) as sender:
             sender.sendall(frames(1)[0])
@@ -363,7 +312,7 @@ def test_silence_is_an_event_when_it_begins(tmp_path):
 
 def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypatch):
     monkeypatch.setattr(command, "METRICS_SECONDS", 0.5)
-    with Running(tmp_path, f"listen://127.0.0.1:{free_port()}") as running:
+    with Running(configured(f"listen://127.0.0.1:{free_port()}"), tmp_path) as running:
         port = free_port()
         pages = command._serve_metrics(running.server, port)
         held = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]
@@ -375,7 +324,7 @@ def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypat
                 return b"helibore_queue_records" in page.read()
             return False
 
-        until(answers, 5.0)
+        until(answers)
         for one in held:
             assert is_closed(one)
             one.close()
@@ -385,8 +334,8 @@ def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypat
 
 def test_two_servers_cannot_share_an_address(tmp_path):
     port = free_port()
-    with Running(tmp_path / "a", f"listen://127.0.0.1:{port}"):
-        other = Running(tmp_path / "b", f"listen://127.0.0.1:{port}")
+    with Running(configured(f"listen://127.0.0.1:{port}"), tmp_path / "a"):
+        other = Running(configured(f"listen://127.0.0.1:{port}"), tmp_path / "b")
         with pytest.raises(OSError, match="Address already in use"):
             other.server.start()
         other.live.close()

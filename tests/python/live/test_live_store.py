@@ -6,22 +6,19 @@ import base64
 import html
 import json
 import re
-import time
 import tracemalloc
 import urllib.parse
 
 import numpy as np
 import pytest
+from live_servers import Running, payloads, until
 from small_store import LONG_AGO, Store, enveloped
-from test_live_server import until
 
 import helibore as hb
 from helibore.live import server as server_module
 from helibore.live import store_reader, witsml
 from helibore.live.configuration import parse
-from helibore.live.journal import BYTES, segments
 from helibore.live.redaction import Redactor
-from helibore.live.server import Server
 
 pytest.importorskip("httpx2", reason="WITSML stores need httpx2")
 
@@ -51,25 +48,15 @@ def grown(count, first=0):
     ]
 
 
-class Polled:
+class Polled(Running):
     """A live wall that polls ``store``."""
 
     def __init__(self, store, folder, change=lambda text: text):
-        self.text = change(CONFIGURATION.replace("URL", store.url).replace("CA", str(store.ca)))
-        self.live = hb.Live(parse(self.text), folder)
-        self.server = Server(self.live)
+        super().__init__(change(CONFIGURATION.replace("URL", store.url).replace("CA", str(store.ca))), folder)
 
-    def __enter__(self):
-        self.server.start()
-        return self
 
-    def __exit__(self, *_):
-        self.server.stop()
-        self.live.close()
-        assert self.server.failure is None
-
-    def reported(self):
-        return [str(event) for event in self.live.model.events.latest]
+def with_user(text):
+    return text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')
 
 
 @pytest.fixture
@@ -128,8 +115,8 @@ def test_an_answer_that_says_nothing_new_costs_the_journal_a_line(store, tmp_pat
     store.rows = grown(2)
     with Polled(store, tmp_path / "j") as polled:
         until(lambda: len(store.questions) > 20)
-        received = polled.live.model.readers[1].total("bytes")
-    assert received < 5 * len(enveloped(store.log(""))) + 20 * 40
+    received = polled.live.model.readers[1].total("bytes")
+    assert received < 5 * len(enveloped(store.log(""))) + 40 * len(store.questions)
 
 
 @pytest.mark.parametrize(
@@ -158,14 +145,13 @@ def test_trouble_is_told_and_what_comes_after_it_is_read(store, tmp_path, troubl
 def test_who_the_store_does_not_take_is_told_without_the_password(store, tmp_path, monkeypatch):
     store.rows, store.user = grown(5), "Basic cmlnNzpzZWNyZXQtNDc="  # rig7:secret-47
     monkeypatch.setenv("STORE_PASSWORD", "wrong-48")
-    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
-    with Polled(store, tmp_path / "j", named) as polled:
-        until(lambda: any("answered 401" in line for line in polled.reported()))
-        time.sleep(0.3)  # asked once: another wrong password could lock the account
-        assert polled.live.model.events.counts["store", "access"] == 1
-        assert polled.server.states["store"] == "stopped: access denied"
+    with Polled(store, tmp_path / "j", with_user) as polled:
+        until(lambda: polled.server.states["store"] == "stopped: access denied")
+    assert polled.count("access", "store") == 1  # asked once: another wrong password could lock the account
+    assert len(store.questions) == 1
+    assert any("answered 401" in line for line in polled.reported())
     monkeypatch.setenv("STORE_PASSWORD", "secret-47")
-    with Polled(store, tmp_path / "j", named) as again:
+    with Polled(store, tmp_path / "j", with_user) as again:
         until(lambda: again.live.wall.sample_count == 5)
     stored = b"".join(path.read_bytes() for path in (tmp_path / "j").iterdir())
     for secret in ("wrong-48", "secret-47", "cmlnNzp", "d3Jvbmct"):
@@ -219,7 +205,7 @@ def test_a_curve_without_a_length_is_told_once_and_never_drawn(store, tmp_path):
 def stored(folder):
     """(kind, state, body) of every answer in a journal."""
     frames, found = witsml.Frames(), []
-    for payload in (s.payload(r) for s in segments(folder) for r in np.flatnonzero(s.records["kind"] == BYTES)):
+    for payload in payloads(folder):
         found += frames.feed(payload)[0]
     return found
 
@@ -252,7 +238,7 @@ def test_a_jump_that_goes_on_is_read_when_its_next_row_comes(store, tmp_path):
     with Polled(store, tmp_path / "j") as polled:
         until(lambda: polled.live.wall.sample_count == 20)
         store.rows += grown(1, 10_000)
-        until(lambda: polled.live.model.events.counts["store", "jump"] == 1)
+        until(lambda: polled.count("jump", "store") == 1)
         assert polled.live.wall.sample_count == 20
         store.rows += grown(1, 10_001)
         until(lambda: polled.live.wall.sample_count == 22)
@@ -305,8 +291,7 @@ def test_an_error_page_that_repeats_the_password_is_stored_without_it(store, tmp
     token = "cmlnNzpzZWNyZXQmNDc="
     store.page = f"who is rig7 with secret&47, secret&amp;47, Basic {token}?".encode()
     store.rows, store.trouble = grown(5), ["500"]
-    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
-    with Polled(store, tmp_path / "j", named) as polled:
+    with Polled(store, tmp_path / "j", with_user) as polled:
         until(lambda: polled.live.wall.sample_count == 5)
     (refused,) = [body for _, state, body in stored(tmp_path / "j") if state == "refused"]
     assert refused == f"who is rig7 with {'*' * 9}, {'*' * 13}, Basic {'*' * len(token)}?".encode()
@@ -383,8 +368,7 @@ def test_no_way_to_write_a_password_passes(way):
 def test_no_answer_brings_a_password_to_journal_event_or_log(store, tmp_path, monkeypatch, body, caplog):
     monkeypatch.setenv("STORE_PASSWORD", PASSWORD)
     store.rows, store.bodies = grown(5), [body] * 2
-    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
-    with Polled(store, tmp_path / "j", named) as polled:
+    with Polled(store, tmp_path / "j", with_user) as polled:
         until(lambda: polled.live.wall.sample_count == 5)
     kept = b"".join(path.read_bytes() for path in (tmp_path / "j").iterdir())
     texts = "".join(
@@ -398,8 +382,7 @@ def test_no_answer_brings_a_password_to_journal_event_or_log(store, tmp_path, mo
 
 def test_a_password_that_could_be_data_is_refused_at_the_start(store, tmp_path, monkeypatch):
     monkeypatch.setenv("STORE_PASSWORD", "110.25")
-    named = lambda text: text.replace("every", 'user = "rig7"\npassword_env = "STORE_PASSWORD"\nevery')  # noqa: E731
-    polled = Polled(store, tmp_path / "j", named)
+    polled = Polled(store, tmp_path / "j", with_user)
     with (
         polled.live,
         pytest.raises(ValueError, match=r"password_env: the password must have 6 characters or"),

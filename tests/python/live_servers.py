@@ -1,0 +1,81 @@
+"""A server on a journal, the frames that its sender sends, and `until`, for the tests of live servers."""
+
+from __future__ import annotations
+
+import socket
+import time
+
+import numpy as np
+from live_wires import WALL
+
+from helibore import Live
+from helibore.live import wits
+from helibore.live.configuration import parse
+from helibore.live.journal import BYTES, segments
+from helibore.live.server import Server
+
+SOURCE = (
+    '[source.mwd]\naddress = "ADDRESS"\nunits = "metric"\n'
+    'caliper = { toolface = ["5010"], depth = ["5011"], radius = ["5012"] }\n'
+)
+
+
+def configured(address, extra=""):
+    """A configuration with one source."""
+    return WALL + SOURCE.replace("ADDRESS", address) + extra
+
+
+def frames(count, first=0):
+    return [
+        wits.frame([(5004, str(i)), (5010, str(i * 37 % 360)), (5011, f"{100 + 0.01 * i:.2f}"), (5012, "110")])
+        for i in range(first, first + count)
+    ]
+
+
+def until(condition, seconds=30.0):
+    """Wait until ``condition`` is true."""
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not come"
+        time.sleep(0.005)
+
+
+def payloads(folder):
+    """The received bytes in a journal, record by record."""
+    return [s.payload(r) for s in segments(folder) for r in np.flatnonzero(s.records["kind"] == BYTES)]
+
+
+def free_port():
+    with socket.create_server(("127.0.0.1", 0)) as s:
+        return s.getsockname()[1]
+
+
+def is_closed(link):
+    try:
+        return link.recv(1) == b""
+    except ConnectionResetError:  # it sent what nobody read
+        return True
+
+
+class Running:
+    """A server on a journal; it must not fail."""
+
+    def __init__(self, text, folder):
+        self.text = text
+        self.live = Live(parse(text), folder)
+        self.server = Server(self.live)
+
+    def __enter__(self):
+        self.server.start()
+        return self
+
+    def __exit__(self, *_):
+        self.server.stop()
+        self.live.close()
+        assert self.server.failure is None
+
+    def count(self, rule, source=""):
+        return self.live.model.events.counts[source, rule]
+
+    def reported(self):
+        return [str(event) for event in self.live.model.events.latest]
