@@ -127,6 +127,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--samples-to deepest", "Drop deeper samples.", type=LENGTH),
         opt("--keep-saturated saturated", "Keep the flat tops of arms at their limit.  [dropped]", is_flag=True,
             flag_value=False, default=True),
+        opt("--keep-closed drop_closed", "Keep the rows in which all arms stay closed, inside the bit.  [dropped]",
+            is_flag=True, flag_value=False, default=True),
         opt("--drop-closed closed", "Drop rows where no arm reads more than the closed tool.", type=LENGTH,
             metavar="RADIUS"),
         opt("--drop-stuck stuck", "Drop an arm that does not move for so many rows while others do.", type=int,

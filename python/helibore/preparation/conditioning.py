@@ -381,34 +381,35 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike, *, rows: int = 5, len
 
 def closed_stretches(
     readings: Readings, *, rows: int = 20, tolerance: float = 0.002, open_by: float = 0.01
-) -> list[str]:
-    """Return a sentence for each stretch in which all arms stay closed, and open after it: nothing is dropped.
+) -> tuple[float, list[tuple[int, int, int, int]]]:
+    """Find the stretches in which all arms stay closed, with the ramps on which they close before and open after it.
 
     Closed is the least that the arms read, where half of all readings are larger by ``open_by`` metres or more and
-    ``rows`` of them in a row stay within the tolerance.
+    ``rows`` of them in a row stay within the tolerance. A ramp is where the largest arm reads more from row to row,
+    away from the closed stretch.
+
+    Returns
+    -------
+    The closed radius, m (NaN: nothing is known), and rows of each stretch: (begin of the ramp, first, last, end of the
+    ramp), last and end exclusive.
     """
     radii = np.stack(readings.radii)
     known = np.isfinite(radii).any(axis=0)
-    largest = np.where(known, np.nan_to_num(radii, nan=-np.inf).max(axis=0), np.nan)
     if not known.any():
-        return []
+        return np.nan, []
+    largest = np.where(known, np.nan_to_num(radii, nan=-np.inf).max(axis=0), np.nan)
     level = float(np.nanmin(largest))
     if np.nanmedian(largest) < level + open_by:
-        return []
-    lines = []
+        return level, []
+    found = []
     for first, last in _stretches(known & (largest <= level + tolerance), rows):
-        opening = last
-        while opening < largest.size and largest[opening] > largest[opening - 1]:
-            opening += 1
-        top, bottom = np.nanmin(readings.depth[first:last]), np.nanmax(readings.depth[first:last])
-        ramp = ""
-        if opening > last:
-            ramp = f", and open until {readings.depth[opening - 1]:.1f} m"
-        lines.append(
-            f"{readings.name}: all arms stay within {1e3 * tolerance:.0f} mm of a radius of {1e3 * level:.1f} mm from "
-            f"{top:.1f} to {bottom:.1f} m{ramp}, as closed arms do: kept; --drop-closed drops them"
-        )
-    return lines
+        begin, end = first, last
+        while end < largest.size and largest[end] > largest[end - 1]:
+            end += 1
+        while begin > 0 and largest[begin - 1] > largest[begin]:
+            begin -= 1
+        found.append((begin, first, last, end))
+    return level, found
 
 
 def require_agreement(readings: Readings, apart: float = 0.0025) -> None:

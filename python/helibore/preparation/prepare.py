@@ -3,9 +3,9 @@
     readings --flat tops, closed, stuck--> rows --sensors--> one frame --range, repeated, spikes--> --passes, shifts-->
              --reference--> the wall's toolface --recentre--> the hole's axis --bias--> --latest--> Caliper
 
-``Preparation()`` only drops flat tops and brings the sensors into one frame. The steps themselves are in
-``conditioning``, ``observe``, ``passes``, ``references`` and ``eccentering``; here is their order, and what each needs
-from the others.
+``Preparation()`` only drops flat tops and closed arms, and brings the sensors into one frame. The steps themselves are
+in ``conditioning``, ``observe``, ``passes``, ``references`` and ``eccentering``; here is their order, and what each
+needs from the others.
 """
 
 from __future__ import annotations
@@ -50,6 +50,9 @@ LONG_TURN = 1.0
 IMAGE_ROW = 8
 """From so many sensors on, one row of readings goes all around the hole: it is a turn."""
 
+INSIDE_BIT = 0.01
+"""Metres: arms that all read so much less than the bit's radius are closed."""
+
 REFERENCES = ("north", "high-side", "automatic")
 BIASES = ("none", "arm", "side")
 
@@ -64,6 +67,9 @@ class Preparation:
         Samples beyond these depths are dropped.
     saturated
         Drop flat tops: 5 readings and 0.5 m or more at the largest value of an arm that cannot open farther.
+    drop_closed
+        Drop the rows in which all arms stay closed at a radius 10 mm or more below the bit, and those on which they
+        close and open. Needs the bit size; without it such rows are reported.
     closed
         Radius that the arms read when the caliper is closed; rows where no arm reads 2 mm more are dropped.
     stuck
@@ -104,6 +110,7 @@ class Preparation:
     shallowest: float | None = None
     deepest: float | None = None
     saturated: bool = True
+    drop_closed: bool = True
     closed: float | None = None
     stuck: int | None = None
     least_radius: float | None = None
@@ -289,7 +296,7 @@ class _Pipeline:
         if len(one.sensors) < IMAGE_ROW:
             conditioning.require_agreement(one)
             if self.settings.closed is None:
-                self.report += [("closed", line) for line in conditioning.closed_stretches(one)]
+                one = self._opened(one)
             if self.settings.saturated:
                 one = self._unsaturated(one)
         if self.settings.closed is None and self.settings.stuck is None:
@@ -309,6 +316,32 @@ class _Pipeline:
             self._report_step(step, "readings")
             radii = np.where(step.dropped[reading], np.nan, radii)
         return replace(one, radii=tuple(radii))
+
+    def _opened(self, one: Readings) -> Readings:
+        """The readings without the stretches in which all arms are closed, if they lie inside the bit."""
+        level, found = conditioning.closed_stretches(one)
+        if self.bit_diameter is not None and level + INSIDE_BIT > 0.5 * self.bit_diameter:
+            return one  # a casing, or the hole itself
+        dropped = np.zeros(one.rows, dtype=bool)
+        for begin, first, last, end in found:
+            top, bottom = np.nanmin(one.depth[first:last]), np.nanmax(one.depth[first:last])
+            ramps = f", close from {one.depth[begin]:.1f} m" if begin < first else ""
+            ramps += f", open until {one.depth[end - 1]:.1f} m" if end > last else ""
+            done = f"{end - begin:,} rows dropped"
+            if self.bit_diameter is None or not self.settings.drop_closed:
+                done = "as closed arms do: kept" + (
+                    "" if self.bit_diameter else ", no bit size says that it is no casing"
+                )
+            else:
+                dropped[begin:end] = True
+            self.report.append((
+                "closed", f"{one.name}: all arms stay within 2 mm of a radius of {1e3 * level:.1f} mm from {top:.1f} "
+                f"to {bottom:.1f} m{ramps}: {done}"
+            ))  # fmt: skip
+        if not dropped.any():
+            return one
+        self.counts["closed"] = self.counts.get("closed", 0) + int(np.count_nonzero(dropped))
+        return replace(one, radii=tuple(np.where(dropped, np.nan, radius) for radius in one.radii))
 
     def _unsaturated(self, one: Readings) -> Readings:
         """The readings without the flat tops of arms at their limit."""

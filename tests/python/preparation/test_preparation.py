@@ -258,7 +258,7 @@ def test_flat_tops_are_named_and_dropped() -> None:
     assert len(kept.caliper) == 4 * N
 
 
-def test_closed_arms_and_their_opening_are_noticed_without_being_asked() -> None:
+def test_closed_arms_and_their_opening_are_dropped_without_being_asked() -> None:
     one = arms()
     columns = {}
     for name in ("cal_x", "cal_y"):
@@ -267,13 +267,25 @@ def test_closed_arms_and_their_opening_are_noticed_without_being_asked() -> None
         values[340:350] = np.linspace(8.0, 4.4, 10)
         columns[f"{name}__in"] = values[::-1]
     columns["md__m"] = np.array(one["md"].values)[::-1]
-    found = prepare(arms(**columns).readings())
-    line = (
-        "closed", "f.csv: all arms stay within 2 mm of a radius of 50.8 mm from 117.5 to 120.0 m, and open until "
-        "116.9 m, as closed arms do: kept; --drop-closed drops them"
-    )  # fmt: skip
-    assert line in found.report
-    assert not [line for line in prepare(arms().readings()).report if line[0] == "closed"]
+    bit = 8.5 * 0.0254
+    found = prepare(arms(**columns).readings(), bit_diameter=bit)
+    stretch = "f.csv: all arms stay within 2 mm of a radius of 50.8 mm from 117.5 to 120.0 m"
+    assert found.report[0] == ("closed", f"{stretch}, open until 116.9 m: 62 rows dropped")
+    assert found.counts["closed"] == 62
+    assert found.caliper.radius.min() > 0.09
+    down = {name: values[::-1] for name, values in columns.items()}
+    (line,) = [line for label, line in prepare(arms(**down).readings(), bit_diameter=bit).report if label == "closed"]
+    assert line == f"{stretch}, close from 116.9 m: 62 rows dropped"
+    for settings, size, done in (
+        (Preparation(), None, "kept, no bit size says that it is no casing"),
+        (Preparation(drop_closed=False), bit, "kept"),
+    ):
+        kept = prepare(arms(**columns).readings(), settings, bit_diameter=size)
+        assert ("closed", f"{stretch}, open until 116.9 m: as closed arms do: {done}") in kept.report
+        assert len(kept.caliper) == 4 * N
+    casing = prepare(arms(**columns).readings(), bit_diameter=4.0 * 0.0254)
+    for other in (casing, prepare(arms().readings(), bit_diameter=bit)):
+        assert not [line for line in other.report if line[0] == "closed"]
     asked = prepare(arms(**columns).readings(), Preparation(closed=2.0 * 0.0254))
     assert [label for label, _ in asked.report].count("closed") == 1
     assert asked.counts["closed"] == 50
