@@ -11,12 +11,16 @@ import os
 import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 
 import numpy as np
 
 from helibore.base.arrays import Floats, column
-from helibore.base.errors import InputError
+from helibore.base.arrow import arrow_stream
+from helibore.base.errors import InputError, MissingExtraError
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,7 +54,42 @@ class LogColumn:
             raise InputError(self.mnemonic, "unit and description must be ASCII")
 
 
-class LogTable:
+class Tabular:
+    """What `table` returns, for pandas and for all that reads Arrow: ``polars.DataFrame(logs)``, DuckDB."""
+
+    __slots__ = ()
+
+    def table(self) -> LogTable:
+        """Return the numbers with mnemonics, units and facts."""
+        raise NotImplementedError
+
+    def to_pandas(self) -> DataFrame:
+        """Return `table` as a ``pandas.DataFrame``, one column a mnemonic; ``attrs`` holds ``units`` and ``facts``.
+
+        Raises
+        ------
+        MissingExtraError
+            If pandas is not installed.
+        """
+        try:
+            from pandas import DataFrame
+        except ImportError as error:
+            raise MissingExtraError("pandas", "tables") from error
+        table = self.table()
+        frame = DataFrame({of.mnemonic: of.values for of in table})
+        frame.attrs = {"units": {of.mnemonic: of.unit for of in table}, "facts": table.facts}
+        return frame
+
+    def __arrow_c_stream__(self, requested_schema: object = None) -> object:
+        """Return the Arrow stream of `table`: float64 columns, null where missing."""
+        return arrow_stream({of.mnemonic: (of.unit, of.values) for of in self.table()}, requested_schema)
+
+    def __array__(self, *_: Any, **__: Any) -> NoReturn:
+        """Refuse ``pandas.DataFrame(table)``, which would make rows of the names and units."""
+        raise InputError(type(self).__name__, "is not an array: to_pandas() or polars.DataFrame() make a data frame")
+
+
+class LogTable(Tabular):
     """Columns on one depth, the depth first.
 
     Parameters
@@ -82,6 +121,10 @@ class LogTable:
                 raise InputError(f"{one.mnemonic}: {size} values, {columns[0].mnemonic} has {rows}", "must be equal")
             column(one.mnemonic, one.values)
             self._columns[one.mnemonic] = one
+
+    def table(self) -> LogTable:
+        """Return this table."""
+        return self
 
     def save(self, filename: str | os.PathLike[str]) -> None:
         """Write the table to .las, .csv, .parquet or .dlis: `helibore.files.log_files.save_table`."""

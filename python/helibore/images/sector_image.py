@@ -22,7 +22,9 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
+from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
+from helibore.base.notebook import card, map_picture
 from helibore.base.threads import thread_count
 from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria, find_breakouts
 from helibore.samples.helix import WallLike
@@ -106,6 +108,17 @@ class SectorImage:
         self.depth.flags.writeable = self.values.flags.writeable = False
         self.missing = int(np.isnan(self.values).sum())
         self.reach = _reach(reach, self.depth)
+
+    def _repr_html_(self) -> str:
+        numbers = {
+            "depth": f"{self.depth[0]:.2f} to {self.depth[-1]:.2f} m",
+            "rows, sectors": f"{self.depth.size}, {self.sectors}",
+            "values": f"{np.nanmin(self.values):g} to {np.nanmax(self.values):g} {self.unit}",
+            "missing": f"{100 * self.missing / self.values.size:.1f} %",
+            "toolface 0": self.reference,
+        }
+        picture = map_picture(self.values, customary_map(self.name, self.unit), f"{self.name} by depth and sector")
+        return card(f"SectorImage {self.name}", numbers, picture)
 
     @property
     def sectors(self) -> int:

@@ -25,7 +25,8 @@ import numpy as np
 from helibore import _core
 from helibore.base.arrays import Floats, Mask, column
 from helibore.base.errors import InputError
-from helibore.base.tables import LogColumn, LogTable
+from helibore.base.notebook import card, curve_picture
+from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import thread_count
 from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
@@ -48,7 +49,7 @@ RUGOSITY_WINDOW = 1.0
 
 
 @dataclass(frozen=True, eq=False)
-class Logs:
+class Logs(Tabular):
     """Columns of one row a turn or a step, each (rows,) float64, owned; made by `turn_logs`.
 
     Lengths are metres; 0 and 90 are toolfaces, so on a high-side wall `diameter_0` is the vertical diameter. Diameters
@@ -249,6 +250,10 @@ class Logs:
     ) -> None:
         """Write `table` to .las, .csv, .parquet or .dlis."""
         self.table(more, facts).save(filename)
+
+    def _repr_html_(self) -> str:
+        picture = curve_picture(self.equivalent_diameter, self.depth, "equivalent diameter by depth")
+        return card(repr(self), self.facts(), picture)
 
     def __repr__(self) -> str:
         if not len(self):

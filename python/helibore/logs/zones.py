@@ -31,7 +31,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_not_negative
-from helibore.base.tables import LogColumn, LogTable, columns_of
+from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.base.units import INCH
 from helibore.logs.breakouts import lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
@@ -161,7 +161,7 @@ class Zone:
         return self.stop - self.start
 
 
-class Classification:
+class Classification(Tabular):
     """Kinds of all turns and the zones they make; made by `classify`.
 
     Attributes

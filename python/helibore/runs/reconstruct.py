@@ -83,6 +83,9 @@ def _prepared(
 ) -> tuple[Caliper, Caliper | None]:
     """Return the samples of the wall, and those of the earlier passes."""
     if not isinstance(samples, Caliper):
+        if hasattr(samples, "columns") or isinstance(samples, dict):
+            rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
+            raise InputError("samples", rule, type(samples).__name__)
         from helibore.preparation.prepare import Prepared, prepare
 
         if not isinstance(samples, Prepared):

@@ -9,7 +9,8 @@ log made from the samples states it too.
 from __future__ import annotations
 
 import math
-from typing import Literal, get_args
+from collections.abc import Mapping
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -17,7 +18,10 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column, require, sample_columns, whole_column
 from helibore.base.errors import InputError
+from helibore.base.notebook import card, map_picture
+from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import available_threads
+from helibore.base.units import ANGLE, LENGTH, TIME, factor
 
 Basis = Literal["azimuthal", "average", "gauge"]
 """What a wall is made from."""
@@ -40,7 +44,11 @@ def check_basis(basis: str) -> None:
         raise InputError("basis", f"must be one of {', '.join(get_args(Basis))}", repr(basis))
 
 
-class Caliper:
+COLUMNS = {"depth": LENGTH, "toolface": ANGLE, "radius": LENGTH, "time": TIME, "arm": None}
+"""The columns of samples, and what the units of each measure."""
+
+
+class Caliper(Tabular):
     """Samples of the radius of a hole, in any order, checked and frozen.
 
     Parameters
@@ -70,7 +78,7 @@ class Caliper:
     Notes
     -----
     The attributes ``depth``, ``toolface``, ``radius`` and ``time`` are read-only float64 arrays. Input that already is
-    contiguous float64 is not copied: do not change it afterwards.
+    contiguous float64 is not copied: do not change it afterwards. `from_table` takes a data frame with missing values.
 
     Examples
     --------
@@ -79,7 +87,7 @@ class Caliper:
     2
     """
 
-    __slots__ = ("_arm", "_basis", "_depth", "_radius", "_time", "_toolface")
+    __slots__ = ("_arm", "_basis", "_depth", "_radius", "_time", "_toolface", "left_out")
 
     def __init__(
         self,
@@ -96,10 +104,75 @@ class Caliper:
         if self._arm is not None:
             self._arm.setflags(write=False)
         self._basis = basis
+        self.left_out = 0
         columns = sample_columns(depth, toolface, radius, time)
         self._depth, self._toolface, self._radius = (_frozen(values) for values in columns[:3])
         self._time = None if columns[3] is None else _frozen(columns[3])
         _core.check_samples(self._depth, self._toolface, self._radius, self._time, available_threads())
+
+    @classmethod
+    def from_table(
+        cls,
+        table: Any,
+        *,
+        depth: str = "DEPTH",
+        toolface: str = "TOOLFACE",
+        radius: str = "RADIUS",
+        time: str | None = None,
+        arm: str | None = None,
+        units: Mapping[str, str] | None = None,
+    ) -> Caliper:
+        """Return samples from the columns of a data frame: pandas, Polars, Arrow, xarray, or a dict of columns.
+
+        Parameters
+        ----------
+        table
+            ``table[name]`` is a column of numbers. A row with a missing value (NaN, null) is left out; ``left_out`` of
+            the caliper is how many.
+        depth, toolface, radius, time, arm
+            Names of the columns; radius, not diameter.
+        units
+            Unit of a quantity where it is not metres, degrees and seconds: ``{"depth": "ft", "radius": "in"}``.
+
+        Raises
+        ------
+        InputError
+            On a column that the table does not have or that does not hold numbers, an unknown unit, a table without a
+            complete row, and as `Caliper`; rows then count the complete ones.
+
+        Examples
+        --------
+        >>> frame = {"MD": [328.0, 328.1, 328.2], "TF": [0, 90, 180], "R": [4.3, math.nan, 4.4]}
+        >>> caliper = Caliper.from_table(
+        ...     frame, depth="MD", toolface="TF", radius="R", units={"depth": "ft", "radius": "in"}
+        ... )
+        >>> len(caliper), caliper.left_out
+        (2, 1)
+        """
+        units = units or {}
+        for unknown in units:
+            if COLUMNS.get(unknown) is None:
+                raise InputError("units", f"{unknown!r} is none of depth, toolface, radius, time")
+        columns: dict[str, Floats] = {}
+        names = {"depth": depth, "toolface": toolface, "radius": radius, "time": time, "arm": arm}
+        for role, name in names.items():
+            if name is None:
+                continue
+            try:
+                values = np.asarray(table[name], np.float64)
+            except (TypeError, ValueError) as error:
+                raise InputError(f"column {name!r}", "must be numbers") from error
+            except Exception as error:  # each library has an error of its own for a column that is not there
+                raise InputError(f"column {name!r}", f"is not in the table ({role})") from error
+            kind = COLUMNS[role]
+            columns[role] = values * factor(units[role], kind) if role in units and kind else values
+        there = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
+        if not there.any():
+            raise InputError("table", f"none of {there.size} rows has all of {', '.join(columns)}")
+        given: dict[str, Any] = columns if there.all() else {role: of[there] for role, of in columns.items()}
+        made = cls(**given)
+        made.left_out = int(there.size - there.sum())
+        return made
 
     @classmethod
     def from_average(cls, depth: npt.ArrayLike, diameter: npt.ArrayLike) -> Caliper:
@@ -203,8 +276,33 @@ class Caliper:
         """(n,) int64 arm numbers or None; read-only."""
         return self._arm
 
+    def table(self) -> LogTable:
+        """Return the samples as columns DEPTH, TOOLFACE, RADIUS and, where they have them, TIME and ARM."""
+        units = {"depth": "m", "toolface": "deg", "radius": "m", "time": "s"}
+        columns = [(name, getattr(self, name)) for name in COLUMNS]
+        return LogTable(
+            [LogColumn(of.upper(), units.get(of, ""), of, values) for of, values in columns if values is not None],
+            {"basis": BASIS_TEXT[self._basis]},
+        )
+
     def __len__(self) -> int:
         return self._depth.size
+
+    def _repr_html_(self) -> str:
+        if not len(self):
+            return card(repr(self), {}, "")
+        place = (np.linspace(self._depth.min(), self._depth.max(), 121)[:-1], np.arange(0, 360, 5))
+        row = np.searchsorted(place[0], self._depth, "right") - 1
+        cell = row * 72 + (np.mod(self._toolface, 360) / 5).astype(int) % 72
+        with np.errstate(invalid="ignore"):
+            mean = np.bincount(cell, self._radius, 120 * 72) / np.bincount(cell, minlength=120 * 72)
+        numbers = {
+            "samples": f"{len(self)}",
+            "depth": f"{self._depth.min():.2f} to {self._depth.max():.2f} m",
+            "radius": f"{1000 * self._radius.min():.1f} to {1000 * self._radius.max():.1f} mm",
+            "basis": BASIS_TEXT[self._basis],
+        }
+        return card("Caliper", numbers, map_picture(mean.reshape(120, 72), "caliper", "radius by depth and toolface"))
 
     def __repr__(self) -> str:
         if not len(self):

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, column
 from helibore.base.errors import InputError
+from helibore.base.notebook import card, curve_picture
 from helibore.trajectory.references import Reference
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
@@ -68,6 +69,19 @@ class Survey:
 
     def __reduce__(self) -> tuple[type[Survey], tuple[Floats, ...]]:
         return Survey, (self._depth, self._inclination, self._azimuth)
+
+    def _repr_html_(self) -> str:
+        numbers = {
+            "stations": f"{len(self)}",
+            "depth": f"{self._depth[0]:.1f} to {self._depth[-1]:.1f} m",
+            "inclination": f"{self._inclination.min():.2f} to {self._inclination.max():.2f} deg",
+            "greatest dogleg": f"{self.dogleg().max():.2f} deg between stations",
+        }
+        position = self.path().position(np.linspace(self._depth[0], self._depth[-1], 200))
+        away = np.hypot(position[:, 0], position[:, 1])
+        return card(
+            "Survey", numbers, curve_picture(away, position[:, 2], "depth by distance from the head", equal=True)
+        )
 
     def __repr__(self) -> str:
         return f"Survey({len(self)} stations, {self._depth[0]:g} to {self._depth[-1]:g} m)"

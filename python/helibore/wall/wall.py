@@ -18,15 +18,17 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, sample_columns
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.notebook import card, map_picture
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
+from helibore.base.units import size_text
 from helibore.images.sector_image import SectorImage, SectorImages
 from helibore.mesh.attributes import WallAttributes
 from helibore.mesh.surface import Surface, surface_of
 from helibore.mesh.volume import Volume, volume_of
-from helibore.samples.caliper import Basis, Caliper, check_basis
-from helibore.samples.helix import quad_room
+from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper, check_basis
+from helibore.samples.helix import helix_of, quad_room
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall import archive
 from helibore.wall.append_result import Change, VertexColumns
@@ -35,6 +37,8 @@ from helibore.wall.points import PointValues, values_at
 from helibore.wall.state import WallState
 
 if TYPE_CHECKING:
+    from xarray import Dataset
+
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification, Criteria
@@ -423,6 +427,66 @@ class Wall:
         from helibore.logs.summary import summarize
 
         return summarize(self._state(), start, stop, criteria)
+
+    def to_xarray(self) -> Dataset:
+        """Return the vertices as an ``xarray.Dataset`` by turn and sector, metres and degrees, missing ones NaN.
+
+        Returns
+        -------
+        Dataset
+            ``radius``, ``nearest``, ``support``, ``angular_gap`` and the coordinate ``depth``, each (turn, sector), and
+            the coordinate ``toolface`` (sector). An incomplete last turn is filled with NaN, ``support`` with 0.
+
+        Raises
+        ------
+        MissingExtraError
+            If xarray is not installed.
+        """
+        try:
+            from xarray import Dataset
+        except ImportError as error:
+            raise MissingExtraError("xarray", "tables") from error
+        state, sectors = self._state(), self._settings.sectors
+        helix, radius = helix_of(state), state.radius
+        turns = -(-radius.size // sectors)
+        k = np.arange(turns * sectors)
+
+        def by_turn(values: npt.NDArray[Any], missing: float = np.nan) -> tuple[tuple[str, str], npt.NDArray[Any]]:
+            filled = np.full(k.size, missing, values.dtype)
+            filled[: values.size] = values
+            return ("turn", "sector"), filled.reshape(turns, sectors)
+
+        return Dataset(
+            {
+                "radius": (*by_turn(radius), {"units": "m"}),
+                "nearest": (*by_turn(state.nearest), {"units": "m"}),
+                "support": by_turn(state.support, 0),
+                "angular_gap": (*by_turn(state.angular_gap), {"units": "deg"}),
+            },
+            {
+                "depth": (*by_turn(helix.depth(k)), {"units": "m"}),
+                "toolface": ("sector", helix.toolface(np.arange(sectors))),
+            },
+            {"basis": self._basis, "bit_diameter": self._settings.bit_diameter},
+        )
+
+    def _repr_html_(self) -> str:
+        sectors = self._settings.sectors
+        if len(self) < sectors:
+            return card(repr(self), {}, "")
+        of = self.summary()
+        numbers = {
+            "depth": f"{of.start:.2f} to {of.stop:.2f} m",
+            "basis": BASIS_TEXT[of.basis],
+            "bit": size_text(of.bit_diameter),
+            "mean diameter": size_text(of.mean_diameter),
+            "washed out": f"{of.washed_out:.1f} m",
+            "measured": f"{100 * of.coverage:.0f} % of the turns",
+            "vertices, samples": f"{of.vertices}, {of.samples}",
+        }
+        radius = self.radius[: len(self) // sectors * sectors].reshape(-1, sectors)
+        picture = map_picture(radius, "caliper", "radius by depth and toolface")
+        return card("Wall", {name: text for name, text in numbers.items() if "nan" not in text}, picture)
 
     def __repr__(self) -> str:
         if not len(self):

@@ -1,0 +1,79 @@
+"""What notebooks show of an object: a small picture beside its key numbers, as HTML that needs nothing else.
+
+All styles are inline and all colours of text and lines are the page's own, so that a saved notebook shows the same in
+light and dark. A card has less than 30 kB.
+"""
+
+from __future__ import annotations
+
+import base64
+import struct
+import zlib
+from collections.abc import Mapping
+from html import escape
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.base.colors import colors_of
+
+_WIDTH, _HEIGHT = 72, 120
+"""Cells of a map and pixels of a curve, at most."""
+
+
+def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
+    """Return a card of the title, a table of numbers by name, and a picture to its left."""
+    cell = 'style="text-align:left;padding:0 .8em 0 0;border:0;background:none'
+    rows = "".join(
+        f'<tr style="background:none"><td {cell};opacity:.7">{escape(name)}</td><td {cell}">{escape(text)}</td></tr>'
+        for name, text in numbers.items()
+    )
+    return (
+        f'<div style="display:flex;gap:1em;align-items:flex-start;font-size:13px">{picture}'
+        f"<div><b>{escape(title)}</b>"
+        f'<table style="border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit">{rows}</table></div></div>'
+    )
+
+
+def map_picture(values: Floats, color_map: str, label: str) -> str:
+    """Return a picture of values by row (down) and column, each (rows, columns); grey where missing.
+
+    Every cell shows one value of its place, not a mean, so that nothing missing is filled.
+    """
+    rows, columns = (np.linspace(0, size - 1, min(size, most)).astype(int) for size, most in
+                     zip(values.shape, (_HEIGHT, _WIDTH), strict=True))  # fmt: skip
+    pixels = colors_of(values[np.ix_(rows, columns)], color_map=color_map)[..., :3]
+    height, width = pixels.shape[:2]
+    lines = np.zeros((height, 1 + 3 * width), np.uint8)  # each line begins with its filter: none
+    lines[:, 1:] = pixels.reshape(height, -1)
+    parts = (b"IHDR", struct.pack(">2I5B", width, height, 8, 2, 0, 0, 0)), (b"IDAT", zlib.compress(lines.tobytes()))
+    png = b"\x89PNG\r\n\x1a\n" + b"".join(
+        struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
+        for name, data in (*parts, (b"IEND", b""))
+    )
+    source = base64.b64encode(png).decode()
+    style = f"width:{2 * _WIDTH}px;height:{2 * _HEIGHT}px;image-rendering:pixelated"
+    return f'<img alt="{escape(label)}" title="{escape(label)}" style="{style}" src="data:image/png;base64,{source}">'
+
+
+def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False) -> str:
+    """Return a picture of a curve, ``down`` growing downwards; it breaks where a value is missing.
+
+    ``equal``: both axes have one scale, as of a path.
+    """
+    rows = np.linspace(0, max(across.size - 1, 0), min(across.size, 4 * _HEIGHT)).astype(int)
+    points = np.column_stack([across[rows], down[rows]])
+    there = np.isfinite(points[:, 0]) & np.isfinite(points[:, 1])
+    if not there.any():
+        return ""
+    least, span = points[there].min(axis=0), np.ptp(points[there], axis=0)
+    span = np.maximum(np.full(2, span.max()) if equal else span, 1e-12)
+    size = np.array([2 * _WIDTH, 2 * _HEIGHT]) - 8
+    scaled = 4 + (points - least) / span * (size.min() if equal else size)
+    moves = ["M" if not before else "L" for before in np.concatenate([[False], there[:-1]])]
+    path = "".join(f"{move}{x:.1f} {y:.1f}" for move, (x, y), one in zip(moves, scaled, there, strict=True) if one)
+    return (
+        f'<svg width="{2 * _WIDTH}" height="{2 * _HEIGHT}" role="img" aria-label="{escape(label)}">'
+        f'<title>{escape(label)}</title><rect width="100%" height="100%" fill="none" stroke="currentColor" '
+        f'stroke-opacity=".3"/><path d="{path}" fill="none" stroke="currentColor"/></svg>'
+    )

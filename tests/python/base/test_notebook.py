@@ -1,0 +1,66 @@
+"""Cards of notebooks: small, alone, and true to the numbers."""
+
+from __future__ import annotations
+
+import base64
+import re
+import struct
+import zlib
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.base.colors import MISSING
+from helibore.base.notebook import curve_picture, map_picture
+
+
+def everything():
+    k = np.arange(40_000)
+    caliper = hb.Caliper(1000 + k * 0.0005, k * 37.0, 0.11 + 0.004 * np.sin(k / 900))
+    wall = hb.reconstruct(caliper, bit_diameter=0.216)
+    survey = hb.Survey([0, 500, 1000, 1100], [0, 10, 40, 60], [10, 20, 30, 40])
+    image = hb.SectorImage(1000 + np.arange(300) * 0.1, np.random.default_rng(3).uniform(0, 150, (300, 16)), "GR",
+                           "gAPI", origin="edge", reference="north")  # fmt: skip
+    return {"wall": wall, "logs": wall.logs(), "caliper": caliper, "survey": survey, "image": image}
+
+
+@pytest.mark.parametrize("name", everything())
+def test_a_card_is_small_and_needs_nothing_else(name):
+    html = everything()[name]._repr_html_()
+    assert 500 < len(html.encode()) < 30_000
+    assert not re.search(r"https?://|url\(|<script|<link| id=| class=", html)
+    assert "nan" not in html
+
+
+def test_empty_things_have_a_card():
+    assert "Wall(empty)" in hb.Wall(bit_diameter=0.2)._repr_html_()
+    assert "no samples" in hb.Caliper([], [], [])._repr_html_()
+
+
+def test_the_wall_says_what_its_summary_says():
+    wall = everything()["wall"]
+    assert f"{wall.summary().mean_diameter * 1000:.1f} mm" in wall._repr_html_()
+
+
+def test_a_map_has_the_colours_of_its_cells():
+    values = np.array([[0.0, 1.0, np.nan], [1.0, 0.0, 1.0]])
+    source = re.search(r"base64,([^\"]+)", map_picture(values, "viridis", "a map"))
+    png = base64.b64decode(source[1])
+    width, height = struct.unpack(">2I", png[16:24])
+    start = png.index(b"IDAT")
+    size = struct.unpack(">I", png[start - 4 : start])[0]
+    pixels = np.frombuffer(zlib.decompress(png[start + 4 : start + 4 + size]), np.uint8).reshape(height, -1)
+    pixels = pixels[:, 1:].reshape(height, width, 3)
+    assert tuple(pixels[0, 2]) == MISSING
+    assert (pixels[0, 0] == pixels[1, 1]).all()
+    assert (pixels[0, 1] == pixels[1, 0]).all()
+    assert (pixels[0, 0] != pixels[0, 1]).any()
+
+
+def test_a_curve_breaks_where_a_value_is_missing():
+    svg = ElementTree.fromstring(curve_picture(np.array([1.0, 2, np.nan, 3, 4]), np.arange(5.0), "a <curve>"))
+    assert re.sub("[0-9. ]", "", svg.find("path").get("d")) == "MLML"
+    assert svg.find("title").text == "a <curve>"
+    assert curve_picture(np.array([np.nan]), np.array([1.0]), "none") == ""

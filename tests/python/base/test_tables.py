@@ -1,0 +1,128 @@
+"""Tables go to pandas, Polars and Arrow, and data frames become samples."""
+
+from __future__ import annotations
+
+import sys
+
+import numpy as np
+import pandas as pd
+import polars as pl
+import pyarrow as pa
+import pytest
+import xarray as xr
+
+import helibore as hb
+
+FRAME = {"MD": [100.0, 101.0, np.nan, 103.0], "TF": [0.0, 1.0, 2.0, 3.0], "R": [4.0, np.nan, 4.2, 4.3]}
+
+
+@pytest.fixture(scope="module")
+def wall():
+    k = np.arange(900)
+    radius = 0.11 + 0.002 * np.sin(k)
+    depth = np.where(k < 450, k, k + 400) * 0.004  # with a gap
+    return hb.reconstruct(
+        hb.Caliper(depth, k * 37.0, radius, np.arange(900.0)), bit_diameter=0.216, sectors=12, max_distance=0.5
+    )
+
+
+def test_logs_zones_and_samples_are_arrow_with_null_for_missing(wall):
+    for table in (wall.logs(), wall.zones(), wall.samples, wall.logs().by_step(0.5).table()):
+        made = pa.table(table)
+        assert made.column_names == [of.mnemonic for of in table.table()]
+        for column in table.table():
+            assert made.field(column.mnemonic).metadata == ({b"unit": column.unit.encode()} if column.unit else None)
+            values = made[column.mnemonic]
+            assert values.null_count == np.isnan(column.values).sum()
+            assert np.array_equal(values.to_numpy(), column.values, equal_nan=True)
+    logs = wall.logs()
+    assert 0 < pa.table(logs)["DEQ"].null_count < len(logs)
+    assert pl.DataFrame(logs)["DEQ"].mean() == pytest.approx(np.nanmean(logs.equivalent_diameter), rel=1e-12)
+
+
+def test_a_slice_that_is_not_contiguous_keeps_its_values(wall):
+    logs = wall.logs().between(0.5, 3.0)
+    assert pl.DataFrame(logs)["DEPT"].to_list() == logs.depth.tolist()
+
+
+def test_to_pandas_keeps_units_and_facts(wall):
+    frame = wall.logs().to_pandas()
+    assert frame["C1"].isna().sum() == np.isnan(wall.logs().c1).sum()
+    assert frame.attrs["units"]["C1"] == "m"
+    assert frame.attrs["facts"]["bit diameter"] == "0.216 m"
+    assert wall.zones().to_pandas().columns[3] == "CLASS"
+
+
+def test_pandas_makes_no_rows_of_names_and_units(wall):
+    with pytest.raises(hb.InputError) as error:
+        pd.DataFrame(wall.logs().table())
+    assert str(error.value) == "LogTable: is not an array: to_pandas() or polars.DataFrame() make a data frame"
+
+
+@pytest.mark.parametrize(("call", "library"), [("logs", "pandas"), ("wall", "xarray")])
+def test_a_missing_library_names_the_extra(wall, monkeypatch, call, library):
+    monkeypatch.setitem(sys.modules, library, None)
+    with pytest.raises(hb.MissingExtraError) as error:
+        wall.logs().to_pandas() if call == "logs" else wall.to_xarray()
+    assert str(error.value) == f'needs {library}: pip install "helibore[tables]"'
+
+
+def test_to_xarray_has_turns_and_sectors_and_leaves_the_incomplete_turn_missing(wall):
+    made = wall.to_xarray()
+    flat = {name: made[name].values.reshape(-1) for name in ("radius", "nearest", "support", "angular_gap", "depth")}
+    for name in ("radius", "nearest", "support", "angular_gap"):
+        assert np.array_equal(flat[name][: len(wall)], getattr(wall, name), equal_nan=True)
+    assert np.isnan(flat["radius"][len(wall) :]).all()
+    assert not flat["support"][len(wall) :].any()
+    assert np.array_equal(flat["depth"][: len(wall)], wall.depth)
+    assert np.array_equal(made["toolface"].values, wall.toolface[:12])
+    assert made["radius"].attrs["units"] == "m"
+
+
+@pytest.mark.parametrize("of", [dict, pd.DataFrame, pl.DataFrame, pa.table, lambda d: xr.Dataset(pd.DataFrame(d))])
+def test_any_data_frame_becomes_samples_without_its_missing_rows(of):
+    units = {"depth": "ft", "toolface": "rad", "radius": "in"}
+    made = hb.Caliper.from_table(of(FRAME), depth="MD", toolface="TF", radius="R", units=units)
+    assert made.left_out == 2
+    assert made.depth.tolist() == [100 * 0.3048, 103 * 0.3048]
+    assert made.toolface.tolist() == [0.0, 3 * (180 / np.pi)]
+    assert made.radius.tolist() == [4 * 0.0254, 4.3 * 0.0254]
+    assert made.time is None
+
+
+def test_null_of_integers_is_missing():
+    frame = pl.DataFrame({"DEPTH": [1, 2, 3], "TOOLFACE": [0, None, 20], "RADIUS": [0.1, 0.1, 0.1], "T": [5, 6, 7]})
+    made = hb.Caliper.from_table(frame, time="T")
+    assert (len(made), made.left_out, made.time.tolist()) == (2, 1, [5.0, 7.0])
+
+
+def test_samples_go_round_by_a_data_frame(wall):
+    made = hb.Caliper.from_table(pl.DataFrame(wall.samples), time="TIME")
+    again = hb.reconstruct(made, bit_diameter=0.216, sectors=12, max_distance=0.5)
+    assert again.radius.tobytes() == wall.radius.tobytes()
+
+
+@pytest.mark.parametrize(
+    ("change", "options", "text"),
+    [
+        ({}, {"radius": "CAL"}, "column 'CAL': is not in the table (radius)"),
+        ({"R": ["a", "b", "c", "d"]}, {}, "column 'R': must be numbers"),
+        ({"R": [np.nan] * 4}, {}, "table: none of 4 rows has all of depth, toolface, radius"),
+        ({}, {"units": {"R": "in"}}, "units: 'R' is none of depth, toolface, radius, time"),
+        ({}, {"units": {"radius": "deg"}}, "unit 'deg': measures angle, "
+         "must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
+        ({"R": [4.0] * 4}, {}, "radius[0] = 4: must be above 0 and at most 2 m"),
+    ],
+)  # fmt: skip
+def test_a_bad_table_is_refused(change, options, text):
+    with pytest.raises(hb.InputError) as error:
+        hb.Caliper.from_table(FRAME | change, **{"depth": "MD", "toolface": "TF", "radius": "R"} | options)
+    assert str(error.value) == text
+
+
+def test_reconstruct_says_how_to_take_a_data_frame():
+    with pytest.raises(hb.InputError) as error:
+        hb.reconstruct(pd.DataFrame(FRAME), bit_diameter=0.2)
+    assert str(error.value) == (
+        "samples = DataFrame: is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
+    )
