@@ -19,6 +19,7 @@ from helibore.base.colors import colors_of
 
 _WIDTH, _HEIGHT = 72, 120
 """Cells of a map and pixels of a curve, at most."""
+_TABLE = "border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit"
 
 
 def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
@@ -30,8 +31,7 @@ def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
     )
     return (
         f'<div style="display:flex;gap:1em;align-items:flex-start;font-size:13px">{picture}'
-        f"<div><b>{escape(title)}</b>"
-        f'<table style="border-collapse:collapse;margin:.3em 0 0;background:none;color:inherit;font-size:inherit">{rows}</table></div></div>'
+        f'<div><b>{escape(title)}</b><table style="{_TABLE}">{rows}</table></div></div>'
     )
 
 
