@@ -1,4 +1,4 @@
-"""Columns as an Arrow stream, which Polars, DuckDB, pandas and pyarrow read without a copy.
+"""Columns as an Arrow stream, which Polars, DuckDB, pandas and pyarrow read.
 
 The Arrow PyCapsule interface: https://arrow.apache.org/docs/format/CDataInterface/PyCapsuleInterface.html. A missing
 value (NaN) is null, so that their means leave it out. `nanoarrow` makes the stream: 1 MB, where pyarrow takes 100 MB.
@@ -32,6 +32,6 @@ def arrow_stream(columns: Mapping[str, tuple[str, Floats | Integers]], requested
         fields[name] = arrow.Schema(kind, metadata={"unit": unit} if unit else None)
         there, length = ~np.isnan(values), values.size
         validity = None if there.all() else np.packbits(there, bitorder="little")
-        arrays.append(arrow.c_array_from_buffers(fields[name], length, [validity, np.ascontiguousarray(values)]))
+        arrays.append(arrow.c_array_from_buffers(fields[name], length, [validity, values.copy()]))
     batch = arrow.c_array_from_buffers(arrow.struct(fields), length, [None], children=arrays)
     return CArrayStream.from_c_arrays([batch], batch.schema).__arrow_c_stream__(requested_schema)

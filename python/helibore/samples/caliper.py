@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, column, require, sample_columns, whole_column
+from helibore.base.arrays import Floats, Integers, column, numbers, require, sample_columns, whole_column
 from helibore.base.errors import InputError
 from helibore.base.notebook import card, map_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
@@ -159,7 +159,7 @@ class Caliper(Tabular):
             if name is None:
                 continue
             try:
-                values = np.asarray(table[name], np.float64)
+                values = numbers(table[name])
             except (TypeError, ValueError) as error:
                 raise InputError(f"column {name!r}", "must be numbers") from error
             except Exception as error:  # each library has an error of its own for a column that is not there
