@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <numeric>
 
 #include "base/large_pages.hpp"
 
@@ -103,7 +104,48 @@ Chunks full_chunks(Index count, bool timed) {
     return chunks;
 }
 
+// Rows [first, last) at one depth by toolface: by part of the circle, then by comparison.
+Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
+    Level level{chunk.depth()[first], first, last, {}, {}};
+    std::array<std::uint16_t, Level::parts + 2> ends{};
+    for (Index row = first; row < last; ++row) ++ends[Level::part(chunk.toolface()[row]) + 1];
+    std::partial_sum(ends.begin(), ends.end(), ends.begin());
+    std::vector<std::uint16_t> rows(static_cast<std::size_t>(last - first));
+    for (Index row = first; row < last; ++row)
+        rows[ends[Level::part(chunk.toolface()[row])]++] = static_cast<std::uint16_t>(row);
+    const auto before = [of = chunk.toolface()](std::uint16_t a, std::uint16_t b) {
+        return of[a] < of[b] || (of[a] == of[b] && a < b);
+    };
+    level.toolface.reserve(rows.size());
+    level.row.reserve(rows.size());
+    for (std::size_t part = 0, i = 0; part <= Level::parts; ++part) {
+        level.starts[part] = static_cast<std::uint16_t>(level.row.size());
+        std::sort(rows.begin() + static_cast<std::ptrdiff_t>(i), rows.begin() + ends[part], before);
+        for (; i < ends[part]; ++i) {
+            const double toolface = chunk.toolface()[rows[i]];
+            const std::size_t kept = level.row.size(), most = static_cast<std::size_t>(neighbors);
+            if (kept >= most && level.toolface[kept - most] == toolface) continue;
+            level.toolface.push_back(toolface);
+            level.row.push_back(rows[i]);
+        }
+    }
+    level.starts[Level::parts + 1] = static_cast<std::uint16_t>(level.row.size());
+    return level;
+}
+
 }  // namespace
+
+const Levels& Chunk::levels(int neighbors) const {
+    if (const Levels* found = levels_.load(std::memory_order_acquire)) return *found;
+    auto made = std::make_unique<Levels>();
+    for (Index first = 0, last = 0; first < count; first = last) {
+        while (last < count && depth()[last] == depth()[first]) ++last;
+        if (last - first >= Level::least) made->push_back(level_of(*this, first, last, neighbors));
+    }
+    const Levels* other = nullptr;
+    if (levels_.compare_exchange_strong(other, made.get(), std::memory_order_acq_rel)) return *made.release();
+    return *other;
+}
 
 // A small batch that does not fit into the last chunk begins a chunk with room for more batches of its size, so a
 // streamed wall grows by whole chunks. A first batch gets no spare room.
@@ -135,14 +177,16 @@ Samples::Undo Samples::insert(SortedBatch& batch) {
     return undo;
 }
 
-Samples::Undo Samples::append(const SortedBatch& batch) {
+Samples::Undo Samples::append(SortedBatch& batch) {
     Undo undo;
+    batch.before = count_;
     if (!chunks_.empty()) {
         undo.first = chunks_.size() - 1;
         undo.replaced = {chunks_.back()};
         undo.tail_count = chunks_.back()->count;
     }
     if (!chunks_.empty() && batch.chunks.front()->lies_behind(*chunks_.back())) {
+        chunks_.back()->forget_levels();
         chunks_.back()->count += batch.count;
     } else {
         reserve(batch.chunks.size());
@@ -153,10 +197,15 @@ Samples::Undo Samples::append(const SortedBatch& batch) {
 }
 
 Samples::Undo Samples::merge_in(SortedBatch& batch) {
-    auto first = std::partition_point(chunks_.begin(), chunks_.end(),
-                                      [&](const auto& c) { return c->last_depth() < batch.first_depth(); });
-    auto last = std::partition_point(first, chunks_.end(),
-                                     [&](const auto& c) { return c->first_depth() <= batch.last_depth(); });
+    // Chunks all of whose rows come before or after the batch stay: many rows at one depth are not written again.
+    const Chunk &front = *batch.chunks.front(), &back = *batch.chunks.back();
+    const auto before = [this](const Chunk& x, const Chunk& y, bool also_equal) {
+        if (timed_) return x.row(x.count - 1, true) < y.row(0, true);
+        return also_equal ? x.last_depth() <= y.first_depth() : x.last_depth() < y.first_depth();
+    };
+    auto first =
+        std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return before(*c, front, true); });
+    auto last = std::partition_point(first, chunks_.end(), [&](const auto& c) { return !before(back, *c, false); });
     // A short neighbour is merged as well; otherwise many small batches would leave many short chunks.
     constexpr Index few = 512;
     if (last != chunks_.end() && (*last)->count < few)
@@ -187,7 +236,10 @@ void Samples::reserve(std::size_t further) {
 void Samples::undo(Undo&& undo) noexcept {
     if (undo.inserted == 0) return;
     const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
-    if (!undo.replaced.empty()) undo.replaced.back()->count = undo.tail_count;
+    if (!undo.replaced.empty()) {
+        undo.replaced.back()->forget_levels();
+        undo.replaced.back()->count = undo.tail_count;
+    }
     const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.inserted));
     chunks_.insert(rest, undo.replaced.begin(), undo.replaced.end());  // fits: the capacity never shrank
     count_ = undo.count;
@@ -222,6 +274,22 @@ Index Samples::count_to(double depth, std::size_t& near) const {
 double Samples::depth(Index rank) const {
     const Place at = place(rank);
     return chunks_[at.chunk]->depth()[at.offset];
+}
+
+bool Samples::repeats(double depth, double toolface, int neighbors, Index before) const {
+    constexpr std::size_t chunks_looked_at = 8;
+    const auto at =
+        std::partition_point(chunks_.begin(), chunks_.end(), [&](const auto& c) { return c->last_depth() < depth; });
+    const auto first = static_cast<std::size_t>(at - chunks_.begin());
+    int found = 0;
+    for (std::size_t i = first; i < std::min(chunks_.size(), first + chunks_looked_at); ++i)
+        for (const Level& level : chunks_[i]->levels(neighbors)) {
+            if (level.depth != depth) continue;
+            for (auto j = static_cast<std::size_t>(level.position(toolface));
+                 j < level.row.size() && level.toolface[j] == toolface; ++j)
+                found += rank({i, level.row[j]}) < before;
+        }
+    return found >= neighbors;
 }
 
 Samples::Place Samples::step_to(double low, Place hint, Index stride) const {

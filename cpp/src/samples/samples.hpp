@@ -9,7 +9,10 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <atomic>
 #include <compare>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -25,6 +28,27 @@ struct Row {
     friend auto operator<=>(const Row&, const Row&) = default;
 };
 
+// Many samples of a chunk at one depth, sorted by toolface and, where that is equal, canonically. Of equal toolfaces
+// only the first V are listed: they come before the others for every vertex.
+struct Level {
+    static constexpr Index least = 256;  // samples
+    static constexpr std::size_t parts = 512;
+
+    double depth;
+    Index first, last;  // rows of the chunk
+    std::vector<double> toolface;
+    std::vector<std::uint16_t> row;
+    std::array<std::uint16_t, parts + 2> starts{};  // of parts of the circle; the last part is for rounding
+
+    static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
+    // Where a toolface is or would be.
+    std::ptrdiff_t position(double of) const {
+        const auto begin = toolface.begin();
+        return std::lower_bound(begin + starts[part(of)], begin + starts[part(of) + 1], of) - begin;
+    }
+};
+using Levels = std::vector<Level>;
+
 class Chunk {
   public:
     static constexpr Index full = 4096;
@@ -37,6 +61,9 @@ class Chunk {
     // In memory that other chunks may share, with columns `stride` doubles apart.
     Chunk(Index capacity, Index stride, std::shared_ptr<double[]> columns)
         : columns_(std::move(columns)), capacity_(capacity), stride_(stride) {}
+    ~Chunk() { forget_levels(); }
+    Chunk(const Chunk&) = delete;
+    Chunk& operator=(const Chunk&) = delete;
 
     double* depth() { return columns_.get(); }
     double* toolface() { return columns_.get() + stride_; }
@@ -65,6 +92,18 @@ class Chunk {
     // Does this chunk begin where the free room of the other one does?
     bool lies_behind(const Chunk& other) const { return depth() == other.depth() + other.count; }
 
+    // Are there Level::least samples at one depth among rows [start, stop)? Perhaps, if there are half as many.
+    bool has_level(Index start, Index stop) const {
+        constexpr Index step = Level::least / 2;
+        for (; start + step < stop; start += step)
+            if (depth()[start] == depth()[start + step]) return true;
+        return false;
+    }
+    // The levels of all rows, found when they are first asked for; several threads may ask at once.
+    const Levels& levels(int neighbors) const;
+    // For a chunk whose rows change.
+    void forget_levels() { delete levels_.exchange(nullptr); }
+
     Index count = 0;
 
   private:
@@ -79,6 +118,7 @@ class Chunk {
 
     std::shared_ptr<double[]> columns_;
     Index capacity_, stride_;
+    mutable std::atomic<const Levels*> levels_ = nullptr;
 };
 
 using Chunks = std::vector<std::shared_ptr<Chunk>>;
@@ -88,6 +128,7 @@ struct SortedBatch {
     Chunks chunks;  // all full except the last
     Index count = 0;
     Index redundant = 0;
+    Index before = 0;  // so many samples of the hole come before all of the batch, if that is known
     bool timed = false;
 
     double first_depth() const { return chunks.front()->first_depth(); }
@@ -144,12 +185,15 @@ class Samples {
     // Samples with depth <= the given one; `near`: the chunk where it lies, looked at first.
     Index count_to(double depth, std::size_t& near) const;
     double depth(Index rank) const;
+    // Are there `neighbors` samples at this depth and toolface among the first `before` of the hole? Then no vertex
+    // needs a further one. Looks into a few chunks only.
+    bool repeats(double depth, double toolface, int neighbors, Index before) const;
     // A place at the first sample with depth >= low, or less than `stride` samples before it in its chunk. Found in
     // steps from a hint that is near, by bisection otherwise.
     Place step_to(double low, Place hint, Index stride) const;
 
   private:
-    Undo append(const SortedBatch& batch);
+    Undo append(SortedBatch& batch);
     Undo merge_in(SortedBatch& batch);
     void reserve(std::size_t further);
     void renumber(std::size_t from);

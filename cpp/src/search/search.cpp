@@ -2,6 +2,7 @@
 #include "search/search.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
 
@@ -96,8 +97,14 @@ kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index gr
         windows.shallow = samples.size() == 0 ? 0.0 : samples.first_depth();
         windows.deep = samples.size() == 0 ? 0.0 : samples.last_depth();
     }
-    search_box(samples, Span(g, helix), g, scratch);
-    return g;
+    scratch.least_trial = settings_.bit_diameter / 16.0;
+    for (;;) {
+        search_box(samples, Span(g, helix), g, scratch);
+        const double least = *std::min_element(g.least_trial, g.least_trial + lanes);
+        if (least >= scratch.least_trial) return g;
+        scratch.least_trial = least / 16.0;  // rare: the wall is much nearer than the bit's
+        g = start(helix, group, vertex_count);
+    }
 }
 
 void Search::run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
@@ -213,16 +220,25 @@ double Search::first_guess(const Samples& samples) const {
 void Search::fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter,
                        const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {
     scratch.list.count = 0;
+    scratch.level_depth = no_limit;
     std::fill_n(g.discarded, lanes, kernel::boundless_square);
     const Windows& windows = scratch.windows;
     scratch.place = samples.step_to(low, scratch.place, stride);
     Samples::Place place = scratch.place;
     for (; place.chunk < samples.chunks().size(); ++place.chunk, place.offset = 0) {
         const Chunk& chunk = *samples.chunks()[place.chunk];
-        Index stop = place.offset;
+        Index stop = chunk.last_depth() <= high ? chunk.count : place.offset;
         while (stop < chunk.count && chunk.depth()[stop] <= high) stop += stride;
         stop = std::min(stop, chunk.count);
-        const Index rank = samples.rank({place.chunk, 0}), from = std::max(place.offset, windows.all.start - rank);
+        const Index rank = samples.rank({place.chunk, 0});
+        Index from = std::max(place.offset, windows.all.start - rank);
+        if (!rules_.windowed && chunk.has_level(from, stop))
+            for (const Level& level : chunk.levels(rules_.neighbors)) {
+                if (level.first < from || level.last > stop) continue;
+                gather(chunk, from, level.first, rank + from, filter, box, g, scratch);
+                gather_level(chunk, level, rank, box, g, scratch);
+                from = level.last;
+            }
         gather(chunk, from, std::min(stop, windows.all.stop - rank), rank + from, filter, box, g, scratch);
         if (stop < chunk.count) break;
     }
@@ -240,6 +256,53 @@ void Search::gather(const Chunk& chunk, Index start, Index stop, Index rank, con
         rank += read;
         if (start < stop) shrink(box, g, scratch);
     }
+}
+
+// Of samples at one depth a vertex needs no others than the V nearest in toolface, whatever its radius: a comparison of
+// distances is one of turns. Turns so close that distances may tie are listed as well, if their chunk has both; a
+// sample of a later chunk loses ties.
+void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, const kernel::Box& box, kernel::Group& g,
+                          Scratch& scratch) const {
+    const auto wanted = static_cast<std::size_t>(rules_.neighbors);
+    if (level.depth != scratch.level_depth) scratch.turns.assign(lanes * wanted, no_limit);
+    scratch.level_depth = level.depth;
+    std::uint64_t listed[Chunk::full / 64] = {};  // a bit for each row
+    const auto n = static_cast<std::ptrdiff_t>(level.row.size());
+    for (Index lane = 0; lane < lanes; ++lane) {
+        double* turns = scratch.turns.data() + static_cast<std::size_t>(lane) * wanted;
+        double& farthest = turns[wanted - 1];
+        const double before = farthest, toolface = g.toolface[lane], limit = std::min(box.width, before * (1.0 + 1e-9));
+        const double along = (level.depth - g.depth[lane]) / (scratch.least_trial * rules_.scale);
+        const double tied = 0x1p-38 * along * along;
+        // Lists an entry that lies on the given side; false if those behind it are of no use.
+        const auto list = [&](std::ptrdiff_t i, bool growing) {
+            const double difference = level.toolface[static_cast<std::size_t>(i)] - toolface;
+            if ((difference < 0.0 ? difference <= -180.0 : difference < 180.0) != growing) return false;
+            const double turn = std::min(std::abs(difference), 360.0 - std::abs(difference));
+            if (turn > limit || turn * turn > farthest * farthest * (1.0 + 0x1p-38) + tied) return false;
+            if (turn >= before) return true;
+            const std::uint16_t row = level.row[static_cast<std::size_t>(i)];
+            listed[row / 64] |= std::uint64_t{1} << row % 64;
+            if (turn < farthest) {
+                double* at = &farthest;
+                for (; at > turns && at[-1] > turn; --at) *at = at[-1];
+                *at = turn;
+            }
+            return true;
+        };
+        const std::ptrdiff_t start = level.position(toolface);
+        for (std::ptrdiff_t i = 0; i < n && list(start + i < n ? start + i : start + i - n, true); ++i) {
+        }
+        for (std::ptrdiff_t i = 1; i <= n && list(start >= i ? start - i : start - i + n, false); ++i) {
+        }
+    }
+    for (Index word = 0; word < Chunk::full / 64; ++word)
+        for (std::uint64_t bits = listed[word]; bits != 0; bits &= bits - 1) {
+            const Index row = 64 * word + std::countr_zero(bits);
+            if (scratch.list.count == kernel::list_capacity) shrink(box, g, scratch);
+            scratch.list.rows[scratch.list.count++] = {chunk.depth()[row], chunk.toolface()[row], chunk.radius()[row],
+                                                       rank + row};
+        }
 }
 
 void Search::shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const {

@@ -58,6 +58,9 @@ class Search {
         std::vector<unsigned char> keep;
         Samples::Place place;
         Windows windows;
+        std::vector<double> turns;  // from each vertex to its V nearest samples at level_depth so far, in order
+        double level_depth = 0.0;
+        double least_trial = 0.0;  // that the levels in the list are good for
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
     };
@@ -93,6 +96,8 @@ class Search {
                    const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
     void gather(const Chunk& chunk, Index start, Index stop, Index rank, const kernel::Filter& filter,
                 const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
+    void gather_level(const Chunk& chunk, const Level& level, Index rank, const kernel::Box& box, kernel::Group& g,
+                      Scratch& scratch) const;
     void shrink(const kernel::Box& box, kernel::Group& g, Scratch& scratch) const;
     void find_windows(const Samples& samples, const kernel::Group& g, Index used, Windows& windows) const;
     Index place_windows(const Windows& windows, const kernel::CandidateList& list, kernel::Group& g) const;

@@ -143,7 +143,8 @@ bool Wall::State::advances(const SortedBatch& batch) const {
     return batch.count == 0 || (settings.pitch > 0.0 ? batch.first_depth() >= far_end : batch.last_depth() <= far_end);
 }
 
-// Is there a sample in the batch that is near enough to a vertex of the group to change it?
+// Is there a sample in the batch that is near enough to a vertex of the group to change it? Where the tool turns at one
+// depth, samples that others equal are not.
 bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
     const Vertices::Block& block = vertices.block(group / Vertices::groups_per_block);
     const auto g = static_cast<std::size_t>(group % Vertices::groups_per_block);
@@ -155,6 +156,7 @@ bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
         toolface[lane] = helix.toolface(k);
         reach_square[lane] = k < count ? block.reach_square[static_cast<std::size_t>(k % Vertices::block_size)] : -1.0;
     }
+    const double level = batch.before > 0 && !settings.window ? samples.depth(batch.before - 1) : no_limit;
     return batch.any_within(block.shallow[g], block.deep[g], [&](double at_depth, double at_toolface) {
         bool any = false;
         for (Index lane = 0; lane < lanes; ++lane) {
@@ -162,7 +164,7 @@ bool Wall::State::reaches(const SortedBatch& batch, Index group) const {
             const double across = scale * std::min(turn, 360.0 - turn);
             any |= across * across + along * along <= reach_square[lane];
         }
-        return any;
+        return any && !(at_depth == level && samples.repeats(at_depth, at_toolface, settings.neighbors, batch.before));
     });
 }
 
