@@ -200,7 +200,7 @@ void register_wall(py::module_& m) {
     m.def(
         "estimate_at",
         [](const std::array<Column, 3>& samples, const std::array<Column, 5>& points, const py::dict& settings,
-           int threads) {
+           int threads, const std::vector<double>& nuggets) {
             const SampleColumns columns = columns_of(samples[0], samples[1], samples[2], std::nullopt);
             const PointColumns at{span_of(points[0]), span_of(points[1]), span_of(points[2]), span_of(points[3]),
                                   span_of(points[4])};
@@ -208,15 +208,16 @@ void register_wall(py::module_& m) {
             PointEstimates of;
             {
                 const py::gil_scoped_release released;
-                of = estimate_at(columns, at, with);
+                of = estimate_at(columns, at, with, nuggets);
             }
-            py::list spread;
+            py::list spread, by_nugget;
+            for (auto& column : of.by_nugget) by_nugget.append(array_of(std::move(column)));
             for (auto& column : of.spread) spread.append(array_of(std::move(column)));
             return py::make_tuple(array_of(std::move(of.radius)), array_of(std::move(of.nearest)),
                                   array_of(std::move(of.farthest)), array_of(std::move(of.square_weights)),
-                                  array_of(std::move(of.scatter)), spread);
+                                  array_of(std::move(of.scatter)), spread, by_nugget);
         },
-        py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("threads"));
+        py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("threads"), py::arg("nuggets"));
     m.def("instruction_set_in_use", [] { return std::string(instruction_set_in_use()); });
 }
 

@@ -31,6 +31,8 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.viewer import view as view
     from helibore.wall.append_result import Change as Change
     from helibore.wall.load import load as load
+    from helibore.wall.tune import Tuning as Tuning
+    from helibore.wall.tune import tune as tune
     from helibore.wall.wall import Wall as Wall
 
 __getattr__, _, __all__ = lazy_loader.attach(
@@ -51,6 +53,7 @@ __getattr__, _, __all__ = lazy_loader.attach(
         "viewer": ["view"],
         "wall.append_result": ["Change"],
         "wall.load": ["load"],
+        "wall.tune": ["Tuning", "tune"],
         "wall.wall": ["Wall"],
     },
 )

@@ -40,7 +40,8 @@ def estimate_at(
     points: tuple[_Floats, _Floats, _Floats, _Floats, _Floats],
     settings: dict[str, object],
     threads: int,
-) -> tuple[_Floats, _Floats, _Floats, _Floats, _Floats, list[_Floats]]: ...
+    nuggets: Sequence[float],
+) -> tuple[_Floats, _Floats, _Floats, _Floats, _Floats, list[_Floats], list[_Floats]]: ...
 def instruction_set_in_use() -> str: ...
 
 class WitsParser:

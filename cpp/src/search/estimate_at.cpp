@@ -26,8 +26,9 @@ struct Neighbour {
 
 class PointEstimator {
   public:
-    PointEstimator(const SampleColumns& samples, const PointColumns& points, const Settings& settings)
-        : samples_(samples), points_(points), settings_(settings) {}
+    PointEstimator(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
+                   std::span<const double> nuggets)
+        : samples_(samples), points_(points), settings_(settings), nuggets_(nuggets) {}
     void group(std::size_t first, PointEstimates& out) const;
 
   private:
@@ -45,6 +46,7 @@ class PointEstimator {
     const SampleColumns& samples_;
     const PointColumns& points_;
     const Settings& settings_;
+    std::span<const double> nuggets_;
 };
 
 // The nearest samples, in canonical order.
@@ -146,6 +148,14 @@ void PointEstimator::group(std::size_t first, PointEstimates& out) const {
         const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0};
         double radius[lanes], squares[lanes];
         kernel::functions_for(settings_.instruction_set).krige(g, list, rules, at.data(), radius, squares);
+        for (std::size_t k = 0; k < nuggets_.size(); ++k) {
+            kernel::Rules other = rules;
+            other.nugget = nuggets_[k];
+            double radii[lanes], ignored[lanes];
+            kernel::functions_for(settings_.instruction_set).krige(g, list, other, at.data(), radii, ignored);
+            for (std::size_t lane = 0; lane < used; ++lane)
+                out.by_nugget[k][first + lane] = found[lane].empty() ? nan : radii[lane];
+        }
         for (std::size_t lane = 0; lane < used; ++lane) {
             if (found[lane].empty()) continue;
             out.radius[first + lane] = radius[lane];
@@ -179,7 +189,8 @@ void PointEstimator::group(std::size_t first, PointEstimates& out) const {
 
 }  // namespace
 
-PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings) {
+PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
+                           std::span<const double> nuggets) {
     settings.validate();
     const StandardArithmetic standard;
     const std::size_t n = points.depth.size();
@@ -191,7 +202,8 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
     for (auto* column : {&out.radius, &out.nearest, &out.farthest, &out.square_weights, &out.scatter, &out.spread[0],
                          &out.spread[1], &out.spread[2]})
         column->resize(n);
-    const PointEstimator estimator(samples, points, settings);
+    out.by_nugget.assign(nuggets.size(), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
+    const PointEstimator estimator(samples, points, settings, nuggets);
     const auto groups = static_cast<Index>((n + lanes - 1) / lanes);
     for_each_range(threads_for(groups, groups_a_thread, settings.threads), groups, groups_a_part,
                    [&](int, const Range& part) {

@@ -110,7 +110,8 @@ def _write(verb: str, options: dict[str, Any]) -> None:
             _write_centres(run.prepared.centres, run.prepared.centre_depth, centres)
         saved = save_lines(run, output, verb, options, [centres] if centres else [])
     if not options["quiet"]:
-        terminal.summary([*run.messages, *_lines(run, made, ends), *saved, ("time", terminal.times())])
+        sure = _error_lines(run, options["threads"]) if verb == "reconstruct" else []
+        terminal.summary([*run.messages, *_lines(run, made, ends), *sure, *saved, ("time", terminal.times())])
 
 
 def _interval(run: Run, options: dict[str, Any]) -> tuple[float | None, float | None]:
@@ -192,6 +193,16 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
         "samples": (found.samples.astype(np.float64), 0),
     }
     write_table(file, columns)
+
+
+def _error_lines(run: Run, threads: int | None) -> Lines:
+    """The cross-validated error of the wall, and what tuning would gain."""
+    from helibore.wall.tune import FEWEST_SAMPLES, cross_validate
+
+    count = run.wall.sample_count
+    if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or run.tune:
+        return []
+    return [("error", f"{cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence}")]
 
 
 def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | None]) -> Lines:

@@ -182,6 +182,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
             type=click.Choice(["inverse-distance", "kriging"])),
         opt("--kriging-range", "Distance at which radii have nothing in common.  [found]", type=LENGTH),
         opt("--nugget", "Kriging: variance of the noise over that of the shape.", type=float, default=0.1),
+        opt("--tune", "Find the estimator, its angular scale and nugget by leaving samples out. The settings beside "
+            "the output hold the result.", is_flag=True),
         opt("--threads", "Number of threads.  [all cores]", type=int),
     ),
 }  # fmt: skip
@@ -216,7 +218,7 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
             run = reopen(settings)
             _more_images(run, options)
         else:
-            run = Run(*_opened(options))
+            run = Run(*_opened(options), tune=options["tune"])
             _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
     return run
 
@@ -264,12 +266,22 @@ def _refuse(sections: Sequence[str], allowed: Sequence[str], source: str) -> Non
     """Refuse options of sections that are given but would have no effect on the wall of this source."""
     context = click.get_current_context()
     for parameter in context.command.params:
-        given = context.get_parameter_source(parameter.name or "") is ParameterSource.COMMANDLINE
-        if given and getattr(parameter, "section", "") in sections and parameter.name not in allowed:
+        if (
+            _given(parameter.name or "")
+            and getattr(parameter, "section", "") in sections
+            and parameter.name not in allowed
+        ):
             raise click.UsageError(f"{parameter.opts[0]}: does not go with {source}")
 
 
+def _given(name: str) -> bool:
+    return click.get_current_context().get_parameter_source(name) is ParameterSource.COMMANDLINE
+
+
 def _check_numbers(options: dict[str, Any]) -> None:
+    chosen = [name for name in ("estimator", "angular_scale", "nugget", "neighbors", "kriging_range") if _given(name)]
+    if options["tune"] and chosen:
+        raise click.UsageError(f"--{chosen[0].replace('_', '-')}: does not go with --tune, which finds it")
     if options["bit_diameter"] is None:
         raise click.UsageError("Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it.")
     start, stop = options["start_depth"], options["stop_depth"]

@@ -145,6 +145,8 @@ class Run:
         What it is made with. ``save_settings`` fills in the checksums.
     files, opener
         The open files, and what opened them.
+    tune
+        Whether `make_wall` replaces the settings of the wall by those that `helibore.tune` finds.
     messages
         (label, sentence) for what was read, left out and corrected, in order.
     readings, prepared
@@ -156,6 +158,7 @@ class Run:
     settings: RunSettings
     files: Files
     opener: Opener
+    tune: bool = False
     messages: list[tuple[str, str]] = field(default_factory=list)
     readings: tuple[Readings, ...] = ()
     prepared: Prepared | None = None
@@ -260,6 +263,8 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
                 made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
                 run.messages += run.prepared.report or ([] if _missing(run) else [("dropped", "nothing")])
                 _check_interval(run.readings[0].name, run.prepared.caliper.depth, settings.wall)
+            if run.tune:
+                settings = _tune(run, made if isinstance(made, Caliper) else made.caliper, threads)
             run.built = reconstruct(made, threads=threads, **vars(settings.wall))
             made_from = [one for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
@@ -268,6 +273,17 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run
+
+
+def _tune(run: Run, caliper: Caliper, threads: int | None) -> RunSettings:
+    """Give the run the settings of its wall that `helibore.tune` finds."""
+    from helibore.wall.tune import TUNED, tune
+
+    fixed = {name: value for name, value in vars(run.settings.wall).items() if name not in TUNED}
+    tuning = tune(caliper, threads=threads, **fixed)
+    run.messages.append(("tuned", tuning.sentence))
+    run.settings = replace(run.settings, wall=tuning.settings)
+    return run.settings
 
 
 def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:

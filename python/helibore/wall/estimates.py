@@ -5,6 +5,7 @@ The core finds the neighbours of each point and estimates its radius by the meth
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -36,6 +37,8 @@ class Estimates(NamedTuple):
         Mean square of the radii used about ``radius``, weighted by inverse distance, m^2, (m,).
     spread
         Mean distance to the samples used, likewise, metres: three times (m,), in metrics of `SPREAD_SCALES`.
+    by_nugget
+        Radii by kriging with each of the nuggets asked for, (m,) each.
     """
 
     radius: Floats
@@ -44,6 +47,7 @@ class Estimates(NamedTuple):
     square_weights: Floats
     scatter: Floats
     spread: list[Floats]
+    by_nugget: list[Floats]
 
 
 def in_depth_order(caliper: Caliper) -> Columns:
@@ -54,7 +58,13 @@ def in_depth_order(caliper: Caliper) -> Columns:
 
 
 def estimate_left_out(
-    samples: Columns, rows: Integers, settings: Settings, box: tuple[Floats, Floats] | None = None, threads: int = 1
+    samples: Columns,
+    rows: Integers,
+    settings: Settings,
+    box: tuple[Floats, Floats] | None = None,
+    threads: int = 1,
+    trial: Floats | None = None,
+    nuggets: Sequence[float] = (),
 ) -> Estimates:
     """Estimate the radius at some samples from the others.
 
@@ -69,12 +79,19 @@ def estimate_left_out(
     box
         (m,) metres and (m,) degrees: samples at most so far above or below the row and at most so far beside it are
         left out, too. None: only those at the position of the row.
+    trial
+        (m,) metres: radii near those looked for, at which one estimate is made. None: the iteration of the method.
+    nuggets
+        Of kriging, for `Estimates.by_nugget`.
     """
     depth, toolface, _ = samples
     nothing = np.zeros(rows.size)
-    trial = np.full(rows.size, settings.bit_diameter / 2)
+    if trial is None:
+        trial = np.full(rows.size, settings.bit_diameter / 2)
+    else:
+        settings = replace(settings, max_iterations=1)
     points = (depth[rows], toolface[rows], trial, *(box or (nothing, nothing)))
-    return Estimates(*_core.estimate_at(samples, points, vars(settings), threads))
+    return Estimates(*_core.estimate_at(samples, points, vars(settings), threads, nuggets))
 
 
 def find_kriging_range(samples: Columns, settings: Settings, targets: int = 1000) -> float:

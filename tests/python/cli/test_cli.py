@@ -349,3 +349,33 @@ def test_the_help_of_every_verb_has_an_example_and_one_line_that_fits(verb: str)
     (line,) = re.findall(rf"^  {verb} +(.+)$", run("--help").output, re.MULTILINE)
     assert line.endswith("."), "not cut short"
     assert "..." not in line
+
+
+def test_tune_builds_the_wall_with_the_settings_it_finds(folder: Path, tmp_path: Path) -> None:
+    """The settings beside the output hold them, so the run is repeated without tuning."""
+    mesh, again = tmp_path / "tuned.ply", tmp_path / "again.ply"
+    result = run("reconstruct", folder / "caliper.csv", "-o", mesh, "--bit-diameter", "216mm", "--tune")
+    assert result.exit_code == 0, result.output
+    found = helibore.tune(helibore.open(folder / "caliper.csv").caliper(), bit_diameter=0.216)
+    assert f"tuned {found.sentence}" in " ".join(result.output.split())
+    assert found.best is not found.candidates[0]
+    assert f'estimator = "{found.settings.estimator}"' in mesh.with_name("tuned.ply.toml").read_text()
+    repeated = run("reconstruct", "--from-settings", mesh.with_name("tuned.ply.toml"), "-o", again, "-q")
+    assert repeated.exit_code == 0, repeated.output
+    assert again.read_bytes() == mesh.read_bytes()
+
+
+def test_reconstruct_prints_its_error_and_what_tuning_would_gain(folder: Path, tmp_path: Path) -> None:
+    result = run("reconstruct", folder / "caliper.csv", "-o", tmp_path / "wall.ply", "--bit-diameter", "216mm")
+    pattern = (
+        r"error     inverse distance, angular_scale 1, neighbors 8: cross-validated error [\d.]+ mm beside samples"
+    )
+    assert re.search(pattern, result.output)
+
+
+def test_tune_does_not_go_with_what_it_finds(folder: Path) -> None:
+    result = run(
+        "reconstruct", folder / "caliper.csv", "-o", "w.ply", "--bit-diameter", "216mm", "--tune", "--nugget", 1
+    )
+    assert result.exit_code == 2
+    assert "--nugget: does not go with --tune, which finds it" in result.output

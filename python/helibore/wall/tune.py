@@ -1,0 +1,274 @@
+"""`hb.tune`: which estimator and which settings rebuild a hole best, by leaving samples out.
+
+Each candidate estimates some samples from the others, twice:
+
+    alone   the sample itself is left out: what noise does, where samples are dense
+    box     all samples in a box around it are left out, as large as the empty box around a random vertex of the wall
+            (angle to the nearest sample within half a pitch; depth to the nearest within half a sector): what gaps do
+
+Leaving out single samples alone would choose wrongly where samples are clustered, because the vertices lie elsewhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
+from helibore.base.settings import Settings
+from helibore.base.threads import thread_count
+from helibore.samples.caliper import Caliper
+from helibore.wall.estimates import Columns, estimate_left_out, find_kriging_range, in_depth_order
+from helibore.wall.wall import Wall
+
+FEWEST_SAMPLES = 100
+TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
+"""The settings that a candidate may change."""
+ANGULAR_SCALES = (0.5, 1.0, 2.0, 4.0, 8.0)
+NUGGETS = (0.003, 0.02, 0.1, 0.4)
+_MOST_BOX_DEPTH, _BOXES = 0.5, 500
+_CLIP = 12.0
+"""Errors count as at most so many robust deviations: one wrong sample must not decide."""
+_MEDIAN_SQUARE = 0.455
+"""Of a normal deviate with variance 1."""
+_STANDARD_ERRORS = 2.0
+_ROUNDING = 1e-9  # metres
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """Settings that were tried, and the errors they make.
+
+    Attributes
+    ----------
+    settings
+        What a wall would be built with.
+    alone, box
+        Root mean square error of the samples left out alone and with their boxes, metres; their noise is included.
+    gain_alone, gain_box
+        Mean square error less than that of the first candidate, in standard errors of the difference.
+    """
+
+    settings: Settings
+    alone: float
+    box: float
+    gain_alone: float = 0.0
+    gain_box: float = 0.0
+
+    @property
+    def name(self) -> str:
+        """The settings in which candidates differ."""
+        scale = f"angular_scale {self.settings.angular_scale:g}"
+        if self.settings.estimator == "kriging":
+            return f"kriging, {scale}, nugget {self.settings.nugget:g}"
+        return f"inverse distance, {scale}, neighbors {self.settings.neighbors}"
+
+
+@dataclass(frozen=True)
+class Tuning:
+    """What `tune` found.
+
+    Attributes
+    ----------
+    settings
+        The best settings: ``hb.reconstruct(caliper, **vars(tuning.settings))``.
+    best
+        Their candidate.
+    candidates
+        All candidates; the first has the settings without tuning.
+    targets
+        Number of samples that were left out.
+    """
+
+    best: Candidate
+    candidates: tuple[Candidate, ...]
+    targets: int
+
+    @property
+    def settings(self) -> Settings:
+        return self.best.settings
+
+    @property
+    def gain(self) -> float:
+        """Share by which the error of the boxes falls, 0 to 1."""
+        before = self.candidates[0].box
+        return 1.0 - self.best.box / before if before > 0 else 0.0
+
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """One row a candidate: its name, errors (m), gains and whether it was chosen."""
+        rows = [{"candidate": each.name} | asdict(each) | {"chosen": each is self.best} for each in self.candidates]
+        return [{name: value for name, value in row.items() if name != "settings"} for row in rows]
+
+    @property
+    def sentence(self) -> str:
+        """The result in words."""
+        first, best = self.candidates[0], self.best
+        text = f"{first.name}: cross-validated error {_millimetres(first)}"
+        if best is first:
+            return f"{text}; none of {len(self.candidates) - 1} other settings is better for certain"
+        return f"{text}; {best.name}: {_millimetres(best)}, {100 * self.gain:.0f} % less in gaps"
+
+    def __str__(self) -> str:
+        return self.sentence
+
+    def svg(self) -> str:
+        """Return a picture of all candidates: both errors, the chosen candidate in bold."""
+        most = max(max(each.alone, each.box) for each in self.candidates) or 1.0
+        marks = []
+        for y, each in enumerate(self.candidates, 2):
+            weight = "bold" if each is self.best else "normal"
+            marks.append(f'<text x="300" y="{18 * y + 4}" text-anchor="end" font-weight="{weight}">{each.name}</text>')
+            for error, color in ((each.alone, "#8a9aa8"), (each.box, "#1f5fa8")):
+                marks.append(f'<circle cx="{310 + 300 * error / most:.1f}" cy="{18 * y}" r="4" fill="{color}"/>')
+        title = f"Cross-validated error, 0 to {1e3 * most:.3g} mm: grey beside samples, blue in gaps"
+        return (
+            f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 {18 * len(self.candidates) + 36}" '
+            f'font-family="sans-serif" font-size="11"><text x="10" y="16">{title}</text>{"".join(marks)}</svg>'
+        )
+
+    _repr_svg_ = svg
+
+
+def _millimetres(of: Candidate) -> str:
+    return f"{1e3 * of.alone:.3g} mm beside samples and {1e3 * of.box:.3g} mm in gaps"
+
+
+def tune(
+    caliper: Caliper,
+    *,
+    bit_diameter: float,
+    targets: int = 2000,
+    threads: int | None = None,
+    seed: int = 0,
+    **fixed: Any,
+) -> Tuning:
+    """Find the settings that rebuild a hole best, by leaving samples out.
+
+    Parameters
+    ----------
+    caliper
+        The samples of the hole.
+    bit_diameter, **fixed
+        As in `Settings`: what all candidates share. Of ``estimator``, ``angular_scale`` and ``nugget`` those are tried
+        that are not given.
+    targets
+        Number of samples to leave out.
+    threads
+        None: all cores. The result does not depend on it.
+    seed
+        Chooses the targets and their boxes.
+
+    Returns
+    -------
+    Tuning
+        The candidate with the least error in gaps, among those that are better than the settings without tuning by more
+        than two standard errors both alone and in gaps; these settings themselves, if there is none.
+
+    Raises
+    ------
+    InputError
+        As `Wall`; ``samples = 37: too few samples to tune: must be at least 100``.
+    """
+    settings = Settings(bit_diameter=bit_diameter, **fixed)
+    Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks them
+    return _tuning(in_depth_order(caliper), settings, fixed, targets, thread_count(threads), seed)
+
+
+def cross_validate(wall: Wall, targets: int = 1000, threads: int | None = None) -> Tuning:
+    """Say how well the settings of a wall do on its own samples, and what tuning would gain: `tune` without changes."""
+    return _tuning(in_depth_order(wall.samples), wall.settings, {}, targets, thread_count(threads), 0)
+
+
+def _tuning(
+    samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int
+) -> Tuning:
+    depth, _, radius = samples
+    if depth.size < FEWEST_SAMPLES:
+        rule = f"too few samples to tune: must be at least {FEWEST_SAMPLES}"
+        raise InputError("samples", rule, str(depth.size))
+    rng = np.random.default_rng(seed)
+    rows = np.sort(rng.choice(depth.size, min(targets, depth.size), replace=False))
+    boxes = (None, empty_boxes(samples, settings, rows.size, rng))
+    ranges: dict[float, float] = {}
+
+    def ranged(settings: Settings) -> Settings:
+        if settings.estimator != "kriging" or fixed.get("kriging_range") is not None:
+            return settings
+        scale = settings.angular_scale
+        ranges[scale] = ranges.get(scale) or find_kriging_range(samples, settings)
+        return replace(settings, kriging_range=ranges[scale])
+
+    first = settings if settings.kriging_range is not None else ranged(settings)
+    trials = [estimate_left_out(samples, rows, first, box, threads).radius for box in boxes]
+    tried, errors = [first], [[trial - radius[rows]] for trial in trials]
+    for family, nuggets in _grid(first, fixed):
+        ready = ranged(family)
+        tried += [replace(ready, nugget=nugget) for nugget in nuggets] or [ready]
+        for box, trial, of_kind in zip(boxes, trials, errors, strict=True):
+            found = estimate_left_out(samples, rows, ready, box, threads, trial, nuggets)
+            of_kind += [each - radius[rows] for each in found.by_nugget or [found.radius]]
+    candidates = _compared(tried, errors, depth[rows])
+    passed = [each for each in candidates if min(each.gain_alone, each.gain_box) > _STANDARD_ERRORS]
+    return Tuning(min(passed, key=lambda each: each.box, default=candidates[0]), candidates, rows.size)
+
+
+def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tuple[float, ...]]]:
+    """The candidates: settings, and the nuggets to try with them; none where the estimator is inverse distance."""
+    kriging = fixed.get("estimator", "kriging") == "kriging"
+    chosen: dict[str, Any] = {"estimator": "kriging"} if kriging else {}
+    if kriging and "neighbors" not in fixed:
+        chosen["neighbors"] = 16
+    for scale in (fixed["angular_scale"],) if "angular_scale" in fixed else ANGULAR_SCALES:
+        nuggets = ((fixed["nugget"],) if "nugget" in fixed else NUGGETS) if kriging else ()
+        yield replace(first, **chosen, angular_scale=scale), nuggets
+
+
+def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) -> tuple[Candidate, ...]:
+    """Compare each candidate with the first, sample by sample.
+
+    Errors close together are alike: those of one metre of the hole (a fortieth of it, in a short one) count as one in
+    the standard error.
+    """
+    measures = []
+    for of_kind in errors:
+        squares = np.array(of_kind) ** 2
+        squares[squares < _ROUNDING**2] = 0.0
+        known = np.isfinite(squares).all(axis=0)
+        if not known.any():
+            raise InputError("samples", "too few samples to tune: none has another within max_distance")
+        block = max(min(1.0, np.ptp(depth) / 40), 1e-6)
+        squares, metre = squares[:, known], np.unique(np.floor(depth[known] / block), return_inverse=True)[1]
+        squares = np.minimum(squares, _CLIP**2 * np.median(squares[0]) / _MEDIAN_SQUARE)
+        gain = squares[0] - squares
+        sums = np.array([np.bincount(metre, each - each.mean()) for each in gain])
+        deviation = np.sqrt(np.sum(sums**2, axis=1)) / squares.shape[1]
+        share = np.divide(gain.mean(axis=1), deviation, out=np.zeros(len(tried)), where=deviation > 0)
+        measures.append((np.sqrt(squares.mean(axis=1)), share))
+    (alone, gain_alone), (box, gain_box) = measures
+    columns = (of.tolist() for of in (alone, box, gain_alone, gain_box))
+    return tuple(Candidate(*row) for row in zip(tried, *columns, strict=True))
+
+
+def empty_boxes(samples: Columns, settings: Settings, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
+    """Half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
+
+    At most `_BOXES` different ones, repeated.
+    """
+    depth, toolface, _ = samples
+    some = min(count, _BOXES)
+    where, angle = rng.uniform(depth[0], depth[-1], some), rng.uniform(0.0, 360.0, some)
+    height, width = np.full(some, _MOST_BOX_DEPTH), np.full(some, 180.0)
+    reach = max(abs(settings.pitch) / 2, _MOST_BOX_DEPTH)
+    first, last = np.searchsorted(depth, where - reach), np.searchsorted(depth, where + reach)
+    for i in range(some):
+        band = slice(first[i], last[i])
+        along = np.abs(depth[band] - where[i])
+        turn = np.abs((toolface[band] - angle[i] + 180.0) % 360.0 - 180.0)
+        height[i] = along[turn <= 180.0 / settings.sectors].min(initial=_MOST_BOX_DEPTH)
+        width[i] = turn[along <= abs(settings.pitch) / 2].min(initial=180.0)
+    return np.resize(height, count), np.resize(width, count)

@@ -1,0 +1,142 @@
+"""Tuning: which candidate wins on holes of known truth, what a tuning says, and bad input."""
+
+from __future__ import annotations
+
+import xml.etree.ElementTree as ET
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import Floats, exactly
+
+import helibore as hb
+from helibore.wall.estimates import estimate_left_out, in_depth_order
+from helibore.wall.tune import FEWEST_SAMPLES, cross_validate, empty_boxes
+
+BIT = 0.216
+
+
+def key_seat(depth: Floats, toolface: Floats) -> Floats:
+    off = (toolface - 100.0 + 180.0) % 360.0 - 180.0
+    return np.asarray(0.109 + 0.03 * np.exp(-((off / 20.0) ** 2)) + 0 * depth)
+
+
+def caliper(count: int = 6000, length: float = 6.0, seed: int = 1) -> hb.Caliper:
+    rng = np.random.default_rng(seed)
+    depth, toolface = np.sort(rng.uniform(0, length, count)), rng.uniform(0, 360, count)
+    return hb.Caliper(depth, toolface, key_seat(depth, toolface) + rng.normal(0, 5e-4, count))
+
+
+def rms(wall: hb.Wall) -> float:
+    return float(np.sqrt(np.mean((wall.radius - key_seat(wall.depth, wall.toolface)) ** 2)))
+
+
+@pytest.fixture(scope="module")
+def tuning() -> hb.Tuning:
+    return hb.tune(caliper(), bit_diameter=BIT, pitch=0.05)
+
+
+def test_a_key_seat_is_rebuilt_better_with_tuned_settings(tuning: hb.Tuning) -> None:
+    """Its shape goes on along the hole: stretched arcs and kriging halve the error."""
+    assert tuning.settings.estimator == "kriging"
+    assert tuning.settings.angular_scale > 1
+    assert tuning.settings.pitch == 0.05
+    tuned = hb.reconstruct(caliper(), **vars(tuning.settings))
+    assert rms(tuned) < 0.6 * rms(hb.reconstruct(caliper(), bit_diameter=BIT, pitch=0.05))
+    assert tuning.best.box < tuning.candidates[0].box
+    assert 0.2 < tuning.gain < 1.0
+
+
+def test_what_a_tuning_says(tuning: hb.Tuning) -> None:
+    assert len(tuning.table) == len(tuning.candidates) == 21
+    assert [row["candidate"] for row in tuning.table if row["chosen"]] == [tuning.best.name]
+    assert tuning.table[0]["candidate"] == "inverse distance, angular_scale 1, neighbors 8"
+    assert tuning.best.name in tuning.sentence
+    assert str(tuning) == tuning.sentence
+    texts = [each.text for each in ET.fromstring(tuning.svg()).iter("{http://www.w3.org/2000/svg}text")]
+    assert [each.name for each in tuning.candidates] == texts[1:]
+
+
+def test_noise_alone_keeps_no_candidate_that_is_worse() -> None:
+    """A round hole: whatever is chosen does not rebuild it worse."""
+    rng = np.random.default_rng(3)
+    depth, toolface = np.sort(rng.uniform(0, 5, 3000)), rng.uniform(0, 360, 3000)
+    samples = hb.Caliper(depth, toolface, 0.11 + rng.normal(0, 5e-4, 3000))
+    found = hb.tune(samples, bit_diameter=BIT)
+    error = [
+        float(np.std(hb.reconstruct(samples, **settings).radius))
+        for settings in ({"bit_diameter": BIT}, vars(found.settings))
+    ]
+    assert error[1] <= error[0]
+
+
+def test_the_result_does_not_depend_on_threads_or_order() -> None:
+    one = hb.tune(caliper(), bit_diameter=BIT, targets=300, threads=1)
+    assert hb.tune(caliper(), bit_diameter=BIT, targets=300, threads=2) == one
+
+
+def test_fixed_settings_are_kept() -> None:
+    found = hb.tune(caliper(), bit_diameter=BIT, targets=300, angular_scale=2.0, nugget=0.05, max_distance=0.5)
+    assert len(found.candidates) == 2
+    assert {each.settings.angular_scale for each in found.candidates} == {2.0}
+    by_distance = hb.tune(caliper(), bit_diameter=BIT, targets=300, estimator="inverse-distance")
+    assert {each.settings.estimator for each in by_distance.candidates} == {"inverse-distance"}
+
+
+def test_cross_validation_of_a_wall_compares_with_its_own_settings() -> None:
+    wall = hb.reconstruct(caliper(), bit_diameter=BIT, angular_scale=0.5)
+    found = cross_validate(wall, 300)
+    assert found.candidates[0].settings == wall.settings
+    assert found.best is not found.candidates[0]
+
+
+def test_left_out_estimates_by_hand() -> None:
+    """The nearest of the samples outside the box, by brute force."""
+    samples = in_depth_order(caliper(400, 2.0))
+    rows = np.arange(0, 400, 7)
+    settings = hb.Settings(bit_diameter=BIT, neighbors=3, max_iterations=1, angular_scale=2.0)
+    box = (np.full(rows.size, 0.05), np.full(rows.size, 40.0))
+    found = estimate_left_out(samples, rows, settings, box)
+    depth, toolface, radius = samples
+    for row, estimate, nearest in zip(rows, found.radius, found.nearest, strict=True):
+        turn, along = np.abs((toolface - toolface[row] + 180) % 360 - 180), np.abs(depth - depth[row])
+        left = np.flatnonzero((turn > 40) | (along > 0.05))
+        arc = np.radians(turn[left]) * BIT / 2
+        distance = np.hypot(2 * arc, along[left])
+        near = np.argsort(distance)[:3]
+        assert estimate == pytest.approx(np.average(radius[left][near], weights=1 / distance[near]), abs=1e-12)
+        assert nearest == pytest.approx(np.hypot(arc, along[left])[near].min(), abs=1e-12)
+
+
+def test_boxes_are_empty() -> None:
+    """Around four fixed arms the boxes are as wide as the arms are apart."""
+    depth = np.repeat(np.arange(200) * 0.02, 4)
+    samples = (depth, np.tile([0.0, 90.0, 180.0, 270.0], 200), np.full(800, 0.11))
+    height, width = empty_boxes(samples, hb.Settings(bit_diameter=BIT), 400, np.random.default_rng(1))
+    assert 40 < width.max() <= 45
+    assert height.max() == 0.5
+
+
+BAD: list[tuple[int, dict[str, Any], str]] = [
+    (37, {}, f"samples = 37: too few samples to tune: must be at least {FEWEST_SAMPLES}"),
+    (150, {"max_distance": 1e-9}, "samples: too few samples to tune: none has another within max_distance"),
+    (150, {"pitch": 0.0}, "pitch = 0: must be finite and not 0"),
+]
+
+
+@pytest.mark.parametrize(("count", "settings", "text"), BAD, ids=[text for *_, text in BAD])
+def test_bad_input(count: int, settings: dict[str, Any], text: str) -> None:
+    with pytest.raises(hb.InputError, match=exactly(text)):
+        hb.tune(caliper(count), bit_diameter=BIT, **settings)
+
+
+def test_equal_positions_and_a_constant_wall() -> None:
+    """No division by the zero error of a constant wall; equal positions have no other sample to be estimated from."""
+    depth = np.repeat(np.arange(60) * 0.05, 5)
+    toolface = np.tile(np.arange(5) * 72.0, 60)
+    constant = hb.tune(hb.Caliper(depth, toolface, np.full(300, 0.11)), bit_diameter=BIT)
+    assert constant.best is constant.candidates[0]
+    assert constant.gain == 0.0
+    together = hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11))
+    with pytest.raises(hb.InputError, match=r"^samples: too few samples to tune: none has another"):
+        hb.tune(together, bit_diameter=BIT)
