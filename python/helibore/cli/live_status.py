@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
 
+from helibore.live.alarms import local
 from helibore.live.events import Flag
 from helibore.live.pass_rules import PASSES
 from helibore.live.wits import RULE_NAMES
@@ -62,6 +63,14 @@ def metrics(server: Server) -> str:
     family("event_first_timestamp_seconds", "gauge", "First event of this source and rule.", first, *place)
     last = [(key, event.newest.wall / 1e9) for key, event in events]
     family("event_last_timestamp_seconds", "gauge", "Last event of this source and rule.", last, *place)
+    active = {(alarm.rule, alarm.source) for alarm in server.alarms.active}
+    alarms = sorted(server.alarms.counts.items())
+    begun = [(key, float(count)) for key, count in alarms]
+    family("alarms", "counter", "Alarms that have begun.", begun, "alarm", "source")
+    lasts = [(key, float(key in active)) for key, _ in alarms]
+    family("alarm_active", "gauge", "1 while an alarm lasts.", lasts, "alarm", "source")
+    text = "Alarms that the command or the webhook did not take."
+    family("alarms_undelivered", "counter", text, [((), float(server.alarms.undelivered))])
     vertices = [((name,), float(len(wall))) for name, wall in live.layers.items()]
     family("wall_vertices", "gauge", "Vertices of each layer.", vertices, "layer")
     if live.journal:
@@ -107,10 +116,14 @@ class Page:
         from rich.panel import Panel
         from rich.text import Text
 
+        latest = self._server.live.model.events.latest[-8:]
         events = [
-            Text(str(event), overflow="ellipsis", no_wrap=True) for event in self._server.live.model.events.latest[-8:]
+            Text(f"{local(event.newest.wall):%H:%M:%S} here, {event}", overflow="ellipsis", no_wrap=True)
+            for event in latest
         ]
+        alarms = [Text(str(alarm), style="bold red") for alarm in self._server.alarms.active]
         return Group(
+            *([Panel(Group(*alarms), title="ALARMS", title_align="left", style="red")] if alarms else []),
             Panel(self._sources(), title="sources", title_align="left"),
             Panel(self._wall(), title="wall", title_align="left"),
             Panel(Group(*events) if events else Text("none"), title="latest events", title_align="left"),

@@ -24,6 +24,7 @@ import tomllib
 from dataclasses import asdict
 from pathlib import Path as FilePath
 from typing import Annotated, Any, Literal
+from urllib.parse import urlsplit
 
 import numpy as np
 from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
@@ -34,7 +35,7 @@ from helibore.live.checks import Derived, Table, check, within
 from helibore.live.depth_limits import DepthLimits
 from helibore.live.layout import PathReference
 from helibore.live.pass_rules import PASSES, PassRules, read_layers
-from helibore.live.sources import Source, read_source
+from helibore.live.sources import Source, Text, read_source
 from helibore.wall.wall import Wall
 
 OF_WALL = {*(f.name for f in dataclasses.fields(Settings)), "threads", "instruction_set", "basis"}
@@ -71,7 +72,7 @@ class PathTable(Table):
 class JournalTable(Table):
     """The table ``journal``."""
 
-    folder: Annotated[str, Field(min_length=1)] | None = None
+    folder: Text | None = None
     sync_ms: Annotated[float, within(0, 60_000)] = 100.0
     segment_mb: Annotated[int, within(1, 1024)] = 64
 
@@ -87,6 +88,37 @@ class SnapshotTable(Table):
     folder: str = ""
     every: Annotated[float, within(1)] = 60.0
     logs: Literal["las", "csv", "none"] = "las"
+
+
+def _webhook(address: str) -> str:
+    parts = urlsplit(address)
+    if parts.scheme == "env" and parts.path:
+        return address
+    if parts.scheme not in ("http", "https") or not parts.hostname:
+        raise ValueError("must be https://..., http://... or env:NAME, an environment variable that holds the address")
+    if parts.username is not None or parts.query:
+        rule = "must not hold a user, a password or a query, which would be in the journal: use env:NAME"
+        raise InputError("", rule, repr(f"{parts.scheme}://{parts.hostname}/..."))
+    return address
+
+
+class AlarmLimits(Table):
+    """The table ``alarms``: when an alarm begins, and who is told besides page, metrics and log.
+
+    Seconds without a connection (``lost``), without a deeper or shallower bit while samples come (``standing``) and
+    without a successful sync (``sync``) and of the wall clock (``clock``); gigabytes left (``disk_gb``); metres of the
+    median diameter of a turn below the bit (``tight``) and above it (``washout``).
+    """
+
+    lost: Annotated[float, within(0.1)] = 30.0
+    standing: Annotated[float, within(1)] = 900.0
+    disk_gb: Annotated[float, within(0)] = 1.0
+    sync: Annotated[float, within(0.1)] = 2.0
+    clock: Annotated[float, within(0.1)] = 2.0
+    tight: Annotated[float, within(0)] | None = None
+    washout: Annotated[float, within(0)] | None = None
+    command: list[Text] = []
+    webhook: Annotated[str, AfterValidator(_webhook)] | None = None
 
 
 def _wall(entries: Any) -> dict[str, Any]:
@@ -120,6 +152,7 @@ class Configuration(Table):
     depth: DepthLimits = DepthLimits()
     journal: JournalTable = JournalTable()
     snapshot: SnapshotTable = SnapshotTable()
+    alarms: AlarmLimits = AlarmLimits()
     sources: Derived[dict[str, Source]] = {}
     text: Derived[str] = ""
 

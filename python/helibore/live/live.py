@@ -96,7 +96,7 @@ class Live:
         self.configuration = configuration if isinstance(configuration, Configuration) else load(configuration)
         self.model = Model(self.configuration)
         self._lock = threading.Lock()
-        self._clock = clock
+        self.clock = clock
         self._sequence = 0
         self._names = {number: name for name, number in self.model.numbers.items()}
         self._began, self._last_bytes = clock()[1], dict[str, int]()
@@ -339,18 +339,23 @@ class Live:
             gather(pending.events, self.model.events.take())  # events that no record caused
             return pending
 
+    def ages(self) -> dict[str, float]:
+        """Return the seconds since the last bytes of each source; before its first bytes, since the start."""
+        now = self.clock()[1]
+        return {name: (now - self._last_bytes.get(name, self._began)) / 1e9 for name in self.model.numbers}
+
     def check_silence(self) -> None:
         """Report, once, each source that has sent nothing for more than its ``silence`` seconds."""
-        now = self._clock()[1]
+        ages = self.ages()
         for name, source in self.configuration.sources.items():
             last = self._last_bytes.get(name, self._began)
-            if now - last > source.silence * 1e9 and self._silence_reported.get(name) != last:
+            if ages[name] > source.silence and self._silence_reported.get(name) != last:
                 self._silence_reported[name] = last
                 self.report("silent", f"nothing has come for {source.silence:g} s", name)
 
     def report(self, rule: str, text: str, source: str = "") -> None:
         """Report an event of the host or of a source's link; no record caused it, so it is not in the journal."""
-        self.model.report(self._clock()[0], rule, text, source)
+        self.model.report(self.clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
         """Store a record in the journal only; the caller passes the results to :meth:`draw` in the order of the calls.
@@ -372,7 +377,7 @@ class Live:
         if self.journal is not None:
             sequence, wall, monotonic = self.journal.append(source, connection, payload, kind)
         else:
-            (wall, monotonic), sequence = self._clock(), self._sequence
+            (wall, monotonic), sequence = self.clock(), self._sequence
             self._sequence += 1
         if kind == journals.BYTES:
             self._last_bytes[self._names[source]] = monotonic

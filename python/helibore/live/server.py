@@ -16,6 +16,7 @@ from collections import deque
 from collections.abc import Callable
 
 from helibore.live import journal as journals
+from helibore.live.alarms import TICK, WAITING, Alarms
 from helibore.live.events import LOGGER
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
@@ -26,7 +27,6 @@ from helibore.live.update import Update
 
 QUEUE_BYTES = 4 << 20
 QUEUE_RECORDS = 4096
-TICK = 0.25
 FIRST_WAIT, LONGEST_WAIT = 1.0, 60.0
 
 
@@ -121,6 +121,7 @@ class Server:
         self._drained = threading.Event()
         self.openers: dict[str, Opener] = {}
         self._threads: list[threading.Thread] = []
+        self.alarms = Alarms(live, self.states)
         self._drawing = self.thread("draw", self._draw)
         self._own = [self._drawing, self.thread("sync", self._sync), self.thread("watch", self._watch)]
 
@@ -143,6 +144,7 @@ class Server:
         for name, one in self.openers.items():
             source = self.live.configuration.sources[name]
             self._threads.append(self.thread(name, functools.partial(self._follow, source, one)))
+        self.alarms.start()
         for thread in [*self._threads, *self._own]:
             thread.start()
 
@@ -156,6 +158,7 @@ class Server:
             thread.join()
         for one in self.openers.values():
             one.close()
+        self.alarms.close()
         self.live.sync()
 
     def thread(self, name: str, run: Callable[[], None]) -> threading.Thread:
@@ -167,7 +170,9 @@ class Server:
             except BaseException as error:
                 self.failure = self.failure or error
                 LOGGER.critical("thread %s died", name, exc_info=error)
-                self.live.report("failure", f"thread {name} died: {type(error).__name__}: {error}")
+                text = f"thread {name} died: {type(error).__name__}: {error}"
+                self.live.report("failure", text)
+                self.alarms.begin("failure", text)
                 self._stop.set()
                 self._drained.set()
 
@@ -256,7 +261,7 @@ class Server:
             except JournalFullError as error:
                 if not reported:
                     self._report(source.name, "disk", str(error))
-                    self.states[source.name] = "waiting for the disk"
+                    self.states[source.name] = WAITING
                     reported = True
                 if self._stop.wait(1.0):
                     return  # not stored: never acknowledged, never read
@@ -274,6 +279,7 @@ class Server:
             for one in stored:
                 self.latency.add((now - one.monotonic) / 1e9)
             self.updates += 1
+            self.alarms.changed(update)
             self._updated(update)
 
     def _sync(self) -> None:
@@ -285,6 +291,7 @@ class Server:
         while not self._stop.wait(interval):
             try:
                 self.live.sync()
+                self.alarms.synced = self.live.clock()[1]
                 if failing:
                     self.live.report("synced", "the disk takes the journal again")
                 failing = False
@@ -294,6 +301,7 @@ class Server:
                 failing = True
 
     def _watch(self) -> None:
-        """Report silence when it begins."""
+        """Report silence when it begins, and check the alarms."""
         while not self._stop.wait(TICK):
             self.live.check_silence()
+            self.alarms.check()

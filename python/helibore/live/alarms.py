@@ -1,0 +1,288 @@
+"""Alarms: what a driller must know at once, from its begin to its end.
+
+    watch thread: check() every TICK -> begins, ends -> event, metrics, log, page
+                                             '-> queue -> one thread -> command, webhook       a line of JSON each
+
+Nothing waits for the command or the webhook: each has SECONDS, and lines that wait are bounded. ``check`` takes the
+time from the clock of `Live`, so a test decides when it is late.
+"""
+
+from __future__ import annotations
+
+import datetime
+import http.client
+import json
+import os
+import queue
+import signal
+import subprocess
+import threading
+import urllib.error
+import urllib.request
+from collections import Counter, deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.base.errors import InputError
+from helibore.live.clock import SECOND, utc
+from helibore.live.live import Live
+from helibore.live.update import Update
+
+HOLD = 60.0
+"""Seconds that an alarm without a duration lasts after its last cause (clock, tight hole, washout)."""
+SECONDS = 10.0
+"""Time limit of the command and of the webhook."""
+WAITS = (0.0, 1.0, 5.0)
+"""Seconds before each try to deliver a line."""
+MOST_LINES = 100
+MOST_RANGES = 256
+STEP = 0.01
+"""Metres by which the bit must move to count as moving."""
+TICK = 0.25
+WAITING = "waiting for the disk"
+
+
+def local(wall: int) -> datetime.datetime:
+    """Return a time, ns since 1970, in this machine's time zone."""
+    return datetime.datetime.fromtimestamp(wall / 1e9, datetime.UTC).astimezone()
+
+
+@dataclass(frozen=True)
+class Alarm:
+    """An alarm that has begun: rule, source ("": none), when it began (wall and monotonic, ns), and its cause."""
+
+    rule: str
+    source: str
+    wall: int
+    monotonic: int
+    text: str
+
+    def __str__(self) -> str:
+        what = f"{self.rule} {self.source}".strip().replace("_", " ")
+        return f"{what}: {self.text}, since {utc(self.wall)[11:19]} UTC, {local(self.wall):%H:%M:%S} here"
+
+
+class Alarms:
+    """The alarms of a running server.
+
+    Parameters
+    ----------
+    live
+        The live wall; its configuration has the limits, and its clock the time.
+    states
+        State of each source, as `Server` keeps them.
+
+    Attributes
+    ----------
+    synced
+        Monotonic time of the last successful sync, ns.
+    counts, undelivered
+        Number of alarms of each (rule, source), and number of lines that the command or the webhook did not take.
+
+    Raises
+    ------
+    InputError
+        If the environment variable of the webhook is not set.
+    """
+
+    def __init__(self, live: Live, states: Mapping[str, str]) -> None:
+        self._live, self._states, self._limits = live, states, live.configuration.alarms
+        self._active: dict[tuple[str, str], Alarm] = {}
+        self._lock = threading.Lock()
+        self.counts: Counter[tuple[str, str]] = Counter()
+        self.undelivered = 0
+        wall, self.synced = live.clock()
+        self._drift = wall - self.synced
+        self._connected = dict.fromkeys(states, self.synced)
+        self._position, self._moved = np.nan, self.synced
+        self._received, self._sampled = live.model.counts["received"], -(1 << 62)
+        self._held: dict[str, tuple[int, str]] = {}
+        self._changed: deque[tuple[int, int]] = deque(maxlen=MOST_RANGES)
+        self._lock_file = live.journal.folder / "lock" if live.journal else None
+        self._inode = self._lock_file.stat().st_ino if self._lock_file else 0
+        address = self._limits.webhook or ""
+        if address.startswith("env:"):
+            if address[4:] not in os.environ:
+                raise InputError("alarms.webhook", "is not set in the environment", repr(address))
+            address = os.environ[address[4:]]
+        self._address = address
+        self._ways = [
+            way for way, wanted in ((self._command, self._limits.command), (self._webhook, address)) if wanted
+        ]
+        self._lines: queue.Queue[bytes] = queue.Queue(MOST_LINES)
+        self._stopping = threading.Event()
+        self._thread: threading.Thread | None = None
+
+    def start(self) -> None:
+        """Start the thread that delivers, if there is a command or a webhook."""
+        if self._ways:
+            self._thread = threading.Thread(target=self._deliver, name="alarms", daemon=True)
+            self._thread.start()
+
+    @property
+    def active(self) -> list[Alarm]:
+        """The alarms that have begun and not ended, in order."""
+        with self._lock:
+            return list(self._active.values())
+
+    def changed(self, update: Update) -> None:
+        """Remember which vertices of the wall changed; for the drawing thread."""
+        change = update.changes.get("main")
+        if change and (self._limits.tight is not None or self._limits.washout is not None):
+            self._changed.extend((int(start), int(stop)) for start, stop in change.ranges)
+
+    def check(self) -> None:
+        """Begin each alarm whose cause is there, and end each whose cause is gone."""
+        wall, now = self._live.clock()
+        drift, self._drift = wall - now - self._drift, wall - now
+        if abs(drift) > self._limits.clock * SECOND:
+            self._held["clock"] = now, f"the wall clock was set by {drift / SECOND:+.3f} s"
+        self._measure(now)
+        found = {(rule, ""): text for rule, (at, text) in self._held.items() if now - at < HOLD * SECOND}
+        found |= self._of_sources(now) | self._of_depth(now) | self._of_journal(now)
+        try:
+            os.close(os.open(os.devnull, os.O_RDONLY))
+        except OSError as error:
+            found["descriptors", ""] = f"no file and no connection can be opened: {error.strerror}"
+        for (rule, source), text in found.items():
+            self.begin(rule, text, source)
+        for alarm in self.active:
+            if alarm.rule != "failure" and (alarm.rule, alarm.source) not in found:
+                with self._lock:
+                    del self._active[alarm.rule, alarm.source]
+                self._tell(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
+
+    def begin(self, rule: str, text: str, source: str = "") -> None:
+        """Begin an alarm, unless it has begun already."""
+        alarm = Alarm(rule, source, *self._live.clock(), text)
+        with self._lock:
+            if self._active.setdefault((rule, source), alarm) is not alarm:
+                return
+            self.counts[rule, source] += 1
+        self._tell(alarm, alarm.wall)
+
+    def close(self) -> None:
+        """Stop; the lines that wait are tried once more, for a few seconds at most."""
+        self._stopping.set()
+        if self._thread:
+            self._thread.join(SECONDS / 2)
+
+    def _of_sources(self, now: int) -> dict[tuple[str, str], str]:
+        found = {}
+        ages = self._live.ages()
+        for name, source in self._live.configuration.sources.items():
+            state = self._states[name]
+            if state == "ended":
+                continue
+            if ages[name] > source.silence:
+                found["no_data", name] = f"nothing has come for {source.silence:g} s"
+            if source.address.kind == "host" or state.startswith(("connected", WAITING)):
+                self._connected[name] = now
+            elif now - self._connected[name] > self._limits.lost * SECOND or state.startswith("stopped"):
+                found["lost", name] = f"{state}: not connected for {self._limits.lost:g} s"
+            if state == WAITING:
+                found["disk", ""] = "the disk takes no record"
+        return found
+
+    def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
+        """Compare the bit depth, or without it the wall's end, with its last value."""
+        model, limit = self._live.model, int(self._limits.standing * SECOND)
+        bit = model.rig.tracks["bit_depth"].value[-1:].tolist()
+        position = bit[0] if bit else float(len(self._live.wall))
+        if not abs(position - self._position) <= STEP:
+            self._position, self._moved = position, now
+        if model.counts["received"] != self._received:
+            self._received, self._sampled = model.counts["received"], now
+        if now - self._moved > limit and now - self._sampled < limit:
+            return {("standing", ""): f"samples come, and depth has not changed for {self._limits.standing:g} s"}
+        return {}
+
+    def _of_journal(self, now: int) -> dict[tuple[str, str], str]:
+        journal, found = self._live.journal, {}
+        if journal is None or self._lock_file is None:
+            return {}
+        try:
+            if self._lock_file.stat().st_ino != self._inode:
+                found["journal", ""] = "the lock file of the journal is another one"
+            left = journal.bytes_left / 1e9
+            if left < self._limits.disk_gb:
+                found["disk", ""] = f"{left:.2f} GB left for the journal, less than {self._limits.disk_gb:g} GB"
+        except OSError as error:
+            found["journal", ""] = f"the journal's folder or its lock file is gone: {error.strerror}"
+        interval = self._live.configuration.journal.sync_interval
+        if interval and now - self.synced > (self._limits.sync + interval) * SECOND:
+            found["sync", ""] = f"the journal was not synced for {self._limits.sync:g} s"
+        return found
+
+    def _measure(self, now: int) -> None:
+        """Compare the median diameter of each turn that changed with the bit."""
+        wall, limits = self._live.wall, self._limits
+        sectors, bit = wall.settings.sectors, wall.settings.bit_diameter
+        for start, stop in [self._changed.popleft() for _ in range(len(self._changed))]:
+            first, last = start // sectors, min(-(-stop // sectors), len(wall) // sectors)
+            if last <= first:
+                continue
+            turns = wall.vertices(first * sectors, last * sectors)
+            radius = turns.radius.reshape(-1, sectors)
+            over = np.median(radius + np.roll(radius, sectors // 2, axis=1), axis=1) - bit  # NaN: a radius is missing
+            for rule, limit, sign in (("tight", limits.tight, -1), ("washout", limits.washout, 1)):
+                if limit is not None and (sign * over > limit).any():
+                    turn = int(np.nanargmax(sign * over))
+                    depth, word = turns.depth[turn * sectors], "below" if rule == "tight" else "above"
+                    text = f"at {depth:.2f} m the diameter is {1e3 * abs(over[turn]):.1f} mm {word} the bit's"
+                    self._held[rule] = now, text
+
+    def _tell(self, alarm: Alarm, wall: int, ended: str = "") -> None:
+        """Report that an alarm begins, or that it ``ended``, and queue the line for the command and the webhook."""
+        self._live.report(f"alarm_{alarm.rule}" + ("_end" if ended else ""), ended + alarm.text, alarm.source)
+        state = "ends" if ended else "begins"
+        line = {"alarm": alarm.rule, "source": alarm.source, "state": state, "time": utc(wall),
+                "local_time": local(wall).isoformat(timespec="milliseconds"), "text": alarm.text}  # fmt: skip
+        try:
+            if self._ways:
+                self._lines.put_nowait(json.dumps(line).encode() + b"\n")
+        except queue.Full:
+            self.undelivered += 1
+
+    def _deliver(self) -> None:
+        """Give each line to the command and to the webhook."""
+        while not (self._stopping.is_set() and self._lines.empty()):
+            try:
+                line = self._lines.get(timeout=TICK)
+            except queue.Empty:
+                continue
+            for way in self._ways:
+                self.undelivered += not any(self._sent(way, line, wait) for wait in WAITS)
+
+    def _sent(self, way: Callable[[bytes], None], line: bytes, wait: float) -> bool:
+        if self._stopping.wait(wait) and wait:
+            return False
+        try:
+            way(line)
+        except (OSError, ValueError, subprocess.SubprocessError, http.client.HTTPException) as error:
+            reason = getattr(error, "reason", getattr(error, "strerror", None)) or type(error).__name__
+            self._live.report("alarm_not_delivered", f"{way.__name__.strip('_')}: {reason}")
+            return False
+        return True
+
+    def _command(self, line: bytes) -> None:
+        command = subprocess.Popen(self._limits.command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL, start_new_session=True)  # fmt: skip
+        try:
+            command.communicate(line, timeout=SECONDS)
+        except subprocess.TimeoutExpired:
+            os.killpg(command.pid, signal.SIGKILL)  # and what it started
+            command.wait()
+            raise
+        if command.returncode:
+            raise ChildProcessError(command.returncode, f"it ended with {command.returncode}")
+
+    def _webhook(self, line: bytes) -> None:
+        request = urllib.request.Request(self._address, line, {"Content-Type": "application/json"}, method="POST")
+        try:
+            urllib.request.urlopen(request, timeout=SECONDS).close()
+        except urllib.error.HTTPError as error:
+            error.close()
+            raise

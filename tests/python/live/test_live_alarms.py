@@ -1,0 +1,409 @@
+"""Alarms: each begins and ends when its cause does, is delivered, and delays nothing."""
+
+from __future__ import annotations
+
+import http.server
+import io
+import json
+import os
+import resource
+import signal
+import socket
+import subprocess
+import sys
+import threading
+import urllib.request
+from pathlib import Path
+
+import numpy as np
+import pytest
+from live_servers import Running, configured, frames, free_port, until
+from live_wires import SECOND, WALL, Clock
+
+from helibore import Live
+from helibore.live import alarms as module
+from helibore.live.alarms import Alarms
+from helibore.live.configuration import parse
+from helibore.live.journal import Journal
+from helibore.live.server import TICK
+
+HOST = WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\nsilence = 60.0\n'
+STATES = {"mwd": "connected to rig"}
+
+
+def alarmed(text, folder=None, states=STATES):
+    clock = Clock()
+    live = Live(parse(text), folder, clock=clock)
+    return live, clock, Alarms(live, states)
+
+
+def rules(alarms):
+    return [(alarm.rule, alarm.source) for alarm in alarms.active]
+
+
+def texts(live):
+    return {event.rule: event.newest.text for event in live.model.events.latest}
+
+
+def test_no_data_is_an_alarm_from_its_begin_to_its_end():
+    live, clock, alarms = alarmed(HOST)
+    clock.step(60)
+    alarms.check()
+    assert alarms.active == []
+    clock.step(1)
+    alarms.check()
+    alarms.check()
+    assert rules(alarms) == [("no_data", "mwd")]
+    assert str(alarms.active[0]).startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC, ")
+    clock.step(10)
+    live.receive("mwd", frames(1)[0])
+    alarms.check()
+    assert alarms.active == []
+    assert texts(live)["alarm_no_data"] == "nothing has come for 60 s"
+    assert texts(live)["alarm_no_data_end"] == "after 10.0 s: nothing has come for 60 s"
+    assert alarms.counts == {("no_data", "mwd"): 1}
+
+
+def test_a_source_that_is_not_connected_is_lost_after_its_time_and_at_once_if_it_stopped():
+    states = {"mwd": "listening"}
+    _, clock, alarms = alarmed(HOST.replace("host", "listen://127.0.0.1:1") + "[alarms]\nlost = 20.0\n", None, states)
+    for seconds, state, expected in [
+        (20, "listening", []), (1, "listening", [("lost", "mwd")]), (1, "connected to rig", []),
+        (19, "waiting to connect", []), (0, "stopped: access denied", [("lost", "mwd")]), (0, "ended", []),
+    ]:  # fmt: skip
+        states["mwd"] = state
+        clock.step(seconds)
+        alarms.check()
+        assert rules(alarms) == expected, state
+
+
+def test_depth_that_stands_while_samples_come_is_an_alarm():
+    text = HOST + 'items = { bit_depth = "0108" }\ncaliper = { toolface = ["5010"], radius = ["5012"] }\n'
+    live, clock, alarms = alarmed(text + "[alarms]\nstanding = 30.0\n")
+
+    def send(depth, number):
+        live.receive("mwd", b"&&\r\n5004%d\r\n0108%.3f\r\n501010\r\n5012110\r\n!!\r\n" % (number, depth))
+        alarms.check()
+
+    for number in range(4):
+        clock.step(10)
+        send(110.0 + number % 2 * 0.005, number)
+        assert alarms.active == []
+    clock.step(10)
+    send(110.0, 5)
+    assert rules(alarms) == [("standing", "")]
+    send(110.5, 6)
+    assert alarms.active == []
+    clock.step(40)
+    alarms.check()  # no sample comes: this is not standing
+    assert rules(alarms) == []
+
+
+def test_disk_sync_lock_and_folder_are_alarms(tmp_path, monkeypatch):
+    live, clock, alarms = alarmed(HOST + "[alarms]\nsync = 3.0\ndisk_gb = 2.0\n", tmp_path / "j")
+    alarms.check()
+    assert alarms.active == []
+    with monkeypatch.context() as patch:
+        patch.setattr(Journal, "bytes_left", property(lambda _: 1_500_000_000))
+        alarms.check()
+        assert texts(live)["alarm_disk"] == "1.50 GB left for the journal, less than 2 GB"
+    clock.step(4)
+    alarms.check()
+    assert rules(alarms) == [("sync", "")]
+    alarms.synced = clock()[1]
+    (tmp_path / "j/lock").rename(tmp_path / "lock")
+    alarms.check()
+    assert rules(alarms) == [("journal", "")]
+    assert "the journal's folder or its lock file is gone: No such file" in texts(live)["alarm_journal"]
+    (tmp_path / "j/lock").touch()
+    alarms.check()
+    assert rules(alarms) == [("journal", "")]
+    (tmp_path / "lock").rename(tmp_path / "j/lock")
+    alarms.check()
+    assert alarms.active == []
+    (tmp_path / "j").rename(tmp_path / "k")
+    alarms.check()
+    assert rules(alarms) == [("journal", "")]
+    (tmp_path / "k").rename(tmp_path / "j")
+    live.close()
+
+
+def test_a_clock_that_is_set_is_an_alarm_for_a_minute():
+    live, clock, alarms = alarmed(HOST)
+    clock.wall -= 3600 * SECOND
+    alarms.check()
+    assert texts(live)["alarm_clock"] == "the wall clock was set by -3600.000 s"
+    clock.step(59)
+    alarms.check()
+    assert rules(alarms) == [("clock", "")]
+    clock.step(1)
+    alarms.check()
+    assert rules(alarms) == []
+
+
+def test_no_descriptor_is_an_alarm(monkeypatch):
+    live, _, alarms = alarmed(HOST)
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "open", lambda *_: (_ for _ in ()).throw(OSError(24, "Too many open files")))
+        alarms.check()
+    assert texts(live)["alarm_descriptors"] == "no file and no connection can be opened: Too many open files"
+    alarms.check()
+    assert alarms.active == []
+
+
+@pytest.mark.parametrize(("radius", "rule", "text"), [
+    (0.1, "tight", "at 100.80 m the diameter is 16.0 mm below the bit's"),
+    (0.13, "washout", "at 100.80 m the diameter is 44.0 mm above the bit's"),
+])  # fmt: skip
+def test_a_tight_hole_and_a_washout_are_alarms_once_a_turn_is_beyond_the_limit(radius, rule, text):
+    live, clock, alarms = alarmed(HOST + "[alarms]\ntight = 0.01\nwashout = 0.03\n")
+    k = np.arange(16 * 20)
+    radii = np.full(len(k), 0.108)
+    radii[40] = radius  # one sample is not a turn
+    alarms.changed(live.append_samples(100 + k * 0.1 / 16, k * 22.5 % 360, radii))
+    alarms.check()
+    assert alarms.active == []
+    radii[16 * 8 : 16 * 10] = radius
+    live, clock, alarms = alarmed(HOST + "[alarms]\ntight = 0.01\nwashout = 0.03\n")
+    alarms.changed(live.append_samples(100 + k * 0.1 / 16, k * 22.5 % 360, radii))
+    alarms.check()
+    assert [(alarm.rule, alarm.text) for alarm in alarms.active] == [(rule, text)]
+    clock.step(61)
+    alarms.check()
+    assert rules(alarms) == [("no_data", "mwd")]
+
+
+class Hook:
+    """A real HTTP server that keeps what is posted to it."""
+
+    def __init__(self, answer=200):
+        self.lines, hook = [], self
+        self.let = threading.Event()
+
+        class Pages(http.server.BaseHTTPRequestHandler):
+            def do_POST(self):
+                hook.lines.append(json.loads(self.rfile.read(int(self.headers["Content-Length"]))))
+                if answer is None:
+                    hook.let.wait(60)
+                self.send_response(answer or 200)
+                self.send_header("Content-Length", "0")
+                self.end_headers()
+
+            def log_message(self, *_):
+                pass
+
+        self.server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Pages)
+        self.url = f"http://127.0.0.1:{self.server.server_address[1]}/hook"
+        threading.Thread(target=self.server.serve_forever, kwargs={"poll_interval": 0.02}, daemon=True).start()
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.let.set()
+        self.server.shutdown()
+        self.server.server_close()
+
+
+def test_a_line_of_json_goes_to_the_command_and_to_the_webhook(tmp_path, monkeypatch):
+    keep = [sys.executable, "-c", f"import sys; open({str(tmp_path / 'lines')!r}, 'a').write(sys.stdin.read())"]
+    with Hook() as hook:
+        monkeypatch.setenv("ALARM_HOOK", hook.url)
+        live, clock, alarms = alarmed(HOST + f'[alarms]\ncommand = {json.dumps(keep)}\nwebhook = "env:ALARM_HOOK"\n')
+        alarms.start()
+        clock.step(61)
+        alarms.check()
+        live.receive("mwd", frames(1)[0])
+        clock.step(1)
+        alarms.check()
+        until(lambda: len(hook.lines) == 2)
+        alarms.close()
+    told = [json.loads(line) for line in (tmp_path / "lines").read_text().splitlines()]
+    assert told == hook.lines
+    assert [(line["alarm"], line["source"], line["state"]) for line in told] == [
+        ("no_data", "mwd", "begins"), ("no_data", "mwd", "ends"),
+    ]  # fmt: skip
+    assert told[0]["time"] == "2023-11-14T22:14:21.000Z"
+    assert told[0]["text"] == "nothing has come for 60 s"
+    assert "alarm_not_delivered" not in texts(live)
+
+
+def is_running(pid):
+    stat = Path(f"/proc/{pid}/stat")
+    return stat.exists() and stat.read_text().rpartition(")")[2].split()[0] != "Z"
+
+
+def hanging(folder):
+    """A command that never ends, and what it starts neither."""
+    return ["sh", "-c", f"sleep 1000 & echo $! >> {folder}/pids; wait"]
+
+
+@pytest.mark.parametrize("way", ["command", "webhook"])
+def test_a_command_or_a_webhook_that_hangs_delays_no_alarm(tmp_path, monkeypatch, way):
+    """It may hang for 1000 s here, so a check that waited for it would not return."""
+    monkeypatch.setattr(module, "SECONDS", 1000.0)
+    with Hook(answer=None) as hook:
+        target = json.dumps(hanging(tmp_path)) if way == "command" else f'"{hook.url}"'
+        live, clock, alarms = alarmed(HOST + f"[alarms]\n{way} = {target}\n")
+        alarms.start()
+        for _ in range(module.MOST_LINES):
+            clock.step(61)
+            alarms.check()
+            live.receive("mwd", b"&&\r\n!!\r\n")
+            alarms.check()
+        assert alarms.counts["no_data", "mwd"] == module.MOST_LINES
+        assert alarms.undelivered >= module.MOST_LINES - 1  # the queue is bounded
+        monkeypatch.setattr(module, "SECONDS", 0.1)
+        alarms.close()
+        if way == "command":
+            until((tmp_path / "pids").exists)
+            os.kill(int((tmp_path / "pids").read_text().split()[0]), signal.SIGKILL)
+
+
+def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "SECONDS", 0.3)
+    monkeypatch.setattr(module, "WAITS", (0.0,))
+    live, clock, alarms = alarmed(HOST + f"[alarms]\ncommand = {json.dumps(hanging(tmp_path))}\n")
+    alarms.start()
+    clock.step(61)
+    alarms.check()
+    until(lambda: alarms.undelivered == 1)
+    alarms.close()
+    for pid in (tmp_path / "pids").read_text().split() if (tmp_path / "pids").exists() else ():
+        until(lambda pid=pid: not is_running(pid))
+    assert texts(live)["alarm_not_delivered"] == "command: TimeoutExpired"
+
+
+def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch):
+    monkeypatch.setattr(module, "WAITS", (0.0, 0.01, 0.01))
+    with Hook(answer=500) as hook:
+        live, clock, alarms = alarmed(HOST + f'[alarms]\nwebhook = "{hook.url}"\n')
+        alarms.start()
+        clock.step(61)
+        alarms.check()
+        until(lambda: alarms.undelivered == 1)
+        alarms.close()
+    assert len(hook.lines) == 3
+    assert texts(live)["alarm_not_delivered"] == "webhook: Internal Server Error"
+
+
+@pytest.mark.parametrize(
+    ("entry", "error"),
+    [
+        ("lost = 0", "alarms.lost = 0: must be from 0.1"),
+        ("losst = 9", "alarms.losst: is not a setting; did you mean lost?"),
+        ('webhook = "ftp://x/y"', "alarms.webhook = 'ftp://x/y': must be https://..., http://... or env:NAME, an "
+         "environment variable that holds the address"),
+        ('webhook = "https://x/y?token=s3cret"', "alarms.webhook = 'https://x/...': must not hold a user, a "
+         "password or a query, which would be in the journal: use env:NAME"),
+        ('command = "beep"', "alarms.command = 'beep': must be a list"),
+    ],
+)  # fmt: skip
+def test_wrong_settings_of_alarms_are_named(entry, error):
+    with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
+        parse(HOST + f"[alarms]\n{entry}\n")
+    assert str(raised.value) == error.replace("from 0.1", "at least 0.1")
+
+
+def test_a_webhook_whose_variable_is_not_set_is_an_error_at_the_start(monkeypatch):
+    monkeypatch.delenv("NO_SUCH", raising=False)
+    with pytest.raises(ValueError, match=r"^alarms\.webhook = 'env:NO_SUCH': is not set in the environment$"):
+        alarmed(HOST + '[alarms]\nwebhook = "env:NO_SUCH"\n')
+
+
+def test_alarms_do_not_change_the_meaning():
+    assert parse(HOST).meaning() == parse(HOST + "[alarms]\nlost = 9.0\n").meaning()
+
+
+def test_a_running_server_shows_its_alarms_in_metrics_and_status(tmp_path):
+    from rich.console import Console
+
+    from helibore.cli.live_status import Page, metrics
+
+    assert TICK <= 0.5
+    with Running(configured(f"listen://127.0.0.1:{free_port()}") + "[alarms]\nlost = 0.1\n", tmp_path) as running:
+        until(lambda: rules(running.server.alarms) == [("lost", "mwd")])
+        assert 'helibore_alarm_active{alarm="lost",source="mwd"} 1.0' in metrics(running.server)
+        console = Console(width=160, record=True, file=io.StringIO())
+        console.print(Page(running.server).draw())
+        shown = console.export_text()
+        assert "ALARMS" in shown
+        assert "lost mwd: listening: not connected for 0.1 s, since " in shown
+        with socket.create_connection(("127.0.0.1", running.live.configuration.sources["mwd"].address.port)):
+            until(lambda: rules(running.server.alarms) == [])
+        assert 'helibore_alarm_active{alarm="lost",source="mwd"} 0.0' in metrics(running.server)
+        assert 'helibore_alarms_total{alarm="lost",source="mwd"} 1.0' in metrics(running.server)
+
+
+def test_a_dead_thread_is_an_alarm_that_is_delivered(tmp_path, monkeypatch):
+    with Hook() as hook:
+        text = configured(f"listen://127.0.0.1:{free_port()}") + f'[alarms]\nwebhook = "{hook.url}"\n'
+        running = Running(text, tmp_path)
+        running.server.start()
+        monkeypatch.setattr(Live, "sync", lambda _: 1 / 0)
+        until(lambda: hook.lines)
+        monkeypatch.undo()
+        running.server.stop()
+        running.live.close()
+    assert hook.lines[0]["alarm"] == "failure"
+    assert hook.lines[0]["text"] == "thread sync died: ZeroDivisionError: division by zero"
+
+
+class Command:
+    """``helibore live`` as a process; ``lines`` is what it has written to stderr so far."""
+
+    def __init__(self, folder, text, *options):
+        (folder / "rig.toml").write_text(text)
+        self.metrics_port = free_port()
+        self.lines = []
+        arguments = ["live", str(folder / "rig.toml"), "--journal", str(folder / "j"), "-q", *options]
+        self.process = subprocess.Popen(
+            [sys.executable, "-m", "helibore", *arguments, "--metrics-port", str(self.metrics_port)],
+            stderr=subprocess.PIPE, stdout=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+        self.reading = threading.Thread(target=lambda: self.lines.extend(self.process.stderr), daemon=True)
+        self.reading.start()
+        until(lambda: self.process.poll() is None and self.metrics())
+
+    def metrics(self):
+        try:
+            with urllib.request.urlopen(f"http://127.0.0.1:{self.metrics_port}/metrics", timeout=5) as page:
+                return page.read().decode()
+        except OSError:
+            return ""
+
+    def said(self, text):
+        return any(text in line for line in list(self.lines))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.kill()
+        self.process.wait()
+        self.reading.join()
+        self.process.stderr.close()
+
+
+def test_a_process_without_descriptors_folder_or_lock_alarms_and_recovers(tmp_path):
+    port = free_port()
+    with Command(tmp_path, configured(f"listen://127.0.0.1:{port}") + "[alarms]\nlost = 1000.0\n") as command:
+        soft, hard = resource.prlimit(command.process.pid, resource.RLIMIT_NOFILE)
+        resource.prlimit(command.process.pid, resource.RLIMIT_NOFILE, (3, hard))
+        until(lambda: command.said("alarm_descriptors: no file and no connection can be opened"))
+        resource.prlimit(command.process.pid, resource.RLIMIT_NOFILE, (soft, hard))
+        until(lambda: command.said("alarm_descriptors_end: after "))
+        (tmp_path / "j/lock").rename(tmp_path / "lock")
+        until(lambda: command.said("alarm_journal: the journal's folder or its lock file is gone"))
+        until(lambda: 'helibore_alarm_active{alarm="journal",source=""} 1.0' in command.metrics())
+        (tmp_path / "lock").rename(tmp_path / "j/lock")
+        until(lambda: 'helibore_alarm_active{alarm="journal",source=""} 0.0' in command.metrics())
+        (tmp_path / "j").rename(tmp_path / "k")
+        until(lambda: command.said("disk: [Errno 2] "))
+        (tmp_path / "k").rename(tmp_path / "j")
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(b"".join(frames(20)))
+            until(lambda: "helibore_samples_drawn_total 20.0" in command.metrics())
+        command.process.send_signal(signal.SIGTERM)
+        assert command.process.wait(60) == 0
+    assert Live.replay(tmp_path / "j").wall.sample_count == 20
