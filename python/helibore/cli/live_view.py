@@ -13,12 +13,13 @@ from __future__ import annotations
 
 import contextlib
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from helibore.base.errors import InputError
+from helibore.live.alarms import Alarm
 from helibore.live.live import Live
 from helibore.live.update import Update
 from helibore.samples.helix import helix_of
@@ -43,6 +44,10 @@ class Window:
         Name of the well on the page.
     host, port
         Address of the page. Port 0: a free port.
+    token
+        Secret that the page's address must have.
+    certificate, key
+        PEM files; with them the page is served over HTTPS.
 
     Attributes
     ----------
@@ -59,7 +64,10 @@ class Window:
         If the port is taken; the text names it.
     """
 
-    def __init__(self, well: str = "", *, host: str = "127.0.0.1", port: int = 0) -> None:
+    def __init__(
+        self, well: str = "", *, host: str = "127.0.0.1", port: int = 0, token: str | None = None,
+        certificate: str | None = None, key: str | None = None,
+    ) -> None:  # fmt: skip
         from helibore.cli.view import check_page
         from helibore.viewer.page_server import PageServer
         from helibore.viewer.scene import Scene
@@ -67,7 +75,7 @@ class Window:
         check_page()
         self.scene = Scene()
         self.scene.update_state(sources="Reading the journal.")
-        self._server = PageServer(self.scene, host=host, port=port, token=None)
+        self._server = PageServer(self.scene, host=host, port=port, token=token, certificate=certificate, key=key)
         self.url = self._server.url
         self._well = well
         self._live: Live | None = None
@@ -91,8 +99,8 @@ class Window:
             if self._feed:
                 self._feed.update(change)
 
-    def refresh(self, states: Mapping[str, str]) -> None:
-        """Show the wall as soon as it has a vertex; update the bit, the path, the images and the sources.
+    def refresh(self, states: Mapping[str, str], alarms: Sequence[Alarm] = ()) -> None:
+        """Show the wall as soon as it has a vertex; update the bit, the path, the images, the sources and the alarms.
 
         Call this a few times a second, with the state of each source.
         """
@@ -109,7 +117,8 @@ class Window:
         bit = live.model.rig.tracks["bit_depth"].value[-1:].tolist()
         known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
         known = {name: value for name, value in known.items() if value is not None}
-        self.scene.update_state(**known, sources=self._status_text(states))
+        words = tuple(str(alarm) for alarm in alarms)
+        self.scene.update_state(**known, sources=self._status_text(states), alarms=words)
 
     def report(self, text: str) -> None:
         """Show on the page why the wall cannot be shown."""

@@ -17,9 +17,12 @@ START_SECONDS = 20.0
 
 
 class PageServer:
-    """Serves a scene until closed."""
+    """Serves a scene until closed; with ``certificate`` and ``key`` (PEM files) over HTTPS."""
 
-    def __init__(self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False) -> None:
+    def __init__(
+        self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False,
+        certificate: str | None = None, key: str | None = None,
+    ) -> None:  # fmt: skip
         if not _is_loopback(host) and not token:
             raise InputError(f"host {host}", "is open to other machines, so it needs a token")
         uvicorn = import_server()
@@ -30,10 +33,13 @@ class PageServer:
         self._socket = _bind(host, port)
         name = f"[{host}]" if ":" in host else host
         bound = self._socket.getsockname()[1]
-        self.url = f"http://{name}:{bound}/" + (f"?token={quote(token, safe='')}" if token else "")
+        scheme = "https" if certificate else "http"
+        self.url = f"{scheme}://{name}:{bound}/" + (f"?token={quote(token, safe='')}" if token else "")
         config = uvicorn.Config(
             application(scene, token, (*LOOPBACK, name)),
             ws="websockets-sansio",
+            ssl_certfile=certificate,
+            ssl_keyfile=key,
             ws_max_size=2 * MOST_TEXT,
             ws_per_message_deflate=compress,
             h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # in a query three characters become up to five

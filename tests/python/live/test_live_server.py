@@ -17,8 +17,7 @@ from click.testing import CliRunner
 from live_servers import Running, configured, frames, free_port, is_closed, payloads, until
 
 from helibore import Live
-from helibore.cli import cli
-from helibore.cli import live as command
+from helibore.cli import cli, live_metrics
 from helibore.cli.live_status import metrics
 from helibore.live import server as server_module
 from helibore.live import transport, wits
@@ -311,13 +310,13 @@ def test_silence_is_an_event_when_it_begins(tmp_path):
 
 
 def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypatch):
-    monkeypatch.setattr(command, "METRICS_SECONDS", 0.5)
+    monkeypatch.setattr(live_metrics, "SECONDS", 0.5)
     with Running(configured(f"listen://127.0.0.1:{free_port()}"), tmp_path) as running:
         port = free_port()
-        pages = command._serve_metrics(running.server, port)
+        pages = live_metrics.MetricsServer(running.server, port, live_metrics.Access())
         held = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]
         threads = [t for t in threading.enumerate() if "process_request_thread" in t.name]
-        assert len(threads) <= command.METRICS_CONNECTIONS
+        assert len(threads) <= live_metrics.CONNECTIONS
 
         def answers():
             with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as page:
@@ -328,8 +327,7 @@ def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypat
         for one in held:
             assert is_closed(one)
             one.close()
-        pages.shutdown()
-        pages.server_close()
+        pages.close()
 
 
 def test_two_servers_cannot_share_an_address(tmp_path):

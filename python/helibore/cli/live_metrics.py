@@ -1,0 +1,132 @@
+"""The metrics of ``helibore live`` over HTTP or HTTPS, and who may read them and the page."""
+
+from __future__ import annotations
+
+import hmac
+import http.server
+import socket
+import ssl
+import threading
+import time
+from contextlib import suppress
+from dataclasses import dataclass
+from http import HTTPStatus
+from typing import Any
+from urllib.parse import parse_qs, urlsplit
+
+from helibore.base.errors import InputError
+from helibore.cli.live_status import metrics
+from helibore.live.server import Server
+
+CONNECTIONS, SECONDS = 8, 5.0
+"""Connections at a time, and the longest time of each."""
+
+
+@dataclass(frozen=True)
+class Access:
+    """Where page and metrics are served, the secret that they ask for, and the files of certificate and key (PEM).
+
+    Raises
+    ------
+    InputError
+        If other machines can reach ``host`` and there is no token, or the certificate cannot be used.
+    """
+
+    host: str = "127.0.0.1"
+    token: str | None = None
+    certificate: str | None = None
+    key: str | None = None
+
+    def __post_init__(self) -> None:
+        if not self.token and not (self.host in ("localhost", "::1") or self.host.startswith("127.")):
+            raise InputError(f"host {self.host}", "is open to other machines, so it needs a token")
+        if self.key and not self.certificate:
+            raise InputError("key", "needs a certificate")
+        self.context()
+
+    def context(self) -> ssl.SSLContext | None:
+        """Return the context of HTTPS; None for HTTP."""
+        if self.certificate is None:
+            return None
+        context = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        try:
+            context.load_cert_chain(self.certificate, self.key)
+        except (OSError, ValueError) as error:  # an error of ssl is an OSError
+            raise InputError("certificate", f"cannot be used with its key: {error}", repr(self.certificate)) from None
+        return context
+
+    def permits(self, query: str, authorization: str) -> bool:
+        """Whether a request has the token: ``?token=...`` or ``Authorization: Bearer ...``."""
+        given = [*parse_qs(query).get("token", []), authorization.removeprefix("Bearer ")]
+        wanted = (self.token or "").encode()
+        return not wanted or any(hmac.compare_digest(one.encode(), wanted) for one in given)
+
+
+class MetricsServer(http.server.ThreadingHTTPServer):
+    """Serves /metrics to a few connections at a time, each for a few seconds at most."""
+
+    daemon_threads = True
+
+    def __init__(self, server: Server, port: int, access: Access) -> None:
+        class Pages(http.server.BaseHTTPRequestHandler):
+            timeout = SECONDS
+
+            def do_GET(self) -> None:
+                parts = urlsplit(self.path)
+                if not access.permits(parts.query, self.headers.get("Authorization", "")):
+                    status, body = HTTPStatus.FORBIDDEN, b"token: missing or wrong\n"
+                elif parts.path != "/metrics":
+                    status, body = HTTPStatus.NOT_FOUND, b"only /metrics is here\n"
+                else:
+                    status, body = HTTPStatus.OK, metrics(server).encode()
+                self.send_response(status)
+                self.send_header("Content-Type", "text/plain; version=0.0.4")
+                self.send_header("Content-Length", str(len(body)))
+                self.end_headers()
+                self.wfile.write(body)
+
+            def log_message(self, *_: object) -> None:
+                """Print nothing."""
+
+        self.address_family = socket.AF_INET6 if ":" in access.host else socket.AF_INET
+        super().__init__((access.host, port), Pages)
+        if context := access.context():
+            self.socket = context.wrap_socket(self.socket, server_side=True, do_handshake_on_connect=False)
+        self._free = threading.BoundedSemaphore(CONNECTIONS)
+        server.thread("metrics", self.serve_forever).start()
+
+    def get_request(self) -> Any:
+        try:
+            return super().get_request()
+        except OSError:
+            time.sleep(0.1)  # no descriptor is left: the connection still waits
+            raise
+
+    def process_request(self, request: Any, client_address: Any) -> None:
+        if self._free.acquire(blocking=False):
+            super().process_request(request, client_address)
+        else:
+            self.shutdown_request(request)
+
+    def process_request_thread(self, request: Any, client_address: Any) -> None:
+        late = threading.Timer(SECONDS, self._hang_up, (request,))
+        late.daemon = True
+        try:
+            late.start()
+            super().process_request_thread(request, client_address)
+        finally:
+            late.cancel()
+            self._free.release()
+
+    @staticmethod
+    def _hang_up(request: Any) -> None:
+        with suppress(OSError):
+            request.shutdown(socket.SHUT_RDWR)
+
+    def handle_error(self, *_: object) -> None:
+        """Ignore errors of a request: a client may leave or be slow."""
+
+    def close(self) -> None:
+        """Stop serving."""
+        self.shutdown()
+        self.server_close()
