@@ -47,7 +47,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.angles import wrapped
-from helibore.base.arrays import Complexes, Floats, Integers, column, finite_column, require, whole_column
+from helibore.base.arrays import Complexes, Floats, Integers, Mask, column, finite_column, require, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.turn_fits import Shape, TurnFits, estimate
 
@@ -55,12 +55,15 @@ __all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_numbers", "turn
 
 _SAMPLES_AT_ONCE = 1 << 16
 _EXCESS = 0.8  # 2/3 makes the bound three deviations; the mean about an axis that is off is a little less, and noisy
+_FASTEST_WHIRL = 100.0  # degrees a turn
 _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
 
 
 @dataclass(frozen=True)
 class Centres:
-    """The tool's centre in each turn. One entry a turn, sorted by ``turn``; NaN where a turn has no radius.
+    """The tool's centre in each turn. One entry a turn, sorted by ``turn``.
+
+    NaN where a turn has no radius, and where the tool moves too far from turn to turn to be followed.
 
     Attributes
     ----------
@@ -195,7 +198,8 @@ def find_centres(
     position
         Of each sample along the turns, (n,): turn + 0.5 is the middle of a turn (:func:`turn_positions`). The centre
         then moves from turn to turn while the samples are taken, and what is found is the centre in the middle of the
-        turn. None: the centre rests during a turn.
+        turn. None: the centre rests during a turn. A centre that goes around the axis by more than 100 degrees a turn
+        cannot be followed: it is NaN. (From 180 degrees on it looks like a slower one that goes the other way.)
 
     Returns
     -------
@@ -231,6 +235,8 @@ def find_centres(
         motion = _motion_deviation(turns, x + 1j * y)
         _widen(covariance, motion)
         _widen(within, motion)
+        lost = _too_fast(turns, x + 1j * y, noise / np.sqrt(np.maximum(count, 1)))
+        x[lost], y[lost], covariance[lost], within[lost] = np.nan, np.nan, np.nan, np.nan
     if bit_diameter is not None:
         _widen(covariance, _EXCESS * np.maximum(mean_radius - 0.5 * bit_diameter, 0.0))
         _widen(within, _EXCESS * np.maximum(smooth_radius - 0.5 * bit_diameter, 0.0))
@@ -285,6 +291,23 @@ def _motion_deviation(turns: Integers, centre: Complexes) -> Floats:
     around = np.pad(np.nan_to_num(0.5 * bend), 2)
     largest: Floats = np.max([around[shift : shift + turns.size] for shift in range(5)], axis=0)
     return largest
+
+
+def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
+    """Where the centre moves too far from turn to turn to be followed, (t,): judged by the 21 turns around.
+
+    A whirl of a degrees a turn bends the line through three turns by 2 sin(a/2) of their distance. From 100 degrees on
+    the cubic does not follow it. A centre that rests has such a ratio, too, but moves by its noise only.
+    """
+    step = np.where(np.diff(turns) == 1, np.diff(centre), np.nan)
+    bend = np.abs(np.diff(step, prepend=np.nan, append=np.nan)) ** 2
+    moved = 0.5 * (np.abs(np.append(np.nan, step)) ** 2 + np.abs(np.append(step, np.nan)) ** 2)
+    known = np.isfinite(bend)
+    bends, moves, noise = (
+        np.convolve(np.where(known, of, 0.0), np.ones(21), "same") for of in (bend, moved, np.square(deviation))
+    )
+    fast: Mask = (bends > (2.0 * np.sin(np.radians(0.5 * _FASTEST_WHIRL))) ** 2 * moves) & (moves > 100.0 * noise)
+    return fast
 
 
 def _line_and_bend(turns: Integers, centre: Complexes, place: npt.NDArray[np.floating]) -> tuple[Complexes, Complexes]:

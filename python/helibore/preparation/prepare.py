@@ -568,13 +568,23 @@ class _Pipeline:
         self.centre_depth = np.bincount(row, samples.depth) / np.bincount(row)
         toolface, radius = recentre(samples.toolface, samples.radius, turn, found, position=position)
         self.samples = replace(samples, toolface=toolface, radius=radius)
-        far = found.eccentering[np.isfinite(found.eccentering)]
-        sigma = np.hypot(found.sigma_x, found.sigma_y)
-        self.report.append((
-            "recentre", f"{np.count_nonzero(found.share() > 0):,} of {found.turn.size:,} turns corrected; tool off by "
-            f"{1e3 * np.median(far):.1f} mm in half of them, {1e3 * far.max():.1f} mm at most; "
-            f"deviation of a centre {1e3 * np.nanmedian(sigma):.2f} mm in half of them"
-        ))  # fmt: skip
+        lines = [f"{np.count_nonzero(found.share() > 0):,} of {found.turn.size:,} turns corrected"]
+        known = np.isfinite(found.x)
+        if known.any():
+            far, sigma = found.eccentering[known], np.hypot(found.sigma_x, found.sigma_y)[known]
+            lines[0] += (
+                f"; tool off by {1e3 * np.median(far):.1f} mm in half of them, {1e3 * far.max():.1f} mm at most; "
+                f"deviation of a centre {1e3 * np.median(sigma):.2f} mm in half of them"
+            )
+        lost = np.count_nonzero(~known & (found.samples > 0))
+        if lost:
+            lines.append(
+                f"the tool moves too far from turn to turn in {lost:,} of {found.turn.size:,} turns to be followed "
+                "(more than 100 deg around the axis in a turn): not corrected"
+            )
+        if self.bit_diameter is None:
+            lines.append("no bit size: a smooth washout on one side is taken for an offset of the tool, unnoticed")
+        self.report += [("recentre", line) for line in lines]
 
     def _subtract_bias(self) -> None:
         samples, arms, names = self.samples, self._arm(), self._arm_names()

@@ -253,6 +253,19 @@ def test_centres_are_interpolated_between_turns(a_turn):
     assert np.mean(x & (np.abs(moving.y - truth.imag) <= 3 * moving.sigma_y)) >= 0.99
 
 
+@pytest.mark.parametrize("a_turn", [110.0, 150.0, -150.0, 180.0])
+def test_a_whirl_that_is_too_fast_is_refused(a_turn):
+    toolface, radius, position, _, _ = whirling(31, a_turn)
+    turn = np.floor(position)
+    centres = find_centres(toolface, radius, turn, position=position)
+    assert np.isnan(centres.x).all()
+    assert np.isnan(centres.sigma_x).all()
+    assert not centres.share().any()
+    seen, distance = recentre(toolface, radius, turn, centres, position=position)
+    np.testing.assert_array_equal(distance, radius)
+    np.testing.assert_allclose(seen, toolface % 360)
+
+
 def test_a_tool_that_does_not_whirl_is_found_with_positions_too():
     tool = Simulated(32, samples=64, missing="none", eccentering=0.0)
     position = tool.turn + tool.toolface / 360

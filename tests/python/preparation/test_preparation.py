@@ -144,6 +144,9 @@ def test_recentre_is_that_of_the_library() -> None:
     corrected_turns = int(np.count_nonzero(centres.share() > 0))
     assert corrected_turns > 30
     assert found.report[1][1].startswith(f"{corrected_turns} of 37 turns corrected; tool off by ")
+    assert found.report[2:] == (
+        ("recentre", "no bit size: a smooth washout on one side is taken for an offset of the tool, unnoticed"),
+    )
     sized = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True), bit_diameter=0.2)
     assert sized.centres is not None
     assert np.median(sized.centres.sigma_x) > 3 * np.median(centres.sigma_x)  # 8 mm more than the bit
@@ -151,6 +154,20 @@ def test_recentre_is_that_of_the_library() -> None:
         ValueError, match=r"^f.csv: recentring needs radii: half a diameter \(cal_x\) does not show the tool's offset"
     ):
         prepare(arms().readings(), Preparation(recentre=True))
+
+
+def test_a_tool_that_whirls_too_fast_is_not_corrected_and_named() -> None:
+    position = np.arange(40 * 64) / 64
+    centre = 0.01 * np.exp(1j * np.radians(150 * position - 360 * position))  # as the turning tool sees it
+    radius = -centre.real + np.sqrt(0.11**2 - centre.imag**2) + np.random.default_rng(0).normal(0, 2e-4, position.size)
+    one = log(md__m=100 + 0.1 * position, tf__deg=360 * position % 360, radius__m=radius)
+    found = prepare(one.readings(), Preparation(recentre=True), bit_diameter=0.216)
+    assert found.report[1:] == (
+        ("recentre", "0 of 40 turns corrected"),
+        ("recentre", "the tool moves too far from turn to turn in 40 of 40 turns to be followed (more than 100 deg "
+                     "around the axis in a turn): not corrected"),
+    )  # fmt: skip
+    np.testing.assert_array_equal(found.caliper.radius, radius)
 
 
 def several(seed: int = 0) -> LogSet:
