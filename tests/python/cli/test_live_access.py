@@ -1,0 +1,137 @@
+"""Who may read page and metrics of ``helibore live``, HTTPS, and the log file."""
+
+from __future__ import annotations
+
+import ssl
+import urllib.error
+import urllib.request
+
+import pytest
+from click.testing import CliRunner
+from live_servers import Running, configured, frames, free_port
+
+from helibore.cli import cli
+from helibore.cli.live_metrics import Access, MetricsServer
+
+TOKEN = "a secret/47"
+
+
+def asked(url, authorization="", context=None):
+    """Status and body of a request."""
+    request = urllib.request.Request(url, headers={"Authorization": authorization} if authorization else {})
+    try:
+        with urllib.request.urlopen(request, context=context, timeout=20) as page:
+            return page.status, page.read()
+    except urllib.error.HTTPError as error:
+        with error:
+            return error.code, error.read()
+
+
+@pytest.fixture
+def certified(tmp_path):
+    """Files of a certificate and its key for localhost, and a context that trusts it."""
+    trustme = pytest.importorskip("trustme", reason="trustme makes the certificates")
+    authority = trustme.CA()
+    made = authority.issue_cert("localhost", "127.0.0.1")
+    certificate, key = tmp_path / "certificate.pem", tmp_path / "key.pem"
+    made.cert_chain_pems[0].write_to_path(certificate)
+    made.private_key_pem.write_to_path(key)
+    context = ssl.create_default_context()
+    authority.configure_trust(context)
+    return {"certificate": str(certificate), "key": str(key)}, context
+
+
+@pytest.fixture
+def running(tmp_path):
+    with Running(configured(f"listen://127.0.0.1:{free_port()}"), tmp_path / "j") as found:
+        yield found
+
+
+def test_metrics_ask_for_the_token(running):
+    port = free_port()
+    pages = MetricsServer(running.server, port, Access(token=TOKEN))
+    try:
+        url = f"http://127.0.0.1:{port}/metrics"
+        for way in ((url,), (f"{url}?token=wrong",), (url, "Bearer wrong"), (url, "Basic YTpi"), (f"{url}?token=",)):
+            assert asked(*way) == (403, b"token: missing or wrong\n")
+        for way in ((f"{url}?token=a%20secret/47",), (url, f"Bearer {TOKEN}")):
+            status, body = asked(*way)
+            assert (status, b"helibore_queue_records" in body) == (200, True)
+        assert asked(f"http://127.0.0.1:{port}/else", f"Bearer {TOKEN}") == (404, b"only /metrics is here\n")
+    finally:
+        pages.close()
+
+
+def test_metrics_over_https(running, certified):
+    files, context = certified
+    port = free_port()
+    pages = MetricsServer(running.server, port, Access(token=TOKEN, **files))
+    try:
+        url = f"https://localhost:{port}/metrics"
+        assert asked(url, f"Bearer {TOKEN}", context)[0] == 200
+        assert asked(url, "", context)[0] == 403
+        with pytest.raises(OSError, match="CERTIFICATE_VERIFY_FAILED"):
+            asked(url, f"Bearer {TOKEN}", ssl.create_default_context())
+        with pytest.raises(OSError):  # noqa: PT011 (how a server that speaks TLS ends a request in the clear differs)
+            asked(f"http://localhost:{port}/metrics", f"Bearer {TOKEN}")
+    finally:
+        pages.close()
+
+
+def test_the_page_over_https_asks_for_the_token(certified):
+    pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
+    from helibore.cli.live_view import Window
+    from helibore.viewer.web_app import page
+
+    if page("app.js") is None:
+        pytest.skip("the page was not built: Node.js 18 is missing")
+    files, context = certified
+    with Window("well-7", token=TOKEN, **files) as window:
+        assert window.url.startswith("https://127.0.0.1:")
+        assert window.url.endswith("/?token=a%20secret%2F47")
+        assert asked(window.url, context=context)[0] == 200
+        status, body = asked(window.url.partition("?")[0], context=context)
+        assert (status, body[:24]) == (403, b"token: missing or wrong.")
+
+
+@pytest.mark.parametrize(
+    ("options", "error"),
+    [
+        (["--host", "0.0.0.0"], "host 0.0.0.0: is open to other machines, so it needs a token"),
+        (["--key", "x.pem"], "key: needs a certificate"),
+        (
+            ["--certificate", "no-such.pem"],
+            "certificate = 'no-such.pem': cannot be used with its key: [Errno 2] No such file or directory",
+        ),
+    ],
+)
+def test_wrong_access_never_starts(tmp_path, options, error):
+    (tmp_path / "rig.toml").write_text(configured("host"))
+    arguments = ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "-q", "--seconds", "0", *options]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 2
+    assert error in result.output
+    assert not (tmp_path / "j").exists()
+
+
+def test_the_log_file_has_every_kind_of_event_with_local_time_and_utc_and_is_rotated(tmp_path):
+    (tmp_path / "rig.wits").write_bytes(b"".join(frames(3)) + b"noise\r\n")
+    (tmp_path / "rig.toml").write_text(configured(f"file://{tmp_path}/rig.wits"))
+    log = tmp_path / "events.log"
+    log.write_bytes(b"x" * ((10 << 20) - 10))
+    arguments = ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "-q", "--log", str(log)]
+    result = CliRunner().invoke(cli, arguments)
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "events.log.1").read_bytes() == b"x" * ((10 << 20) - 10)
+    text = log.read_text()
+    assert " INFO " in text
+    assert "mwd connection 1: connected: " in text
+    assert "mwd connection 1 line " in text
+    assert ": stray_text: " in text
+    for line in text.splitlines():
+        when, kind, utc = line.split(" ")[1:4]
+        assert len(when) == len("12:00:00+0000")
+        assert kind in ("INFO", "WARNING")
+        assert utc.endswith("Z")
+    assert "connected" not in result.output  # stderr has warnings only
+    assert "stray_text" in result.output
