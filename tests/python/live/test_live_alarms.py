@@ -407,3 +407,25 @@ def test_a_process_without_descriptors_folder_or_lock_alarms_and_recovers(tmp_pa
         command.process.send_signal(signal.SIGTERM)
         assert command.process.wait(60) == 0
     assert Live.replay(tmp_path / "j").wall.sample_count == 20
+
+
+def test_alarms_are_on_the_page():
+    pytest.importorskip("uvicorn", reason="the page is served by the extra 'view'")
+    from helibore.cli.live_view import Window
+    from helibore.viewer.web_app import page
+
+    if page("app.js") is None:
+        pytest.skip("the page was not built: Node.js 18 is missing")
+    live, clock, alarms = alarmed(HOST)
+    with Window("well-7") as window:
+        window.follow(live)
+        clock.step(61)
+        alarms.check()
+        window.refresh(STATES, alarms.active)
+        (shown,) = window.scene.state.alarms
+        assert shown.startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC, ")
+        assert shown.endswith(" here")
+        live.receive("mwd", b"\r\n")
+        alarms.check()
+        window.refresh(STATES, alarms.active)
+        assert window.scene.state.alarms == ()
