@@ -2,8 +2,8 @@
 
 Parquet: a number column -> (n,); a list column of constant length K -> (n, K); unit from the field's metadata
          ("unit" or "uom"), else from the name
-NPZ:     arrays with the most common first length n are channels (n,) or (n, K); an array of length K beside an
-         (n, K) one is that image's sector axis
+NPZ:     arrays with the most common first length n (of the images, if there are any) are channels (n,) or (n, K);
+         an array of length K beside an (n, K) one is that image's sector axis
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ import numpy as np
 from helibore.base.errors import MissingExtraError
 from helibore.files.headings import describe
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
-from helibore.files.source import Source, file_error, refuse_zip_bomb
+from helibore.files.source import Source, refuse_zip_bomb
 
 OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",
@@ -28,7 +28,7 @@ OWN_UNITS = {
 """Units of columns that have the names of helibore's own arrays (``np.savez(depth=caliper.depth, ...)``)."""
 
 
-def read_parquet(source: Source, nulls: tuple[float, ...]) -> RawFile:
+def read_parquet(source: Source) -> RawFile:
     """Open a Parquet file; each column is read at its first use."""
     try:
         import pyarrow as pa
@@ -40,9 +40,9 @@ def read_parquet(source: Source, nulls: tuple[float, ...]) -> RawFile:
         schema, rows = file.schema_arrow, file.metadata.num_rows
         names = unique(list(schema.names))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
-        raise file_error(source.path, f"truncated or damaged Parquet ({str(error).splitlines()[0]})") from error
+        raise source.error(f"truncated or damaged Parquet ({str(error).splitlines()[0]})") from error
     if not rows or not names:
-        raise file_error(source.path, "Parquet without rows" if names else "Parquet without columns")
+        raise source.error("Parquet without rows" if names else "Parquet without columns")
     channels = []
     remarks = []
     for position, name in enumerate(names):
@@ -56,15 +56,12 @@ def read_parquet(source: Source, nulls: tuple[float, ...]) -> RawFile:
         if pa.types.is_nested(kind):
             remarks.append(f"{name}: a {kind} is not read")
             continue
-        unit = _field_unit(schema.field(position)) or describe(name) or own_unit(name, remarks)
+        stated = schema.field(position).metadata or {}
+        unit = (stated.get(b"unit") or stated.get(b"uom") or b"").decode("utf-8", "replace")
+        unit = unit or describe(name) or own_unit(name, remarks)
         is_text = not number and not pa.types.is_null(kind)
-        channels.append(Channel(name, unit, "", load, nulls, None, shape, is_text, nan_is_missing=False))
+        channels.append(Channel(name, unit, "", load, source.nulls, None, shape, is_text, nan_is_missing=False))
     return RawFile("parquet", [RawSet(source.path, "table", channels, rows, None, {}, remarks)], file.close)
-
-
-def _field_unit(column: Any) -> str:
-    stated = column.metadata or {}
-    return (stated.get(b"unit") or stated.get(b"uom") or b"").decode("utf-8", "replace")
 
 
 def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]:
@@ -74,31 +71,32 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
         try:
             column = file.read([name]).column(0).combine_chunks()
         except (pa.ArrowException, OSError, ValueError) as error:
-            raise file_error(source.path, f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
+            raise source.error(f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
         if not pa.types.is_nested(column.type):
             values: Array = column.to_numpy(zero_copy_only=False)
             empty = bool(column.null_count) and values.dtype.kind == "f"
             return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
         if len(lengths) != 1 or column.null_count:
-            raise file_error(source.path, f"lists of {len(lengths)} different lengths: must be one", column=name)
+            raise source.error(f"lists of {len(lengths)} different lengths: must be one", column=name)
         return column.flatten().to_numpy(zero_copy_only=False).reshape(len(column), -1)  # type: ignore[no-any-return]
 
     return load
 
 
-def read_npz(source: Source, nulls: tuple[float, ...]) -> RawFile:
+def read_npz(source: Source) -> RawFile:
     """Read all arrays of an NPZ archive. Pickled arrays are refused."""
     refuse_zip_bomb(source)
     try:
         archive = np.load(source.path, allow_pickle=False)
         arrays = {name: archive[name] for name in archive.files}
     except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
-        raise file_error(source.path, f"damaged archive of arrays ({error})") from error
+        raise source.error(f"damaged archive of arrays ({error})") from error
     shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]
     if not shapes:
-        raise file_error(source.path, "no array of one or two dimensions")
-    rows = _row_count(shapes)
+        raise source.error("no array of one or two dimensions")
+    images = [shape[0] for shape in shapes if len(shape) == 2]
+    rows = Counter(images or [shape[0] for shape in shapes]).most_common(1)[0][0]
     channels = []
     remarks = []
     for name, array in arrays.items():
@@ -108,7 +106,7 @@ def read_npz(source: Source, nulls: tuple[float, ...]) -> RawFile:
             remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
             continue
         unit = describe(name) or own_unit(name, remarks)
-        channels.append(Channel(name, unit, "", array, nulls, axis, nan_is_missing=False))
+        channels.append(Channel(name, unit, "", array, source.nulls, axis, nan_is_missing=False))
     return RawFile("npz", [RawSet(source.path, "arrays", channels, rows, None, {}, remarks)])
 
 
@@ -118,12 +116,6 @@ def own_unit(name: str, remarks: list[str]) -> str:
     if unit:
         remarks.append(f"{name}: no unit stated; a binary column of this name is taken as {unit}")
     return unit
-
-
-def _row_count(shapes: list[tuple[int, ...]]) -> int:
-    """Return the most common number of rows: of the images if there are any, else of all arrays."""
-    images = [shape[0] for shape in shapes if len(shape) == 2]
-    return Counter(images or [shape[0] for shape in shapes]).most_common(1)[0][0]
 
 
 def _axis_beside(array: Array, rows: int, arrays: dict[str, Array]) -> SectorAxis | None:

@@ -26,7 +26,7 @@ from helibore.base.errors import InputError
 from helibore.files.headings import describe, is_number, is_units_row
 from helibore.files.number_rows import NULL_TEXTS, read_rows, split_cells
 from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
-from helibore.files.source import LINE_LIMIT, Source, decode, file_error
+from helibore.files.source import LINE_LIMIT, Source, decode
 
 DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))
@@ -52,10 +52,10 @@ class Layout:
     remarks: list[str] = field(default_factory=list)
 
 
-def read(source: Source, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
-    """Open a delimited table; ``header_line`` is the line of its column names, counted from 1."""
+def read(source: Source) -> RawFile:
+    """Open a delimited table."""
     head, remark, whole = _head_text(source)
-    layout = find_layout(source, head, header_line)
+    layout = find_layout(source, head)
     if remark:
         layout.remarks.append(remark)
     names = unique(layout.names)
@@ -66,14 +66,14 @@ def read(source: Source, nulls: tuple[float, ...], header_line: int | None = Non
     line_of = _line_finder(source, layout)
     if columns is None:
         lines = (head if whole else source.text()[0]).split("\n")[layout.skip :]
-        rows = read_rows(source.path, lines, layout.skip + 1, names, layout.delimiter)
-        columns, line_of = rows.columns, rows.line_of
+        found = read_rows(source.path, lines, layout.skip + 1, names, layout.delimiter)
+        columns, line_of = found.columns, found.line_of
     channels = []
     for position, (name, values) in enumerate(zip(names, columns, strict=True)):
         unit = layout.units[position] if layout.units else describe(layout.names[position])
-        channels.append(Channel(name, unit, "", values, nulls, nan_is_missing=False))
-    one = RawSet(source.path, "table", channels, len(columns[0]), None, {}, layout.remarks, line_of)
-    return RawFile("csv", [one])
+        channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
+    rows = len(columns[0])
+    return RawFile("csv", [RawSet(source.path, "table", channels, rows, None, {}, layout.remarks, line_of)])
 
 
 def _head_text(source: Source) -> tuple[str, str, bool]:
@@ -91,11 +91,11 @@ def _head_text(source: Source) -> tuple[str, str, bool]:
     return *decode(source.path, head), not more
 
 
-def find_layout(source: Source, head: str, header_line: int | None = None) -> Layout:
+def find_layout(source: Source, head: str) -> Layout:
     """Find delimiter, header and units row in the first lines of a table. Raise an InputError if there are none."""
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
-    start = 0
+    start, header_line = 0, source.header_line
     if header_line is not None:
         start = header_line - 1
         if not 0 <= start < len(lines) or not lines[start].strip():
@@ -107,7 +107,7 @@ def find_layout(source: Source, head: str, header_line: int | None = None) -> La
         start += 1
     rows = [line for line in lines[start:] if line.strip()]
     if not rows:
-        raise file_error(source.path, f"no header and no rows within {HEADING_LINES} lines", start)
+        raise source.error(f"no header and no rows within {HEADING_LINES} lines", start)
     delimiter = _delimiter(source, rows, start + 1)
     first = [cell.strip() for cell in split_cells(rows[0].lstrip("#"), delimiter)]
     second = [cell.strip() for cell in split_cells(rows[1], delimiter)] if len(rows) > 1 else []
@@ -149,14 +149,12 @@ def _delimiter(source: Source, rows: list[str], line: int) -> str:
     if widths[likely][0] > 1:
         return likely  # rows of different widths: the careful reader names the bad row
     if len(sample) > 1 and len(rows[0].split()) > 1:
-        rule = "columns are separated by blanks: read are comma, tab, semicolon and |"
-        raise file_error(source.path, rule, line)
+        raise source.error("columns are separated by blanks: read are comma, tab, semicolon and |", line)
     if len(sample) > 1 and max(max(width) for width in widths.values()) > 1:
-        rule = "the header has one column, the rows have more: another delimiter?"
-        raise file_error(source.path, rule, line)
+        raise source.error("the header has one column, the rows have more: another delimiter?", line)
     if len(sample) > 1 and all(is_number(row) for row in sample[1:]):
         return ","  # one column of numbers under a name
-    raise file_error(source.path, "not a table: no comma, tab, semicolon or | separates columns", line)
+    raise source.error("not a table: no comma, tab, semicolon or | separates columns", line)
 
 
 def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> list[Array] | None:
@@ -166,7 +164,7 @@ def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> lis
     """
     try:
         import pyarrow as pa
-        from pyarrow import csv
+        from pyarrow import compute, csv
     except ImportError:
         return None
     try:
@@ -180,9 +178,15 @@ def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> lis
             table = _unpacked(pa, csv, source, layout, encoding, types)
     except (pa.ArrowInvalid, UnicodeDecodeError):
         return None
-    if any(kind == pa.string() and _spans_lines(table.column(name)) for name, kind in types.items()):
-        return None
-    return [_values(column) for column in table.columns]
+    for name, kind in types.items():  # after an unclosed quote, pyarrow reads several rows as one cell
+        if kind == pa.string() and compute.any(compute.match_substring(table.column(name), "\n")).as_py():
+            return None
+    return [
+        np.ma.MaskedArray(column.to_numpy(), column.is_null().to_numpy())
+        if column.null_count and types[name] != pa.string()
+        else column.to_numpy()
+        for name, column in zip(types, table.columns, strict=True)
+    ]
 
 
 def _rows(csv: Any, content: Any, layout: Layout, skip: int, types: dict[str, Any] | None = None) -> Any:
@@ -234,32 +238,11 @@ def _column_type(pa: ModuleType, column: Any) -> Any:
     return pa.string()
 
 
-def _spans_lines(column: Any) -> bool:
-    """Return whether a cell holds a line break: after an unclosed quote, pyarrow reads several rows as one cell."""
-    import pyarrow.compute as pc
-
-    return bool(pc.any(pc.match_substring(column, "\n")).as_py())
-
-
-def _values(column: Any) -> Array:
-    """Return the values of a column, masked where cells are empty."""
-    values: Array = column.to_numpy()
-    if not column.null_count or values.dtype.kind == "O":
-        return values
-    return np.ma.MaskedArray(values, column.is_null().to_numpy())
-
-
 def _line_finder(source: Source, layout: Layout) -> Callable[[int], int]:
     """Return a function that gives the line of a row. It reads the file to count lines: only errors call it."""
 
     def line_of(row: int) -> int:
-        line = layout.skip
-        for raw in islice(source.lines(), layout.skip, None):
-            line += 1
-            if raw.strip():
-                row -= 1
-                if row < 0:
-                    break
-        return line
+        rows = (line for line, raw in enumerate(source.lines(), 1) if line > layout.skip and raw.strip())
+        return next(islice(rows, row, None))
 
     return line_of

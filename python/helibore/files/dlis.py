@@ -11,39 +11,35 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from contextlib import contextmanager
-from functools import partial
+from contextlib import ExitStack, contextmanager
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from helibore.base.errors import InputError, MissingExtraError
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
-from helibore.files.source import Source, file_error
+from helibore.files.source import Source
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
+def read(source: Source) -> RawFile:
     """Open a DLIS file; the rows of a frame are read when they are first used."""
     try:
         from dlisio import dlis
     except ImportError as error:
         raise MissingExtraError("dlisio", "dlis") from error
-    with damage_named(source), dlisio_warnings() as warned:
-        logical_files = dlis.load(str(source.path))
     readers = []
-    try:
-        with damage_named(source), dlisio_warnings() as warned:
-            for number, logical in enumerate(logical_files):
-                label = f"{number}/" if len(logical_files) > 1 else ""
-                frames = list(logical.frames)
-                for name, frame in zip(unique([text_of(frame.name) for frame in frames]), frames, strict=True):
-                    readers.append(partial(_frame, source, label + name, frame, nulls))
-            sets = [one for one in readable_sets(readers) if one.rows]
+    with damage_named(source), dlisio_warnings() as warned, ExitStack() as opened:
+        logical_files = opened.enter_context(dlis.load(str(source.path)))
+        for number, logical in enumerate(logical_files):
+            label = f"{number}/" if len(logical_files) > 1 else ""
+            frames = list(logical.frames)
+            for name, frame in zip(unique([text_of(frame.name) for frame in frames]), frames, strict=True):
+                readers.append(partial(_frame, source, label + name, frame))
+        sets = [one for one in readable_sets(readers) if one.rows]
         if not sets:
-            raise file_error(source.path, "DLIS without a frame that has rows")
-    except InputError:
-        logical_files.close()
-        raise
+            raise source.error("DLIS without a frame that has rows")
+        opened.pop_all()  # the rows are read later
     for one in sets:
         one.remarks.extend(sorted(warned))
     return RawFile("DLIS", sets, logical_files.close)
@@ -58,7 +54,7 @@ def damage_named(source: Source, what: str = "") -> Iterator[None]:
         raise
     except Exception as error:
         reason = (str(error).strip().splitlines() or [type(error).__name__])[0]
-        raise file_error(source.path, f"{what or 'DLIS'}: truncated or damaged ({reason})") from error
+        raise source.error(f"{what or 'DLIS'}: truncated or damaged ({reason})") from error
 
 
 @contextmanager
@@ -78,16 +74,30 @@ def text_of(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def _frame(source: Source, name: str, frame: Any, nulls: tuple[float, ...]) -> RawSet:
+def _frame(source: Source, name: str, frame: Any) -> RawSet:
     """Return the set of one frame: its channels are read now, its rows at their first use."""
-    rows = _Rows(source, name, frame)
     with damage_named(source, f"frame {name}"):
         dtype = frame.dtype()
         labels = [label for label in dtype.names if label != "FRAMENO"]
-        count = rows.count()
-        header = {key: text_of(value) for key, value in _header(frame).items() if value not in (None, "")}
+        count = len(frame.logicalfile.fdata_index.get(frame.fingerprint, []))  # the file's index: no value is read
+        stated = {"index_type": frame.index_type, "direction": frame.direction, "spacing": frame.spacing}
+        for origin in frame.logicalfile.origins[:1]:
+            stated |= {"well": origin.well_name, "field": origin.field_name, "company": origin.company}
+        header = {key: text_of(value) for key, value in stated.items() if value not in (None, "")}
+
+    @cache
+    def rows() -> Array:
+        with damage_named(source, f"frame {name}"), dlisio_warnings():
+            table: Array = frame.curves()
+        if len(table) != count:
+            raise source.error(f"frame {name}: {len(table)} of {count} rows are there: truncated or damaged")
+        return table
+
+    def column(label: str, shape: tuple[int, ...]) -> Array:
+        return rows()[label].reshape(shape)
+
     if len(labels) != len(frame.channels):
-        raise file_error(source.path, f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels")
+        raise source.error(f"frame {name}: {len(labels)} columns for {len(frame.channels)} channels")
     channels = []
     remarks = [] if frame.index_type else ["the frame states no index type: rows are only numbered"]
     for label, channel in zip(labels, frame.channels, strict=True):
@@ -97,43 +107,9 @@ def _frame(source: Source, name: str, frame: Any, nulls: tuple[float, ...]) -> R
         size = int(np.prod(dimension))
         shape = (count,) if size == 1 else (count, size)
         is_text = dtype.fields[label][0].base.kind in "OSU"
-        channels.append(Channel(
-            label, text_of(channel.units), text_of(channel.long_name), partial(rows.column, label, shape), nulls,
-            _axis(channel), shape, is_text,
-        ))  # fmt: skip
+        unit, described, load = text_of(channel.units), text_of(channel.long_name), partial(column, label, shape)
+        channels.append(Channel(label, unit, described, load, source.nulls, _axis(channel), shape, is_text))
     return RawSet(source.path, name, channels, count, labels[0] if frame.index_type else None, header, remarks)
-
-
-class _Rows:
-    """Read the rows of one frame once, at their first use."""
-
-    def __init__(self, source: Source, name: str, frame: Any) -> None:
-        self._source = source
-        self._name = name
-        self._frame = frame
-        self._table: Array | None = None
-
-    def column(self, label: str, shape: tuple[int, ...]) -> Array:
-        if self._table is None:
-            with damage_named(self._source, f"frame {self._name}"), dlisio_warnings():
-                self._table = self._frame.curves()
-            if len(self._table) != self.count():
-                rule = f"frame {self._name}: {len(self._table)} of {self.count()} rows are there: truncated or damaged"
-                raise file_error(self._source.path, rule)
-        return self._table[label].reshape(shape)
-
-    def count(self) -> int:
-        """Return the number of rows from the file's index, without reading a value."""
-        indices = self._frame.logicalfile.fdata_index.get(self._frame.fingerprint, [])
-        return len(indices)
-
-
-def _header(frame: Any) -> dict[str, Any]:
-    logical = frame.logicalfile
-    header = {"index_type": frame.index_type, "direction": frame.direction, "spacing": frame.spacing}
-    for origin in logical.origins[:1]:
-        header |= {"well": origin.well_name, "field": origin.field_name, "company": origin.company}
-    return header
 
 
 def _axis(channel: Any) -> SectorAxis | None:

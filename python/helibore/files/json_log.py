@@ -20,7 +20,7 @@ import numpy as np
 
 from helibore.files.headings import describe
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
-from helibore.files.source import Source, decode, file_error, read_exactly
+from helibore.files.source import Source, decode, read_exactly
 
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""
@@ -28,32 +28,31 @@ SIZE_LIMIT = 1 << 28
 EMPTY_FREE, EMPTY_RATIO = 1 << 20, 200
 """Cells of an array curve that null rows may always stand for; beyond them, how many to each cell that is there."""
 
-# Columns of a survey that are in feet or metres, as depth_unit in its header states.
-SURVEY_LENGTHS = frozenset({"MD", "TVD"})
-SURFACE_LENGTHS = frozenset({"N", "E"})
+WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E": "surface_unit"}
+"""The key of a standard well's header that states the unit of a column."""
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
+def read(source: Source) -> RawFile:
     """Open a JSON well log or a file of standard wells."""
     collecting = gc.isenabled()
     gc.disable()  # repeated scans of the tree of lists take a third of the time of a large log
     try:
-        return _read(source, nulls)
+        return _read(source)
     finally:
         if collecting:
             gc.enable()
 
 
-def _read(source: Source, nulls: tuple[float, ...]) -> RawFile:
+def _read(source: Source) -> RawFile:
     tree = _parse(source)
     if isinstance(tree, dict) and isinstance(tree.get("wells"), dict):
         wells = tree["wells"].items()
-        return RawFile("JSON wells", readable_sets(partial(_well, source, str(n), well, nulls) for n, well in wells))
+        return RawFile("JSON wells", readable_sets(partial(_well, source, str(n), well) for n, well in wells))
     logs = tree if isinstance(tree, list) else [tree]
     if not logs or not all(isinstance(log, dict) and "curves" in log and "data" in log for log in logs):
-        raise file_error(source.path, 'not JSON Well Log Format: each log must hold "header", "curves" and "data"')
+        raise source.error('not JSON Well Log Format: each log must hold "header", "curves" and "data"')
     names = unique([str((log.get("header") or {}).get("name") or "log") for log in logs])
-    readers = [partial(_log, source, name, log, nulls) for name, log in zip(names, logs, strict=True)]
+    readers = [partial(_log, source, name, log) for name, log in zip(names, logs, strict=True)]
     return RawFile("JSON Well Log Format", readable_sets(readers))
 
 
@@ -63,30 +62,29 @@ def _parse(source: Source) -> Any:
         with source.stream() as stream:
             content = read_exactly(stream, SIZE_LIMIT + 1)
     if len(content) > SIZE_LIMIT or not content:
-        raise file_error(source.path, f"JSON of more than {SIZE_LIMIT >> 20} MiB: it is read whole; split it")
+        raise source.error(f"JSON of more than {SIZE_LIMIT >> 20} MiB: it is read whole; split it")
     text, _ = decode(source.path, content)
     try:
         return json.loads(text)
     except json.JSONDecodeError as error:
-        ended = not text[error.pos :].strip()
-        cut = "truncated: " if ended else ""
-        raise file_error(source.path, f"{cut}{error.msg} (character {error.colno})", error.lineno) from error
+        cut = "" if text[error.pos :].strip() else "truncated: "
+        raise source.error(f"{cut}{error.msg} (character {error.colno})", error.lineno) from error
     except (RecursionError, ValueError) as error:  # nested too deep, or an integer of thousands of digits
-        raise file_error(source.path, f"not sensible JSON ({type(error).__name__})") from error
+        raise source.error(f"not sensible JSON ({type(error).__name__})") from error
 
 
-def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...]) -> RawSet:
+def _log(source: Source, name: str, log: dict[str, Any]) -> RawSet:
     """Return the set of one log: turn rows of cells into columns."""
     curves, rows = log["curves"], log["data"]
     if not isinstance(curves, list) or not curves or not all(isinstance(c, dict) and c.get("name") for c in curves):
-        raise file_error(source.path, f'{name}: "curves" must be a list of objects with a name')
+        raise source.error(f'{name}: "curves" must be a list of objects with a name')
     if not isinstance(rows, list) or not rows:
-        raise file_error(source.path, f'{name}: "data" has no rows')
+        raise source.error(f'{name}: "data" has no rows')
     width = len(curves)
     if set(map(type, rows)) != {list} or set(map(len, rows)) != {width}:
         number, row = next((n, row) for n, row in enumerate(rows) if not isinstance(row, list) or len(row) != width)
         size = len(row) if isinstance(row, list) else "no list of"
-        raise file_error(source.path, f"{name}, row {number}: {size} values where {width} curves are defined")
+        raise source.error(f"{name}, row {number}: {size} values where {width} curves are defined")
     labels = unique([str(curve["name"]) for curve in curves])
     columns: Iterable[Sequence[Any] | Array] = zip(*rows, strict=True)
     if set(map(type, chain.from_iterable(rows))) <= {int, float} and not any(
@@ -94,13 +92,10 @@ def _log(source: Source, name: str, log: dict[str, Any], nulls: tuple[float, ...
     ):
         with suppress(OverflowError):
             columns = np.fromiter(chain.from_iterable(rows), np.float64, width * len(rows)).reshape(-1, width).T.copy()
-    channels = [
-        Channel(
-            label, str(curve.get("unit") or ""), str(curve.get("description") or ""),
-            _column(source, label, curve, cells), nulls,
-        )
-        for curve, label, cells in zip(curves, labels, columns, strict=True)
-    ]  # fmt: skip
+    channels = []
+    for curve, label, cells in zip(curves, labels, columns, strict=True):
+        unit, described = (str(curve.get(key) or "") for key in ("unit", "description"))
+        channels.append(Channel(label, unit, described, _column(source, label, curve, cells), source.nulls))
     header = log.get("header")
     header = {str(key): str(value) for key, value in header.items()} if isinstance(header, dict) else {}
     return RawSet(source.path, name, channels, len(rows), labels[0], header)
@@ -115,9 +110,7 @@ def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[An
         return cells
     size = curve.get("dimensions") or 1
     if not isinstance(size, int) or size < 1:
-        raise file_error(
-            source.path, "must be a whole number of at least 1", column=f"{name}: dimensions", value=repr(size)
-        )
+        raise source.error("must be a whole number of at least 1", column=f"{name}: dimensions", value=repr(size))
     if size > 1:
         return _array_column(source, name, size, cells)
     types = set(map(type, cells))
@@ -125,10 +118,10 @@ def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[An
         return _floats(source, name, cells)
     if types & {list, dict}:
         row = next(row for row, cell in enumerate(cells) if isinstance(cell, list | dict))
-        raise file_error(source.path, "a list in a curve of one dimension", f"row {row}", name)
+        raise source.error("a list in a curve of one dimension", f"row {row}", name)
     if str(curve.get("valueType")).lower() in ("float", "integer"):
         row = next(row for row, cell in enumerate(cells) if type(cell) not in NUMBERS)
-        raise file_error(source.path, "is not a number", f"row {row}", name, repr(str(cells[row])[:40]))
+        raise source.error("is not a number", f"row {row}", name, repr(str(cells[row])[:40]))
     return np.array(["" if cell is None else str(cell) for cell in cells], dtype=np.str_)
 
 
@@ -136,16 +129,16 @@ def _array_column(source: Source, name: str, size: int, cells: Sequence[Any]) ->
     stated = sum(len(cell) for cell in cells if isinstance(cell, list))
     if size * len(cells) > EMPTY_FREE + EMPTY_RATIO * stated:
         rule = f"{len(cells)} rows hold {stated} values: more than {EMPTY_RATIO} empty ones to each"
-        raise file_error(source.path, rule, column=f"{name}: dimensions", value=str(size))
+        raise source.error(rule, column=f"{name}: dimensions", value=str(size))
     empty = [None] * size
     rows = [empty if cell is None else cell for cell in cells]
     for row, cell in enumerate(rows):
         if not isinstance(cell, list) or len(cell) != size:
-            raise file_error(source.path, f"must hold {size} values", f"row {row}", name)
+            raise source.error(f"must hold {size} values", f"row {row}", name)
     flat = list(chain.from_iterable(rows))
     if not set(map(type, flat)) <= NUMBERS:
         row = next(at for at, each in enumerate(flat) if type(each) not in NUMBERS) // size
-        raise file_error(source.path, "holds something that is not a number", f"row {row}", name)
+        raise source.error("holds something that is not a number", f"row {row}", name)
     return _floats(source, name, flat).reshape(len(cells), size)
 
 
@@ -153,17 +146,17 @@ def _floats(source: Source, name: str, cells: Sequence[Any]) -> Array:
     try:
         return np.array(cells, dtype=np.float64)
     except OverflowError as error:
-        raise file_error(source.path, "holds a whole number too large for a float", column=name) from error
+        raise source.error("holds a whole number too large for a float", column=name) from error
 
 
-def _well(source: Source, name: str, well: Any, nulls: tuple[float, ...]) -> RawSet:
+def _well(source: Source, name: str, well: Any) -> RawSet:
     """Return the set of one standard well: equally long lists of numbers by name, and a header with the units."""
     if not isinstance(well, dict) or not isinstance(well.get("header", {}), dict):
-        raise file_error(source.path, f"well {name!r}: must be an object of columns")
+        raise source.error(f"well {name!r}: must be an object of columns")
     header = {str(key): str(value) for key, value in well.get("header", {}).items()}
     lists = {str(key): value for key, value in well.items() if isinstance(value, list)}
     if not lists:
-        raise file_error(source.path, f"well {name!r}: holds no columns")
+        raise source.error(f"well {name!r}: holds no columns")
     rows = len(next(iter(lists.values())))
     channels = []
     remarks = []
@@ -172,13 +165,6 @@ def _well(source: Source, name: str, well: Any, nulls: tuple[float, ...]) -> Raw
             first = next(iter(lists))
             remarks.append(f"{label}: {len(cells)} values where {first} has {rows}; the channel is left out")
             continue
-        channels.append(Channel(label, _well_unit(label, header), "", _column(source, label, {}, cells), nulls))
+        unit = header.get(WELL_UNITS[label], "") if label in WELL_UNITS else describe(label)
+        channels.append(Channel(label, unit, "", _column(source, label, {}, cells), source.nulls))
     return RawSet(source.path, name, channels, rows, next(iter(lists)), header, remarks)
-
-
-def _well_unit(name: str, header: dict[str, str]) -> str:
-    if name in SURVEY_LENGTHS:
-        return header.get("depth_unit", "")
-    if name in SURFACE_LENGTHS:
-        return header.get("surface_unit", "")
-    return describe(name)

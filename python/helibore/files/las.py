@@ -20,9 +20,10 @@ import numpy as np
 
 from helibore.base import units
 from helibore.base.errors import MissingExtraError
-from helibore.files.number_rows import Rows, read_rows
+from helibore.files.headings import is_number
+from helibore.files.number_rows import read_rows
 from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
-from helibore.files.source import Source, file_error
+from helibore.files.source import Source
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
@@ -33,7 +34,7 @@ SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S
 
 @dataclass
 class Section:
-    """Hold one section: its title without the tilde, the number of the title's line, and the lines below it."""
+    """One section: its title without the tilde, the number of the title's line, and the lines below it."""
 
     title: str
     line: int
@@ -55,27 +56,20 @@ class Curve:
     axis: SectorAxis | None = None
 
 
-def read(source: Source, nulls: tuple[float, ...]) -> RawFile:
+def read(source: Source) -> RawFile:
     """Open a LAS file of version 2 or 3."""
     text, remark = source.text()
     sections = find_sections(source, text)
     version = _items(_section(source, sections, "V"))
-    number, place = version.get("VERS", "").strip(), f"line {sections[0].line}: VERS"
-    try:
-        major = int(float(number))
-    except (ValueError, OverflowError):
-        raise file_error(source.path, "must be 2.0 or 3.0", place, value=repr(number)) from None
+    number = version.get("VERS", "").strip()
+    major = int(float(number)) if is_number(number) and float(number) < 4 else 0
     if major not in (1, 2, 3):
-        raise file_error(source.path, "must be 2.0 or 3.0", place, value=repr(number))
-    well = _items(_section(source, sections, "W")) if major == 3 else {}
+        raise source.error("must be 2.0 or 3.0", f"line {sections[0].line}: VERS", value=repr(number))
     remarks = [remark] if remark else []
-    if major == 3:
-        sets = _las3(source, sections, version, well, nulls, remarks)
-    else:
-        if major == 1:
-            remarks.append("LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section")
-        sets = [_las2(source, sections, version, nulls, remarks)]
-    return RawFile(f"LAS {number}", sets)
+    if major == 1:
+        remarks.append("LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section")
+    read_sets = _las3 if major == 3 else _las2
+    return RawFile(f"LAS {number}", read_sets(source, sections, version, remarks))
 
 
 def find_sections(source: Source, text: str) -> list[Section]:
@@ -87,7 +81,7 @@ def find_sections(source: Source, text: str) -> list[Section]:
         elif sections:
             sections[-1].lines.append(line)
     if len(sections) < 2:
-        raise file_error(source.path, "truncated: no section after ~Version", sections[0].line if sections else 1)
+        raise source.error("truncated: no section after ~Version", sections[0].line if sections else 1)
     return sections
 
 
@@ -96,7 +90,7 @@ def _section(source: Source, sections: list[Section], letter: str) -> Section:
         if section.kind.startswith(letter):
             return section
     name = {"V": "Version", "W": "Well", "C": "Curve", "A": "A(scii)"}[letter]
-    raise file_error(source.path, f"truncated or damaged: no ~{name} section")
+    raise source.error(f"truncated or damaged: no ~{name} section")
 
 
 def _items(section: Section) -> dict[str, str]:
@@ -109,33 +103,32 @@ def _items(section: Section) -> dict[str, str]:
     return values
 
 
-def _las2(
-    source: Source, sections: list[Section], version: dict[str, str], nulls: tuple[float, ...], remarks: list[str]
-) -> RawSet:
+def _las2(source: Source, sections: list[Section], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
     """Return the one set of a LAS 2 file: lasio reads the header, ``number_rows`` the rows."""
     data = _section(source, sections, "A")
     if data is not sections[-1]:
         last = sections[-1]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
     header = _lasio_header(source, sections, data)
-    names = [item.original_mnemonic.strip() for item in header.curves]
-    remarks += [
-        f"curve {number} has no name: it is called column {number}" for number, n in enumerate(names, 1) if not n
-    ]
-    names = unique([name or f"column {number}" for number, name in enumerate(names, 1)])
-    curves = [
-        Curve(name, _unit_and_value(item)[0], item.descr or "") for name, item in zip(names, header.curves, strict=True)
-    ]
+    curves = [Curve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in header.curves]
+    _name_curves(curves, remarks)
     if not curves:
-        raise file_error(source.path, "the ~Curve section defines no curve", _section(source, sections, "C").line)
+        raise source.error("the ~Curve section defines no curve", _section(source, sections, "C").line)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
-    labels = [curve.name for curve in curves]
-    rows = read_rows(source.path, data.lines, data.line + 1, labels, None, comments=True, wrapped=wrapped)
     units_of, well = ({item.mnemonic: _unit_and_value(item)[part] for item in header.well} for part in (0, 1))
-    declared = _null(well.get("NULL"))
-    log_set = _set(source, "log", curves, rows, nulls + declared, well, remarks)
+    log_set = _set(source, "log", data, curves, None, well, remarks, wrapped)
     _check_range(log_set, well, units_of)
-    return log_set
+    return [log_set]
+
+
+def _name_curves(curves: list[Curve], remarks: list[str]) -> None:
+    """Name the curves that have no name, and number those of one name."""
+    for number, curve in enumerate(curves, 1):
+        if not curve.name:
+            curve.name = f"column {number}"
+            remarks.append(f"curve {number} has no name: it is called {curve.name}")
+    for curve, name in zip(curves, unique([curve.name for curve in curves]), strict=True):
+        curve.name = name
 
 
 def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any:
@@ -150,7 +143,7 @@ def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any
     try:
         return lasio.read(io.StringIO("\n".join([*lines, "~ASCII", ""])), ignore_data=True)
     except Exception as error:  # lasio has no error class of its own: KeyError, LASHeaderError, IndexError ...
-        raise file_error(source.path, f"the header is damaged ({type(error).__name__}: {error})") from error
+        raise source.error(f"the header is damaged ({type(error).__name__}: {error})") from error
 
 
 def _unit_and_value(item: Any) -> tuple[str, str]:
@@ -169,33 +162,25 @@ def _null(text: str | None) -> tuple[float, ...]:
         return ()
 
 
-def _las3(
-    source: Source,
-    sections: list[Section],
-    version: dict[str, str],
-    well: dict[str, str],
-    nulls: tuple[float, ...],
-    remarks: list[str],
-) -> list[RawSet]:
+def _las3(source: Source, sections: list[Section], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
     """Return one set for each data section of a LAS 3 file that holds rows."""
+    well = _items(_section(source, sections, "W"))
     delimiter = {"": None, "SPACE": None, "COMMA": ",", "TAB": "\t"}.get(version.get("DLM", "").upper(), "?")
     if delimiter == "?":
         place = f"line {sections[0].line}: DLM"
-        raise file_error(source.path, "must be SPACE, COMMA or TAB", place, value=repr(version["DLM"]))
+        raise source.error("must be SPACE, COMMA or TAB", place, value=repr(version["DLM"]))
     tables = [
         section
         for section in sections
         if section.kind.startswith(("A", "LOG_DATA")) or re.search(r"_DATA(\[\d+\])?$", section.kind)
     ]
     if not tables:
-        raise file_error(source.path, "truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
+        raise source.error("truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
 
     def read_table(section: Section) -> RawSet:
-        notes = list(remarks)
-        curves = _curves(source, _definition(source, sections, section), notes)
-        names = [curve.name for curve in curves]
-        rows = read_rows(source.path, section.lines, section.line + 1, names, delimiter, comments=True)
-        return _set(source, section.kind.title(), curves, rows, nulls + _null(well.get("NULL")), dict(well), notes)
+        own_remarks = list(remarks)
+        curves = _curves(source, _definition(source, sections, section), own_remarks)
+        return _set(source, section.kind.title(), section, curves, delimiter, dict(well), own_remarks)
 
     return readable_sets(partial(read_table, section) for section in tables)
 
@@ -209,7 +194,7 @@ def _definition(source: Source, sections: list[Section], data: Section) -> Secti
         for section in sections:
             if section.kind == title or (title == "CURVE" and section.kind.startswith("C") and "_" not in section.kind):
                 return section
-    raise file_error(source.path, f"~{data.kind}: no section ~{wanted[0].title()} defines its columns", data.line)
+    raise source.error(f"~{data.kind}: no section ~{wanted[0].title()} defines its columns", data.line)
 
 
 def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]:
@@ -220,19 +205,13 @@ def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]
             continue
         match = ITEM.match(line)
         if not match:
-            raise file_error(source.path, f"{line.strip()[:40]!r}: must read NAME.UNIT : DESCRIPTION", number)
-        rest = match["rest"]
-        form = FORMAT.search(rest)
-        axis = _axis(form["format"]) if form else None
-        described = FORMAT.sub("", rest).partition("|")[0].partition(":")[2]
-        name = match["name"] or f"column {len(curves) + 1}"
-        if not match["name"]:
-            remarks.append(f"curve {len(curves) + 1} has no name: it is called {name}")
-        curves.append(Curve(name, match["unit"], described, axis))
+            raise source.error(f"{line.strip()[:40]!r}: must read NAME.UNIT : DESCRIPTION", number)
+        form = FORMAT.search(match["rest"])
+        described = FORMAT.sub("", match["rest"]).partition("|")[0].partition(":")[2]
+        curves.append(Curve(match["name"], match["unit"], described, _axis(form["format"]) if form else None))
     if not curves:
-        raise file_error(source.path, f"~{section.kind} defines no column", section.line)
-    for curve, name in zip(curves, unique([curve.name for curve in curves]), strict=True):
-        curve.name = name
+        raise source.error(f"~{section.kind} defines no column", section.line)
+    _name_curves(curves, remarks)
     return curves
 
 
@@ -246,19 +225,18 @@ def _axis(form: str) -> SectorAxis | None:
 
 
 def _set(
-    source: Source,
-    name: str,
-    curves: list[Curve],
-    rows: Rows,
-    nulls: tuple[float, ...],
-    header: dict[str, str],
-    remarks: list[str],
-) -> RawSet:
+    source: Source, name: str, data: Section, curves: list[Curve], delimiter: str | None, well: dict[str, str],
+    remarks: list[str], wrapped: bool = False,
+) -> RawSet:  # fmt: skip
+    """Read the rows of a data section."""
+    names = [curve.name for curve in curves]
+    rows = read_rows(source.path, data.lines, data.line + 1, names, delimiter, comments=True, wrapped=wrapped)
+    nulls = source.nulls + _null(well.get("NULL"))
     channels = [
         Channel(curve.name, curve.unit, curve.description, column, nulls, curve.axis)
         for curve, column in zip(curves, rows.columns, strict=True)
     ]
-    return RawSet(source.path, name, channels, rows.count, curves[0].name, header, remarks + rows.remarks, rows.line_of)
+    return RawSet(source.path, name, channels, rows.count, names[0], well, remarks + rows.remarks, rows.line_of)
 
 
 def _check_range(log_set: RawSet, well: dict[str, str], units_of: dict[str, str]) -> None:

@@ -63,28 +63,20 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
     """
     path = Path(filename)
     check_ending(path)
-    writers: dict[str, Callable[[LogTable, str], Callable[[BinaryIO], object]]] = {
-        ".las": _las,
-        ".csv": _csv,
-        ".parquet": _parquet,
-        ".dlis": _dlis,
-    }
-    write_whole(path, writers[path.suffix.lower()](table, well))
+    writer = {".las": _las, ".csv": _csv, ".parquet": _parquet, ".dlis": _dlis}[path.suffix.lower()]
+    write_whole(path, writer(table, well))
 
 
 def check_ending(filename: str | os.PathLike[str]) -> None:
     """Refuse a name whose ending `save_table` does not know, or whose format needs a library that is not installed."""
-    path = Path(filename)
-    ending = path.suffix.lower()
+    ending = Path(filename).suffix.lower()
     if ending not in ENDINGS:
-        raise InputError(str(path), f"the ending must be one of {', '.join(ENDINGS)}")
-    try:
-        if ending == ".parquet":
-            import pyarrow as _
-        elif ending == ".dlis":
-            import dliswriter as _  # noqa: F401
-    except ImportError as error:
-        raise MissingExtraError({".parquet": "pyarrow", ".dlis": "dliswriter"}[ending], ending[1:]) from error
+        raise InputError(str(Path(filename)), f"the ending must be one of {', '.join(ENDINGS)}")
+    if library := {".parquet": "pyarrow", ".dlis": "dliswriter"}.get(ending):
+        try:
+            __import__(library)
+        except ImportError as error:
+            raise MissingExtraError(library, ending[1:]) from error
 
 
 def _texts(column: LogColumn, missing: str) -> list[str]:
@@ -120,10 +112,8 @@ def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
         *(_las_line(_mnemonic(name), *_unit_and_value(text), _one_line(name)) for name, text in table.facts.items()),
         "~A  " + ("" if wrapped else " ".join(c.mnemonic for c in table)),
     ]  # fmt: skip
-    rows = zip(
-        *([text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)), strict=True
-    )
-    for row in rows:
+    columns = [[text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)]
+    for row in zip(*columns, strict=True):
         lines += _wrap(row) if wrapped else [" ".join(row)]
     content = ("\n".join(lines) + "\n").encode("ascii", "replace")
     return lambda file: file.write(content)
@@ -181,13 +171,11 @@ def _parquet(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
     from pyarrow import parquet
 
     arrays = [pyarrow.array(column.values, from_pandas=True) for column in table]  # NaN becomes null
-    schema = pyarrow.schema(
-        [
-            pyarrow.field(of.mnemonic, pyarrow.float64(), metadata={"unit": of.unit, "description": of.description})
-            for of in table
-        ],
-        metadata={"well": well} | table.facts if well else table.facts,
-    )
+    fields = [
+        pyarrow.field(of.mnemonic, pyarrow.float64(), metadata={"unit": of.unit, "description": of.description})
+        for of in table
+    ]
+    schema = pyarrow.schema(fields, metadata={"well": well} | table.facts if well else table.facts)
     rows = pyarrow.Table.from_arrays(arrays, schema=schema)
     return lambda file: parquet.write_table(rows, file)
 
@@ -227,14 +215,10 @@ def _dlis_file(dliswriter: Any, table: LogTable, well: str) -> Any:
     logical.add_origin("ORIGIN", file_set_number=1, well_name=well or None, creation_time=None, product="helibore")
     for name, text in table.facts.items():
         logical.add_parameter(_mnemonic(name), long_name=name, values=[text])
-    channels = [
-        logical.add_channel(
-            of.mnemonic,
-            data=np.where(np.isnan(of.values), NULL, of.values) if table.rows else np.array([NULL]),
-            units=of.unit or None,
-            long_name=of.description,
-        )
-        for of in table
-    ]
+    channels = []
+    for of in table:
+        values = np.where(np.isnan(of.values), NULL, of.values) if table.rows else np.array([NULL])
+        channel = logical.add_channel(of.mnemonic, data=values, units=of.unit or None, long_name=of.description)
+        channels.append(channel)
     logical.add_frame("LOGS", channels=channels, index_type="BOREHOLE-DEPTH")
     return file

@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass, field
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
@@ -55,47 +56,25 @@ def read_rows(
     comments: bool = False,
     wrapped: bool = False,
 ) -> Rows:
-    """Read the rows of a table.
+    """Read the rows of a table with these column names; the first of its lines is line ``first_line`` of the file.
 
-    Parameters
-    ----------
-    path
-        For errors.
-    lines, first_line
-        The lines below the header, and the number of the first of them. Blank lines are no rows.
-    names
-        Names of the columns.
-    delimiter
-        The character between cells; None for any number of blanks.
-    comments
-        Whether lines that start with # are no rows.
-    wrapped
-        Whether a row may run over several lines (LAS 2 with WRAP YES).
+    Blank lines are no rows; with ``comments``, lines that start with # are none either. ``delimiter`` None: any number
+    of blanks separates cells. ``wrapped``: a row may run over several lines (LAS 2 with WRAP YES).
 
-    Returns
-    -------
-    Rows
-        Each column is float64, masked where cells are empty; or int64 where whole numbers are too large for float64; or
-        text, where a cell is no number.
-
-    Raises
-    ------
-    InputError
-        With file and line: no rows, or a row of another width.
+    A column is float64, masked where cells are empty; or int64 where whole numbers are too large for float64; or text,
+    where a cell is no number. No rows, or a row of another width, is an InputError with file and line.
     """
-    kept = [line for line in lines if line and not line.isspace()]
-    if comments:
-        kept = [line for line in kept if not line.lstrip().startswith("#")]
-    if not kept:
-        raise file_error(path, "no rows below the header", max(1, first_line - 1))
+
+    def is_row(line: str) -> bool:
+        return line != "" and not line.isspace() and not (comments and line.lstrip().startswith("#"))
 
     def line_of(row: int) -> int:
-        for number, line in enumerate(lines, first_line):
-            if line.strip() and not (comments and line.lstrip().startswith("#")):
-                row -= 1
-                if row < 0:
-                    return number
-        return first_line + len(lines)
+        numbers = (number for number, line in enumerate(lines, first_line) if is_row(line))
+        return next(islice(numbers, row, None))
+
+    kept = [line for line in lines if is_row(line)]
+    if not kept:
+        raise file_error(path, "no rows below the header", max(1, first_line - 1))
 
     remarks: list[str] = []
     if wrapped:
@@ -110,33 +89,33 @@ def read_rows(
     return Rows(columns, len(kept), line_of, remarks)
 
 
-def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
-    """Read all columns by one call of NumPy; return None if it cannot read the rows."""
-    filled = False
+def _block(lines: list[str], delimiter: str | None) -> Array | None:
+    """Return the rows as one float64 array by one call of NumPy, or None if NumPy refuses them."""
     try:
-        block = np.loadtxt(kept, dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
+        return np.loadtxt(lines, dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
     except ValueError:
+        return None
+
+
+def _fast(kept: list[str], delimiter: str | None, width: int) -> list[Array] | None:
+    """Read all columns by NumPy, empty cells as NaN; return None if it cannot read the rows."""
+    block, filled = _block(kept, delimiter), False
+    if block is None and delimiter is not None:
         text = "\n".join(kept)
-        if delimiter is None or "nan" in text.lower():  # a NaN in the text is a computed value, not an empty cell
+        if "nan" in text.lower():  # a NaN in the text is a computed value, not an empty cell
             return None
-        text = f"\n{text}\n".replace("\n" + delimiter, "\nnan" + delimiter).replace(
-            delimiter + "\n", delimiter + "nan\n"
+        text = f"\n{text}\n".replace(f"\n{delimiter}", f"\nnan{delimiter}").replace(
+            f"{delimiter}\n", f"{delimiter}nan\n"
         )
         for _ in range(2):
             text = text.replace(delimiter * 2, f"{delimiter}nan{delimiter}")
-        try:
-            block = np.loadtxt(text[1:-1].split("\n"), dtype=np.float64, delimiter=delimiter, comments=None, ndmin=2)
-        except ValueError:
-            return None
-        filled = True
-    if block.shape[1] != width or (np.abs(block) > EXACT).any():
+        block, filled = _block(text[1:-1].split("\n"), delimiter), True
+    if block is None or block.shape[1] != width or (np.abs(block) > EXACT).any():
         return None
     columns = block.T.copy()
-    if not filled:
-        return list(columns)
+    empty = np.isnan(columns) & filled
     return [
-        np.ma.MaskedArray(column, gone) if gone.any() else column
-        for column, gone in zip(columns, np.isnan(columns), strict=True)
+        np.ma.MaskedArray(column, gone) if gone.any() else column for column, gone in zip(columns, empty, strict=True)
     ]
 
 

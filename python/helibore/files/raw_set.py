@@ -10,7 +10,8 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -33,13 +34,7 @@ EXACT = 2**53
 class SectorAxis:
     """The angles of an image's sectors as the file states them: sector i is at ``first + i * step``.
 
-    Attributes
-    ----------
-    first, step
-        Angle of the first sector and from one to the next, in ``unit``. ``step`` is NaN where the file states no
-        even step.
-    unit
-        As written in the file.
+    ``unit`` is the unit as written; ``step`` is NaN where the file states no even step.
     """
 
     first: float
@@ -47,6 +42,7 @@ class SectorAxis:
     unit: str
 
 
+@dataclass(eq=False, repr=False)
 class Channel:
     """One column of a file, or one image of K sectors.
 
@@ -69,41 +65,37 @@ class Channel:
 
     Notes
     -----
-    ``values`` is the array as stored, or a function that loads it; a mask marks empty cells. ``nan_is_missing`` is
-    False for a format that has its own mark for empty cells: a NaN is then a computed value (see ``odd_row``).
+    ``stored`` is the array, or a function that loads it and needs ``shape`` and ``is_text``; a mask marks empty cells.
+    ``nulls`` are numbers that mean no value. ``nan_is_missing`` is False for a format that has its own mark for empty
+    cells: a NaN is then a computed value (see ``odd_row``).
     """
 
-    def __init__(
-        self,
-        name: str,
-        unit: str,
-        description: str,
-        values: Array | Callable[[], Array],
-        nulls: Iterable[float] = NULLS,
-        axis: SectorAxis | None = None,
-        shape: tuple[int, ...] | None = None,
-        is_text: bool | None = None,
-        nan_is_missing: bool = True,
-        members: Sequence[Channel] = (),
-    ) -> None:
-        self.name = name
-        self.unit = unit.strip()
-        self.description = description.strip()
-        self.shape = values.shape if isinstance(values, np.ndarray) else shape or ()
-        self.is_text = values.dtype.kind in "OSU" if isinstance(values, np.ndarray) else bool(is_text)
-        self.axis = axis
-        self.members = tuple(members)
-        self._stored = values
-        self._nulls = tuple(nulls)
-        self._nan_is_missing = nan_is_missing
-        self._values: Array | None = None
-        self._missing = 0
-        self._odd: int | None = None
+    name: str
+    unit: str
+    description: str
+    stored: Array | Callable[[], Array]
+    nulls: tuple[float, ...] = NULLS
+    axis: SectorAxis | None = None
+    shape: tuple[int, ...] = ()
+    is_text: bool = False
+    nan_is_missing: bool = True
+    members: Sequence[Channel] = ()
+
+    def __post_init__(self) -> None:
+        self.unit, self.description = self.unit.strip(), self.description.strip()
+        if isinstance(self.stored, np.ndarray):
+            self.shape, self.is_text = self.stored.shape, self.stored.dtype.kind in "OSU"
 
     @property
     def member_names(self) -> tuple[str, ...]:
         """Names of the members."""
         return tuple(member.name for member in self.members)
+
+    @cached_property
+    def _cleaned(self) -> tuple[Array, int, int | None]:
+        cleaned = clean(self.stored() if callable(self.stored) else self.stored, self.nulls, self.nan_is_missing)
+        cleaned[0].flags.writeable = False
+        return cleaned
 
     @property
     def values(self) -> Array:
@@ -111,23 +103,17 @@ class Channel:
 
         Integers become float64 unless one is too large to be exact. A null is NaN among numbers and "" among texts.
         """
-        if self._values is None:
-            stored = self._stored if isinstance(self._stored, np.ndarray) else self._stored()
-            self._values, self._missing, self._odd = clean(stored, self._nulls, self._nan_is_missing)
-            self._values.flags.writeable = False
-        return self._values
+        return self._cleaned[0]
 
     @property
     def missing(self) -> int:
         """The number of missing values (NaN, or empty text)."""
-        _ = self.values
-        return self._missing
+        return self._cleaned[1]
 
     @property
     def odd_row(self) -> int | None:
         """The first row with an infinity, or with a NaN in a format that does not write empty cells as NaN."""
-        _ = self.values
-        return self._odd
+        return self._cleaned[2]
 
     def __repr__(self) -> str:
         return f"<Channel {self.name} [{self.unit or 'no unit'}] {'x'.join(map(str, self.shape))}>"
@@ -179,6 +165,7 @@ def unique(names: list[str]) -> list[str]:
     return result
 
 
+@dataclass(eq=False, repr=False)
 class RawSet:
     """Channels with one index: a LAS data section, a DLIS frame, a WITSML log or trajectory, a table.
 
@@ -202,21 +189,16 @@ class RawSet:
         For a text file, a function that returns the line of a row, counted from 1; else None.
     """
 
-    def __init__(
-        self,
-        path: Path,
-        name: str,
-        channels: Iterable[Channel],
-        rows: int,
-        index: str | None = None,
-        header: dict[str, str] | None = None,
-        remarks: list[str] | None = None,
-        line_of: Callable[[int], int] | None = None,
-    ) -> None:
-        self.path, self.name, self.rows, self.index, self.line_of = path, name, rows, index, line_of
-        self.header = header or {}
-        self.remarks = remarks if remarks is not None else []
-        self.channels: tuple[Channel, ...] = tuple(channels)
+    path: Path
+    name: str
+    channels: Sequence[Channel]
+    rows: int
+    index: str | None = None
+    header: dict[str, str] = field(default_factory=dict)
+    remarks: list[str] = field(default_factory=list)
+    line_of: Callable[[int], int] | None = None
+
+    def __post_init__(self) -> None:
         every = [each for channel in self.channels for each in (*channel.members, channel)]
         self._columns = {channel.name: channel for channel in every}
 
@@ -268,9 +250,8 @@ class RawSet:
                     text, rule = cell.strip(), "is not a number"
                     if text.replace(",", "").lstrip("-").isdigit():
                         rule += ": a decimal comma? Decimals must have a point"
-                    raise self.input_error(
-                        rule, row // max(1, channel.values[:1].size), name, repr(text[:40])
-                    ) from None
+                    row //= max(1, channel.values[:1].size)
+                    raise self.input_error(rule, row, name, repr(text[:40])) from None
         return channel.values.astype(np.float64, copy=False)
 
     def __repr__(self) -> str:

@@ -14,6 +14,7 @@ import io
 import zipfile
 import zlib
 from collections.abc import Iterator
+from contextlib import suppress
 from pathlib import Path
 from typing import Any, BinaryIO, cast
 
@@ -100,10 +101,13 @@ class Gunzip(io.RawIOBase):
 
 
 class Source:
-    """One file on disk: its path, its first bytes, and its bytes as a stream."""
+    """One file on disk: its path, its first bytes, and its bytes as a stream.
 
-    def __init__(self, path: Path) -> None:
-        self.path = path
+    ``nulls`` are numbers that mean no value; ``header_line`` is the line of a table's column names, if it is stated.
+    """
+
+    def __init__(self, path: Path, nulls: tuple[float, ...] = (), header_line: int | None = None) -> None:
+        self.path, self.nulls, self.header_line = path, nulls, header_line
         with path.open("rb") as file:
             self.compressed = file.read(2) == b"\x1f\x8b"
         with self.stream() as stream:
@@ -141,8 +145,14 @@ class Source:
             if rest:
                 yield rest
 
+    def error(
+        self, rule: str, line: int | str | None = None, column: str | None = None, value: str | None = None
+    ) -> InputError:
+        """Return the `file_error` of this file."""
+        return file_error(self.path, rule, line, column, value)
+
     def line_too_long(self, line: int | None) -> InputError:
-        return file_error(self.path, f"a line is longer than {LINE_LIMIT:,} bytes", line)
+        return self.error(f"a line is longer than {LINE_LIMIT:,} bytes", line)
 
     def text(self) -> tuple[str, str]:
         """Return the whole text and a remark on its encoding ('' for UTF-8).
@@ -157,7 +167,7 @@ class Source:
                     raise self.line_too_long(sum(earlier.count(b"\n") for earlier in pieces) + 1)
                 pieces.append(piece)
                 if len(pieces) * LINE_LIMIT > TEXT_LIMIT:
-                    raise file_error(self.path, f"more than {TEXT_LIMIT >> 20} MiB of text: it is read whole; split it")
+                    raise self.error(f"more than {TEXT_LIMIT >> 20} MiB of text: it is read whole; split it")
         return decode(self.path, b"".join(pieces))
 
 
@@ -189,13 +199,10 @@ def decode(path: Path, content: bytes) -> tuple[str, str]:
 def _utf8_line(content: bytes) -> int | None:
     """Return the number of the first line with a multi-byte character in valid UTF-8, None if there is none."""
     for number, line in enumerate(content.split(b"\n"), 1):
-        if line.isascii():
-            continue
-        try:
-            line.decode("utf-8")
-        except UnicodeDecodeError:
-            continue
-        return number
+        if not line.isascii():
+            with suppress(UnicodeDecodeError):
+                line.decode("utf-8")
+                return number
     return None
 
 
@@ -214,35 +221,33 @@ def refuse_zip_bomb(source: Source) -> None:
         unpacked = sum(entry.file_size for entry in archive.infolist())
         packed = max(1, sum(entry.compress_size for entry in archive.infolist()))
     if unpacked > GZIP_FREE and unpacked > GZIP_RATIO * packed:
-        raise file_error(source.path, f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
+        raise source.error(f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
 
 
 def find_format(source: Source) -> str:
     """Return the format of a file by its content: csv, xlsx, parquet, las, dlis, lis, json, witsml or npz."""
-    head, path = source.head, source.path
+    head = source.head
     if not head:
-        raise file_error(path, "empty: 0 bytes")
+        raise source.error("empty: 0 bytes")
     for magic, advice in FOREIGN.items():
         if head.startswith(magic):
-            raise file_error(path, advice)
-    binary = _binary_format(source)
-    if binary:
+            raise source.error(advice)
+    if binary := _binary_format(source):
         if source.compressed:
-            raise file_error(path, f"a gzipped {binary} file: unpack it first")
+            raise source.error(f"a gzipped {binary} file: unpack it first")
         return binary
     if b"\0" in head:
-        raise file_error(path, "binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)")
+        raise source.error("binary, and none of the formats read (DLIS, LIS, Parquet, NPZ, XLSX)")
     text = head.removeprefix(UTF8_BOM).lstrip()
     if not text:
-        raise file_error(path, "empty: nothing but blanks")
+        raise source.error("empty: nothing but blanks")
     if text.startswith(b"<"):
         return "witsml"
     if text.startswith((b"{", b"[")):
         return "json"
-    for line in text.splitlines():
-        if line.strip() and not line.lstrip().startswith(b"#"):
-            return "las" if line.lstrip().startswith(b"~") else "csv"
-    return "csv"
+    lines = (line.lstrip() for line in text.splitlines())
+    first = next((line for line in lines if line and not line.startswith(b"#")), b"")
+    return "las" if first.startswith(b"~") else "csv"
 
 
 def _binary_format(source: Source) -> str:
@@ -262,18 +267,17 @@ def _binary_format(source: Source) -> str:
     except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError) as error:
         if source.compressed:
             return "zip"
-        raise file_error(source.path, f"truncated or damaged zip archive ({error})") from error
+        raise source.error(f"truncated or damaged zip archive ({error})") from error
     if names and all(name.endswith(".npy") for name in names):
         return "npz"
     if "xl/workbook.xml" in names:
         return "xlsx"
     if "helibore.json" in names:
-        rule = "a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load"
-        raise file_error(source.path, rule)
-    raise file_error(source.path, "a zip archive: unpack it first")
+        raise source.error("a saved wall: helibore plot, report, logs, mesh and view take it, in Python hb.load")
+    raise source.error("a zip archive: unpack it first")
 
 
 def _is_lis(head: bytes) -> bool:
-    """Whether bytes start with a length and the header of a LIS reel (type 132), tape (130) or file (128)."""
+    """Return whether bytes start with a length and the header of a LIS reel (type 132), tape (130) or file (128)."""
     size, kind = int.from_bytes(head[:2], "big"), head[4:6]
     return 62 <= size <= 200 and kind in (b"\x84\0", b"\x82\0", b"\x80\0")

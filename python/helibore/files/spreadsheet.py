@@ -14,14 +14,14 @@ from helibore.base.errors import InputError, MissingExtraError
 from helibore.files.headings import describe, is_number, is_units_row
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
-from helibore.files.source import Source, file_error, refuse_zip_bomb
+from helibore.files.source import Source, refuse_zip_bomb
 
 HEADING_ROWS = 500
 """The header must stand within this many rows."""
 
 
-def read(source: Source, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
-    """Open a workbook; ``header_line`` is the row of the column names, counted from 1."""
+def read(source: Source) -> RawFile:
+    """Open a workbook; ``source.header_line`` is the row of the column names in every sheet, counted from 1."""
     try:
         import python_calamine
     except ImportError as error:
@@ -33,19 +33,17 @@ def read(source: Source, nulls: tuple[float, ...], header_line: int | None = Non
     except BaseException as error:  # a panic in calamine's Rust code is not an Exception
         if isinstance(error, KeyboardInterrupt | SystemExit):
             raise
-        raise file_error(source.path, f"truncated or damaged workbook ({str(error).splitlines()[0]})") from error
-    readers = [partial(_sheet, source, name, rows, nulls, header_line) for name, rows in sheets.items()]
-    return RawFile("xlsx", readable_sets(readers))
+        raise source.error(f"truncated or damaged workbook ({str(error).splitlines()[0]})") from error
+    return RawFile("xlsx", readable_sets(partial(_sheet, source, name, rows) for name, rows in sheets.items()))
 
 
-def _sheet(source: Source, name: str, sheet: list[list[Any]], nulls: tuple[float, ...], header: int | None) -> RawSet:
-    rows = [[_text(cell) for cell in row] for row in sheet]
+def _sheet(source: Source, name: str, sheet: list[list[Any]]) -> RawSet:
+    rows, header = [[_text(cell) for cell in row] for row in sheet], source.header_line
     start = _find_header(rows) if header is None else header - 1
     if start is None or not 0 <= start < len(rows) or not any(rows[start]):
-        rule = f"no row of column names with numbers below it within {HEADING_ROWS} rows"
         if header is not None:
             raise InputError(f"{source.path.name}: sheet {name}: header_line", "the row holds no names", str(header))
-        raise file_error(source.path, rule, f"sheet {name}")
+        raise source.error(f"no row of column names with numbers below it within {HEADING_ROWS} rows", f"sheet {name}")
     width = max(position for position, cell in enumerate(rows[start], 1) if cell)
     titles = [cell or f"column {position}" for position, cell in enumerate(rows[start][:width], 1)]
     units = None
@@ -55,19 +53,15 @@ def _sheet(source: Source, name: str, sheet: list[list[Any]], nulls: tuple[float
         start += 1
     stop = next((at for at in range(start, len(rows)) if not any(rows[at][:width])), len(rows))
     if stop == start:
-        raise file_error(source.path, "no rows below the header", f"sheet {name}, line {start}")
+        raise source.error("no rows below the header", f"sheet {name}, line {start}")
     remarks = []
     if any(any(row[:width]) for row in rows[stop:]):
         remarks.append(f"sheet {name}: line {stop + 1} is empty: the rows below it are left out")
-    channels = [
-        Channel(
-            label, units[at] if units else describe(titles[at]), "", column_of([row[at] for row in rows[start:stop]]),
-            nulls, nan_is_missing=False,
-        )
-        for at, label in enumerate(unique(titles))
-    ]  # fmt: skip
-    first = start + 1
-    return RawSet(source.path, name, channels, stop - start, None, {}, remarks, lambda row: row + first)
+    channels = []
+    for at, label in enumerate(unique(titles)):
+        unit, values = units[at] if units else describe(titles[at]), column_of([row[at] for row in rows[start:stop]])
+        channels.append(Channel(label, unit, "", values, source.nulls, nan_is_missing=False))
+    return RawSet(source.path, name, channels, stop - start, None, {}, remarks, lambda row: row + start + 1)
 
 
 def _find_header(rows: list[list[str]]) -> int | None:

@@ -13,17 +13,13 @@ from helibore.base.atomic_file import write_whole
 
 
 def write_table(path: Path, columns: dict[str, tuple[Floats, int]]) -> None:
-    """Write columns, each with its number of decimals, as CSV, gzipped CSV or NPZ by the ending; whole or not at all.
-
-    NPZ keeps every digit. The same columns give the same bytes.
-    """
-    if path.suffix == ".npz":
-        arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
-        write_whole(path, lambda file: np.savez(file, **arrays))
-        return
+    """Write columns, each with its number of decimals; the ending decides the format. NPZ keeps every digit."""
+    arrays: dict[str, Any] = {name: values for name, (values, _) in columns.items()}
 
     def write(file: IO[bytes]) -> None:
-        if path.suffix == ".gz":
+        if path.suffix == ".npz":
+            np.savez(file, **arrays)
+        elif path.suffix == ".gz":
             with gzip.GzipFile(fileobj=file, mode="wb", filename="", mtime=0, compresslevel=6) as zipped:
                 _write_csv(zipped, columns)
         else:
