@@ -31,13 +31,11 @@ class RawSectorImage:
     ----------
     name, unit
         As in the file.
-    depth
-        (n,) float64, metres, strictly growing or strictly falling.
-    values
-        (n, K), NaN where missing.
+    depth, values
+        (n,) float64, metres, strictly growing or strictly falling; and (n, K), NaN where missing.
     first, step
         Angle of the first sector, and angle from one sector to the next, degrees; None if neither the file nor a map
-        states them. Log files do not state whether a sector is centred on its angle or starts there.
+        states them.
     members
         The columns that form the image.
     dropped
@@ -69,21 +67,14 @@ class RawSectorImage:
     ) -> SectorImage:
         """Return an image for a wall: ``wall.images["GR"] = file.image("GRAS").sector_image(...)``.
 
-        Parameters
-        ----------
-        origin, reference
-            As in `SectorImage`. Log files do not state whether sector 1 is centred on its angle or starts there, nor
-            what the angles count from.
-        direction
-            None: by the sign of ``step``, clockwise if it is not stated.
-        offset
-            Degrees; None: ``first``, or 0 if it is not stated.
-        reach, name
-            As in `SectorImage`; ``name`` None: the name of the channel.
+        The arguments are those of `SectorImage`. Log files do not state whether sector 1 is centred on its angle or
+        starts there (``origin``), nor what the angles count from (``reference``). ``direction`` None is that of the
+        sign of ``step``, clockwise if it is not stated; ``offset`` None is ``first``, or 0 degrees if it is not stated;
+        ``name`` None is the name of the channel.
 
         Raises
         ------
-        ValueError
+        InputError
             ``GRAS: 8 sectors, 22.5 deg apart: must be 45``; as `SectorImage`, with the channel's name.
         """
         even, step = 360.0 / self.values.shape[1], self.step
@@ -104,25 +95,25 @@ class RawSectorImage:
 
 
 def column(log_set: RawSet, role: Role) -> Floats:
-    """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error."""
+    """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error.
+
+    Angles without a unit are degrees if one of them is beyond 2 pi; times without a unit are seconds.
+    """
     kind = ROLES[role.role]
     values = log_set.numbers(role.channel)
-    if not kind:
-        return values
-    if not role.unit and role.role != "time":
-        inferred = plausibility.unstated_angle(values) if kind == units.ANGLE else ""
-        if not inferred:
-            stated = (
-                f'state it in a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in its option'
-            )
-            rule = f"unit missing: {stated}; {role.role} is {kind}"
+    if kind and not role.unit and role.role != "time":
+        found = plausibility.present(values)
+        if kind != units.ANGLE or not found.size or float(np.abs(found).max()) <= 2.0 * np.pi + 1e-6:
+            how = f'a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in its option'
+            rule = f"unit missing: state it in {how}; {role.role} is {kind}"
             raise log_set.input_error(rule, column=role.channel)
+    if not kind or not role.unit:
         return values
     try:
-        factor = units.factor(role.unit, kind) if role.unit else 1.0
-        return values if factor == 1.0 else values * factor
+        factor = units.factor(role.unit, kind)
     except ValueError as error:
         raise log_set.input_error(str(error), column=role.channel) from error
+    return values if factor == 1.0 else values * factor
 
 
 def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
@@ -142,37 +133,33 @@ def about_names(log_set: RawSet) -> str:
 
 
 def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
-    """Return the directional survey of a set.
+    """Return the directional survey of a set as a `helibore.Survey`.
 
     Stations without depth, inclination or azimuth are left out; the set's remarks say how many.
 
     Raises
     ------
-    ValueError
+    InputError
         If a column or its unit is missing, a unit is wrong, degrees look like radians, or depth does not grow.
     """
     roles = roles or guess(log_set)
-    named = {role: needed(log_set, roles, role) for role in ("depth", "inclination", "azimuth")}
-    columns = {role: column(log_set, found) for role, found in named.items()}
-    plausibility.depths(log_set, named["depth"], columns["depth"])
-    plausibility.survey_angles(
-        log_set, named["inclination"], named["azimuth"], columns["inclination"], columns["azimuth"]
-    )
-    keep = np.isfinite(columns["depth"]) & np.isfinite(columns["inclination"]) & np.isfinite(columns["azimuth"])
-    if not keep.all():
-        remark = f"survey: {int(np.count_nonzero(~keep))} of {log_set.rows} stations left out: a value is missing"
+    at, inclined, turned = (needed(log_set, roles, role) for role in ("depth", "inclination", "azimuth"))
+    depth, inclination, azimuth = (column(log_set, role) for role in (at, inclined, turned))
+    plausibility.depths(log_set, at, depth)
+    plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
+    rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
+    if rows.size < depth.size:
+        remark = f"survey: {depth.size - rows.size} of {log_set.rows} stations left out: a value is missing"
         if remark not in log_set.remarks:
             log_set.remarks.append(remark)
-    rows = np.flatnonzero(keep)
-    depth = columns["depth"][rows]
+    depth = depth[rows]
     falls = np.flatnonzero(np.diff(depth) <= 0)
     if falls.size:
-        first = int(falls[0])
-        kind = "repeats" if depth[first] == depth[first + 1] else "falls from"
-        rule = f"depth {depth[first + 1]:g} m {kind} {depth[first]:g} m: must grow"
-        raise log_set.input_error(rule, int(rows[first + 1]), named["depth"].channel)
+        before, after = depth[falls[0]], depth[falls[0] + 1]
+        rule = f"depth {after:g} m {'repeats' if after == before else 'falls from'} {before:g} m: must grow"
+        raise log_set.input_error(rule, int(rows[falls[0] + 1]), at.channel)
     try:
-        return Survey(depth, columns["inclination"][rows], columns["azimuth"][rows])
+        return Survey(depth, inclination[rows], azimuth[rows])
     except ValueError as error:
         raise log_set.input_error(str(error)) from error
 
@@ -182,7 +169,7 @@ def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSector
 
     Raises
     ------
-    ValueError
+    InputError
         If the channel has no sectors, or depth does not strictly grow or strictly fall.
     """
     roles = roles or guess(log_set)
@@ -198,19 +185,12 @@ def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSector
     steps = np.diff(depth[rows])
     wrong = np.flatnonzero(steps <= 0 if steps.sum() >= 0 else steps >= 0)
     if wrong.size:
-        at = int(wrong[0])
-        before, after = depth[rows[at]], depth[rows[at + 1]]
-        rule = f"depth {after:g} m after {before:g} m: an image's depth must strictly grow or strictly fall"
-        raise log_set.input_error(rule, int(rows[at + 1]), named.channel)
-    role = roles.roles.get(name) or Role(name, "image", "")
-    dropped = log_set.rows - rows.size
+        before, after = rows[wrong[0]], rows[wrong[0] + 1]
+        rule = (
+            f"depth {depth[after]:g} m after {depth[before]:g} m: an image's depth must strictly grow or strictly fall"
+        )
+        raise log_set.input_error(rule, int(after), named.channel)
+    role, members = roles.roles.get(name) or Role(name, "image", ""), channel.member_names
     return RawSectorImage(
-        name,
-        channel.unit,
-        depth[rows],
-        channel.values[rows],
-        role.first,
-        role.step,
-        channel.member_names,
-        dropped,
+        name, channel.unit, depth[rows], channel.values[rows], role.first, role.step, members, log_set.rows - rows.size
     )

@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from pathlib import Path
-from types import TracebackType
 
 from helibore.base.errors import InputError
 from helibore.channels import columns
@@ -29,12 +28,6 @@ class LogSet(RawSet):
     Attributes are those of a `RawSet`; an image takes the place of its first column.
     """
 
-    def readings(
-        self, roles: RoleMap | None = None, bit_diameter: float | None = None, echo: Echo | None = None
-    ) -> Readings:
-        """Return what each sensor measured in each row, for `helibore.prepare`. See `readings.readings`."""
-        return readings(self, roles, bit_diameter, echo)
-
     def caliper(self, roles: RoleMap | None = None, bit_diameter: float | None = None) -> Caliper:
         """Return the wall samples as a `helibore.Caliper`. The error for an impossible radius names its line.
 
@@ -42,13 +35,9 @@ class LogSet(RawSet):
         """
         return prepare(self.readings(roles, bit_diameter)).caliper
 
-    def survey(self, roles: RoleMap | None = None) -> Survey:
-        """Return the directional survey of the set as a `helibore.Survey`. See `columns.survey`."""
-        return columns.survey(self, roles)
-
-    def image(self, name: str, roles: RoleMap | None = None) -> RawSectorImage:
-        """Return a sector image and its depth. See `columns.image`."""
-        return columns.image(self, name, roles)
+    readings = readings
+    survey = columns.survey
+    image = columns.image
 
 
 class LogFile:
@@ -59,12 +48,9 @@ class LogFile:
     """
 
     def __init__(
-        self, path: Path, format_name: str, sets: Sequence[LogSet], close: Callable[[], object] | None = None
+        self, path: Path, format_name: str, sets: Sequence[LogSet], close: Callable[[], object] = lambda: None
     ) -> None:
-        self.path = path
-        self.format = format_name
-        self.sets = tuple(sets)
-        self._close = close
+        self.path, self.format, self.sets, self._close = path, format_name, tuple(sets), close
 
     def set(self, name: str | None = None) -> LogSet:
         """Return the set of that name, or the only set. If there is none, raise an InputError that lists the sets."""
@@ -91,7 +77,7 @@ class LogFile:
         return iter(self.set())
 
     @property
-    def channels(self) -> tuple[Channel, ...]:
+    def channels(self) -> Sequence[Channel]:
         """Channels of the only set."""
         return self.set().channels
 
@@ -115,17 +101,13 @@ class LogFile:
 
     def close(self) -> None:
         """Close the file. Loaded values remain available."""
-        if self._close is not None:
-            with suppress(OSError):
-                self._close()
-            self._close = None
+        with suppress(OSError):
+            self._close()
 
     def __enter__(self) -> LogFile:
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
     def __repr__(self) -> str:

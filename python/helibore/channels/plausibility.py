@@ -49,27 +49,21 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
     scale = 2.0 if role.role == "diameter" else 1.0
     low, high = (scale * bound for bound in RADIUS_RANGE)
     if not low <= median <= high:
-        likely = _likely_unit(role.unit, median, low, high)
+        raw = median / units.factor(role.unit, units.LENGTH)
+        fits = [name for name in ("m", "cm", "mm", "in", "ft") if low <= raw * units.factor(name, units.LENGTH) <= high]
+        likely = f" (would fit {' or '.join(fits)})" if fits else ""
         rule = f"median {median:.3g} m after reading {role.unit}: no {role.role} of a borehole{likely}"
         raise log_set.input_error(rule, column=role.channel)
     if role.role == "diameter" or (bit_diameter is None and (role.confirmed or found.size < FEW)):
         return
     if _looks_like_diameter(median, bit_diameter):
+        how = f', or give the bit diameter or confirm role = "{role.role}" there'
+        if bit_diameter is not None:
+            how = f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
         rule = (
             f'median {median:.3g}: looks like a diameter, where a radius is expected; state role = "diameter" in a map'
         )
-        if bit_diameter is None:
-            rule += f', or give the bit diameter or confirm role = "{role.role}" there'
-        else:
-            rule += f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
-        raise log_set.input_error(rule, column=role.channel)
-
-
-def _likely_unit(unit: str, median: float, low: float, high: float) -> str:
-    """Name the units in which the same numbers would make a borehole."""
-    raw = median / units.factor(unit, units.LENGTH)
-    fitting = [name for name in ("m", "cm", "mm", "in", "ft") if low <= raw * units.factor(name, units.LENGTH) <= high]
-    return f" (would fit {' or '.join(fitting)})" if fitting else ""
+        raise log_set.input_error(rule + how, column=role.channel)
 
 
 def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
@@ -89,16 +83,9 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
     if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
         return
     rule = (
-        f"{found.min():g} to {found.max():g} m: negative throughout (elevations?), and depth counts positive down the "
-        'hole; write it so, or confirm role = "depth" in a map'
+        f"{found.min():g} to {found.max():g} m: negative throughout (elevations?), and depth counts positive down the"
     )
-    raise log_set.input_error(rule, column=role.channel)
-
-
-def unstated_angle(values: Floats) -> str:
-    """Return "deg" if angles without a unit can only be degrees (one is beyond 2 pi), else ``""``."""
-    found = values[np.isfinite(values)]
-    return "deg" if found.size and float(np.abs(found).max()) > 2.0 * np.pi + 1e-6 else ""
+    raise log_set.input_error(f'{rule} hole; write it so, or confirm role = "depth" in a map', column=role.channel)
 
 
 def angles(log_set: RawSet, role: Role, values: Floats) -> None:

@@ -44,12 +44,10 @@ def readings(
     echo: Echo | None = None,
     tracked: bool = False,
 ) -> Readings:
-    """Turn the channels of a set into readings.
+    """Return what each sensor measured in each row of a set, for `helibore.prepare`.
 
     Parameters
     ----------
-    log_set
-        A set of an opened file.
     roles
         What each channel means; guessed where None.
     bit_diameter
@@ -61,7 +59,7 @@ def readings(
 
     Raises
     ------
-    ValueError
+    InputError
         If there is no depth or wall channel; a unit is missing, unknown or of the wrong kind; a depth is NaN or
         infinite; or values cannot be what their role says.
     """
@@ -71,7 +69,12 @@ def readings(
         raise log_set.input_error(_no_arms(log_set, roles))
     depth = np.full(log_set.rows, np.nan)
     if not tracked or roles.one("depth"):
-        depth = _depth(log_set, needed(log_set, roles, "depth"))
+        role = needed(log_set, roles, "depth")
+        depth = column(log_set, role)
+        odd = log_set[role.channel].odd_row
+        if odd is not None:
+            raise log_set.input_error("NaN or infinite: a depth must be finite, or empty", odd, role.channel)
+        plausibility.depths(log_set, role, depth)
     turning = roles.one("toolface")
     toolface = np.zeros(log_set.rows)
     if turning is not None:
@@ -84,9 +87,8 @@ def readings(
     for number, role in enumerate(arms):
         radius = _radius(log_set, role, bit, echo)
         angles = _angles(log_set, role, radius.shape[1], turning is not None or tracked)
-        values = list(radius.T) if len(angles) == radius.shape[1] else [0.5 * radius[:, 0]] * 2
         sensors += [Sensor(role.channel, role.offset, angle, role.latency) for angle in angles]
-        radii += values
+        radii += list(radius.T) if len(angles) == radius.shape[1] else [0.5 * radius[:, 0]] * 2
         arm += [number] * len(angles)
     across = tuple(arms[number].role == "diameter" for number in arm)
     time = _time(log_set, roles)
@@ -98,15 +100,6 @@ def readings(
         turning.reference if turning else "", _high_side(log_set, roles), turning is not None,
         _count_missing(log_set, roles, depth, toolface, time), _notes(roles, arms), log_set.place,
     )  # fmt: skip
-
-
-def _depth(log_set: RawSet, role: Role) -> Floats:
-    depth = column(log_set, role)
-    row = log_set[role.channel].odd_row
-    if row is not None:
-        raise log_set.input_error("NaN or infinite: a depth must be finite, or empty", row, role.channel)
-    plausibility.depths(log_set, role, depth)
-    return depth
 
 
 def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
@@ -131,8 +124,9 @@ def _radius(log_set: RawSet, arm: Role, bit: float | None, echo: Echo | None) ->
     values = column(log_set, arm).reshape(log_set.rows, -1)
     if arm.role == "travel-time":
         if echo is None:
-            rule = "a travel time needs the velocity in the mud and the tool's radius"
-            raise log_set.input_error(rule, column=arm.channel)
+            raise log_set.input_error(
+                "a travel time needs the velocity in the mud and the tool's radius", column=arm.channel
+            )
         values = echo.radius(values)
     plausibility.lengths(log_set, arm, values, bit)
     if arm.role in ("radius", "diameter") and values.shape[1] != 1:
@@ -161,10 +155,8 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
 def _bit(log_set: RawSet, roles: RoleMap) -> float | None:
     """Return the median of the bit-diameter channel, metres."""
     role = roles.one("bit-diameter")
-    if role is None or not role.unit:
-        return None
-    values = column(log_set, role)
-    return float(np.median(values[np.isfinite(values)])) if np.isfinite(values).any() else None
+    known = plausibility.present(column(log_set, role)) if role is not None and role.unit else np.empty(0)
+    return float(np.median(known)) if known.size else None
 
 
 def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
@@ -211,10 +203,8 @@ def _high_side(log_set: RawSet, roles: RoleMap) -> Mask | None:
         bare = str(word).strip().lower()
         tagged[row] = bare in HIGH_SIDE
         if not tagged[row] and bare not in NORTH:
-            rule = (
-                f"{str(word)[:40]!r}: must be one of {', '.join(NORTH)} (north) or {', '.join(HIGH_SIDE)} (high side)"
-            )
-            raise log_set.input_error(rule, row, role.channel)
+            rule = f"must be one of {', '.join(NORTH)} (north) or {', '.join(HIGH_SIDE)} (high side)"
+            raise log_set.input_error(f"{str(word)[:40]!r}: {rule}", row, role.channel)
     return tagged
 
 
@@ -224,33 +214,27 @@ def _count_missing(
     """Return the number of missing values of each channel in use that has any."""
     named = {"depth": depth, "toolface": toolface, "time": time}
     counts = {}
-    for role in roles.all("depth", "toolface", "time"):
-        values = named[role.role]
-        if values is not None and (role.role != "time" or log_set[role.channel].is_text):
-            counts[role.channel] = int(np.count_nonzero(~np.isfinite(values)))
-        elif values is not None:
-            counts[role.channel] = log_set[role.channel].missing
-    for role in roles.all(*WALL):
-        counts[role.channel] = log_set[role.channel].missing
-    return {name: count for name, count in counts.items() if count}
+    for role in (*roles.all("depth", "toolface", "time"), *roles.all(*WALL)):
+        values = None if role.role == "time" and not log_set[role.channel].is_text else named.get(role.role)
+        missing = log_set[role.channel].missing if values is None else int(np.count_nonzero(~np.isfinite(values)))
+        if missing:
+            counts[role.channel] = missing
+    return counts
 
 
 def _notes(roles: RoleMap, arms: list[Role]) -> tuple[str, ...]:
+    """Return the roles in use as sentences, and remarks on channels that measure in one direction: biases differ."""
     used = [*roles.all("depth", "toolface", "toolface-reference", "time", "pass", "bit-diameter"), *arms]
-    return (*(note(role) for role in used), *_together(arms))
-
-
-def _together(arms: list[Role]) -> list[str]:
-    """Return remarks on channels that measure in the same direction, such as two calipers: their biases differ."""
     by_direction: dict[tuple[str, float, float], list[str]] = {}
     for role in arms:
         if role.angle is not None:
             by_direction.setdefault((role.role, role.angle, role.offset), []).append(role.channel)
-    return [
+    together = [
         f"{' and '.join(names)} are {kind} in one direction: merged; name those to use by an option or in a map"
         for (kind, _, _), names in by_direction.items()
         if len(names) > 1
     ]
+    return (*(note(role) for role in used), *together)
 
 
 def note(role: Role) -> str:

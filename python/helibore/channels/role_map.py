@@ -68,12 +68,12 @@ def _without_role(roles: RoleMap) -> list[str]:
     rest = [role for role in roles if role.role == "none"]
     if not rest:
         return []
-    if roles.one("depth") and roles.all(*WALL, "image", "mean-diameter", "inclination"):
-        names = ", ".join(quoted(role.channel) for role in rest)
-        return [*textwrap.wrap(f"Without a role: {names}", 116, initial_indent="# ", subsequent_indent="# "), ""]
+    usable = roles.one("depth") and roles.all(*WALL, "image", "mean-diameter", "inclination")
     about = f"Without a role; take the # away and fill in. Roles: {', '.join(ROLES)}"
+    if usable:
+        about = f"Without a role: {', '.join(quoted(role.channel) for role in rest)}"
     lines = [*textwrap.wrap(about, 116, initial_indent="# ", subsequent_indent="# "), ""]
-    for role in rest:
+    for role in () if usable else rest:
         entry = [f"[channels.{quoted(role.channel)}]", f'role = ""   # {role.reason}', f"unit = {quoted(role.unit)}"]
         lines += [*(f"# {line}".replace("\n", " ") for line in entry), ""]
     return lines
@@ -88,11 +88,8 @@ def quoted(text: str) -> str:
 def read_map(path: str | Path, file: LogFile) -> RoleMap:
     """Read a TOML map, and replace the guessed roles of the set it names by those of the map.
 
-    Raises
-    ------
-    ValueError
-        Naming map, channel and rule: not TOML, an unknown key, role, channel or unit, a unit of the wrong kind, one
-        role given twice.
+    An InputError names map, channel and rule: not TOML, an unknown key, role, channel or unit, a unit of the wrong
+    kind, one role given twice.
     """
     import tomllib
 
@@ -107,7 +104,8 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
     entries = tree.get("channels", {})
     if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
         raise InputError(path.name, "channels must be tables, set must be a name")
-    return overlay(guess(file.set(tree.get("set"))), file.set(tree.get("set")), entries, path.name)
+    log_set = file.set(tree.get("set"))
+    return overlay(guess(log_set), log_set, entries, path.name)
 
 
 def overlay(roles: RoleMap, log_set: RawSet, entries: dict[str, Any], place: str, why: str = "the map") -> RoleMap:
@@ -165,22 +163,13 @@ def parse_options(
 ) -> RoleMap:
     """Replace roles by columns written ``NAME[@ANGLE][:UNIT]``, as in options of the command line.
 
-    Parameters
-    ----------
-    log_set, roles
-        The set, and the roles so far.
-    columns
-        Column by role, for roles that one channel has; None leaves the role as it is.
-    arms
-        Columns by role, for wall channels. If any is given, all other channels lose such a role.
-
-    Raises
-    ------
-    ValueError
-        If a column is not in the set, its role has no angle but one is given, or a unit is unknown or of a wrong kind.
+    ``columns`` holds a column by role, for roles that one channel has; None leaves the role as it is. ``arms`` holds
+    columns by role, for wall channels; if any is given, all other channels lose such a role. An InputError says that a
+    column is not in the set, has an angle that its role does not take, or a unit that is unknown or of a wrong kind.
     """
     wanted = [(role, spelling) for role, spelling in columns.items() if spelling is not None]
     wall = [(role, spelling) for role, spellings in arms.items() for spelling in spellings]
+    turning = columns.get("toolface") is not None or roles.one("toolface") is not None
     entries: dict[str, Any] = {}
     for role, spelling in wanted + wall:
         name, angle, unit = _split_option(log_set, spelling)
@@ -188,17 +177,16 @@ def parse_options(
         if angle is not None and role not in WALL:
             raise InputError(f"{log_set.path.name}: {spelling}", f"an angle belongs to a {' or '.join(arms)}")
         if role in WALL and len(log_set[name].shape) == 1:
-            angle = _own_angle(roles, name, role, wanted_toolface(roles, columns)) if angle is None else angle
+            angle = _own_angle(roles, name, role, turning) if angle is None else angle
             entry |= {} if angle is None else {"angle": angle}
         if name in entries:
             raise log_set.input_error(f"is given two roles, {entries[name]['role']} and {role}", column=name)
         entries[name] = entry
     if wall:
-        kept = {
-            each.channel: replace(each, role="none", reason="other columns are named") if each.role in WALL else each
-            for each in roles
+        dropped = {
+            each.channel: replace(each, role="none", reason="other columns are named") for each in roles.all(*WALL)
         }
-        roles = RoleMap(roles.set_name, kept)
+        roles = RoleMap(roles.set_name, roles.roles | dropped)
     laid = overlay(roles, log_set, entries, log_set.path.name, "named by an option")
     for name, entry in entries.items():
         if "unit" not in entry:  # a name alone does not confirm a unit: degrees that look like radians are refused
@@ -212,11 +200,6 @@ def _own_angle(roles: RoleMap, name: str, role: str, turning: bool) -> float | N
     if known is not None and known.role == role and known.angle is not None and (turning or not known.turns):
         return known.angle
     return 0.0 if turning and role != "diameter" else None
-
-
-def wanted_toolface(roles: RoleMap, columns: Mapping[str, str | None]) -> bool:
-    """Return whether there is, or will be, a toolface channel."""
-    return columns.get("toolface") is not None or roles.one("toolface") is not None
 
 
 def _split_option(log_set: RawSet, spelling: str) -> tuple[str, float | None, str | None]:

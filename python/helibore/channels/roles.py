@@ -99,42 +99,19 @@ CALIPER_TEXT = re.compile(r"\bcaliper\b(?!.*\b(matrix|filtered|corrected porosit
 
 @dataclass(frozen=True)
 class Role:
-    """The role of one channel.
-
-    Attributes
-    ----------
-    channel
-        The channel's name.
-    role
-        One of ``ROLES``.
-    reason
-        Why, as a sentence.
-    unit
-        Unit of the values; ``""`` if it is not known.
-    angle
-        For a radius or diameter: its direction, degrees from the toolface. None: not known.
-    first, step
-        For an image: angle of its first sector, and from one sector to the next, degrees. None: not stated.
-    offset, latency
-        For the sensor of a wall channel: metres up the string from where the depth is counted, and seconds from the
-        measurement to its time stamp.
-    reference
-        For a toolface: what it counts from, one of ``REFERENCES``; "": what the wall's toolface counts from.
-    confirmed
-        Whether a map states this role: the checks for likely mistakes are then skipped.
-    """
+    """The role of one channel, and the reason as a sentence."""
 
     channel: str
-    role: str
+    role: str  # one of ROLES
     reason: str
-    unit: str = ""
-    angle: float | None = None
-    first: float | None = None
-    step: float | None = None
-    offset: float = 0.0
-    latency: float = 0.0
-    reference: str = ""
-    confirmed: bool = False
+    unit: str = ""  # of the values; "" if it is not known
+    angle: float | None = None  # of a radius or diameter: its direction, degrees from the toolface; None: not known
+    first: float | None = None  # of an image: angle of its first sector, degrees; None: not stated
+    step: float | None = None  # from one sector of an image to the next
+    offset: float = 0.0  # of a wall channel: metres up the string from where the depth is counted to its sensor
+    latency: float = 0.0  # seconds from the measurement of this sensor to its time stamp
+    reference: str = ""  # of a toolface: what it counts from, one of REFERENCES; "": what the wall's counts from
+    confirmed: bool = False  # whether a map states this role: the checks for likely mistakes are then skipped
 
     @property
     def turns(self) -> bool:
@@ -166,18 +143,7 @@ class RoleMap:
 
 
 def guess(log_set: RawSet) -> RoleMap:
-    """Guess the role of every channel of a set.
-
-    Parameters
-    ----------
-    log_set
-        A set of an opened file.
-
-    Returns
-    -------
-    RoleMap
-        One role for each channel, with its reason; ``none`` if no role fits.
-    """
+    """Guess the role of every channel of a set, each with its reason; ``none`` if no role fits."""
     roles = {channel.name: _none(channel, NO_RULE) for channel in log_set}
     _single_roles(log_set, roles)
     has_toolface = any(role.role == "toolface" for role in roles.values())
@@ -236,13 +202,8 @@ def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
     inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
     for role, name, described in PATTERNS:
         for channel in log_set:
-            if (
-                len(channel.shape) != 1
-                or channel.shape[0] != log_set.rows
-                or (channel.is_text and role not in ("time", "toolface-reference"))
-            ):
-                continue
-            how = _match(channel, name, described)
+            allowed = not channel.is_text or role in ("time", "toolface-reference")
+            how = _match(channel, name, described) if allowed and channel.shape == (log_set.rows,) else ""
             if not how or roles[channel.name].role != "none":
                 continue
             if not _fits(channel, ROLES[role]):
@@ -284,8 +245,8 @@ def _image_role(channel: Channel) -> Role:
     """Return the role of an image: a unit of length makes it a caliper image, a travel time an echo image."""
     sectors = channel.shape[1]
     if channel.members:
-        first_name, *_, last_name = channel.member_names
-        reason = f"{sectors} columns {first_name} to {last_name}, numbered without a gap, one unit"
+        ends = f"{channel.member_names[0]} to {channel.member_names[-1]}"
+        reason = f"{sectors} columns {ends}, numbered without a gap, one unit"
     else:
         reason = f"stored as an array of {sectors}"
     role = "image"
