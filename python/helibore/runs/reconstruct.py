@@ -67,34 +67,26 @@ def reconstruct(
     >>> wall.radius
     array([0.1, 0.1, 0.1, 0.1, 0.1])
     """
-    caliper, earlier = _prepared(samples, preparation, path, track, bit_diameter)
-    wall = samples_to_wall.reconstruct(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
-    if earlier is not None:
-        compare(wall, samples_to_wall.reconstruct(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
-    return wall
-
-
-def _prepared(
-    samples: Caliper | Prepared | Readings | Sequence[Readings],
-    preparation: Preparation | None,
-    path: Path | None,
-    track: Track | None,
-    bit_diameter: float,
-) -> tuple[Caliper, Caliper | None]:
-    """Return the samples of the wall, and those of the earlier passes."""
-    if not isinstance(samples, Caliper):
+    earlier = None
+    if isinstance(samples, Caliper):
+        caliper = samples
+    else:
         if hasattr(samples, "columns") or isinstance(samples, dict):
             rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
             raise InputError("samples", rule, type(samples).__name__)
         from helibore.preparation.prepare import Prepared, prepare
 
         if not isinstance(samples, Prepared):
-            made = prepare(samples, preparation, path, track, bit_diameter if bit_diameter > 0 else None)
-            return made.caliper, made.earlier
+            samples = prepare(samples, preparation, path, track, bit_diameter if bit_diameter > 0 else None)
+            preparation = track = None
+        caliper, earlier = samples.caliper, samples.earlier
     for name, given in (("preparation", preparation), ("track", track)):
         if given is not None:
             raise InputError(name, f"is for readings; a {type(samples).__name__} is prepared")
-    return (samples, None) if isinstance(samples, Caliper) else (samples.caliper, samples.earlier)
+    wall = samples_to_wall.reconstruct(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
+    if earlier is not None:
+        compare(wall, samples_to_wall.reconstruct(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
+    return wall
 
 
 def compare(wall: Wall, earlier: Wall) -> None:

@@ -35,16 +35,9 @@ from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
+from helibore.runs import settings as settings_files
 from helibore.runs.reconstruct import reconstruct
-from helibore.runs.settings import (
-    ImageInput,
-    Input,
-    Output,
-    RunSettings,
-    read_settings,
-    settings_file,
-    write_settings,
-)
+from helibore.runs.settings import ImageInput, Input, Output, RunSettings
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
@@ -137,31 +130,16 @@ class Files:
 
 @dataclass
 class Run:
-    """A run: its settings, its files, and the wall.
+    """A run: its settings, its files, and the wall."""
 
-    Attributes
-    ----------
-    settings
-        What it is made with. ``save_settings`` fills in the checksums.
-    files, opener
-        The open files, and what opened them.
-    tune
-        Whether `make_wall` replaces the settings of the wall by those that `helibore.tune` finds.
-    messages
-        (label, sentence) for what was read, left out and corrected, in order.
-    readings, prepared
-        What the caliper files hold, and the samples that preparation makes of it; () and None for other sources.
-    survey, path
-        The survey and its path; None without.
-    """
-
-    settings: RunSettings
+    settings: RunSettings  # ``save_settings`` fills in the checksums
     files: Files
     opener: Opener
-    tune: bool = False
+    tune: bool = False  # whether `make_wall` replaces the settings of the wall by those that `helibore.tune` finds
+    # (label, sentence) for what was read, left out and corrected, in order
     messages: list[tuple[str, str]] = field(default_factory=list)
-    readings: tuple[Readings, ...] = ()
-    prepared: Prepared | None = None
+    readings: tuple[Readings, ...] = ()  # of the caliper files
+    prepared: Prepared | None = None  # the samples that preparation makes of the readings
     survey: Survey | None = None
     path: WellPath | None = None
     built: Wall | None = None
@@ -192,13 +170,10 @@ class Run:
 def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None = None) -> Run:
     """Repeat a run from its settings, or from the file they are in, up to the wall.
 
-    Raises
-    ------
-    InputError
-        If an input has changed, naming it and both checksums; and as the run itself.
+    If an input has changed, an InputError names it and both checksums.
     """
     if not isinstance(settings, RunSettings):
-        settings = read_settings(settings)
+        settings = settings_files.read_settings(settings)
     return make_wall(reopen(settings), threads)
 
 
@@ -214,31 +189,29 @@ def reopen(settings: RunSettings) -> Run:
             raise InputError(str(each.file), f"has changed since the run: {rule}")
 
     def again(one: Input) -> Opened:
-        return opener.opened(one.file, lambda file: _known(file, one), one.header_line)
+        def known_roles(file: LogFile) -> RoleMap:
+            log = file.set(one.set)
+            for role in one.channel:
+                if role.channel not in log:
+                    raise InputError(log.path.name, f"no channel {role.channel!r}; it holds {', '.join(log.names)}")
+            return one.roles
+
+        return opener.opened(one.file, known_roles, one.header_line)
 
     alone = {name: again(one) for name in ("average", "track", "survey") if (one := getattr(settings, name))}
     return Run(settings, Files(tuple(map(again, settings.caliper)), **alone), opener)
 
 
-def _known(file: LogFile, one: Input) -> RoleMap:
-    log = file.set(one.set)
-    for role in one.channel:
-        if role.channel not in log:
-            raise InputError(log.path.name, f"no channel {role.channel!r}; it holds {', '.join(log.names)}")
-    return one.roles
-
-
-def _no_stage(name: str, text: str) -> AbstractContextManager[None]:  # noqa: ARG001
-    return nullcontext()
-
-
-def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) -> Run:
+def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nullcontext()) -> Run:
     """Read the files of a run and build its wall, with its path and its images."""
     settings = run.settings
     for each in settings.inputs:
         run.opener.start_checksum(each.file)
     with stage("read", f"Reading {', '.join(one.file.name for one in settings.inputs) or 'nothing'}"):
-        _read_path(run)
+        if run.files.survey is not None:
+            how: Any = settings.path
+            run.survey = run.files.survey.log.survey(run.files.survey.roles)
+            run.path = run.survey.path(how.method, how.reference or "high-side", how.head, how.extend)
         if settings.archive is not None:
             run.built = load(settings.archive.file)
             if run.path is not None and run.built.path is not None:
@@ -261,7 +234,8 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = _no_stage) ->
                 _check_interval(name, caliper.depth, settings.wall)
             else:
                 made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
-                run.messages += run.prepared.report or ([] if _missing(run) else [("dropped", "nothing")])
+                complete = not any(found.missing for found in run.readings)
+                run.messages += run.prepared.report or ([("dropped", "nothing")] if complete else [])
                 _check_interval(run.readings[0].name, run.prepared.caliper.depth, settings.wall)
             if run.tune:
                 settings = _tune(run, made if isinstance(made, Caliper) else made.caliper, threads)
@@ -300,21 +274,6 @@ def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
     return messages
 
 
-def _missing(run: Run) -> bool:
-    return any(found.missing for found in run.readings)
-
-
-def _read_path(run: Run) -> None:
-    file, how = run.files.survey, run.settings.path
-    if file is None:
-        return
-    run.survey = file.log.survey(file.roles)
-    north, east, down = how.head
-    reference: Any = how.reference or "high-side"
-    method: Any = how.method
-    run.path = run.survey.path(method, reference, (north, east, down), how.extend)
-
-
 def _track(file: Opened) -> Track:
     """Depth and toolface by time."""
     when = column(file.log, needed(file.log, file.roles, "time"))
@@ -338,10 +297,6 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     except KeyError as error:
         names = ", ".join(opened.set().names)
         raise InputError(one.file.name, f"no channel {one.name!r}; it holds {names}") from error
-    except InputError:
-        raise
-    except ValueError as error:
-        raise InputError(one.file.name, str(error)) from error
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
     assumed = "" if stated else ", as nothing says otherwise (:north or --reference north would)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
@@ -428,7 +383,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
         caliper=tuple(map(known, settings.caliper)), image=tuple(map(known, settings.image)),
         **{name: known(getattr(settings, name)) for name in ("average", "archive", "track", "survey")},
     )  # fmt: skip
-    write_settings(settings_file(output), run.settings)
+    settings_files.write_settings(settings_files.settings_file(output), run.settings)
     return run.settings
 
 
@@ -437,10 +392,10 @@ def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
     before: tuple[str, ...] = ()
     for each, found in zip(run.files.caliper, run.readings, strict=True):
         yield "caliper", each.line()
-        notes = tuple(found.notes)
-        for sentence in (*each.log.remarks, *(notes if notes != before else ()), *depth_remarks(each.log, each.roles)):
+        notes = found.notes if found.notes != before else ()
+        for sentence in (*each.log.remarks, *notes, *depth_remarks(each.log, each.roles)):
             yield "", sentence
-        before = notes
+        before = found.notes
         for name, count in found.missing.items():
             yield "missing", f"{count:,} values of {name}"
 
@@ -457,26 +412,20 @@ def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
         for sentence in (*file.log.remarks, *(note(role) for role in file.roles.all(*roles))):
             yield "", sentence
         if label == "survey" and run.survey is not None:
-            origin = _first_station(file, run.survey, run.settings.path.head)
-            if origin:
-                yield "", origin
+            yield from (("", sentence) for sentence in _first_station(file, run.survey, run.settings.path.head))
 
 
-def _first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> str:
-    """Say what positions and TVD count from where no head is given; "" where the first station is the origin."""
-    if any(head):
-        return ""
+def _first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> Iterator[str]:
+    """Say what positions and TVD count from, if no head is given and the first station is not the origin."""
     top = float(survey.depth[0])
     row = int(np.flatnonzero(column(file.log, needed(file.log, file.roles, "depth")) == top)[0])
     found = [file.roles.one(name) for name in ("north", "east", "tvd")]
     stated = [float(column(file.log, role)[row]) for role in found if role is not None and role.unit]
-    if len(stated) == 3 and np.isfinite(stated).all():
-        if np.abs(stated).max() <= 0.001:
-            return ""
+    known = len(stated) == 3 and bool(np.isfinite(stated).all())
+    if any(head) or (np.abs(stated).max() if known else top) <= 0.001:
+        return
+    place = "--head says where it lies"
+    if known:
         north, east, down = (f"{value:.10g}" for value in stated)
         place = f"the file has it at north {north}, east {east}, down {down} m; --head {north} {east} {down} takes that"
-    elif top <= 0.001:
-        return ""
-    else:
-        place = "--head says where it lies"
-    return f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"
+    yield f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"

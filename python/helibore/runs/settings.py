@@ -38,27 +38,13 @@ SOURCES = ("caliper", "average", "archive", "gauge")
 
 @dataclass(frozen=True)
 class Input:
-    """A file that was read: its checksum, the set, and the role of every channel used.
-
-    Attributes
-    ----------
-    file
-        The file.
-    blake2b
-        Of its bytes, in hexadecimal; "" while not known.
-    set
-        Name of the set; None where the file has no sets.
-    channel
-        The roles.
-    header_line
-        The line of a table's column names, where it was given.
-    """
+    """A file that was read: its checksum, the set, and the role of every channel used."""
 
     file: Path
-    blake2b: str = ""
-    set: str | None = None
+    blake2b: str = ""  # of its bytes, in hexadecimal; "" while not known
+    set: str | None = None  # None where the file has no sets
     channel: tuple[Role, ...] = ()
-    header_line: int | None = None
+    header_line: int | None = None  # the line of a table's column names, where it was given
 
     @property
     def roles(self) -> RoleMap:
@@ -100,54 +86,24 @@ class PathSettings:
 
 @dataclass(frozen=True, kw_only=True)
 class RunSettings:
-    """Everything that decides the bytes of an output.
+    """Everything that decides the bytes of an output."""
 
-    Attributes
-    ----------
-    helibore
-        The version that wrote them.
-    verb, options
-        The command, and its own options by name.
-    nulls
-        Numbers that mean no value.
-    output
-        What was written; None before that.
-    caliper
-        Caliper files of one hole, earliest first.
-    average
-        The file of an average caliper, with a channel of the role mean-diameter.
-    archive
-        The archive of a wall.
-    gauge
-        Whether the wall is a gauge hole, which nothing measured.
-    survey, track
-        The survey; and depth and toolface by time. None without.
-    image
-        Images on the wall.
-    echo
-        How travel times become radii; None without.
-    preparation, path
-        What is done to the readings, and how the survey becomes a path.
-    wall
-        What the wall is built with; None for an archive.
-    """
-
-    helibore: str = field(default_factory=lambda: __version__)
-    verb: str = field(default_factory=lambda: "reconstruct")
-    nulls: tuple[float, ...] = field(default_factory=lambda: NULLS)
-    gauge: bool = False
-    output: Output | None = None
-    caliper: tuple[Input, ...] = ()
-    average: Input | None = None
-    archive: Input | None = None
-    track: Input | None = None
+    helibore: str = field(default_factory=lambda: __version__)  # the version that wrote them
+    verb: str = field(default_factory=lambda: "reconstruct")  # the command
+    nulls: tuple[float, ...] = field(default_factory=lambda: NULLS)  # numbers that mean no value
+    gauge: bool = False  # whether the wall is a gauge hole, which nothing measured
+    output: Output | None = None  # what was written; None before that
+    caliper: tuple[Input, ...] = ()  # caliper files of one hole, earliest first
+    average: Input | None = None  # an average caliper, with a channel of the role mean-diameter
+    archive: Input | None = None  # the archive of a wall
+    track: Input | None = None  # depth and toolface by time
     survey: Input | None = None
     image: tuple[ImageInput, ...] = ()
-    echo: Echo | None = None
+    echo: Echo | None = None  # how travel times become radii
     preparation: Preparation = field(default_factory=Preparation)
-    path: PathSettings = field(default_factory=PathSettings)
-    wall: Settings | None = None
-    options: dict[str, Any] = field(default_factory=dict)
+    path: PathSettings = field(default_factory=PathSettings)  # how the survey becomes a path
+    wall: Settings | None = None  # what the wall is built with; None for an archive
+    options: dict[str, Any] = field(default_factory=dict)  # the command's own options by name
 
     def __post_init__(self) -> None:
         if sum(bool(getattr(self, name)) for name in SOURCES) != 1:
@@ -205,19 +161,9 @@ def _tree(value: Any, folder: Path) -> Any:
 
 
 def read_settings(path: str | os.PathLike[str]) -> RunSettings:
-    """Read the settings of a run; no file that they name is opened.
+    """Read the settings of a run. File names become paths that can be opened from here; none is opened.
 
-    Returns
-    -------
-    RunSettings
-        With files as paths that can be opened from here.
-
-    Raises
-    ------
-    InputError
-        Naming the file, the table, the key and the rule.
-    OSError
-        If it cannot be read.
+    An InputError names the file, the table, the key and the rule.
     """
     import tomllib
 
