@@ -17,21 +17,12 @@ from typing import IO, Any
 
 import click
 
+from helibore._core import __version__
 from helibore.base.errors import MissingExtraError
 
-VERBS = {
-    "demo": "helibore.cli.demo:demo",
-    "inspect": "helibore.cli.inspect:inspect",
-    "live": "helibore.cli.live:live",
-    "logs": "helibore.cli.logs:logs",
-    "mesh": "helibore.cli.mesh:mesh",
-    "plot": "helibore.cli.plot:plot",
-    "reconstruct": "helibore.cli.mesh:reconstruct",
-    "report": "helibore.cli.plot:report",
-    "simulate": "helibore.cli.simulate:simulate",
-    "view": "helibore.cli.view:view",
-}
-"""Where the command of each verb is."""
+VERBS = ("demo", "inspect", "live", "logs", "mesh", "plot", "reconstruct", "report", "simulate", "view")
+MODULES = {"reconstruct": "mesh", "report": "plot"}
+"""The module of a verb, if it is not of the same name."""
 
 
 class BadInput(click.ClickException):
@@ -64,17 +55,17 @@ def _one_line_errors() -> Iterator[None]:
 class Verbs(click.Group):
     """The verbs, loaded late."""
 
-    def list_commands(self, ctx: click.Context) -> list[str]:
+    def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
         """Return the names of all verbs."""
-        return sorted({*super().list_commands(ctx), *VERBS})
+        return list(VERBS)
 
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """Load one verb."""
-        if cmd_name in VERBS:
-            module, _, name = VERBS[cmd_name].partition(":")
-            command: click.Command = getattr(importlib.import_module(module), name)
-            return command
-        return super().get_command(ctx, cmd_name)
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
+        """Load one verb; None if there is no such verb."""
+        if cmd_name not in VERBS:
+            return None
+        module = importlib.import_module(f"helibore.cli.{MODULES.get(cmd_name, cmd_name)}")
+        command: click.Command = getattr(module, cmd_name)
+        return command
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
         """Parse the options before the verb."""
@@ -87,18 +78,8 @@ class Verbs(click.Group):
             return super().invoke(ctx)
 
 
-def _show_version(ctx: click.Context, _: click.Parameter, wanted: bool) -> None:
-    if wanted and not ctx.resilient_parsing:
-        from helibore._core import __version__
-
-        click.echo(f"helibore {__version__}")
-        ctx.exit()
-
-
 @click.group(cls=Verbs, context_settings={"help_option_names": ["-h", "--help"], "max_content_width": 110})
-@click.option(
-    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_show_version, help="Show the version."
-)
+@click.version_option(__version__, message="helibore %(version)s", help="Show the version.")
 def cli() -> None:
     """Turn scattered borehole measurements into a wall.
 

@@ -41,13 +41,10 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
         surface = wall.surface(demonstration.path)
         surface.save(output / "helibore-demo.glb")
     with terminal.stage("picture", "Drawing helibore-demo.png"):
-        length = simulation.hole.stop - simulation.hole.start
+        length, noise = simulation.hole.stop - simulation.hole.start, f"{simulation.tool.noise * 1e3:g} mm noise"
         title = f"{length:g} m of borehole wall from {simulation.depth.size:,} samples"
-        subtitle = (
-            f"Simulated drilling with stick-slip and {simulation.tool.noise * 1e3:g} mm noise; rms error of the wall "
-            f"{off.rms * 1e3:.2f} mm"
-        )
-        figure = plot.overview(wall, title=title, subtitle=subtitle, scale=DEPTH_SCALE, dpi=DPI)
+        about = f"Simulated drilling with stick-slip and {noise}; rms error of the wall {off.rms * 1e3:.2f} mm"
+        figure = plot.overview(wall, title=title, subtitle=about, scale=DEPTH_SCALE, dpi=DPI)
         plot.save(figure, output / "helibore-demo.png")
     lines = summary_lines(wall.summary(), f", {len(surface.quads):,} quads")
     lines += [

@@ -70,9 +70,8 @@ def show(console: Console, opened: LogFile, names: list[str], mapped: RoleMap | 
         if not wide:
             for role in roles:
                 if role.role != "none" or role.reason != NO_RULE:
-                    console.print(
-                        f"  {escape(role.channel)}: [green]{role.role}[/], {escape(role.reason)}", highlight=False
-                    )
+                    text = f"  {escape(role.channel)}: [green]{role.role}[/], {escape(role.reason)}"
+                    console.print(text, highlight=False)
         for remark in [*log_set.remarks, *depth_remarks(log_set, roles)]:
             console.print(f"  - {escape(remark)}", highlight=False)
         warning = refusal(log_set, roles)
@@ -84,7 +83,7 @@ def show(console: Console, opened: LogFile, names: list[str], mapped: RoleMap | 
 
 
 def refusal(log_set: LogSet, roles: RoleMap) -> str:
-    """Why the samples or the survey of a set would be refused with these roles; "" where they would not."""
+    """Return why the samples or the survey of a set would be refused with these roles, "" if they would not."""
     try:
         if roles.all("radius", "diameter", "radius-image"):
             log_set.readings(roles)
@@ -106,25 +105,16 @@ def table(log_set: LogSet, roles: RoleMap, reasons: bool, title: str) -> Table:
         drawn.add_column(heading, justify=justify, overflow="fold", no_wrap=whole)
     for channel in log_set:
         role = roles.roles.get(channel.name) or Role(channel.name, "none", "")
-        drawn.add_row(
-            escape(channel.name),
-            _unit(role),
-            *([str(channel.shape[1]) if len(channel.shape) == 2 else ""] if images else []),
-            escape(span(channel)),
-            share(channel),
-            "" if role.role == "none" else f"[green]{role.role}[/]",
-            *([escape(role.reason)] if reasons else []),
-        )
+        needs_unit = bool(ROLES[role.role]) and role.role != "time"
+        unit = escape(role.unit) or ("[red]missing[/]" if needs_unit else "")
+        width = [str(channel.shape[1]) if len(channel.shape) == 2 else ""] if images else []
+        colored, why = "" if role.role == "none" else f"[green]{role.role}[/]", [escape(role.reason)] if reasons else []
+        drawn.add_row(escape(channel.name), unit, *width, escape(span(channel)), share(channel), colored, *why)
     return drawn
 
 
-def _unit(role: Role) -> str:
-    needed = bool(ROLES[role.role]) and role.role != "time"
-    return escape(role.unit) or ("[red]missing[/]" if needed else "")
-
-
 def span(channel: Channel) -> str:
-    """Smallest and largest value, or the first text."""
+    """Return the smallest and the largest value, or the first text."""
     if channel.is_text:
         return f"{str(channel.values.flat[0])[:16]!r} ..." if channel.values.size else "text"
     found = channel.values[np.isfinite(channel.values)]
@@ -132,11 +122,11 @@ def span(channel: Channel) -> str:
 
 
 def short(value: float) -> str:
-    """Five digits, and all before the point: 0.0386, 2.5554, 1590.1, 1023720."""
+    """Return a number with five digits, and all before the point: 0.0386, 2.5554, 1590.1, 1023720."""
     return f"{value:.0f}" if 1e4 <= abs(value) < 1e9 else f"{value:.5g}"
 
 
 def share(channel: Channel) -> str:
-    """Missing values: count and percent."""
+    """Return the number of missing values, and what percentage they are."""
     total = channel.values.size
     return f"{channel.missing:,} ({100 * channel.missing / total:.2g} %)" if channel.missing and total else "0"

@@ -28,7 +28,7 @@ Lines = list[tuple[str, str]]
 
 
 def summary_lines(found: WallSummary, cells: str = "") -> Lines:
-    """The summary of a wall or an interval of it; ``cells`` says what of it was written."""
+    """Describe a wall or an interval of it; ``cells`` says what of it was written."""
     helix = f"{found.sectors} sectors, pitch {found.pitch:g} m: {found.vertices:,} vertices"
     samples = f", from {found.samples:,} samples" if found.samples else ""
     lines = [("wall", f"{found.start:.2f} to {found.stop:.2f} m, {helix}{cells}{samples}")]
@@ -58,7 +58,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
 
 
 def trust_lines(found: WallSummary) -> Lines:
-    """What a reader of the numbers and pictures must know: a tool with few arms, a wall that is mostly interpolated."""
+    """Warn of a tool with few arms, or of a wall that is mostly interpolated."""
     texts = list(found.warnings)
     if found.basis == "azimuthal" and found.coverage < COVERED and not texts:
         texts = [f"{100 * found.coverage:.0f} % of the turns is measured; the wall between is interpolated"]
@@ -90,13 +90,13 @@ def _volume(cubic_metres: float) -> str:
 
 
 def row_line(rows: Logs) -> tuple[str, str]:
-    """The rows of a file of logs."""
+    """Describe the rows of a file of logs."""
     each = "one a turn" if rows.step is None else f"one each {rows.step:g} m"
     return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
 
 
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
-    """The volume around each casing, and where the least clearance is."""
+    """Describe the volume around each casing, and where the least clearance is."""
     lines: Lines = []
     for each in annuli:
         text = f"{size_text(each.outer_diameter)}: annulus {_volume(each.total)}"
@@ -111,7 +111,7 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
 
 
 def zone_lines(zones: Classification, found: WallSummary) -> Lines:
-    """The zones that reach into the interval of a summary, and the criteria they were found with."""
+    """Describe the zones that reach into the interval of a summary, and the criteria they were found with."""
     lengths: dict[str, list[float]] = {}
     for zone in zones.zones:
         if zone.stop > found.start and zone.start < found.stop:
@@ -127,7 +127,7 @@ def zone_lines(zones: Classification, found: WallSummary) -> Lines:
 
 
 def breakout_line(found: ImageBreakouts) -> tuple[str, str]:
-    """The breakouts that an image shows."""
+    """Describe the breakouts that an image shows."""
     name, axis = found.image.name, found.axis()
     if not found.zones:
         return "image", f"{name}: no dark sectors on opposite sides by the criteria"

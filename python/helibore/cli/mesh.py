@@ -95,15 +95,25 @@ def _write(verb: str, options: dict[str, Any]) -> None:
         check_file(centres, TABLES)
     run = open_run(options, terminal, (output, *([centres] if centres else [])))
     options = own_options(run, verb, options)
-    ends = _interval(run, options)
+    ends, built = (options["start_depth"], options["stop_depth"]), run.settings.wall
+    if built is not None and set(ends) == {built.start_depth, built.stop_depth}:
+        ends = (None, None)  # the whole wall, which is built for this interval
     _check(run, options, ends)
     from helibore.runs.run import make_wall, placing
 
     make_wall(run, options["threads"], terminal.stage)
-    wall = run.wall
+    wall, shells = run.wall, list(options["shells"])
+    made: Surface | Volume
     with terminal.stage("place", f"Placing {len(wall):,} vertices"), placing(run):
-        made = _volume(wall, options["shells"], *ends) if options["shells"] else wall.surface("own", *ends)
-    _check_cells(run, made)
+        made = wall.volume("own", shells, *ends) if shells else wall.surface("own", *ends)
+        if isinstance(made, Volume):
+            for name, image in wall.images.items():
+                made.hang(name, [image.on(wall)] * len(shells), image.unit)
+    if not len(made.hexes if isinstance(made, Volume) else made.quads):
+        low, high = wall.depth.min(initial=np.inf), wall.depth.max(initial=-np.inf)
+        where = f"between {low:g} and {high:g} m, at {abs(wall.settings.pitch):g} m a turn"
+        name = run.readings[0].name if run.readings else run.name
+        raise InputError(name, f"no quads: no two turns of the wall lie side by side {where}")
     with terminal.stage("save", f"Writing {output.name}"):
         _save(wall, made, output, options["color_by"])
         if centres is not None and run.prepared is not None and run.prepared.centres is not None:
@@ -112,12 +122,6 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     if not options["quiet"]:
         sure = _error_lines(run, options["threads"]) if verb == "reconstruct" else []
         terminal.summary([*run.messages, *_lines(run, made, ends), *sure, *saved, ("time", terminal.times())])
-
-
-def _interval(run: Run, options: dict[str, Any]) -> tuple[float | None, float | None]:
-    """The interval to write: the whole wall, where the wall is built for the interval of the options."""
-    ends, wall = (options["start_depth"], options["stop_depth"]), run.settings.wall
-    return (None, None) if wall is not None and set(ends) == {wall.start_depth, wall.stop_depth} else ends
 
 
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
@@ -136,25 +140,8 @@ def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | 
             raise click.UsageError(f"{name}: does not go with {ending}, which holds the whole wall")
 
 
-def _check_cells(run: Run, made: Surface | Volume) -> None:
-    if len(made.hexes if isinstance(made, Volume) else made.quads):
-        return
-    depth, pitch = run.wall.depth, abs(run.wall.settings.pitch)
-    low, high = depth.min(initial=np.inf), depth.max(initial=-np.inf)
-    rule = f"no two turns of the wall lie side by side between {low:g} and {high:g} m, at {pitch:g} m a turn"
-    name = run.readings[0].name if run.readings else run.name
-    raise InputError(name, f"no quads: {rule}")
-
-
-def _volume(wall: Wall, shells: tuple[float, ...], start: float | None, stop: float | None) -> Volume:
-    volume = wall.volume("own", list(shells), start, stop)
-    for name, image in wall.images.items():
-        volume.hang(name, [image.on(wall)] * len(shells), image.unit)
-    return volume
-
-
 def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None) -> None:
-    """Write it; where the file has colours, as is customary for what it is coloured by."""
+    """Write a mesh or an archive; a mesh has the usual colours of what it is coloured by."""
     if output.suffix.lower() == ARCHIVE:
         wall.save(output)
     elif isinstance(made, Volume):
@@ -165,7 +152,7 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
-    """The colours of an image: its customary map, between percentiles where it has a range."""
+    """Return the usual colours of an image: its colour map, between percentiles of its values."""
     from helibore.base.colors import customary_map
     from helibore.images.normalization import PERCENTILES
 
@@ -178,20 +165,21 @@ def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any
     return {"limits": (low, high) if low < high else None, "color_map": color_map, "log": color_map == "resistivity"}
 
 
+CENTRE_COLUMNS = (
+    ("turn", "", 0), ("x", "_m", 7), ("y", "_m", 7), ("sigma_x", "_m", 7), ("sigma_y", "_m", 7),
+    ("eccentering", "_m", 7), ("direction", "_deg", 2), ("mean_radius", "_m", 7), ("noise", "_m", 7),
+    ("inliers", "", 4), ("one_sided", "", 4), ("samples", "", 0),
+)  # fmt: skip
+"""Columns of the table of centres after the depth: name, unit and number of decimals."""
+
+
 def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
     """Write the tool's centre in each turn as a table."""
     from helibore.files.table_writing import write_table
 
-    columns: dict[str, tuple[Floats, int]] = {
-        "depth_m": (np.empty(0) if depth is None else depth, 4),
-        "turn": (found.turn.astype(np.float64), 0),
-        **{f"{name}_m": (getattr(found, name), 7) for name in ("x", "y", "sigma_x", "sigma_y", "eccentering")},
-        "direction_deg": (found.direction, 2),
-        **{f"{name}_m": (getattr(found, name), 7) for name in ("mean_radius", "noise")},
-        "inliers": (found.inliers, 4),
-        "one_sided": (found.one_sided, 4),
-        "samples": (found.samples.astype(np.float64), 0),
-    }
+    columns = {"depth_m": (np.empty(0) if depth is None else depth, 4)}
+    for name, unit, decimals in CENTRE_COLUMNS:
+        columns[name + unit] = (getattr(found, name).astype(np.float64), decimals)
     write_table(file, columns)
 
 
@@ -210,14 +198,11 @@ def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | N
     lines = summary_lines(run.wall.summary(*ends), cells)
     for name, values in made.attributes.items():
         known = values[np.isfinite(values)]
-        missing = values.size - known.size
+        label, text = "missing", f"{values.size - known.size:,} of {values.size:,} cells have no {name}"
         if name == "difference" and known.size:
-            middle = (
-                f"{1e3 * np.median(known):+.2f} mm in the median, {1e3 * known.min():+.2f} to {1e3 * known.max():+.2f}"
-            )
-            lines.append(
-                (name, f"wall less that of the earlier passes: {middle}; {known.size:,} of {values.size:,} quads")
-            )
-        else:
-            lines.append(("missing", f"{missing:,} of {values.size:,} cells have no {name}"))
+            median, low, high = 1e3 * np.median(known), 1e3 * known.min(), 1e3 * known.max()
+            spread = f"{median:+.2f} mm in the median, {low:+.2f} to {high:+.2f}"
+            count = f"{known.size:,} of {values.size:,} quads"
+            label, text = name, f"wall less that of the earlier passes: {spread}; {count}"
+        lines.append((label, text))
     return lines

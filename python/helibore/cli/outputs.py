@@ -1,4 +1,4 @@
-"""What all commands that write have in common: their output, their own options in the settings, what was written."""
+"""What all commands that write share: their output, their own options in the settings, lines on what was written."""
 
 from __future__ import annotations
 
@@ -46,13 +46,13 @@ def check_folder(file: Path) -> None:
 def _own(context: click.Context) -> dict[str, click.Parameter]:
     """The command's own options that its settings record: all but those of the wall, but with the interval."""
     shared = {names for options in SECTIONS.values() for names, _ in options}
-    found = {}
-    for parameter in context.command.params:
-        name = parameter.name or ""
-        wall = any(opt in names.split() for names in shared for opt in parameter.opts)
-        if name in ("start_depth", "stop_depth") or not (wall or name in NOT_RECORDED):
-            found[name] = parameter
-    return found
+    of_wall = {name for names in shared for name in names.split()}
+    return {
+        name: each
+        for each in context.command.params
+        if (name := str(each.name)) in ("start_depth", "stop_depth")
+        or not (of_wall.intersection(each.opts) or name in NOT_RECORDED)
+    }
 
 
 def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
@@ -67,8 +67,7 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
         try:
             wanted = _plain(own[name].type_cast_value(context, value))
         except (click.BadParameter, TypeError, ValueError) as error:
-            rule = error.message if isinstance(error, click.BadParameter) else str(error)
-            raise InputError(f"{place}.{name}", rule, repr(value)) from error
+            raise InputError(f"{place}.{name}", getattr(error, "message", str(error)), repr(value)) from error
         if wanted != value or isinstance(wanted, bool) != isinstance(value, bool):
             raise InputError(f"{place}.{name}", f"must be as {wanted!r}", repr(value))
         if context.get_parameter_source(name) is not ParameterSource.COMMANDLINE:
@@ -77,7 +76,7 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
 
 
 def _plain(value: Any) -> Any:
-    """A value as TOML has it."""
+    """Return a value as TOML has it."""
     return [_plain(each) for each in value] if isinstance(value, tuple | list) else value
 
 

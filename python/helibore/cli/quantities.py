@@ -20,43 +20,24 @@ else:
 
 
 class Quantity(Parameter[float | None]):
-    """A number with a unit of one kind, in metres, degrees or seconds."""
+    """A number with a unit of one kind, in metres, degrees or seconds, and at most ``largest``."""
 
-    def __init__(self, kind: str, none: bool = False) -> None:
-        self.kind, self.name, self.none = kind, kind, none
+    def __init__(self, kind: str, none: bool = False, largest: float = float("inf")) -> None:
+        self.kind, self.name, self.none, self.largest = kind, kind, none, largest
 
     def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
         """Read the text of an option."""
-        if not isinstance(value, str):
-            return value
-        if self.none and value.lower() == "none":
+        if self.none and str(value).lower() == "none":
             return None
         try:
-            return units.quantity(value, self.kind)
+            number = units.quantity(value, self.kind) if isinstance(value, str) else value
         except ValueError as error:
             self.fail(str(error), param, ctx)
-
-
-class BitDiameter(Quantity):
-    """A length no larger than a bit; inches without a unit are the usual mistake."""
-
-    LARGEST = 4.0
-
-    def __init__(self) -> None:
-        super().__init__(units.LENGTH)
-
-    def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
-        """Read the text of an option."""
-        metres = super().convert(value, param, ctx)
-        if metres is not None and metres > self.LARGEST:
-            unit = "mm" if metres > 100 else "in"
-            meant = f"; a number without a unit is metres: {value}{unit}?" if _bare(value) else ""
-            self.fail(f"'{value}': must be at most {self.LARGEST:g} m{meant}", param, ctx)
-        return metres
-
-
-def _bare(value: str | float) -> bool:
-    return str(value).strip()[-1:].isdigit()
+        if number is not None and number > self.largest:  # inches without a unit are the usual mistake
+            bare, unit = str(value).strip()[-1:].isdigit(), "mm" if number > 100 else "in"
+            meant = f"; a number without a unit is metres: {value}{unit}?" if bare else ""
+            self.fail(f"'{value}': must be at most {self.largest:g} m{meant}", param, ctx)
+        return number
 
 
 class Parsed(Parameter[Any]):
@@ -90,7 +71,7 @@ LENGTH = Quantity(units.LENGTH)
 LENGTH_OR_NONE = Quantity(units.LENGTH, none=True)
 ANGLE = Quantity(units.ANGLE)
 TIME = Quantity(units.TIME)
-BIT = BitDiameter()
+BIT = Quantity(units.LENGTH, largest=4.0)
 NUMBERS = Parsed("numbers", "pass numbers, such as 2,3", lambda text: tuple(int(number) for number in text.split(",")))
 SHIFT = Parsed("pass=length", "PASS=LENGTH, such as 3=-0.2m", _shift)
 LIFT = Parsed("depth:length", "DEPTH:LENGTH in metres, such as 2030:5", _lift)

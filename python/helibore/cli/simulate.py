@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 
 PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "faults", "quiet")
-"""The options that a played rig heeds."""
+"""The options that a played rig uses."""
 
 
 @click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
@@ -127,24 +127,12 @@ def _write(folder: Path, simulation: Simulation, ending: str, seed: int) -> None
     from helibore.base.atomic_file import write_whole
     from helibore.files.table_writing import write_table
 
-    write_table(
-        folder / f"caliper.{ending}",
-        {
-            "time_s": (simulation.time, 3),
-            "depth_m": (simulation.depth, 5),
-            "toolface_deg": (simulation.toolface, 4),
-            "radius_m": (simulation.radius, 6),
-        },
-    )
-    write_table(
-        folder / "survey.csv",
-        {
-            "depth_m": (simulation.station_depth, 2),
-            "inclination_deg": (simulation.inclination, 4),
-            "azimuth_deg": (simulation.azimuth, 4),
-        },
-    )
+    time, depth, toolface, radius = simulation.time, simulation.depth, simulation.toolface, simulation.radius
+    samples = {"time_s": (time, 3), "depth_m": (depth, 5), "toolface_deg": (toolface, 4), "radius_m": (radius, 6)}
+    angles = {"inclination_deg": (simulation.inclination, 4), "azimuth_deg": (simulation.azimuth, 4)}
     sectors = {f"GR{j + 1}_gAPI": (simulation.gamma[:, j], 2) for j in range(simulation.gamma.shape[1])}
+    write_table(folder / f"caliper.{ending}", samples)
+    write_table(folder / "survey.csv", {"depth_m": (simulation.station_depth, 2)} | angles)
     write_table(folder / "gamma.csv", {"depth_m": (simulation.gamma_depth, 3)} | sectors)
 
     hole, vertices_a_turn, pitch = simulation.hole, 64, 0.1

@@ -14,7 +14,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Sequence
-from dataclasses import fields
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
@@ -29,7 +29,6 @@ from helibore.trajectory.references import Reference
 from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
-    from helibore.base.settings import Settings
     from helibore.channels.log_set import LogFile
     from helibore.channels.roles import RoleMap
     from helibore.cli.terminal import Terminal
@@ -55,15 +54,9 @@ class Sectioned(click.Command):
                 formatter.write_dl(records)
 
 
-class SectionOption(click.Option):
-    """An option of a section of the help."""
-
-    section = "Options"
-
-
 def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Command], Command]:
     """Give a command the options of a section: (names, what `click.option` takes)."""
-    kind = type(f"{name.title().replace(' ', '')}Option", (SectionOption,), {"section": name})
+    kind = type("SectionOption", (click.Option,), {"section": name})
 
     def add(command: Command) -> Command:
         for names, settings in reversed(options):
@@ -216,7 +209,8 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
             settings = read_settings(repeated)
             _check_outputs(outputs, [repeated, *(each.file for each in settings.inputs)], settings_file)
             run = reopen(settings)
-            _more_images(run, options)
+            images = (*settings.image, *(_image(text) for text in options["image"]))
+            run.settings = replace(settings, image=images)
         else:
             run = Run(*_opened(options), tune=options["tune"])
             _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
@@ -224,7 +218,6 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
 
 
 def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_file: Callable[[Path], Path]) -> None:
-
     for output in outputs:
         for file in inputs:
             if file.resolve() in (output.resolve(), settings_file(output).resolve()):
@@ -242,16 +235,15 @@ def _check_source(options: dict[str, Any]) -> None:
             instead = f"the settings beside it, {settings_beside.name}" if settings_beside.is_file() else instead
             raise InputError(file.name, f"a mesh has no samples; use {instead}")
     if bool(source) + (options["average"] is not None) + options["gauge"] + (settings is not None) != 1:
-        raise click.UsageError(
-            "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"
-        )
+        one = "exactly one of SOURCE, --average, --gauge and --from-settings"
+        raise click.UsageError(f"{one} must say what the wall is made from")
     if len(source) > 1 and endings & {ARCHIVE, SETTINGS}:
         raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
+    of_calipers = ("Columns", "Sensors", "Conditioning", "Passes")
     if options["gauge"]:
-        _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent",), "--gauge, which reads no caliper")
+        _refuse(of_calipers, ("absent",), "--gauge, which reads no caliper")
     elif options["average"] is not None:
-        why = "--average, which names its channel"
-        _refuse(("Columns", "Sensors", "Conditioning", "Passes"), ("absent", "sets"), why)
+        _refuse(of_calipers, ("absent", "sets"), "--average, which names its channel")
     elif ARCHIVE in endings:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
@@ -292,9 +284,8 @@ def _check_numbers(options: dict[str, Any]) -> None:
     if (options["mud_velocity"] is None) != (options["tool_radius"] is None):
         raise click.UsageError("--mud-velocity and --tool-radius: travel times need both")
     if len(options["maps"]) not in (0, 1, len(options["source"])):
-        raise click.UsageError(
-            f"{len(options['maps'])} maps for {len(options['source'])} caliper files: must be one, or one a file"
-        )
+        counts = f"{len(options['maps'])} maps for {len(options['source'])} caliper files"
+        raise click.UsageError(f"{counts}: must be one, or one a file")
     if options["track"] is not None and len(options["source"]) > 1:
         raise click.UsageError("--track: goes with one caliper file only")
 
@@ -302,6 +293,9 @@ def _check_numbers(options: dict[str, Any]) -> None:
 def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
     """Open every file that the options name; return the settings of the run, the files and what opened them."""
     from helibore.base.nulls import NULLS
+    from helibore.base.settings import Settings
+    from helibore.preparation.conditioning import Echo
+    from helibore.preparation.prepare import Preparation
     from helibore.runs.run import Files, Opener
     from helibore.runs.settings import Input, PathSettings, RunSettings
 
@@ -316,7 +310,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
             own = maps[number % len(maps)] if maps else None
             log = opener.log(file, options["header_line"])
             for name in set_names(log, options["sets"]) if options["sets"] else [None]:
-                choose = partial(_roles, set_name=name, map_file=own, columns=columns, arms=arms)
+                choose = partial(_roles, set_name=name, map_file=own, columns=columns, **arms)
                 calipers.append(opener.opened(file, choose, options["header_line"]))
     average = survey = track = None
     if options["average"] is not None:
@@ -335,25 +329,35 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
         choose = partial(_roles, set_name=None, map_file=options["track_map"], columns={})
         track = opener.opened(options["track"], choose)
     files = Files(tuple(calipers), average, track, survey)
+    named = options | {"steep": options["switch"][0], "level": options["switch"][1]}
+    if options["radius_range"]:
+        named |= dict(zip(("least_radius", "greatest_radius"), options["radius_range"], strict=True))
+    if options["pitch"] < 0:  # a helix that goes up starts at its deep end
+        named |= {"start_depth": options["stop_depth"], "stop_depth": options["start_depth"]}
+
+    def made(kind: type[Any]) -> Any:
+        return kind(**{each.name: named[each.name] for each in fields(kind) if each.name in named})
+
+    echo = None
+    if options["mud_velocity"] is not None:
+        echo = Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
     settings = RunSettings(
         nulls=nulls, gauge=options["gauge"], archive=Input(archive) if archive is not None else None,
-        image=tuple(_image(text) for text in options["image"]), echo=_echo(options), preparation=_preparation(options),
-        path=PathSettings(**{name: options[name] for name in ("method", "reference", "extend", "head")}),
-        wall=None if archive is not None else _wall(options), **files.inputs(),
+        image=tuple(_image(text) for text in options["image"]),
+        echo=echo, preparation=made(Preparation), path=made(PathSettings),
+        wall=None if archive is not None else made(Settings), **files.inputs(),
     )  # fmt: skip
     return settings, files, opener
 
 
 def set_names(log: LogFile, texts: Sequence[str]) -> list[str]:
-    """The names of the sets that ``--set`` chooses, in the order of the file."""
-    chosen: set[str] = set()
-    for text in texts:
-        chosen |= _sets_of(log, text)
+    """Return the names of the sets that ``--set`` chooses, in the order of the file."""
+    chosen = set().union(*(_sets_of(log, text) for text in texts))
     return [each.name for each in log.sets if each.name in chosen]
 
 
 def _sets_of(log: LogFile, text: str) -> set[str]:
-    """The sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
+    """Return the sets that one ``--set`` chooses: NAME, NUMBERS or with=COLUMNS."""
     names = [each.name for each in log.sets]
     if text in names:
         return {text}
@@ -375,25 +379,19 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
     return found
 
 
-def _roles(
-    log: LogFile,
-    set_name: str | None,
-    map_file: Path | None,
-    columns: dict[str, Any],
-    arms: dict[str, Any] | None = None,
-) -> RoleMap:
-    """The roles of a set: guessed, overruled by a map, overruled by options."""
+def _roles(log: LogFile, set_name: str | None, map_file: Path | None, columns: dict[str, Any], **arms: Any) -> RoleMap:
+    """Return the roles of a set: guessed, overruled by a map, overruled by options."""
     from helibore.channels.log_set import LogFile
     from helibore.channels.role_map import parse_options, read_map
     from helibore.channels.roles import guess
 
     alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
     roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
-    return parse_options(log.set(roles.set_name), roles, columns, arms or {})
+    return parse_options(log.set(roles.set_name), roles, columns, arms)
 
 
 def _average_roles(log: LogFile, set_name: str | None, channel: str) -> RoleMap:
-    """The depth as it is guessed, and the channel that is the diameter."""
+    """Return the depth as it is guessed, and the channel that is the diameter."""
     from helibore.channels.roles import Role, RoleMap, guess
 
     found = log.set(set_name)
@@ -407,49 +405,12 @@ def _average_roles(log: LogFile, set_name: str | None, channel: str) -> RoleMap:
 
 
 def _image(text: str) -> ImageInput:
-    """An image, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
+    """Read an image, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
     from helibore.runs.settings import ImageInput
 
     reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
     parts = text.removesuffix(f":{reference}").rsplit(":", 2)
     if len(parts) != 3 or parts[2] not in ("centre", "edge"):
-        raise click.UsageError(
-            f"--image {text}: must be FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:REFERENCE; ORIGIN is centre or edge, "
-            "REFERENCE north or high-side"
-        )
+        forms = "FILE:CHANNEL:ORIGIN or FILE:CHANNEL:ORIGIN:REFERENCE; ORIGIN is centre or edge, REFERENCE"
+        raise click.UsageError(f"--image {text}: must be {forms} north or high-side")
     return ImageInput(Path(parts[0]), parts[1], parts[2], reference=reference)
-
-
-def _more_images(run: Run, options: dict[str, Any]) -> None:
-    """Add images to a run that is repeated."""
-    from dataclasses import replace
-
-    run.settings = replace(run.settings, image=(*run.settings.image, *(_image(text) for text in options["image"])))
-
-
-def _wall(options: dict[str, Any]) -> Settings:
-    """The settings of the wall; a helix that goes up starts at its deep end."""
-    from helibore.base.settings import Settings
-
-    found = {each.name: options[each.name] for each in fields(Settings) if each.name in options}
-    if options["pitch"] < 0:
-        found["start_depth"], found["stop_depth"] = options["stop_depth"], options["start_depth"]
-    return Settings(**found)
-
-
-def _echo(options: dict[str, Any]) -> Any:
-    from helibore.preparation.conditioning import Echo
-
-    if options["mud_velocity"] is None:
-        return None
-    return Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
-
-
-def _preparation(options: dict[str, Any]) -> Any:
-    from helibore.preparation.prepare import Preparation
-
-    found = {each.name: options[each.name] for each in fields(Preparation) if each.name in options}
-    if options["radius_range"]:
-        found["least_radius"], found["greatest_radius"] = options["radius_range"]
-    found["steep"], found["level"] = options["switch"]
-    return Preparation(**found)

@@ -1,4 +1,4 @@
-"""What a verb shows: stages with their times, a moving bar while one lasts, and a summary of two columns.
+"""Show the stages of a verb with their times, a moving bar during each of them, and a summary of two columns.
 
 The bar appears on stderr, only on a terminal, only without --quiet. rich is imported when something is shown.
 """
@@ -12,13 +12,7 @@ from contextlib import contextmanager
 
 
 class Terminal:
-    """Shows progress and summaries; remembers how long each stage took.
-
-    Parameters
-    ----------
-    quiet
-        Show nothing.
-    """
+    """Show progress and summaries, or nothing if ``quiet``; remember how long each stage took."""
 
     def __init__(self, quiet: bool) -> None:
         self.quiet = quiet
