@@ -117,10 +117,8 @@ class WallAttributes(_NamedValues):
         """
         start, values = self._starts[name], self._values[name]
         if start != start_depth and not (math.isnan(start) and math.isnan(start_depth)):
-            place = (
-                f"attributes[{name!r}] was set when the wall began at {start:g} m; it begins at {start_depth:g} m now"
-            )
-            raise InputError(place, "set it anew")
+            moved = f"when the wall began at {start:g} m; it begins at {start_depth:g} m now"
+            raise InputError(f"attributes[{name!r}] was set {moved}", "set it anew")
         if values.size > quads:
             raise InputError(f"attributes[{name!r}] has {values.size} values", f"the wall has {quads} quads")
         return np.concatenate([values, np.full(quads - values.size, np.nan)])

@@ -10,7 +10,6 @@ Section numbers are those of the glTF 2.0 specification. No textures, normals or
 
 from __future__ import annotations
 
-import itertools
 import json
 import struct
 from collections.abc import Mapping
@@ -19,9 +18,8 @@ from pathlib import Path
 from typing import Any, BinaryIO
 
 import numpy as np
-import numpy.typing as npt
 
-from helibore.base.arrays import Array, Bytes, Floats, Floats32, Integers
+from helibore.base.arrays import Array, Bytes, Floats, Integers
 from helibore.base.errors import InputError
 
 MISSING = -999.25  # the usual null value of well logs, exact in float32
@@ -49,44 +47,36 @@ def write_glb(
     attributes: Mapping[str, Floats],
     extras: Mapping[str, Any],
 ) -> None:
-    """Write quads, each in one colour.
+    """Write quads, (q, 4) int64 rows of ``positions``, each in one colour, (q, 4) uint8 sRGB with alpha; q > 0.
 
-    Quads share no vertices: glTF has colours at vertices only, and a shared one would smear neighbours into each other.
-    Without normals, viewers shade each quad flat (3.7.2.1). The middle of the mesh goes into the node's translation,
-    which is JSON and so float64; float32 vertices around it are good to half a millimetre as far as 8 km away. There is
-    no material: with one, trimesh takes the colours for part of a texture.
+    Positions, (n, 3) north, east, down in metres, are written as (east, up, -north): glTF is Y up and right-handed
+    (3.4). Quads share no vertices: glTF has colours at vertices only, and a shared one would smear neighbours into each
+    other. Without normals, viewers shade each quad flat (3.7.2.1). The middle of the mesh goes into the node's
+    translation, which is JSON and so float64; float32 vertices around it are good to half a millimetre as far as 8 km
+    away. There is no material: with one, trimesh takes the colours for part of a texture.
 
-    Parameters
-    ----------
-    file
-        Open for binary writing.
-    positions
-        (n, 3) float64: north, east, down, metres. Written as (east, up, -north): glTF is Y up and right-handed (3.4).
-    quads
-        (q, 4) int64 rows of ``positions``, q > 0.
-    colors
-        (q, 4) uint8, red, green, blue, alpha as screens show them (sRGB).
-    attributes
-        (q,) float64 each. Written as float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1), with
-        -999.25 for missing values, which the mesh's extras say: glTF forbids NaN (3.6.2.2).
-    extras
-        Further entries of the mesh's extras, as JSON values.
+    Attributes, (q,) float64 each, become float32 vertex attributes of the application, ``_GR`` for ``GR`` (3.7.2.1),
+    with -999.25 for missing values, which the mesh's extras state: glTF forbids NaN (3.6.2.2). ``extras`` are further
+    JSON values of these extras.
     """
     y_up = np.stack([positions[:, 1], -positions[:, 2], -positions[:, 0]])
     middle = (y_up.min(axis=1) + y_up.max(axis=1)) / 2
     local = np.empty((len(positions), 3), dtype="<f4")
     np.subtract(y_up.T, middle, out=local, casting="same_kind")
     corners = local.take(quads.reshape(-1), axis=0)
-    bounds = [(float(of.min()), float(of.max())) for of in corners.T]
+    ends = {"min": [float(of.min()) for of in corners.T], "max": [float(of.max()) for of in corners.T]}
     views = [
-        _View("POSITION", corners, "VEC3", _FLOAT, {"min": [b[0] for b in bounds], "max": [b[1] for b in bounds]}),
+        _View("POSITION", corners, "VEC3", _FLOAT, ends),
         _View("COLOR_0", _at_corners(_linear(colors).view("<u4")), "VEC4", _UNSIGNED_BYTE, {"normalized": True}),
-        *(_View(f"_{name}", _at_corners(_without_nan(of)), "SCALAR", _FLOAT, {}) for name, of in attributes.items()),
-        _View("", _triangles(len(quads)), "SCALAR", _UNSIGNED_INT, {}),
     ]
-    text = json.dumps(_scene(views, 4 * len(quads), middle, extras), separators=(",", ":"), allow_nan=False).encode(
-        "ascii"
-    )
+    for name, of in attributes.items():
+        without_nan = np.where(np.abs(of) <= np.finfo(np.float32).max, of, MISSING).astype("<f4")
+        views.append(_View(f"_{name}", _at_corners(without_nan), "SCALAR", _FLOAT, {}))
+    first = np.arange(0, 4 * len(quads), 4, dtype="<u4")[:, None]  # two triangles a quad, which has its own corners
+    triangles = (first + np.array([0, 1, 2, 0, 2, 3], dtype="<u4")).reshape(-1)
+    views.append(_View("", triangles, "SCALAR", _UNSIGNED_INT, {}))
+    scene = _scene(views, 4 * len(quads), middle, extras)
+    text = json.dumps(scene, separators=(",", ":"), allow_nan=False).encode("ascii")
     text += b" " * (-len(text) % 4)
     size = sum(view.array.nbytes for view in views)
     file.write(struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + size))
@@ -111,17 +101,6 @@ def _at_corners(values: Array) -> Array:
     return np.repeat(values.reshape(-1), 4)
 
 
-def _without_nan(values: Floats) -> Floats32:
-    return np.where(np.abs(values) <= np.finfo(np.float32).max, values, MISSING).astype("<f4")
-
-
-def _triangles(quads: int) -> npt.NDArray[np.uint32]:
-    """Two triangles a quad, each quad having four corners of its own: (6 q,) rows of corners."""
-    first = np.arange(0, 4 * quads, 4, dtype="<u4")[:, None]
-    corners: npt.NDArray[np.uint32] = first + np.array([0, 1, 2, 0, 2, 3], dtype="<u4")
-    return corners.reshape(-1)
-
-
 def _linear(colors: Bytes) -> Bytes:
     """Convert sRGB to linear light, as vertex colours require (3.7.2.1); alpha is already linear."""
     share = np.arange(256) / 255
@@ -133,38 +112,26 @@ def _linear(colors: Bytes) -> Bytes:
 
 
 def _scene(views: list[_View], vertices: int, middle: Floats, extras: Mapping[str, Any]) -> dict[str, Any]:
-    starts = itertools.accumulate((view.array.nbytes for view in views), initial=0)
+    accessors: list[dict[str, Any]] = []
+    buffer_views: list[dict[str, Any]] = []
+    length = 0
+    for number, view in enumerate(views):
+        count = vertices if view.name else view.array.size
+        accessor = {"bufferView": number, "componentType": view.number, "count": count, "type": view.shape}
+        accessors.append(accessor | view.more)
+        target = _ARRAY_BUFFER if view.name else _ELEMENT_ARRAY_BUFFER
+        place = {"buffer": 0, "byteOffset": length, "byteLength": view.array.nbytes, "target": target}
+        buffer_views.append(place)
+        length += view.array.nbytes
     attributes = {view.name: number for number, view in enumerate(views) if view.name}
+    primitive = {"attributes": attributes, "indices": len(views) - 1}
     return {
         "asset": {"version": "2.0", "generator": "helibore"},
         "scene": 0,
         "scenes": [{"nodes": [0]}],
         "nodes": [{"name": "wall", "mesh": 0, "translation": middle.tolist()}],
-        "meshes": [
-            {
-                "name": "wall",
-                "primitives": [{"attributes": attributes, "indices": len(views) - 1}],
-                "extras": {"missing": MISSING, **extras},
-            }
-        ],
-        "accessors": [
-            {
-                "bufferView": number,
-                "componentType": view.number,
-                "count": vertices if view.name else view.array.size,
-                "type": view.shape,
-                **view.more,
-            }
-            for number, view in enumerate(views)
-        ],
-        "bufferViews": [
-            {
-                "buffer": 0,
-                "byteOffset": start,
-                "byteLength": view.array.nbytes,
-                "target": _ARRAY_BUFFER if view.name else _ELEMENT_ARRAY_BUFFER,
-            }
-            for start, view in zip(starts, views, strict=False)  # starts also holds the end
-        ],
-        "buffers": [{"byteLength": sum(view.array.nbytes for view in views)}],
+        "meshes": [{"name": "wall", "primitives": [primitive], "extras": {"missing": MISSING, **extras}}],
+        "accessors": accessors,
+        "bufferViews": buffer_views,
+        "buffers": [{"byteLength": length}],
     }

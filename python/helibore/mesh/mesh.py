@@ -1,57 +1,60 @@
-"""The plain arrays of a surface or volume for the file writers, which do not know these classes."""
+"""What surfaces and volumes share, and all that the writers of files know of them."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
+from functools import cached_property
+
+import numpy as np
 
 from helibore.base.arrays import Floats, Integers
+from helibore.mesh.attributes import Attributes
 from helibore.samples.caliper import Basis
-from helibore.samples.helix import Helix
+from helibore.samples.helix import Helix, spread
 
 
-@dataclass(frozen=True, eq=False)
-class MeshArrays:
-    """Arrays of a mesh.
+class Mesh:
+    """A mesh of one shell, the wall, or of several: `Surface` and `Volume` describe what they have in common."""
 
-    Attributes
-    ----------
-    vertices
-        (n, 3) float64, north, east and down, metres.
-    cells
-        (m, 4) quads or (m, 8) hexahedra: rows of ``vertices``.
-    vertex_index, radius
-        (n,) the vertex of the wall that each row is, and its radius.
-    helix
-        Where vertices lie along and around the hole.
-    attributes, units
-        (m,) values by name, and units by name where they are known.
-    basis, metadata
-        What the wall is built from; texts by name.
-    layer
-        (m,) of hexahedra; None for quads.
-    """
-
-    vertices: Floats
-    cells: Integers
-    vertex_index: Integers
-    radius: Floats
-    helix: Helix
-    attributes: Mapping[str, Floats]
-    units: Mapping[str, str]
-    basis: Basis
-    metadata: Mapping[str, str]
     layer: Integers | None = None
+    """(m,) of hexahedra; None for quads."""
 
-    def quad_radius(self) -> Floats:
-        """Return the mean radius of the corners of each quad, metres, (m,) float64."""
-        corners = self.radius[self.cells]
-        return (corners[:, 0] + corners[:, 1] + corners[:, 2] + corners[:, 3]) / 4
+    def __init__(
+        self, vertices: Floats, cells: Integers, shells: Sequence[Floats], ranges: Sequence[Integers], helix: Helix,
+        basis: Basis, attributes: Attributes,
+    ) -> None:  # fmt: skip
+        """``shells`` holds the radii of each whole shell; ``ranges`` the vertices of it that the mesh has."""
+        self.vertices, self.helix, self.basis, self.attributes = vertices, helix, basis, attributes
+        self.cells = cells  # (m, 4) quads or (m, 8) hexahedra: rows of ``vertices``
+        self.metadata: dict[str, str] = {}
+        self._shells, self._ranges = shells, ranges
 
-    def triangles(self) -> Integers:
-        """Return two triangles a quad, (2 m, 3) int64."""
-        return self.cells[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)
+    @cached_property
+    def vertex_index(self) -> Integers:
+        """The vertex of the wall that each row of ``vertices`` is, or lies over, (n,) int64."""
+        return np.concatenate([spread(ranges) for ranges in self._ranges])
+
+    @cached_property
+    def radius(self) -> Floats:
+        """The radius at each row of ``vertices``, metres, (n,) float64."""
+        shells = zip(self._shells, self._ranges, strict=True)
+        return np.concatenate([radius[spread(ranges)] for radius, ranges in shells])
 
     def described(self) -> dict[str, str]:
         """Return the metadata, and the units of the attributes that have one."""
-        return {**self.metadata, **{f"unit of {name}": unit for name, unit in self.units.items() if unit}}
+        return {**self.metadata, **{f"unit of {name}": unit for name, unit in self.attributes.units.items() if unit}}
+
+    def __repr__(self) -> str:
+        cells = "quads" if self.layer is None else "hexes"
+        return f"{type(self).__name__}({len(self.vertices)} vertices, {len(self.cells)} {cells}, {self.attributes!r})"
+
+
+def quad_radius(mesh: Mesh) -> Floats:
+    """Return the mean radius of the corners of each quad, metres, (q,) float64."""
+    corners = mesh.radius[mesh.cells]
+    return (corners[:, 0] + corners[:, 1] + corners[:, 2] + corners[:, 3]) / 4
+
+
+def triangles(mesh: Mesh) -> Integers:
+    """Return two triangles a quad, (2 q, 3) int64."""
+    return mesh.cells[:, [0, 1, 2, 0, 2, 3]].reshape(-1, 3)

@@ -26,7 +26,7 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.colors import Colors, ColorScale, check_map, check_positive, colors_of
 from helibore.base.errors import InputError
 from helibore.mesh.glb_file import check_size, write_glb
-from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh import Mesh, quad_radius, triangles
 from helibore.mesh.vtk_mesh import AXES, check_origin, vtk_mesh, z_up
 from helibore.mesh.vtk_xml import write_vtp, write_vtu
 from helibore.mesh.vtkhdf import save_vtkhdf
@@ -44,14 +44,9 @@ _STL_TOLERANCE = 1e-3  # metres a vertex may move
 
 
 def save_surface(
-    mesh: MeshArrays,
-    path: Path,
-    color_by: str | None,
-    limits: tuple[float, float] | None,
-    origin: tuple[float, float, float],
-    color_map: str,
-    log: bool,
-) -> None:
+    mesh: Mesh, path: Path, color_by: str | None, limits: tuple[float, float] | None,
+    origin: tuple[float, float, float], color_map: str, log: bool,
+) -> None:  # fmt: skip
     """Write quads to ``path``: `Surface.save`."""
     ending = _checked_ending(mesh, path, SURFACE_ENDINGS, "")
     if ending == ".glb":
@@ -77,14 +72,14 @@ def save_surface(
     write_whole(path, _PAINTED[ending](mesh, positions, color_by, paint))
 
 
-def save_volume(mesh: MeshArrays, path: Path, origin: tuple[float, float, float]) -> None:
+def save_volume(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
     """Write hexahedra to ``path``: `Volume.save`."""
     _checked_ending(mesh, path, VOLUME_ENDINGS, "; the others hold no hexahedra")
     check_origin(origin)
     _write_vtk(mesh, path, origin, None)
 
 
-def _checked_ending(mesh: MeshArrays, path: Path, known: tuple[str, ...], reason: str) -> str:
+def _checked_ending(mesh: Mesh, path: Path, known: tuple[str, ...], reason: str) -> str:
     ending = path.suffix.lower()
     if ending not in known:
         raise InputError(str(path), f"the ending must be one of {', '.join(known)}{reason}")
@@ -94,7 +89,7 @@ def _checked_ending(mesh: MeshArrays, path: Path, known: tuple[str, ...], reason
     return ending
 
 
-def _write_vtk(mesh: MeshArrays, path: Path, origin: tuple[float, float, float], active: str | None) -> None:
+def _write_vtk(mesh: Mesh, path: Path, origin: tuple[float, float, float], active: str | None) -> None:
     content = vtk_mesh(mesh, origin, active)
     if path.suffix.lower() == ".vtkhdf":
         save_vtkhdf(path, content)
@@ -103,15 +98,15 @@ def _write_vtk(mesh: MeshArrays, path: Path, origin: tuple[float, float, float],
         write_whole(path, lambda file: write(file, content))
 
 
-def _quad_values(mesh: MeshArrays, color_by: str | None) -> Floats:
-    """The values that colour the quads."""
+def _quad_values(mesh: Mesh, color_by: str | None) -> Floats:
+    """Return the values that colour the quads."""
     if color_by is None or (color_by == "radius" and "radius" not in mesh.attributes):
-        return mesh.quad_radius()
+        return quad_radius(mesh)
     return mesh.attributes[color_by]
 
 
-def _at_vertices(mesh: MeshArrays, values: Floats) -> Floats:
-    """The mean, at each vertex, of the values of the quads around it; NaN where none has one."""
+def _at_vertices(mesh: Mesh, values: Floats) -> Floats:
+    """Return the mean, at each vertex, of the values of the quads around it; NaN where none has one."""
     there = np.isfinite(values)
     corners = mesh.cells[there].reshape(-1)
     total = np.bincount(corners, np.repeat(values[there], 4), len(mesh.vertices))
@@ -120,36 +115,33 @@ def _at_vertices(mesh: MeshArrays, values: Floats) -> Floats:
     return mean
 
 
-def _glb(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
+def _glb(mesh: Mesh, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
     colors = paint(_quad_values(mesh, color_by))
-    extras = {"basis": mesh.basis, "units": mesh.units, "metadata": mesh.metadata}
+    extras = {"basis": mesh.basis, "units": mesh.attributes.units, "metadata": mesh.metadata}
     return lambda file: write_glb(file, positions, mesh.cells, colors, mesh.attributes, extras)
 
 
-def _lines(mesh: MeshArrays) -> list[str]:
+def _lines(mesh: Mesh) -> list[str]:
     """Return the metadata as ASCII lines for the comments of PLY and OBJ."""
     metadata = {"axes": f"{AXES}, metres", **mesh.described()}
     return [f"helibore: {name}: {ascii(text)[1:-1]}" for name, text in metadata.items()]
 
 
-def _ply(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
-    """A binary PLY: float64 vertices with colours, and faces of four corners with radius and attributes.
+def _ply(mesh: Mesh, positions: Floats, color_by: str | None, paint: Paint) -> Writer:
+    """Write a binary PLY: float64 vertices with colours, and faces of four corners with radius and attributes.
 
     Colours sit at vertices, the mean of the quads around: several readers know no others, and trimesh fails at faces of
     four corners that have colours of their own.
     """
-    values = {"radius": mesh.quad_radius(), **mesh.attributes}
+    values = {"radius": quad_radius(mesh), **mesh.attributes}
     for name in values:
         if not re.fullmatch(r"[!-~]+", name) or name in _PLY_CORNERS:
-            taken = ", ".join(_PLY_CORNERS)
-            rule = f"must be ASCII without blanks in a PLY file, and none of {taken}"
+            rule = f"must be ASCII without blanks in a PLY file, and none of {', '.join(_PLY_CORNERS)}"
             raise InputError(f"attributes[{name!r}]", rule)
     colors = paint(_at_vertices(mesh, _quad_values(mesh, color_by)))
-    east_north_up = zip("xyz", z_up(positions).T, strict=True)
-    red_green_blue = zip(("red", "green", "blue"), colors.T[:3], strict=True)
-    vertices = _records(
-        [*((axis, "<f8", of) for axis, of in east_north_up), *((c, "u1", of) for c, of in red_green_blue)]
-    )
+    axes = [(axis, "<f8", of) for axis, of in zip("xyz", z_up(positions).T, strict=True)]
+    channels = [(name, "u1", of) for name, of in zip(("red", "green", "blue"), colors.T[:3], strict=True)]
+    vertices = _records([*axes, *channels])
     corners = [(_PLY_CORNERS[0], "u1", np.uint8(4)), (_PLY_CORNERS[1], "4<i4", mesh.cells)]
     faces = _records([*corners, *((name, "<f8", of) for name, of in values.items())])
     header = [
@@ -157,8 +149,8 @@ def _ply(mesh: MeshArrays, positions: Floats, color_by: str | None, paint: Paint
         "format binary_little_endian 1.0",
         *[f"comment {line}" for line in _lines(mesh)],
         f"element vertex {len(vertices)}",
-        *[f"property double {axis}" for axis in "xyz"],
-        *[f"property uchar {channel}" for channel in ("red", "green", "blue")],
+        *[f"property double {name}" for name, _, _ in axes],
+        *[f"property uchar {name}" for name, _, _ in channels],
         f"element face {len(faces)}",
         "property list uchar int vertex_indices",
         *[f"property double {name}" for name in values],
@@ -182,30 +174,25 @@ def _records(columns: list[tuple[str, str, Any]]) -> Rows:
     return records
 
 
-def _obj(mesh: MeshArrays, positions: Floats, _color_by: str | None, _paint: Paint) -> Writer:
+def _obj(mesh: Mesh, positions: Floats, _color_by: str | None, _paint: Paint) -> Writer:
     import trimesh
 
-    triangles: Any = trimesh.Trimesh(z_up(positions), mesh.triangles(), process=False)
-    content = triangles.export(file_type="obj", include_normals=False, header="\n".join(_lines(mesh)))
+    exported: Any = trimesh.Trimesh(z_up(positions), triangles(mesh), process=False)
+    content = exported.export(file_type="obj", include_normals=False, header="\n".join(_lines(mesh)))
     return lambda file: file.write(content.encode("ascii"))
 
 
-def _stl(mesh: MeshArrays, positions: Floats, _color_by: str | None, _paint: Paint) -> Writer:
+def _stl(mesh: Mesh, positions: Floats, _color_by: str | None, _paint: Paint) -> Writer:
     import trimesh
 
     moved = np.abs(positions.astype(np.float32) - positions).max()
     if moved > _STL_TOLERANCE:
         rule = "save .glb or .ply, or give origin=(north, east, down), a point near the wall to count from"
         raise InputError(f"STL holds float32, which would move vertices by up to {moved:.3g} m", rule)
-    triangles: Any = trimesh.Trimesh(z_up(positions), mesh.triangles(), process=False)
-    content = triangles.export(file_type="stl")
+    exported: Any = trimesh.Trimesh(z_up(positions), triangles(mesh), process=False)
+    content = exported.export(file_type="stl")
     header = f"helibore: {BASIS_TEXT[mesh.basis]}".encode("ascii").ljust(80)
     return lambda file: file.write(header + content[80:])
 
 
-_PAINTED: dict[str, Callable[[MeshArrays, Floats, str | None, Paint], Writer]] = {
-    ".glb": _glb,
-    ".ply": _ply,
-    ".obj": _obj,
-    ".stl": _stl,
-}
+_PAINTED = {".glb": _glb, ".ply": _ply, ".obj": _obj, ".stl": _stl}

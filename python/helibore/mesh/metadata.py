@@ -25,19 +25,16 @@ def metadata_of(wall: WallLike, path: Path | None) -> dict[str, str]:
         "helix": f"{helix.sectors} sectors, pitch {helix.pitch!r} m, from {helix.start_depth!r} m, "
         f"toolface {helix.start_toolface!r} deg",
         "toolface 0": "north" if path is None else path.reference,
-        "path": "straight down from (0, 0, 0)" if path is None else _path_text(path),
+        "path": "straight down from (0, 0, 0)",
     }
+    if path is not None:
+        north, east, down = path.head
+        stations = f"{len(path.survey)} stations from {path.start_depth!r} to {path.survey_depth!r} m"
+        head = f"from (north {north!r}, east {east!r}, down {down!r})"
+        metadata["path"] = f"{path.method} through {stations}, extended by {path.extend!r} m, {head}"
     bit_diameter = getattr(wall.settings, "bit_diameter", None)
     if bit_diameter is not None:
         metadata["bit_diameter"] = f"{bit_diameter!r} m"
     if made_from := getattr(wall, "made_from", None):
         metadata["made_from"] = json.dumps(made_from, ensure_ascii=False)
     return metadata
-
-
-def _path_text(path: Path) -> str:
-    north, east, down = path.head
-    return (
-        f"{path.method} through {len(path.survey)} stations from {path.start_depth!r} to {path.survey_depth!r} m, "
-        f"extended by {path.extend!r} m, from (north {north!r}, east {east!r}, down {down!r})"
-    )

@@ -16,12 +16,13 @@ from pathlib import Path as FilePath
 from typing import TYPE_CHECKING
 
 import numpy as np
+import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.threads import thread_count
 from helibore.mesh.attributes import Attributes
-from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh import Mesh, quad_radius, triangles
 from helibore.mesh.mesh_files import save_surface
 from helibore.mesh.metadata import metadata_of
 from helibore.mesh.vtkhdf import append_mesh
@@ -32,8 +33,10 @@ from helibore.trajectory.survey import Path, core_path
 if TYPE_CHECKING:
     import trimesh
 
+Point = tuple[float, float, float]
 
-class Surface:
+
+class Surface(Mesh):
     """Quads of the wall; made by `Wall.surface`. A frozen copy: a wall that grows does not change it.
 
     Attributes
@@ -52,6 +55,8 @@ class Surface:
         Where vertices lie along and around the hole.
     metadata
         Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
+    vertex_index, radius
+        The vertex of the wall that each row of ``vertices`` is, (n,) int64; and its radius, metres, (n,) float64.
     """
 
     def __init__(
@@ -64,36 +69,26 @@ class Surface:
         helix: Helix,
         basis: Basis = "azimuthal",
     ) -> None:
-        self.vertices, self.quads = vertices, quads
-        self.helix, self.basis, self.metadata = helix, basis, dict[str, str]()
-        self._vertex_ranges, self._quad_ranges = vertex_ranges, quad_ranges
-        self._wall_radius = wall_radius
-        self.attributes = Attributes("quad", _spread_if_gapped(quad_ranges), helix.quads(wall_radius.size))
-
-    @cached_property
-    def vertex_index(self) -> Integers:
-        """The vertex of the wall that each row of ``vertices`` is, (n,) int64."""
-        return spread(self._vertex_ranges)
+        index = range(*quad_ranges[0].tolist()) if len(quad_ranges) == 1 else spread(quad_ranges)
+        attributes = Attributes("quad", index, helix.quads(wall_radius.size))
+        super().__init__(vertices, quads, [wall_radius], [vertex_ranges], helix, basis, attributes)
+        self.quads, self._quad_ranges = quads, quad_ranges
 
     @cached_property
     def quad_index(self) -> Integers:
         """The vertex k of the wall that each quad belongs to, its corner nearest to k = 0, (q,) int64."""
         return spread(self._quad_ranges)
 
-    @cached_property
-    def radius(self) -> Floats:
-        """The radius at each row of ``vertices``, metres, (n,) float64."""
-        return self._wall_radius[self.vertex_index]
-
     def quad_radius(self) -> Floats:
-        """The mean radius of the corners of each quad, metres, (q,) float64."""
-        return self._arrays().quad_radius()
+        """Return the mean radius of the corners of each quad, metres, (q,) float64."""
+        return quad_radius(self)
 
     def triangles(self) -> Integers:
-        """Two triangles a quad, (2 q, 3) int64, both cut from the quad's first corner to its third: quad i gives 2 i
-        and 2 i + 1, facing outwards.
+        """Return two triangles a quad, (2 q, 3) int64, both cut from the quad's first corner to its third.
+
+        Quad i gives 2 i and 2 i + 1, facing outwards.
         """
-        return self._arrays().triangles()
+        return triangles(self)
 
     def to_trimesh(self) -> trimesh.Trimesh:
         """Return a `trimesh.Trimesh` of the triangles in (north, east, down).
@@ -103,19 +98,15 @@ class Surface:
         """
         import trimesh
 
-        return trimesh.Trimesh(
-            self.vertices,
-            self.triangles(),
-            face_attributes={name: np.repeat(values, 2) for name, values in self.attributes.items()},
-            process=False,
-        )
+        values: dict[str, npt.ArrayLike] = {name: np.repeat(of, 2) for name, of in self.attributes.items()}
+        return trimesh.Trimesh(self.vertices, self.triangles(), face_attributes=values, process=False)
 
     def save(
         self,
         filename: str | os.PathLike[str],
         color_by: str | None = None,
         limits: tuple[float, float] | None = None,
-        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
+        origin: Point = (0.0, 0.0, 0.0),
         color_map: str = "viridis",
         log: bool = False,
     ) -> None:
@@ -165,13 +156,9 @@ class Surface:
         MissingExtraError
             Naming the extra that .vtkhdf needs.
         """
-        save_surface(self._arrays(), FilePath(filename), color_by, limits, origin, color_map, log)
+        save_surface(self, FilePath(filename), color_by, limits, origin, color_map, log)
 
-    def append_to(
-        self,
-        filename: str | os.PathLike[str],
-        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    ) -> None:
+    def append_to(self, filename: str | os.PathLike[str], origin: Point = (0.0, 0.0, 0.0)) -> None:
         """Add this surface as a further part to a .vtkhdf file, or begin one.
 
         Surfaces of neighbouring intervals meet without overlap or gap: a file that got each as the hole grew holds the
@@ -191,15 +178,7 @@ class Surface:
         OSError, MissingExtraError
             As `save`.
         """
-        append_mesh(self._arrays(), FilePath(filename), origin)
-
-    def _arrays(self) -> MeshArrays:
-        """The arrays that writers take."""
-        named = (self.attributes, self.attributes.units, self.basis, self.metadata)
-        return MeshArrays(self.vertices, self.quads, self.vertex_index, self.radius, self.helix, *named)
-
-    def __repr__(self) -> str:
-        return f"Surface({len(self.vertices)} vertices, {len(self.quads)} quads, {self.attributes!r})"
+        append_mesh(self, FilePath(filename), origin)
 
 
 def surface_of(
@@ -209,37 +188,11 @@ def surface_of(
     stop: float | None = None,
     threads: int | None = None,
 ) -> Surface:
-    """Place the wall along ``path`` and join it into quads: `Wall.surface`.
-
-    Parameters
-    ----------
-    wall
-        Radii on a helix.
-    path
-        Where the hole goes; None: straight down from (0, 0, 0), toolface 0 to the north.
-    start, stop
-        Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices from ``start`` up to,
-        but without, ``stop``, so that surfaces of neighbouring intervals meet without overlap or gap. It reaches one
-        turn beyond ``stop``.
-    threads
-        None: all cores. The result does not depend on it.
-
-    Raises
-    ------
-    InputError
-        If the path does not reach a vertex, or its reference is undefined there (``vertex 7 at depth 12: ...``), or the
-        wall has nothing between ``start`` and ``stop``.
-    """
+    """Place the radii of a helix along ``path`` and join them into quads: `Wall.surface` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
     first, last = vertices_between(helix, radius.size, start, stop)
     stretch = column("radius", radius[first : last + helix.sectors + 1])
-    vertices, quads, vertex_ranges, quad_ranges = _core.surface(
-        helix, first, stretch, core_path(path), thread_count(threads)
-    )
-    surface = Surface(vertices, quads, vertex_ranges, quad_ranges, radius, helix, basis_of(wall))
+    made = _core.surface(helix, first, stretch, core_path(path), thread_count(threads))
+    surface = Surface(*made, radius, helix, basis_of(wall))
     surface.metadata = metadata_of(wall, path)
     return surface
-
-
-def _spread_if_gapped(ranges: Integers) -> Integers | range:
-    return range(*ranges[0].tolist()) if len(ranges) == 1 else spread(ranges)

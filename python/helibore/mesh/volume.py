@@ -28,7 +28,7 @@ from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError
 from helibore.base.threads import thread_count
 from helibore.mesh.attributes import Attributes
-from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh import Mesh
 from helibore.mesh.mesh_files import save_volume
 from helibore.mesh.metadata import metadata_of
 from helibore.mesh.vtkhdf import append_mesh
@@ -37,7 +37,7 @@ from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, numbered
 from helibore.trajectory.survey import Path, core_path
 
 
-class Volume:
+class Volume(Mesh):
     """Hexahedra around the wall; made by `Wall.volume`. A frozen copy.
 
     Attributes
@@ -55,6 +55,8 @@ class Volume:
         What the wall is made from, as in `Caliper`.
     metadata
         Texts by name that files carry: what the wall is made from, how it was placed. Add to them.
+    vertex_index, radius
+        The vertex of the wall that each row of ``vertices`` lies on or over, (n,) int64; and the radius there, metres.
     """
 
     def __init__(
@@ -67,12 +69,11 @@ class Volume:
         helix: Helix,
         basis: Basis = "azimuthal",
     ) -> None:
-        self.vertices, self.hexes = vertices, hexes
-        self.helix, self.basis, self.metadata = helix, basis, dict[str, str]()
-        self._shells, self._shell_ranges, self._layer_ranges = shells, shell_ranges, layer_ranges
-        self._whole = helix.quads(shells[0].size)
+        self.hexes, self._layer_ranges, self._whole = hexes, layer_ranges, helix.quads(shells[0].size)
         index = np.concatenate([spread(ranges) + layer * self._whole for layer, ranges in enumerate(layer_ranges)])
-        self.attributes = Attributes("hexahedron", index, self._whole * len(layer_ranges))
+        attributes = Attributes("hexahedron", index, self._whole * len(layer_ranges))
+        super().__init__(vertices, hexes, shells, shell_ranges, helix, basis, attributes)
+        self.layer = numbered(layer_ranges)
 
     @property
     def layers(self) -> int:
@@ -80,30 +81,19 @@ class Volume:
         return len(self._layer_ranges)
 
     @cached_property
-    def vertex_index(self) -> Integers:
-        """The vertex of the wall that each row of ``vertices`` lies on or over, (n,) int64."""
-        return np.concatenate([spread(ranges) for ranges in self._shell_ranges])
-
-    @cached_property
     def vertex_shell(self) -> Integers:
         """The shell each row of ``vertices`` lies on, 0 = the wall, (n,) int64."""
-        return numbered(self._shell_ranges)
+        return numbered(self._ranges)
 
     @cached_property
     def hex_index(self) -> Integers:
         """The vertex k of the wall whose quad each hexahedron stands on, (h,) int64."""
         return np.concatenate([spread(ranges) for ranges in self._layer_ranges])
 
-    @cached_property
+    @property
     def hex_layer(self) -> Integers:
         """The layer each hexahedron lies in, 0 = next to the wall, (h,) int64."""
         return numbered(self._layer_ranges)
-
-    @cached_property
-    def radius(self) -> Floats:
-        """The radius at each row of ``vertices``, metres, (n,) float64."""
-        shells = zip(self._shells, self._shell_ranges, strict=True)
-        return np.concatenate([radius[spread(ranges)] for radius, ranges in shells])
 
     def hang(self, name: str, layers: Sequence[npt.ArrayLike | float], unit: str = "") -> None:
         """Give every layer values of its own: shallow, medium and deep resistivity, say, as one attribute.
@@ -123,12 +113,12 @@ class Volume:
         """
         if len(layers) != self.layers:
             raise InputError(f"{name} has values for {len(layers)} layers", f"must be {self.layers}")
-        columns = []
-        for number, values in enumerate(layers):
-            if isinstance(values, (int, float)):
-                columns.append(np.full(self._whole, float(values)))
-            else:
-                columns.append(column(f"{name}[{number}]", values, self._whole, "the whole wall's quads"))
+        columns = [
+            np.full(self._whole, float(values))
+            if isinstance(values, (int, float))
+            else column(f"{name}[{number}]", values, self._whole, "the whole wall's quads")
+            for number, values in enumerate(layers)
+        ]
         self.attributes[name] = np.concatenate(columns)[self.attributes.index]
         self.attributes.units[name] = unit
 
@@ -140,11 +130,7 @@ class Volume:
         """
         return _core.hexahedron_volumes(self.vertices, self.hexes, thread_count(threads))
 
-    def save(
-        self,
-        filename: str | os.PathLike[str],
-        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    ) -> None:
+    def save(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         """Write the volume to a file, whole or not at all; the ending tells the format.
 
         =======  ========================================================================================
@@ -169,23 +155,11 @@ class Volume:
         OSError
             If the file cannot be written; the old one is then as it was.
         """
-        save_volume(self._arrays(), FilePath(filename), origin)
+        save_volume(self, FilePath(filename), origin)
 
-    def append_to(
-        self,
-        filename: str | os.PathLike[str],
-        origin: tuple[float, float, float] = (0.0, 0.0, 0.0),
-    ) -> None:
+    def append_to(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
         """Add this volume as a further part to a .vtkhdf file, or begin one: `Surface.append_to`."""
-        append_mesh(self._arrays(), FilePath(filename), origin)
-
-    def _arrays(self) -> MeshArrays:
-        """The arrays that writers take."""
-        named = (self.attributes, self.attributes.units, self.basis, self.metadata, self.hex_layer)
-        return MeshArrays(self.vertices, self.hexes, self.vertex_index, self.radius, self.helix, *named)
-
-    def __repr__(self) -> str:
-        return f"Volume({len(self.vertices)} vertices, {len(self.hexes)} hexes, {self.attributes!r})"
+        append_mesh(self, FilePath(filename), origin)
 
 
 def volume_of(
@@ -196,41 +170,20 @@ def volume_of(
     stop: float | None = None,
     threads: int | None = None,
 ) -> Volume:
-    """Thicken the wall outwards, shell by shell, into hexahedra: `Wall.volume`.
-
-    Parameters
-    ----------
-    wall, path, start, stop, threads
-        As for `surface_of`.
-    shells
-        From the wall outwards, one or more, each one of: a thickness in metres; thicknesses, one for every vertex of
-        the wall (NaN: nothing there); or a second wall on the same helix, taken as it is. Thicknesses all count from
-        the wall itself, not from the shell before: ``[0.05, 0.20]`` gives layers of 0.05 and 0.15 m.
-
-    Raises
-    ------
-    InputError
-        As `surface_of`; naming shell, vertex and depth where a shell does not lie beyond the one before, and where the
-        path bends so sharply that a shell folds over itself; if a second wall has another helix.
-    """
+    """Thicken the wall outwards, shell by shell, into hexahedra: `Wall.volume` describes the arguments."""
     radius, helix = wall.radius, helix_of(wall)
     first, last = vertices_between(helix, radius.size, start, stop)
     stretch = slice(first, last + helix.sectors + 1)
     radii = [radius, *(_shell(number, shell, helix, radius) for number, shell in enumerate(shells))]
-    vertices, hexes, shell_ranges, layer_ranges = _core.volume(
-        helix,
-        first,
-        [column("radius", values[stretch]) for values in radii],
-        core_path(path),
-        thread_count(threads),
-    )
-    volume = Volume(vertices, hexes, shell_ranges, layer_ranges, radii, helix, basis_of(wall))
+    stretches = [column("radius", values[stretch]) for values in radii]
+    made = _core.volume(helix, first, stretches, core_path(path), thread_count(threads))
+    volume = Volume(*made, radii, helix, basis_of(wall))
     volume.metadata = metadata_of(wall, path)
     return volume
 
 
 def _shell(number: int, shell: Any, helix: Helix, radius: Floats) -> Floats:
-    """The radii of a shell at every vertex of the wall."""
+    """Return the radii of a shell at every vertex of the wall."""
     name = f"shells[{number}]"
     if hasattr(shell, "settings"):
         if helix_of(shell) != helix:
@@ -239,9 +192,6 @@ def _shell(number: int, shell: Any, helix: Helix, radius: Floats) -> Floats:
         common = min(radius.size, second.size)
         beyond[:common] = second[:common]
         return beyond
-    if np.ndim(shell) == 0:
-        if not math.isfinite(shell):
-            raise InputError(name, "must be finite", str(shell))
-        thicker: Floats = radius + float(shell)
-        return thicker
-    return radius + column(name, shell, radius.size, "radius")
+    if np.ndim(shell) == 0 and not math.isfinite(shell):
+        raise InputError(name, "must be finite", str(shell))
+    return radius + (float(shell) if np.ndim(shell) == 0 else column(name, shell, radius.size, "radius"))

@@ -16,11 +16,10 @@ import numpy as np
 
 from helibore.base.arrays import Array, Floats
 from helibore.base.errors import InputError
-from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh import Mesh, quad_radius
 
 QUAD, HEXAHEDRON = 9, 12  # VTK File Formats, "Cell types"
 AXES = "x east, y north, z up"
-_LARGEST_INT32 = 2**31 - 1
 
 
 @dataclass(frozen=True)
@@ -52,21 +51,19 @@ def z_up(vertices: Floats, origin: tuple[float, float, float] = (0.0, 0.0, 0.0))
     return points
 
 
-def vtk_mesh(mesh: MeshArrays, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
+def vtk_mesh(mesh: Mesh, origin: tuple[float, float, float], active: str | None = None) -> VtkMesh:
     """Return a mesh with all its attributes as VTK has it."""
-    own: dict[str, Array] = (
-        {"radius": mesh.quad_radius()} if mesh.layer is None else {"layer": mesh.layer.astype(np.int32)}
-    )
+    own: dict[str, Array]
+    own = {"radius": quad_radius(mesh)} if mesh.layer is None else {"layer": mesh.layer.astype(np.int32)}
     metadata = {**mesh.described(), "axes": AXES}
     for name, unit in (("radius", "m"), ("depth", "m"), ("toolface", "deg")):
         metadata.setdefault(f"unit of {name}", unit)
     if any(origin):
         metadata["origin"] = "north {!r}, east {!r}, down {!r} m".format(*map(float, origin))
-    small = max(len(mesh.vertices), mesh.cells.size) <= _LARGEST_INT32
     k = mesh.vertex_index
     return VtkMesh(
         points=z_up(mesh.vertices, origin),
-        corners=mesh.cells.astype("<i4" if small else "<i8", copy=False),
+        corners=mesh.cells,
         cell_type=QUAD if mesh.layer is None else HEXAHEDRON,
         point_values={"radius": mesh.radius, "depth": mesh.helix.depth(k), "toolface": mesh.helix.toolface(k)},
         cell_values={**own, **mesh.attributes},

@@ -40,18 +40,15 @@ class _Appended:
         self.arrays.append(little)
         kind = f"{little.dtype.kind}{little.dtype.itemsize}"
         components = ' NumberOfComponents="3"' if little.ndim == 2 else ""
-        return (
-            f'<DataArray type="{_TYPES[kind]}" Name={_quoted(name)}{components} format="appended" offset="{offset}"/>'
-        )
+        layout = f'{components} format="appended" offset="{offset}"'
+        return f'<DataArray type="{_TYPES[kind]}" Name={_quoted(name)}{layout}/>'
 
 
 def write_vtu(file: BinaryIO, mesh: VtkMesh) -> None:
     """Write an unstructured grid."""
     appended = _Appended()
-    cells = [
-        *_connectivity(appended, mesh),
-        appended.element("types", np.full(len(mesh.corners), mesh.cell_type, "u1")),
-    ]
+    cells = _connectivity(appended, mesh)
+    cells.append(appended.element("types", np.full(len(mesh.corners), mesh.cell_type, "u1")))
     piece = f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfCells="{len(mesh.corners)}">'
     _write(file, "UnstructuredGrid", piece, [*_values(appended, mesh), "<Cells>", *cells, "</Cells>"], mesh, appended)
 
@@ -69,8 +66,10 @@ def write_vtp(file: BinaryIO, mesh: VtkMesh) -> None:
 
 def _connectivity(appended: _Appended, mesh: VtkMesh) -> list[str]:
     count, corners = mesh.corners.shape
-    ends = np.arange(corners, count * corners + 1, corners, dtype=mesh.corners.dtype)
-    return [appended.element("connectivity", mesh.corners.reshape(-1)), appended.element("offsets", ends)]
+    kind = "<i4" if max(len(mesh.points), mesh.corners.size) < 2**31 else "<i8"
+    rows = mesh.corners.reshape(-1).astype(kind, copy=False)
+    ends = np.arange(corners, count * corners + 1, corners, dtype=kind)
+    return [appended.element("connectivity", rows), appended.element("offsets", ends)]
 
 
 def _values(appended: _Appended, mesh: VtkMesh) -> Iterable[str]:
@@ -84,7 +83,7 @@ def _values(appended: _Appended, mesh: VtkMesh) -> Iterable[str]:
 
 
 def _text_array(name: str, text: str) -> str:
-    """A text of the field data: the codes of its bytes, and 0."""
+    """Return a text of the field data: the codes of its bytes, and 0."""
     codes = " ".join(map(str, [*text.encode(), 0]))
     return f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="1" format="ascii">{codes}</DataArray>'
 

@@ -14,8 +14,6 @@ Layout: "VTKHDF file format" (Kitware), 2.2.
 from __future__ import annotations
 
 import io
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -24,7 +22,7 @@ import numpy as np
 from helibore.base.arrays import Array
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, MissingExtraError
-from helibore.mesh.mesh_arrays import MeshArrays
+from helibore.mesh.mesh import Mesh
 from helibore.mesh.vtk_mesh import VtkMesh, check_origin, vtk_mesh
 
 if TYPE_CHECKING:
@@ -44,7 +42,7 @@ def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
     write_whole(path, lambda file: file.write(content.getbuffer()))
 
 
-def append_mesh(mesh: MeshArrays, path: Path, origin: tuple[float, float, float]) -> None:
+def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
     """Add a part to a file, or begin one: `Surface.append_to`."""
     if path.suffix.lower() != ENDING:
         raise InputError(str(path), f"only {ENDING} files take further parts")
@@ -56,9 +54,19 @@ def append_mesh(mesh: MeshArrays, path: Path, origin: tuple[float, float, float]
         save_vtkhdf(path, part)
         return
     content = io.BytesIO(path.read_bytes())
-    with _opened(path, content) as group:
-        _require_alike(path, group, part)
-        _add(group, part)
+    try:
+        opened = _h5py().File(content, "r+", libver="v110")
+    except OSError as error:
+        raise InputError(str(path), "not an HDF5 file, or a damaged one") from error
+    with opened as file:
+        if "VTKHDF" not in file:
+            raise InputError(str(path), "an HDF5 file, but not VTKHDF")
+        _require_alike(path, file["VTKHDF"], part)
+        for name, of in _columns(part).items():
+            rows = file["VTKHDF"][name]
+            before = rows.shape[0]
+            rows.resize(before + len(of), axis=0)
+            rows[before:] = of
     write_whole(path, lambda file: file.write(content.getbuffer()))
 
 
@@ -70,20 +78,8 @@ def _h5py() -> Any:
     return h5py
 
 
-@contextmanager
-def _opened(path: Path, content: io.BytesIO) -> Iterator[h5py.Group]:
-    try:
-        opened = _h5py().File(content, "r+", libver="v110")
-    except OSError as error:
-        raise InputError(str(path), "not an HDF5 file, or a damaged one") from error
-    with opened as file:
-        if "VTKHDF" not in file:
-            raise InputError(str(path), "an HDF5 file, but not VTKHDF")
-        yield file["VTKHDF"]
-
-
 def _columns(mesh: VtkMesh) -> dict[str, Array]:
-    """The arrays that grow with every part."""
+    """Return the arrays that grow with every part."""
     count, corners = mesh.corners.shape
     return {
         "NumberOfPoints": np.array([len(mesh.points)]),
@@ -91,7 +87,7 @@ def _columns(mesh: VtkMesh) -> dict[str, Array]:
         "NumberOfConnectivityIds": np.array([count * corners]),
         "Points": mesh.points,
         "Connectivity": mesh.corners.reshape(-1),
-        "Offsets": np.arange(0, count * corners + 1, corners, dtype=mesh.corners.dtype),
+        "Offsets": np.arange(0, count * corners + 1, corners),
         "Types": np.full(count, mesh.cell_type, "u1"),
         **{f"PointData/{name}": of for name, of in mesh.point_values.items()},
         **{f"CellData/{name}": of for name, of in mesh.cell_values.items()},
@@ -106,21 +102,11 @@ def _create(group: h5py.Group, mesh: VtkMesh) -> None:
     group.attrs["Version"] = np.array([2, 2], dtype="i8")
     group.attrs["Type"] = np.bytes_("UnstructuredGrid")
     for name, of in _columns(mesh).items():
-        kind = np.dtype("i8") if name in (*_COUNTS, "Connectivity", "Offsets") else of.dtype
         chunk = 64 if name in _COUNTS else _CHUNK if len(of) < _LARGE_CHUNK else _LARGE_CHUNK
         row = of.shape[1:]
-        group.create_dataset(name, of.shape, kind, data=of, maxshape=(None, *row), chunks=(chunk, *row))
+        group.create_dataset(name, data=of, maxshape=(None, *row), chunks=(chunk, *row))
     for name, text in mesh.metadata.items():
         group.create_dataset(f"FieldData/{name}", data=[text.encode()])
-
-
-def _add(group: h5py.Group, mesh: VtkMesh) -> None:
-    """Add the rows of one part."""
-    for name, of in _columns(mesh).items():
-        rows = group[name]
-        before = rows.shape[0]
-        rows.resize(before + len(of), axis=0)
-        rows[before:] = of
 
 
 def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:

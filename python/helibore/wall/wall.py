@@ -303,24 +303,23 @@ class Wall:
     def surface(
         self, path: Path | Literal["own"] | None = "own", start: float | None = None, stop: float | None = None
     ) -> Surface:
-        """Place the wall along a path and join neighbouring turns into quads: `surface_of` with this wall.
+        """Place the wall along a path and join neighbouring turns into quads, with its images and attributes.
 
         Parameters
         ----------
         path
-            Where the hole goes; ``"own"``: along the wall's own `path`; None, and a wall without one: straight down.
+            Where the hole goes; ``"own"``: along the wall's own `path`; None, and a wall without one: straight down
+            from (0, 0, 0), toolface 0 to the north.
         start, stop
-            As in `surface_of`.
-
-        Returns
-        -------
-        Surface
-            With the wall's images and attributes.
+            Depths, metres; None: the ends of the wall. The surface holds the quads of the vertices from ``start`` up
+            to, but without, ``stop``, so that surfaces of neighbouring intervals meet without overlap or gap. It
+            reaches one turn beyond ``stop``.
 
         Raises
         ------
         InputError
-            As `surface_of`, `SectorImage.on` and `WallAttributes`.
+            If the path does not reach a vertex, or its reference is undefined there (``vertex 7 at depth 12: ...``), or
+            the wall has nothing between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
         """
         state = self._state(samples=False)
         surface = surface_of(state, self._resolve_path(path), start, stop)
@@ -339,9 +338,22 @@ class Wall:
         start: float | None = None,
         stop: float | None = None,
     ) -> Volume:
-        """Thicken the wall outwards, shell by shell, into hexahedra: `volume_of` with this wall.
+        """Thicken the wall outwards, shell by shell, into hexahedra.
 
-        ``path`` as for `surface`.
+        Parameters
+        ----------
+        path, start, stop
+            As for `surface`.
+        shells
+            From the wall outwards, one or more, each one of: a thickness in metres; thicknesses, one for every vertex
+            of the wall (NaN: nothing there); or a second wall on the same helix, taken as it is. Thicknesses all count
+            from the wall itself, not from the shell before: ``[0.05, 0.20]`` gives layers of 0.05 and 0.15 m.
+
+        Raises
+        ------
+        InputError
+            As `surface`; naming shell, vertex and depth where a shell does not lie beyond the one before, and where the
+            path bends so sharply that a shell folds over itself; if a second wall has another helix.
         """
         return volume_of(self._state(samples=False), self._resolve_path(path), shells, start, stop)
 
