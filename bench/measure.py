@@ -13,7 +13,7 @@ import numpy as np
 
 import helibore as hb
 from helibore import _core
-from helibore.base.threads import available_threads
+from helibore.base.threads import thread_count
 
 A_ROUND = 0.1  # seconds
 
@@ -68,7 +68,7 @@ def machine() -> dict[str, Any]:
         )
     return {
         "processor": processor,
-        "cores": available_threads(),
+        "cores": thread_count(None),
         "instruction_set": _core.instruction_set_in_use(),
         "helibore": hb.__version__,
         "python": platform.python_version(),

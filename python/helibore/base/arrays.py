@@ -32,21 +32,10 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
 
 
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
-    """Return ``values`` as a one-dimensional, C-contiguous float64 array.
+    """Return ``values`` as a one-dimensional, C-contiguous float64 array; ``name`` is the argument's name, for errors.
 
-    Parameters
-    ----------
-    name
-        The argument's name, for errors.
-    values
-        Anything NumPy can read as numbers. Masked arrays are refused: the mask would be lost without a message.
-    length, like
-        When given, the length the column must have and the name of the column that sets it.
-
-    Raises
-    ------
-    InputError
-        If the values are not numbers, not one-dimensional, or of another length.
+    If ``length`` is given, the column must have it, and ``like`` is the column that sets it. Masked arrays are refused:
+    the mask would be lost without a message.
     """
     if isinstance(values, np.ma.MaskedArray):
         raise InputError(name, "masked arrays are not taken; drop the masked rows or use compressed()")
@@ -91,12 +80,8 @@ def sample_columns(
     """Return the columns of samples for the core, each converted by `column`; the core compares their lengths."""
     columns: tuple[Any, Any, Any, Any] = depth, toolface, radius, time
     if not _core.are_columns(*columns):  # at once: a live host appends thousands of small batches
-        columns = (
-            column("depth", depth),
-            column("toolface", toolface),
-            column("radius", radius),
-            None if time is None else column("time", time),
-        )
+        when = None if time is None else column("time", time)
+        columns = column("depth", depth), column("toolface", toolface), column("radius", radius), when
     if time is not None and columns[3].size == 0 < columns[0].size:  # which the core would take for none
         raise InputError(f"time has 0 values, depth has {columns[0].size}", "must be equal")
     return columns

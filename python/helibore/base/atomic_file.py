@@ -16,19 +16,8 @@ from typing import BinaryIO
 def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], object]) -> None:
     """Call ``writer`` with a temporary binary file in the folder of ``path``, then rename that file to ``path``.
 
-    Parameters
-    ----------
-    path
-        The file to write; it is replaced if it exists. Its folder must exist.
-    writer
-        Writes the whole content. If it raises, ``path`` does not change and the temporary file is deleted.
-
-    Raises
-    ------
-    OSError
-        If the folder does not exist or cannot be written to, or the disk is full; it names ``path``.
+    If ``writer`` raises, ``path`` does not change and the temporary file is deleted. An OSError names ``path``.
     """
-
     target = Path(path)
     beside = target.with_name(f".{target.name}.{secrets.token_hex(4)}.part")
     try:
@@ -43,13 +32,8 @@ def write_whole(path: str | os.PathLike[str], writer: Callable[[BinaryIO], objec
         if isinstance(error, OSError) and error.errno is not None:
             raise type(error)(error.errno, error.strerror, str(target)) from error
         raise
-    _flush_folder(target.parent)
-
-
-def _flush_folder(folder: Path) -> None:
-    """Flush the rename to disk. Systems that cannot open a folder flush it when they choose."""
-    with contextlib.suppress(OSError):
-        descriptor = os.open(folder, os.O_RDONLY)
+    with contextlib.suppress(OSError):  # flush the rename; not every system can open a folder
+        descriptor = os.open(target.parent, os.O_RDONLY)
         try:
             os.fsync(descriptor)
         finally:

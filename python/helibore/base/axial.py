@@ -21,10 +21,9 @@ class BreakoutLobe:
 
     Attributes
     ----------
-    toolface
-        Direction of its weighted middle, [0, 360), degrees.
-    opening
-        The angle over which it is higher than the floor, degrees; NaN if the tool has too few arms to measure it.
+    toolface, opening
+        Direction of its weighted middle, [0, 360), degrees; and the angle over which it is higher than the floor,
+        degrees, NaN if the tool has too few arms to measure it.
     height
         The greatest height over the circle of C2, metres; in an image the greatest darkness, a fraction.
     """
@@ -36,25 +35,13 @@ class BreakoutLobe:
 
 @dataclass(frozen=True)
 class Axes:
-    """Statistics of axes.
+    """Statistics of axes."""
 
-    Attributes
-    ----------
-    mean
-        [0, 180), degrees; NaN if there are no axes.
-    deviation
-        Standard deviation, degrees; infinite where the axes point nowhere.
-    concentration
-        R, from 0 (anywhere) to 1 (all alike).
-    count, weight
-        The number of axes, and the sum of their weights (lengths).
-    """
-
-    mean: float
-    deviation: float
-    concentration: float
+    mean: float  # [0, 180), degrees; NaN if there are no axes
+    deviation: float  # standard deviation, degrees; infinite where the axes point nowhere
+    concentration: float  # R, from 0 (anywhere) to 1 (all alike)
     count: int
-    weight: float
+    weight: float  # the sum of the weights (lengths)
 
 
 def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:

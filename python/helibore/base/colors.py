@@ -42,21 +42,11 @@ ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINI
 
 @dataclass(frozen=True)
 class ColorMap:
-    """A colour map: evenly spaced stops, linear between.
+    """A colour map: evenly spaced stops, linear between."""
 
-    Attributes
-    ----------
-    label
-        What it is for; menus show this text.
-    stops
-        (red, green, blue) from the least value to the greatest, 0 to 255.
-    safe
-        Whether lightness alone shows the order of values, so that people with red-green colour blindness can read it.
-    """
-
-    label: str
-    stops: tuple[tuple[int, int, int], ...]
-    safe: bool
+    label: str  # what it is for; menus show this text
+    stops: tuple[tuple[int, int, int], ...]  # (red, green, blue) from the least value to the greatest, 0 to 255
+    safe: bool  # lightness alone shows the order of values: people with red-green colour blindness can read it
 
 
 COLOR_MAPS: dict[str, ColorMap] = {
@@ -73,13 +63,7 @@ def check_map(color_map: str) -> None:
 
 
 def color_table(color_map: str, count: int = 256) -> Colors:
-    """Return a map as ``count`` colours, (count, 3) uint8, from the least value to the greatest.
-
-    Raises
-    ------
-    InputError
-        ``color_map = 'jet': must be one of image, viridis, ...``.
-    """
+    """Return a map as ``count`` colours, (count, 3) uint8, from the least value to the greatest."""
     check_map(color_map)
     stops = np.array(COLOR_MAPS[color_map].stops, dtype=np.float64)
     at = np.linspace(0, len(stops) - 1, count)
@@ -139,13 +123,7 @@ class ColorScale:
             raise InputError("limits", "must be above 0 on a log scale", str(ends))
 
     def share(self, values: Floats) -> Floats:
-        """Return how far along the scale each value lies, 0 to 1; NaN where missing. Same shape, a new array.
-
-        Raises
-        ------
-        InputError
-            ``values[17] = -2: must be above 0 on a log scale (3 of 100 are not) ...``.
-        """
+        """Return how far along the scale each value lies, 0 to 1; NaN where missing. Same shape, a new array."""
         low, high = self.low, self.high
         if self.log:
             check_positive(values)
@@ -161,13 +139,7 @@ class ColorScale:
         return _table_with_missing(self.color_map)[place]
 
     def matplotlib(self) -> tuple[Colormap, Normalize]:
-        """Return the scale for matplotlib, missing values in grey: ``cmap, norm = scale.matplotlib()``.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed; it comes with the extra ``plot``.
-        """
+        """Return the scale for matplotlib, missing values in grey: ``cmap, norm = scale.matplotlib()``."""
         try:
             from matplotlib.colors import ListedColormap, LogNorm, Normalize
         except ImportError as error:
@@ -184,7 +156,7 @@ _FINE = 1024
 
 @cache
 def _table_with_missing(color_map: str) -> Colors:
-    """Return the colours in 1024 steps, then the grey of missing values, (1025, 4)."""
+    """Return the colours in `_FINE` steps, then the grey of missing values, (1025, 4)."""
     table = np.full((_FINE + 1, 4), 255, dtype=np.uint8)
     table[:_FINE, :3] = color_table(color_map, _FINE)
     table[_FINE, :3] = MISSING
@@ -204,20 +176,9 @@ def check_positive(values: Floats) -> None:
 def colors_of(
     values: Floats, limits: tuple[float, float] | None = None, color_map: str = "viridis", log: bool = False
 ) -> Colors:
-    """Colour values between two limits, by default the least and the greatest of them.
+    """Colour values of any shape as `ColorScale.colors`, by default between the least and the greatest of them.
 
-    Parameters
-    ----------
-    values
-        float64 of any shape; NaN where missing.
-    limits
-        Values of the first and the last colour. By default, values that are all equal get the first colour.
-    color_map, log
-        As in `ColorScale`.
-
-    Returns
-    -------
-    (..., 4) uint8: red, green, blue, 255; missing values are `MISSING`.
+    Without limits, values that are all equal get the first colour.
     """
     if limits is not None:
         return ColorScale(*limits, color_map=color_map, log=log).colors(values)
@@ -225,9 +186,4 @@ def colors_of(
         check_positive(values)
     there = values[np.isfinite(values)]
     low, high = (float(there.min()), float(there.max())) if there.size else (1.0, 2.0)
-    return ColorScale(low, high if high > low else _above(low), color_map, log).colors(values)
-
-
-def _above(value: float) -> float:
-    """Return a number above ``value`` by more than rounding: the upper end of a scale for a single value."""
-    return value + max(abs(value), 1.0)
+    return ColorScale(low, high if high > low else low + max(abs(low), 1.0), color_map, log).colors(values)

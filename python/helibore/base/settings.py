@@ -12,7 +12,6 @@ import numpy as np
 from helibore.base.errors import InputError
 
 _OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance", "kriging_range")
-_LARGEST_INTEGER = 2**31 - 1  # the core's integers
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -93,48 +92,29 @@ class Settings:
         if self.neighbors is None:
             object.__setattr__(self, "neighbors", 16 if self.estimator == "kriging" else 8)
         for name, value in vars(self).items():
-            if value is None and name in _OPTIONAL:
-                continue
-            made = _KINDS.get(name, _number)(name, value)
-            if made is not value:
-                object.__setattr__(self, name, made)
+            if value is not None or name not in _OPTIONAL:
+                self.__dict__[name] = _checked(name, value)
         if not (math.isfinite(self.gap_reach) and self.gap_reach > 0):
             raise InputError("gap_reach", "must be finite and above 0", str(self.gap_reach))
         if not 0 < self.largest_gap <= 360:
             raise InputError("largest_gap", "must be above 0 and at most 360", str(self.largest_gap))
 
 
-def _integer(name: str, value: Any) -> int:
+def _checked(name: str, value: Any) -> float | int | bool | str:
+    """Return the value of a setting as its type; an integer must fit the core's."""
+    if name == "estimator":
+        if value not in ("inverse-distance", "kriging"):
+            raise InputError(name, "must be 'inverse-distance' or 'kriging'", repr(value))
+        return str(value)
+    if name == "direct":
+        if not isinstance(value, bool | np.bool_):
+            raise InputError(name, "must be True or False", repr(value))
+        return bool(value)
+    whole = name in ("sectors", "neighbors", "max_iterations", "window", "most_vertices")
     try:
-        made = operator.index(value)
-    except TypeError:
-        raise InputError(name, "must be an integer", repr(value)) from None
-    if abs(made) > _LARGEST_INTEGER:
+        made = operator.index(value) if whole else float(value)
+    except (TypeError, ValueError):
+        raise InputError(name, f"must be {'an integer' if whole else 'a number'}", repr(value)) from None
+    if whole and abs(made) >= 2**31:
         raise InputError(name, "must be below 2147483648 in size", str(made))
     return made
-
-
-def _number(name: str, value: Any) -> float:
-    try:
-        return float(value)
-    except (TypeError, ValueError):
-        raise InputError(name, "must be a number", repr(value)) from None
-
-
-def _estimator(name: str, value: Any) -> str:
-    if value not in ("inverse-distance", "kriging"):
-        raise InputError(name, "must be 'inverse-distance' or 'kriging'", repr(value))
-    return str(value)
-
-
-def _flag(name: str, value: Any) -> bool:
-    if not isinstance(value, bool | np.bool_):
-        raise InputError(name, "must be True or False", repr(value))
-    return bool(value)
-
-
-_KINDS = {
-    **dict.fromkeys(("sectors", "neighbors", "max_iterations", "window", "most_vertices"), _integer),
-    "direct": _flag,
-    "estimator": _estimator,
-}

@@ -25,27 +25,13 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class LogColumn:
-    """One log.
+    """One log."""
 
-    Attributes
-    ----------
-    mnemonic
-        Its short name in files: capital letters, digits and underscores.
-    unit
-        ``"m"``, ``"m3"``, ``"deg"``, ``"s"``, or ``""`` for a fraction or a code.
-    description
-        The meaning of the log, in one line of ASCII.
-    values
-        (n,) float64; NaN where missing.
-    decimals
-        Number of decimals in text files; None: by the unit.
-    """
-
-    mnemonic: str
-    unit: str
-    description: str
-    values: Floats
-    decimals: int | None = None
+    mnemonic: str  # short name in files: capital letters, digits and underscores
+    unit: str  # "m", "m3", "deg", "s", or "" for a fraction or a code
+    description: str  # the meaning of the log, in one line of ASCII
+    values: Floats  # (n,) float64; NaN where missing
+    decimals: int | None = None  # in text files; None: by the unit
 
     def __post_init__(self) -> None:
         if not re.fullmatch(r"[A-Z][A-Z0-9_]*", self.mnemonic):
@@ -90,19 +76,9 @@ class Tabular:
 
 
 class LogTable(Tabular):
-    """Columns on one depth, the depth first.
+    """Columns on one depth, which is the first: metres, strictly rising or falling. Mnemonics all differ.
 
-    Parameters
-    ----------
-    columns
-        The first is the depth, metres, strictly rising or falling. All of one length, mnemonics all different.
-    facts
-        How the columns were made, as texts: ``{"bit diameter": "0.2159 m"}``. Every file states them.
-
-    Raises
-    ------
-    InputError
-        ``C1: 99 values, DEPT has 100: must be equal``; on a mnemonic that comes twice; on a table without columns.
+    ``facts`` say how the columns were made: ``{"bit diameter": "0.2159 m"}``. Every file states them.
     """
 
     writer: ClassVar[Callable[[LogTable, str | os.PathLike[str]], None]]

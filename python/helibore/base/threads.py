@@ -8,17 +8,10 @@ import os
 from helibore.base.errors import InputError
 
 
-def available_threads() -> int:
-    """Return the number of processors this process may run on."""
-    if hasattr(os, "sched_getaffinity"):
-        return len(os.sched_getaffinity(0))
-    return os.cpu_count() or 1
-
-
 def thread_count(threads: int | None) -> int:
-    """Return ``threads`` as an int, all available ones for None; InputError unless it is 1 to 1024."""
+    """Return ``threads`` as an int, for None the processors this process may run on; InputError unless 1 to 1024."""
     if threads is None:
-        return available_threads()
+        return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
     try:
         count = operator.index(threads)
     except TypeError:

@@ -55,13 +55,7 @@ _SUFFIXES = (
 
 
 def canonical(unit: str) -> str:
-    """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``.
-
-    Raises
-    ------
-    InputError
-        If the unit is not in the table.
-    """
+    """Return the name this table uses for ``unit``: ``canonical("INCHES") == "in"``; InputError if it is not in it."""
     found = _NAMES.get(unit.lower().replace(" ", ""))
     if found is None:
         raise InputError(f"unit '{unit}'", f"not known; known are {', '.join(_TABLE)}")
@@ -69,19 +63,10 @@ def canonical(unit: str) -> str:
 
 
 def factor(unit: str, kind: str) -> float:
-    """Return the factor that turns a value in ``unit`` into metres, degrees, seconds or turns per minute.
+    """Return the factor that turns a value in ``unit``, as files write it, into metres, degrees, seconds or rpm.
 
-    Parameters
-    ----------
-    unit
-        A unit as files write it.
-    kind
-        ``"length"``, ``"angle"``, ``"time"`` or ``"rotation"``: what the unit must measure.
-
-    Raises
-    ------
-    InputError
-        If the unit is not in the table, or measures something else.
+    ``kind`` is what the unit must measure: length, angle, time or rotation. An InputError says that the unit is not in
+    the table, or measures something else.
     """
     unit = canonical(unit)
     measures, value, _ = _TABLE[unit]
@@ -111,13 +96,7 @@ def split(name: str, kind: str) -> tuple[str, str | None]:
 
 
 def quantity(text: str, kind: str) -> float:
-    """Return ``text`` in metres, degrees or seconds: ``8.5in``, ``12 1/4 in``, ``100 mm``, or a number without a unit.
-
-    Raises
-    ------
-    InputError
-        If the text is not a number with a known unit.
-    """
+    """Return ``8.5in``, ``12 1/4 in``, ``100 mm`` or a number without a unit in metres, degrees or seconds."""
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise InputError(f"'{text}'", f"must be a number with a unit of {kind}, such as {_EXAMPLES[kind]}")

@@ -20,7 +20,7 @@ from helibore.base.arrays import Floats, Integers, column, numbers, require, sam
 from helibore.base.errors import InputError
 from helibore.base.notebook import card, map_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
-from helibore.base.threads import available_threads
+from helibore.base.threads import thread_count
 from helibore.base.units import ANGLE, LENGTH, TIME, factor
 
 Basis = Literal["azimuthal", "average", "gauge"]
@@ -108,7 +108,7 @@ class Caliper(Tabular):
         columns = sample_columns(depth, toolface, radius, time)
         self._depth, self._toolface, self._radius = (_frozen(values) for values in columns[:3])
         self._time = None if columns[3] is None else _frozen(columns[3])
-        _core.check_samples(self._depth, self._toolface, self._radius, self._time, available_threads())
+        _core.check_samples(self._depth, self._toolface, self._radius, self._time, thread_count(None))
 
     @classmethod
     def from_table(
