@@ -49,22 +49,11 @@ class FramedPath(Protocol):
 
 
 def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6.0) -> Mask:
-    """Which samples count from the high side, where the tool changes over by inclination and the file does not say.
+    """Return which samples count from the high side, (n,) bool for `onto_path`, if the tool switches by inclination.
 
-    A tool counts from north until the inclination reaches ``high``, and from the high side until it is down to ``low``:
-    between the two it stays with what it did. A series that starts between them starts with the nearer one.
-
-    Parameters
-    ----------
-    inclination
-        At each sample, degrees, in order of time, (n,), finite.
-    low, high
-        Degrees, low <= high.
-
-    Returns
-    -------
-    ndarray
-        (n,) bool, new: True for the high side, False for north. Pass it to :func:`onto_path`.
+    A tool counts from north until the inclination reaches ``high``, and from the high side until it is down to ``low``
+    (degrees): between the two it keeps its reference. A series that starts between them starts with the nearer one.
+    ``inclination``, (n,) degrees, finite, is that of each sample in order of time.
     """
     inclined = finite_column("inclination", inclination)
     if not 0 <= low <= high:
@@ -79,22 +68,7 @@ def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6
 
 
 def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
-    """Where both references are defined: that of the path, and the high side, or north.
-
-    Parameters
-    ----------
-    path
-        A path.
-    depth
-        Metres on the path, (n,), finite.
-    high_side
-        True for the high side, False for north.
-
-    Returns
-    -------
-    ndarray
-        (n,) bool, new.
-    """
+    """Return where both references are defined, (n,) bool: that of the path, and the high side or else north."""
     north, east, down = path.tangent(finite_column("depth", depth)).T
     sine = {"high-side": np.hypot(north, east), "north": np.hypot(east, down)}
     own = sine["high-side" if high_side else "north"]
@@ -103,26 +77,11 @@ def defined(path: FramedPath, depth: npt.ArrayLike, high_side: bool) -> Mask:
 
 
 def onto_path(toolface: npt.ArrayLike, depth: npt.ArrayLike, path: FramedPath, high_side: Mask | bool) -> Floats:
-    """Turn toolfaces measured from north or from the high side into the reference of the path.
+    """Turn toolfaces measured from north or from the high side into the reference of the path, [0, 360), (n,) new.
 
-    Parameters
-    ----------
-    toolface, depth
-        Degrees and metres, (n,), finite; depths on the path.
-    path
-        Its ``reference`` is what the result counts from.
-    high_side
-        True where a sample counts from the high side, False where from north: (n,) bool, or one for all.
-
-    Returns
-    -------
-    ndarray
-        Degrees in [0, 360), (n,), new.
-
-    Raises
-    ------
-    InputError
-        If lengths differ, a value is not finite, the path does not reach a depth, or a reference is undefined there.
+    Toolfaces in degrees and depths in metres are (n,) and finite. ``high_side`` is True where a sample counts from the
+    high side, False where from north: (n,) bool, or one for all. An InputError says that lengths differ, a value is not
+    finite, the path does not reach a depth, or a reference is undefined there.
     """
     angle = finite_column("toolface", toolface)
     where = finite_column("depth", depth, angle.size, "toolface")

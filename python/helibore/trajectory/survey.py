@@ -10,6 +10,7 @@ convergence, declination, sag) and its uncertainty.
 
 from __future__ import annotations
 
+from dataclasses import InitVar, dataclass, field
 from typing import Any, Literal
 
 import numpy as np
@@ -44,9 +45,11 @@ class Survey:
     """
 
     def __init__(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> None:
-        self._depth = _frozen(column("depth", depth))
-        self._inclination = _frozen(column("inclination", inclination, self._depth.size, "depth"))
-        self._azimuth = _frozen(column("azimuth", azimuth, self._depth.size, "depth"))
+        self._depth = column("depth", depth).copy()
+        self._inclination = column("inclination", inclination, self._depth.size, "depth").copy()
+        self._azimuth = column("azimuth", azimuth, self._depth.size, "depth").copy()
+        for values in (self._depth, self._inclination, self._azimuth):
+            values.flags.writeable = False
         self._core = _core.Survey(self._depth, self._inclination, self._azimuth)
 
     @property
@@ -130,69 +133,42 @@ class Survey:
         return Path(self, method, reference, head, extend)
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Path:
-    """A path through the stations of a survey; `Survey.path` makes it. A path never changes."""
+    """A path through the stations of a survey; `Survey.path` makes it. A path never changes.
 
-    def __init__(
-        self,
-        survey: Survey,
-        method: Method,
-        reference: Reference,
-        head: tuple[float, float, float],
-        extend: float,
-        core: _core.Path | None = None,
-    ) -> None:
-        north, east, down = head
-        self._head = (float(north), float(east), float(down))
-        self._extend = float(extend)
-        self._survey, self._method, self._reference = survey, method, reference
-        self._core = core or _core.Path(survey._core, method, reference, self._head, self._extend)
+    Attributes
+    ----------
+    survey, method, reference, head, extend
+        As given to `Survey.path`.
+    start_depth, survey_depth, stop_depth
+        Depths where the path starts (the first station), where it becomes provisional (the last station), and where it
+        ends (``extend`` below that), metres.
+    """
 
-    @property
-    def survey(self) -> Survey:
-        """The survey that the path follows."""
-        return self._survey
+    survey: Survey
+    method: Method
+    reference: Reference
+    head: tuple[float, float, float]
+    extend: float
+    start_depth: float = field(init=False)
+    survey_depth: float = field(init=False)
+    stop_depth: float = field(init=False)
+    _core: _core.Path = field(init=False)
+    core: InitVar[_core.Path | None] = None
 
-    @property
-    def method(self) -> Method:
-        """The name of the method."""
-        return self._method
-
-    @property
-    def reference(self) -> Reference:
-        """What toolface 0 points to."""
-        return self._reference
-
-    @property
-    def head(self) -> tuple[float, float, float]:
-        """North, east and down of the first station, metres."""
-        return self._head
-
-    @property
-    def extend(self) -> float:
-        """Metres the path goes straight on below the last station."""
-        return self._extend
-
-    @property
-    def start_depth(self) -> float:
-        """Depth of the first station, metres: the path starts here."""
-        return self._core.start_depth
-
-    @property
-    def survey_depth(self) -> float:
-        """Depth of the last station, metres: the path below it is provisional."""
-        return self._core.survey_depth
-
-    @property
-    def stop_depth(self) -> float:
-        """Depth the path ends at, metres: the last station plus ``extend``."""
-        return self._core.stop_depth
+    def __post_init__(self, core: _core.Path | None) -> None:
+        north, east, down = self.head
+        head, extend = (float(north), float(east), float(down)), float(self.extend)
+        core = core or _core.Path(self.survey._core, self.method, self.reference, head, extend)
+        ends = {"start_depth": core.start_depth, "survey_depth": core.survey_depth, "stop_depth": core.stop_depth}
+        self.__dict__.update(ends, head=head, extend=extend, _core=core)
 
     def __reduce__(self) -> tuple[type[Path], tuple[Any, ...]]:
-        return Path, (self._survey, self._method, self._reference, self._head, self._extend)
+        return Path, (self.survey, self.method, self.reference, self.head, self.extend)
 
     def __repr__(self) -> str:
-        return f"Path({self._method}, {self._reference}, {self.start_depth:g} to {self.stop_depth:g} m)"
+        return f"Path({self.method}, {self.reference}, {self.start_depth:g} to {self.stop_depth:g} m)"
 
     def position(self, depth: npt.ArrayLike) -> Floats:
         """North, east and down at each depth, metres.
@@ -249,12 +225,6 @@ class Path:
             As `position`, and where the hole is vertical.
         """
         return _shaped(self._core.north_to_high_side(_depths(depth)), depth)
-
-
-def _frozen(values: Floats) -> Floats:
-    copy = values.copy()
-    copy.flags.writeable = False
-    return copy
 
 
 def _depths(depth: npt.ArrayLike) -> Floats:

@@ -53,10 +53,9 @@ def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
     if path is None or not known:
         if elevation is None:
             return None
-        rule = (
-            "depth below sea level needs a wall with a path whose survey begins at depth 0, or whose head says the "
-            "true depth of its first station"
+        needs = (
+            "a wall with a path whose survey begins at depth 0, or whose head says the true depth of its first station"
         )
-        raise InputError("elevation", rule, f"{elevation:g}")
+        raise InputError("elevation", f"depth below sea level needs {needs}", f"{elevation:g}")
     zero = path.head[2] if surface else 0.0
     return TrueDepth(path, "TVD", zero) if elevation is None else TrueDepth(path, "TVDSS", zero + elevation)
