@@ -63,10 +63,10 @@ class Client:
             return
         if level == FRAMES_LEVEL:
             self._add((FRAMES_LEVEL, 0), start, stop)
-            return
-        for tile in self.scene.levels[level].tiles(start, stop):
-            if level == 1 or self._holds(tile):
-                self._mark_tile((level, tile), start, stop)
+        else:
+            for tile in self.scene.levels[level].tiles(start, stop):
+                if level == 1 or self._holds(tile):
+                    self._mark_tile((level, tile), start, stop)
 
     def subscribe(self, wanted: Subscription) -> None:
         """Replace the subscription; all of a tile that is new to the page becomes pending."""
@@ -127,7 +127,7 @@ class Client:
             self.pending[key] = union([*self.pending.get(key, []), (start, stop)], MOST_PENDING)
 
     def _priority(self, key: Key) -> float:
-        """Frames first, then the tiles near the focus, the overview, the other tiles."""
+        """Send frames first, then the tiles near the focus, the overview, the other tiles."""
         if key[0] == FRAMES_LEVEL:
             return -1
         return OVERVIEW_PRIORITY if key[0] == 1 else abs(key[1] - self.subscription.focus)
@@ -187,13 +187,7 @@ def state_message(scene: Scene) -> dict[str, Any]:
 
 
 def read_subscription(wanted: Any, attributes: int) -> Subscription:
-    """Check what a page asks for.
-
-    Raises
-    ------
-    BadMessageError
-        If it is not ``{"tiles": [[start, stop], ...], "focus": tile, "mask": bits}`` within its bounds.
-    """
+    """Check what a page asks for: ``{"tiles": [[start, stop], ...], "focus": tile, "mask": bits}``, each in bounds."""
     if not isinstance(wanted, dict):
         raise BadMessageError("subscribe: must be an object")
     ranges, focus, mask = wanted.get("tiles"), wanted.get("focus"), wanted.get("mask")

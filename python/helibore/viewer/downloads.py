@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import time
-from collections.abc import AsyncIterator, Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 
 from starlette.responses import PlainTextResponse, Response, StreamingResponse
 from starlette.types import Message, Receive, Scope, Send
@@ -18,7 +18,7 @@ STALLED = 60.0  # seconds
 
 
 class Downloads:
-    """The places for downloads; used by the server's event loop only."""
+    """Limit the downloads that run at a time; used by the server's event loop only."""
 
     def __init__(self, most: int = MOST, stalled: float = STALLED) -> None:
         self.most, self.stalled = most, stalled
@@ -36,9 +36,9 @@ class Downloads:
             return PlainTextResponse(busy, 503, headers={"retry-after": "5"})
         self.running += 1
         try:
-            chunks = encoded(await asyncio.to_thread(write))
+            chunks: Iterable[bytes] = encoded(await asyncio.to_thread(write))
             if whole:
-                return _Download(self, _sent(await asyncio.to_thread(list, chunks)), media_type, name)
+                chunks = await asyncio.to_thread(list, chunks)
             return _Download(self, chunks, media_type, name)
         except BaseException as error:
             self.running -= 1
@@ -59,17 +59,10 @@ def encoded(chunks: Iterator[str]) -> Iterator[bytes]:
         yield bytes_
 
 
-async def _sent(chunks: list[bytes]) -> AsyncIterator[bytes]:
-    for chunk in chunks:
-        yield chunk
-
-
 class _Download(StreamingResponse):
     """Sends the chunks; frees its place when they are sent or the browser stops reading."""
 
-    def __init__(
-        self, downloads: Downloads, chunks: Iterator[bytes] | AsyncIterator[bytes], media_type: str, name: str
-    ) -> None:
+    def __init__(self, downloads: Downloads, chunks: Iterable[bytes], media_type: str, name: str) -> None:
         disposition = {"content-disposition": f"attachment; filename={name}"}
         super().__init__(chunks, media_type=media_type, headers=disposition)
         self.downloads = downloads

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
 from helibore.base.errors import InputError
@@ -58,13 +58,7 @@ def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, fl
 
 
 def section_csv(scene: Scene, start: float, stop: float) -> Iterator[str]:
-    """Return the vertices between two depths as chunks of CSV, as they are now.
-
-    Raises
-    ------
-    InputError
-        If the depths are not finite, or hold more than `MOST_ROWS` vertices.
-    """
+    """Return the vertices between two depths, at most `MOST_ROWS`, as chunks of CSV, as they are now."""
     ends = vertices_between(scene, start, stop)
     with scene.lock:
         first = max(0, math.ceil(ends[0]))
@@ -78,18 +72,19 @@ def _chunks(scene: Scene, first: int, last: int) -> Iterator[str]:
     names = "".join(f',"{a.name} [{a.unit}]"'.replace("\n", " ") for a in scene.shape.attributes)
     yield f"vertex,depth [m],toolface [deg],radius [m],first radius [m],nearest [m],support{names}\r\n"
     for start in range(first, last, ROWS_A_CHUNK):
-        yield "".join(_line(vertex(scene, k)) for k in range(start, min(start + ROWS_A_CHUNK, last)))
+        rows = (vertex(scene, k) for k in range(start, min(start + ROWS_A_CHUNK, last)))
+        yield "".join(_line(row, row["attributes"].values()) for row in rows)
 
 
-def _line(row: dict[str, Any]) -> str:
-    cells = [str(row["vertex"]), f"{row['depth']:.5f}", f"{row['toolface']:.4f}"]
-    cells += [_text(row[name], ".5f") for name in ("radius", "first_radius")]
-    cells += [_text(row["nearest"], ".4f"), str(row["support"])]
-    return ",".join([*cells, *(_text(value, ".9g") for value in row["attributes"].values())]) + "\r\n"
+CSV_FORMS = {
+    "vertex": "d", "depth": ".5f", "toolface": ".4f", "radius": ".5f", "first_radius": ".5f", "nearest": ".4f",
+    "support": "d",
+}  # fmt: skip
 
 
-def _text(value: float | None, form: str) -> str:
-    return "" if value is None else format(value, form)
+def _line(row: dict[str, Any], attributes: Iterable[float | None]) -> str:
+    cells = [(row[name], form) for name, form in CSV_FORMS.items()] + [(value, ".9g") for value in attributes]
+    return ",".join("" if value is None else format(value, form) for value, form in cells) + "\r\n"
 
 
 def _or_none(value: float) -> float | None:

@@ -28,7 +28,7 @@ from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import percentile_limits, symmetric_limit
 from helibore.logs.summary import summarize
 from helibore.logs.zones import Classification, classify
-from helibore.samples.helix import basis_of
+from helibore.samples.helix import basis_of, helix_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
@@ -60,21 +60,20 @@ class Feed:
     """Keeps a scene equal to a wall."""
 
     def __init__(
-        self,
-        wall: ViewedWall,
-        *,
-        path: Path | None,
-        attributes: Mapping[str | Attribute, npt.ArrayLike],
-        well: str,
+        self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
         scene: Scene | None = None,
-    ) -> None:
+    ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
         self._wall = wall
         if len(wall) == 0:
             raise InputError("the wall has no vertex yet", "append samples first")
         named = {_attribute(key): numbers(values) for key, values in attributes.items()}
-        self._shape = _shape(wall, tuple(named), well)
+        settings, helix = wall.settings, helix_of(wall)
+        self._shape = WallShape(
+            helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
+            tuple(named), basis_of(wall),
+        )  # fmt: skip
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():
             self._check(name, values)
@@ -201,18 +200,13 @@ class Feed:
         gap = getattr(self._wall, "angular_gap", None) if self._shape.basis == "azimuthal" else None
         if gap is not None:
             self.scene.set_interpolated(gap > self._wall.settings.largest_gap)
-        zones = tuple(
-            {
-                "kind": zone.kind,
-                "start": round(zone.start, 3),
-                "stop": round(zone.stop, 3),
-                "measure": round(found.measure(zone), 5),
-                "severity": round(found.severity(zone), 3),
-            }
-            for zone in found.zones
-        )
-        if zones != self.scene.state.zones:
-            self.scene.update_state(zones=zones)
+        zones = []
+        for zone in found.zones:
+            place = {"kind": zone.kind, "start": round(zone.start, 3), "stop": round(zone.stop, 3)}
+            size = {"measure": round(found.measure(zone), 5), "severity": round(found.severity(zone), 3)}
+            zones.append(place | size)
+        if tuple(zones) != self.scene.state.zones:
+            self.scene.update_state(zones=tuple(zones))
 
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
         """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None."""
@@ -255,11 +249,9 @@ class Feed:
         end = self._shape.start_depth + (len(self._wall) - 1) * self._shape.pitch / self._shape.sectors
         top, bottom = sorted((self._shape.start_depth, end))
         if top < path.start_depth - 1e-9 or bottom > path.stop_depth + 1e-9:
-            raise InputError(
-                f"the wall lies from {top:.2f} to {bottom:.2f} m, the path from {path.start_depth:.2f} to "
-                f"{path.stop_depth:.2f} m",
-                "give the survey's path extend= metres, or a longer survey",
-            )
+            wall, ends = f"from {top:.2f} to {bottom:.2f} m", f"from {path.start_depth:.2f} to {path.stop_depth:.2f} m"
+            rule = "give the survey's path extend= metres, or a longer survey"
+            raise InputError(f"the wall lies {wall}, the path {ends}", rule)
 
 
 def frame_count(shape: WallShape, vertices: int, rows: int) -> int:
@@ -308,17 +300,3 @@ def _limits(attribute: Attribute, values: Floats) -> tuple[float, float] | None:
         low, high = percentile_limits(values, log=attribute.log)
     margin = 0.0 if low < high else max(abs(low), 1.0) * 1e-3
     return low - margin, high + margin
-
-
-def _shape(wall: ViewedWall, attributes: tuple[Attribute, ...], well: str) -> WallShape:
-    settings, top = wall.settings, wall.vertices(0, 1)
-    return WallShape(
-        sectors=int(settings.sectors),
-        pitch=float(settings.pitch),
-        start_depth=float(top.depth[0]),
-        start_toolface=float(top.toolface[0]),
-        bit_diameter=float(settings.bit_diameter),
-        well=well,
-        attributes=attributes,
-        basis=basis_of(wall),
-    )

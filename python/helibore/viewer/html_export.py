@@ -32,22 +32,8 @@ POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inli
 def html_export(scene: Scene, files: dict[str, str], start: float, stop: float, address: str = "") -> Iterator[str]:
     """Return the file in chunks. The section is copied now and written as the chunks are read.
 
-    Parameters
-    ----------
-    scene
-        What is shown.
-    files
-        The built page: name to text.
-    start, stop
-        Depths of the section, metres, in either order.
-    address
-        What the page looks at: the text after the # of its address.
-
-    Raises
-    ------
-    InputError
-        If the depths are not finite or not in the wall, or hold more than `MOST_VERTICES` vertices; if the address has
-        more than `MOST_ADDRESS` characters.
+    ``files`` is the built page, name to text; ``start`` and ``stop`` are depths in metres, in either order; ``address``
+    is what the page looks at, the text after the # of its address.
     """
     if len(address) > MOST_ADDRESS:
         rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer dips or notes"

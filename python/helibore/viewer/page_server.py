@@ -23,7 +23,10 @@ class PageServer:
         self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False,
         certificate: str | None = None, key: str | None = None,
     ) -> None:  # fmt: skip
-        if not _is_loopback(host) and not token:
+        loopback = host == "localhost"
+        with contextlib.suppress(ValueError):
+            loopback = loopback or ipaddress.ip_address(host).is_loopback
+        if not loopback and not token:
             raise InputError(f"host {host}", "is open to other machines, so it needs a token")
         uvicorn = import_server()
         from helibore.viewer.access import LOOPBACK
@@ -85,12 +88,6 @@ def import_server() -> Any:
     except ModuleNotFoundError as error:
         raise MissingExtraError(error.name or "uvicorn", "view") from error
     return uvicorn
-
-
-def _is_loopback(host: str) -> bool:
-    with contextlib.suppress(ValueError):
-        return host == "localhost" or ipaddress.ip_address(host).is_loopback
-    return False
 
 
 def _bind(host: str, port: int) -> socket.socket:

@@ -104,36 +104,18 @@ class PathFrames:
 
 @dataclass(frozen=True)
 class RunState:
-    """What changes while a wall is shown, apart from its values; every page gets it again when it changes.
+    """What changes while a wall is shown, apart from its values; every page gets it again when it changes."""
 
-    Attributes
-    ----------
-    bit_depth
-        Metres; NaN: not known.
-    newest
-        Time of the newest sample, seconds since 1970; NaN for a saved wall.
-    ended
-        Whether the run has ended.
-    sources
-        What the sources are doing, in words.
-    true_depth
-        Measured depths between which the true vertical depth is known, and the "down" of its zero; None: not known.
-    ranges
-        Ends of the colours by quantity, metres or the attribute's unit; chosen once, from the whole wall.
-    zones
-        Zones of the wall as JSON objects, in order of depth.
-    alarms
-        What the live feed warns of, in words; a page shows each until its user silences it.
-    """
-
-    bit_depth: float = math.nan
-    newest: float = math.nan
+    bit_depth: float = math.nan  # metres; NaN: not known
+    newest: float = math.nan  # time of the newest sample, seconds since 1970; NaN for a saved wall
     ended: bool = False
-    sources: str = ""
+    sources: str = ""  # what the sources are doing, in words
+    # Measured depths between which the true vertical depth is known, and the "down" of its zero; None: not known.
     true_depth: tuple[float, float, float] | None = None
+    # Ends of the colours by quantity, metres or the attribute's unit; chosen once, from the whole wall.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
-    zones: tuple[Mapping[str, Any], ...] = ()
-    alarms: tuple[str, ...] = ()
+    zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
+    alarms: tuple[str, ...] = ()  # what the live feed warns of, in words; a page shows each until its user silences it
 
 
 class Scene:
@@ -187,12 +169,10 @@ class Scene:
                     values = numbers(attributes[attribute.name], np.float32)[: stop - first]
                     differs[: len(values)] |= _replace(column[first : first + len(values)], values, np.uint32)
             changed = np.flatnonzero(differs)
-            if stop > before:
-                start = min(before, first + int(changed[0]) if len(changed) else first)
-            elif len(changed):
-                start, stop = first + int(changed[0]), first + int(changed[-1]) + 1
-            else:
+            if stop <= before and not len(changed):
                 return
+            start = first + int(changed[0]) if len(changed) else first
+            start, stop = (min(before, start), stop) if stop > before else (start, first + int(changed[-1]) + 1)
             self.history.note(time.time(), level.size, self.state.bit_depth)
             self._notify(0, start, stop)
             self._notify(1, *refresh_overview(self.levels[1], level, start, stop))

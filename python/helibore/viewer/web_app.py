@@ -90,7 +90,14 @@ class WebApp:
             "history": self.history,
             "export.html": self.export,
         }
-        begun = [Route(f"/api/{path}", self._when_begun(endpoint)) for path, endpoint in api.items()]
+
+        def when_begun(endpoint: Endpoint) -> Endpoint:
+            async def checked(request: Request) -> Response:
+                return await endpoint(request) if self.scene.begun else PlainTextResponse(NOT_BEGUN + "\n", 503)
+
+            return checked
+
+        begun = [Route(f"/api/{path}", when_begun(endpoint)) for path, endpoint in api.items()]
         return [*files, Route("/healthz", self.health), *begun, WebSocketRoute("/ws", self.serve)]
 
     @contextlib.asynccontextmanager
@@ -103,16 +110,16 @@ class WebApp:
 
     def wake(self) -> None:
         """Wake every connection because something changed; from any thread, at the cost of a flag."""
-        if self.wake_pending or self.loop is None:
-            return
-        self.wake_pending = True
-        with contextlib.suppress(RuntimeError):  # the loop was closed since the check
-            self.loop.call_soon_threadsafe(self._wake_connections)
 
-    def _wake_connections(self) -> None:
-        self.wake_pending = False
-        for connection in self.connections:
-            connection.wake.set()
+        def wake_connections() -> None:
+            self.wake_pending = False
+            for connection in self.connections:
+                connection.wake.set()
+
+        if not self.wake_pending and self.loop is not None:
+            self.wake_pending = True
+            with contextlib.suppress(RuntimeError):  # the loop was closed since the check
+                self.loop.call_soon_threadsafe(wake_connections)
 
     async def serve(self, socket: WebSocket) -> None:
         """Serve one page until it leaves."""
@@ -138,12 +145,6 @@ class WebApp:
             self.connections.discard(connection)
             with self.scene.lock:
                 self.scene.listeners.remove(connection.mark)
-
-    def _when_begun(self, endpoint: Endpoint) -> Endpoint:
-        async def checked(request: Request) -> Response:
-            return await endpoint(request) if self.scene.begun else PlainTextResponse(NOT_BEGUN + "\n", 503)
-
-        return checked
 
     async def file(self, request: Request) -> Response:
         name = request.url.path.strip("/") or "index.html"
