@@ -94,44 +94,22 @@ class ImageRows(Protocol):
 
 @dataclass(frozen=True)
 class DarkLobe:
-    """One side of a breakout, from the mean row of its stretch.
+    """One side of a breakout, from the mean row of its stretch."""
 
-    Attributes
-    ----------
-    toolface
-        Direction of its middle, weighted by darkness, [0, 360), degrees from the image's reference.
-    opening
-        The angle over which the mean row is dark, degrees.
-    relative
-        Its least value as a share of the row's median.
-    """
-
-    toolface: float
-    opening: float
-    relative: float
+    toolface: float  # of its middle, weighted by darkness, [0, 360), degrees from the image's reference
+    opening: float  # the angle over which the mean row is dark, degrees
+    relative: float  # its least value as a share of the row's median
 
 
 @dataclass(frozen=True)
 class ImageBreakout:
-    """A stretch of hole with dark sectors on opposite sides.
+    """A stretch of hole with dark sectors on opposite sides."""
 
-    Attributes
-    ----------
-    start, stop
-        Measured depths, metres, start above stop.
-    toolface
-        Of its axis, [0, 180), degrees from the image's reference.
-    deviation
-        Standard deviation of the rows' axes about it, degrees (axial, Mardia).
-    lobes
-        The one at ``toolface`` first.
-    """
-
-    start: float
+    start: float  # measured depths, metres, start above stop
     stop: float
-    toolface: float
-    deviation: float
-    lobes: tuple[DarkLobe, DarkLobe]
+    toolface: float  # of its axis, [0, 180), degrees from the image's reference
+    deviation: float  # standard deviation of the rows' axes about it, degrees (axial, Mardia)
+    lobes: tuple[DarkLobe, DarkLobe]  # the one at ``toolface`` first
 
     @property
     def length(self) -> float:
@@ -141,19 +119,9 @@ class ImageBreakout:
 
 @dataclass(frozen=True)
 class ImageBreakouts:
-    """All breakouts of an image; `SectorImage.breakouts` makes it.
+    """All breakouts of an image, in order of depth; `SectorImage.breakouts` makes it."""
 
-    Attributes
-    ----------
-    image
-        The image that was searched.
-    zones
-        In order of depth.
-    criteria
-        The criteria of the search.
-    """
-
-    image: ImageRows
+    image: ImageRows  # the image that was searched
     zones: tuple[ImageBreakout, ...]
     criteria: ImageCriteria
 
@@ -206,7 +174,11 @@ def find_breakouts(image: ImageRows, criteria: ImageCriteria | None = None) -> I
     lobes = (count * step >= criteria.least_opening - 1e-9) & (count * step <= criteria.most_opening + 1e-9)
     row, middle = row[lobes], first[lobes] + (count[lobes] - 1) / 2
     broken = _paired(row, middle * step, image.depth.size, criteria.opposite)
-    axes = _axes(np.where(broken[:, None], relative, np.nan), toolface, criteria.dark)
+    # The axis of each row, degrees: half the direction of the doubled angles, weighted by darkness.
+    weight = np.maximum(
+        criteria.dark - np.nan_to_num(np.where(broken[:, None], relative, np.nan), nan=criteria.dark), 0
+    )
+    axes: Floats = np.degrees(np.angle(weight @ np.exp(2j * np.radians(toolface)))) / 2
     low, high = image.cover()
     zones = []
     for top, stop in _stretches(broken, axes, low, high, criteria):
@@ -236,7 +208,7 @@ def _relative(image: ImageRows) -> tuple[Floats, Floats]:
 
 
 def _arcs(dark: Mask) -> tuple[Integers, Integers, Integers]:
-    """Runs of dark sectors around the hole: row, first sector, number of sectors; none in a row dark all round."""
+    """Return runs of dark sectors around the hole: row, first sector, number of sectors; none in a row all dark."""
     row, first = np.nonzero(dark & ~np.roll(dark, 1, axis=1))
     end_row, last = np.nonzero(dark & ~np.roll(dark, -1, axis=1))
     # In a row whose last run goes on at sector 0, that run's end comes first: move it behind the others.
@@ -257,13 +229,6 @@ def _paired(row: Integers, middle: Floats, rows: int, opposite: float) -> Mask:
         off = np.abs((middle[apart:] - middle[:-apart]) % 360 - 180)
         found[row[apart:][same & (off <= opposite + 1e-9)]] = True
     return found
-
-
-def _axes(relative: Floats, toolface: Floats, dark: float) -> Floats:
-    """Return the axis of each row in degrees: half the direction of the doubled angles, weighted by darkness."""
-    weight = np.maximum(dark - np.nan_to_num(relative, nan=dark), 0)
-    angles: Floats = np.degrees(np.angle(weight @ np.exp(2j * np.radians(toolface)))) / 2
-    return angles
 
 
 def _stretches(

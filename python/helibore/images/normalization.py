@@ -69,17 +69,8 @@ def image_scale(
 ) -> ColorScale:
     """Return the colours of a whole image, the same on paper and on the viewer's page.
 
-    Parameters
-    ----------
-    image
-        Its name and unit choose the map (`customary_map`), its values the limits (`percentile_limits`).
-    color_map, log, limits
-        Values that replace the defaults. By default, a resistivity has a log scale.
-
-    Raises
-    ------
-    ValueError
-        As `percentile_limits` and `ColorScale`.
+    By default, its name and unit choose the map (`customary_map`), its values the limits (`percentile_limits`), and a
+    resistivity has a log scale.
     """
     color_map = color_map or customary_map(image.name, image.unit)
     log = color_map == "resistivity" if log is None else log
@@ -148,7 +139,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
 
 
 def _moments(rows: Floats, first: Integers, stop: Integers) -> tuple[Floats, Floats]:
-    """Mean and standard deviation of the values of each row's window [first, stop); NaN and 0 where it holds none.
+    """Return mean and standard deviation of each row's window [first, stop); NaN and 0 where it holds no value.
 
     Sums of squares about the overall mean: about zero they would drown a small spread in rounding.
     """

@@ -14,7 +14,7 @@ Sectors must be evenly spaced. Scattered values are not supported, and colours a
 from __future__ import annotations
 
 import math
-from typing import Literal, get_args
+from typing import Any, Literal, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -107,7 +107,13 @@ class SectorImage:
         self.values = _rows(values, depths.size)[order]
         self.depth.flags.writeable = self.values.flags.writeable = False
         self.missing = int(np.isnan(self.values).sum())
-        self.reach = _reach(reach, self.depth)
+        if reach is None:
+            if self.depth.size < 2:
+                raise InputError("reach", "must be given for an image of one row")
+            reach = REACH * float(np.median(np.diff(self.depth)))
+        if not (math.isfinite(reach) and reach > 0):
+            raise InputError("reach", "must be finite and above 0", str(reach))
+        self.reach = float(reach)
 
     def _repr_html_(self) -> str:
         numbers = {
@@ -134,11 +140,6 @@ class SectorImage:
 
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
         """Find where the image is dark on opposite sides of the hole: `helibore.images.image_breakouts`.
-
-        Parameters
-        ----------
-        criteria
-            The criteria of a breakout; None: the defaults.
 
         Raises
         ------
@@ -184,15 +185,12 @@ class SectorImage:
         sectors = self.sectors * math.ceil(FINE / self.sectors)
         fine = (np.arange(sectors, dtype=np.float64) + 0.5) * (360 / sectors)
         way = 1 if self.direction == "clockwise" else -1
-        place = (
-            (fine - turn[:, None] - self.offset) * way * self.sectors / 360
-        )  # in sectors from the first one's centre
+        place = (fine - turn[:, None] - self.offset) * way * self.sectors / 360  # in sectors from the first centre
         place -= 0.5 if self.origin == "edge" else 0.0
         values = np.full((self.depth.size, sectors), np.nan)
         values[there] = _around(self.values[there], place, method)
-        return SectorImage(
-            self.depth, values, self.name, self.unit, origin="edge", reference=path.reference, reach=self.reach
-        )
+        new: dict[str, Any] = {"origin": "edge", "reference": path.reference, "reach": self.reach}
+        return SectorImage(self.depth, values, self.name, self.unit, **new)
 
     def on(self, wall: WallLike, method: Method = "cell") -> Floats:
         """Return one value for every quad that the whole wall has room for.
@@ -257,11 +255,9 @@ class SectorImage:
         return low, high
 
     def __repr__(self) -> str:
-        return (
-            f"SectorImage({self.name!r}, {self.unit!r}, {self.depth.size} rows x {self.sectors} sectors, "
-            f"{self.depth[0]:g} to {self.depth[-1]:g} m, {self.missing} missing, {self.origin} of sector 1 at "
-            f"{self.offset:g} deg from {self.reference}, {self.direction})"
-        )
+        size = f"{self.depth.size} rows x {self.sectors} sectors, {self.depth[0]:g} to {self.depth[-1]:g} m"
+        place = f"{self.origin} of sector 1 at {self.offset:g} deg from {self.reference}, {self.direction}"
+        return f"SectorImage({self.name!r}, {self.unit!r}, {size}, {self.missing} missing, {place})"
 
 
 def _around(rows: Floats, place: Floats, method: Method) -> Floats:
@@ -304,21 +300,10 @@ def _rows(values: npt.ArrayLike, count: int) -> Floats:
     rows = column("values", np.ravel(values)).reshape(shape)
     if np.isinf(rows).any():
         row, sector = np.argwhere(np.isinf(rows))[0]
-        rule = "must be finite, or NaN where missing"
-        raise InputError(f"values[{row}, {sector}]", rule, str(rows[row, sector]))
+        raise InputError(f"values[{row}, {sector}]", "must be finite, or NaN where missing", str(rows[row, sector]))
     if np.isnan(rows).all():
         raise InputError("values", f"all {rows.size} are missing")
     return rows
-
-
-def _reach(reach: float | None, depth: Floats) -> float:
-    if reach is None:
-        if depth.size < 2:
-            raise InputError("reach", "must be given for an image of one row")
-        return REACH * float(np.median(np.diff(depth)))
-    if not (math.isfinite(reach) and reach > 0):
-        raise InputError("reach", "must be finite and above 0", str(reach))
-    return float(reach)
 
 
 class SectorImages(dict[str, SectorImage]):
