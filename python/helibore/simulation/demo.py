@@ -47,9 +47,8 @@ def rebuild(simulation: Simulation) -> Demonstration:
     """Rebuild the wall of a simulated hole (64 sectors a turn, pitch 0.1 m) and put the gamma image on it."""
     caliper = Caliper(simulation.depth, simulation.toolface, simulation.radius, simulation.time)
     wall = reconstruct(caliper, bit_diameter=simulation.hole.bit_diameter)
-    wall.images["Gamma ray"] = SectorImage(
-        simulation.gamma_depth, simulation.gamma, "Gamma ray", "gAPI", origin="edge", reference="high-side"
-    )
+    depth, gamma, name = simulation.gamma_depth, simulation.gamma, "Gamma ray"
+    wall.images[name] = SectorImage(depth, gamma, name, "gAPI", origin="edge", reference="high-side")
     survey = Survey(simulation.station_depth, simulation.inclination, simulation.azimuth)
     return Demonstration(simulation, wall, survey.path())
 

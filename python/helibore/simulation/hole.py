@@ -11,7 +11,6 @@ psi from the direction of that centre, is ``R = e cos psi + sqrt(r^2 - e^2 sin^2
 
 from __future__ import annotations
 
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -38,8 +37,7 @@ class Washout:
 class Breakout:
     """Two opposite lobes over [start, stop) (m), at ``toolface`` and ``toolface + 180``, each ``opening`` wide (deg).
 
-    In the middle of a lobe the radius is ``enlargement`` metres larger and the wall is ``roughness`` times
-    rougher.
+    In the middle of a lobe the radius is ``enlargement`` metres larger and the wall ``roughness`` times rougher.
     """
 
     start: float
@@ -169,7 +167,8 @@ class Hole:
         radius = np.empty(depth.shape)
         flat = radius.reshape(-1)
         d, t = depth.reshape(-1), toolface.reshape(-1)
-        for block in _blocks(flat.size):
+        for start in range(0, flat.size, BLOCK):
+            block = slice(start, start + BLOCK)
             flat[block] = self._radius(d[block].astype(np.float64), t[block].astype(np.float64))
         return radius
 
@@ -219,7 +218,10 @@ class Hole:
                 rougher = np.maximum(rougher, 1.0 + (washout.roughness - 1.0) * share)
         for breakout in self.breakouts:
             if breakout.start < high and low < breakout.stop:
-                share = _taper(depth, breakout.start, breakout.stop) * _lobes(toolface, breakout)
+                # 1 on the axis of the breakout, on both sides of the hole, and 0 from half an opening away
+                off = (toolface - breakout.toolface + 90.0) % 180.0 - 90.0
+                share = _taper(depth, breakout.start, breakout.stop)
+                share *= np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
                 radius += breakout.enlargement * share
                 rougher = np.maximum(rougher, 1.0 + (breakout.roughness - 1.0) * share)
         radius += rougher * rough
@@ -240,10 +242,6 @@ class Hole:
         return np.column_stack([around, 2.0 * np.pi / length, 2.0 * np.pi * rng.random(count), amplitude])
 
 
-def _blocks(size: int) -> Iterator[slice]:
-    return (slice(start, min(start + BLOCK, size)) for start in range(0, size, BLOCK))
-
-
 def _step(x: Floats) -> Floats:
     """Return 0 below 0, 1 above 1, and a smooth step between."""
     x = np.clip(x, 0.0, 1.0)
@@ -255,13 +253,6 @@ def _taper(depth: Floats, start: float, stop: float) -> Floats:
     """Return 0 outside [start, stop), 1 in its middle half, and a smooth step between."""
     edge = 0.25 * (stop - start)
     return _step(np.minimum(depth - start, stop - depth) / edge)
-
-
-def _lobes(toolface: Floats, breakout: Breakout) -> Floats:
-    """Return 1 on the axis of the breakout, on both sides of the hole, and 0 from half an opening away."""
-    off = (toolface - breakout.toolface + 90.0) % 180.0 - 90.0
-    lobes: Floats = np.maximum(1.0 - (2.0 * off / breakout.opening) ** 2, 0.0) ** 2
-    return lobes
 
 
 def _spread(rng: np.random.Generator, start: float, length: float, spacing: float) -> list[float]:

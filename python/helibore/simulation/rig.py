@@ -19,7 +19,7 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.live import wits
-from helibore.simulation.tool import Hole, Lift, Simulation, Tool, simulate
+from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 TELEMETRY = {
     "mud-pulse": (0.5, 1, 20.0),
@@ -48,13 +48,7 @@ image.GR = {{ first = "5110", count = 16, unit = "gAPI", depth = "0821", origin 
 
 
 def configuration(address: str, telemetry: str = "wired-pipe", start: float = 2000.0) -> str:
-    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, without simulating a rig.
-
-    Raises
-    ------
-    InputError
-        If there is no such telemetry.
-    """
+    """Return the TOML with which ``helibore live`` reads a rig of this telemetry, without simulating a rig."""
     _, groups, _ = _usual(telemetry)
     return CONFIGURATION.format(address=address, bit_diameter=BIT_DIAMETER, start=start, groups=groups)
 
@@ -113,7 +107,9 @@ class Rig:
         lifts = lift if isinstance(lift, tuple) else (Lift(half_way, lift),) if lift else ()
         tool = Tool(sample_rate=rate or usual, lifts=lifts)
         self.run = simulate(Hole.example(start, stop, bit_diameter=BIT_DIAMETER, seed=seed), tool, seed=seed)
-        self._rows = self._written(self.run)
+        # The triples rounded as sent: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm.
+        toolface, radius = np.round(self.run.toolface, 2) % 360.0, np.round(self.run.radius * 1e3, 2) * 1e-3
+        self._rows: Floats = np.column_stack([toolface, np.round(self.run.depth, 4), radius])
         self.triples, self._order = self._in_order(faults or Faults())
 
     def frames(self) -> Iterator[tuple[float, bytes]]:
@@ -125,16 +121,10 @@ class Rig:
         """Return the TOML that reads this rig."""
         return configuration(address, self._telemetry, self._start)
 
-    @staticmethod
-    def _written(run: Simulation) -> Floats:
-        """Return the triples rounded as sent: toolface to 0.01 deg, depth to 0.1 mm, radius to 0.01 mm."""
-        toolface, radius = np.round(run.toolface, 2) % 360.0, np.round(run.radius * 1e3, 2) * 1e-3
-        return np.column_stack([toolface, np.round(run.depth, 4), radius])
-
     def _in_order(self, faults: Faults) -> tuple[Floats, list[tuple[float, bytes | int]]]:
         """Return the triples that are sent, and (drilling time, frame) of all frames; a caliper frame as its number."""
         rows = self._rows
-        sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._surveys(), *self._gamma()]
+        sent: list[tuple[float, bytes | int]] = [*self._surface(), *self._stations_and_gamma()]
         kept = np.ones(len(rows), bool)
         starts = range(0, len(rows), self.groups)
         chance = self._draw.random((len(starts), 3))
@@ -166,21 +156,21 @@ class Rig:
             yield second, wits.frame([(104, str(number)), (107, "2"), (108, f"{depth:.3f}"), (110, f"{hole:.3f}"),
                                       (113, "20.00"), (120, "117"), (121, "15000")])  # fmt: skip
 
-    def _surveys(self) -> Iterator[tuple[float, bytes]]:
-        run = self.run
-        stations = zip(run.station_depth.tolist(), run.inclination.tolist(), run.azimuth.tolist(), strict=True)
-        for number, (depth, inclination, azimuth) in enumerate(stations):
-            at = float(run.time[min(int(np.searchsorted(np.maximum.accumulate(run.depth), depth)), len(run.time) - 1)])
-            yield at + self.latency, wits.frame([(704, str(number)), (708, f"{depth:.2f}"), (713, f"{inclination:.4f}"),
-                                                 (715, f"{azimuth:.4f}")])  # fmt: skip
-
-    def _gamma(self) -> Iterator[tuple[float, bytes]]:
+    def _stations_and_gamma(self) -> Iterator[tuple[float, bytes]]:
+        """Yield each survey station and each row of gamma when the bit has passed it."""
         run = self.run
         deepest = np.maximum.accumulate(run.depth)
+
+        def sent(depth: float, *items: tuple[int, str]) -> tuple[float, bytes]:
+            passed = min(int(np.searchsorted(deepest, depth)), len(run.time) - 1)
+            return float(run.time[passed]) + self.latency, wits.frame(items)
+
+        stations = zip(run.station_depth.tolist(), run.inclination.tolist(), run.azimuth.tolist(), strict=True)
+        for number, (depth, inclination, azimuth) in enumerate(stations):
+            angles = (713, f"{inclination:.4f}"), (715, f"{azimuth:.4f}")
+            yield sent(depth, (704, str(number)), (708, f"{depth:.2f}"), *angles)
         for depth, row in zip(run.gamma_depth.tolist(), run.gamma.tolist(), strict=True):
-            at = float(run.time[min(int(np.searchsorted(deepest, depth)), len(run.time) - 1)])
-            items = [(821, f"{depth:.2f}"), *((5110 + j, f"{value:.1f}") for j, value in enumerate(row))]
-            yield at + self.latency, wits.frame(items)
+            yield sent(depth, (821, f"{depth:.2f}"), *((5110 + j, f"{value:.1f}") for j, value in enumerate(row)))
 
 
 def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) -> int:
@@ -207,13 +197,7 @@ def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) 
 
 
 def scheme_of(address: str) -> str:
-    """Return ``tcp`` or ``listen``.
-
-    Raises
-    ------
-    InputError
-        If the address is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``.
-    """
+    """Return ``tcp`` or ``listen``; refuse an address that is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``."""
     scheme, _, rest = address.partition("://")
     host, _, port = rest.rpartition(":")
     if scheme not in ("tcp", "listen") or not host or not port.isdigit():
@@ -224,12 +208,7 @@ def scheme_of(address: str) -> str:
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
     """Return a socket: ``tcp://HOST:PORT`` connects, ``listen://HOST:PORT`` waits for one connection.
 
-    Raises
-    ------
-    InputError
-        If the address is neither.
-    OSError
-        If no connection was made within ``seconds``.
+    An OSError says that no connection was made within ``seconds``.
     """
     scheme = scheme_of(address)
     host, _, port = address.removeprefix(f"{scheme}://").rpartition(":")
