@@ -9,6 +9,7 @@ Made by `Wall`; nothing is computed here.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
@@ -17,6 +18,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers
 
 
+@dataclass(eq=False, repr=False, slots=True)
 class Change:
     """What an append changed.
 
@@ -26,36 +28,26 @@ class Change:
         (m, 2) int64, sorted half-open (start, stop) ranges of vertices that are new or have other values than before.
     settled
         Vertices below this no longer change while the hole only gets deeper.
-    accepted
-        Samples taken.
-    redundant
-        Samples dropped because one equal in depth, time, toolface and radius was there.
+    accepted, redundant
+        Samples taken; and dropped because one equal in depth, time, toolface and radius was there.
     """
 
-    __slots__ = ("accepted", "ranges", "redundant", "settled")
-
-    def __init__(self, ranges: Integers, settled: int, accepted: int, redundant: int) -> None:
-        self.ranges, self.settled, self.accepted, self.redundant = ranges, settled, accepted, redundant
+    ranges: Integers
+    settled: int
+    accepted: int
+    redundant: int
 
     def __len__(self) -> int:
         """Return the number of vertices that are new or changed."""
         return int((self.ranges[:, 1] - self.ranges[:, 0]).sum())
 
     def __repr__(self) -> str:
-        return (
-            f"Change({len(self)} vertices in {len(self.ranges)} ranges, settled={self.settled}, "
-            f"accepted={self.accepted}, redundant={self.redundant})"
-        )
+        counts = f"settled={self.settled}, accepted={self.accepted}, redundant={self.redundant}"
+        return f"Change({len(self)} vertices in {len(self.ranges)} ranges, {counts})"
 
 
 class VertexColumns(NamedTuple):
-    """One value for each of some vertices, all of one moment.
-
-    Attributes
-    ----------
-    depth, toolface, radius, nearest, support, iterations, provisional
-        As the properties of `Wall` of these names.
-    """
+    """One value for each of some vertices, all of one moment; named as the properties of `Wall`."""
 
     depth: Floats
     toolface: Floats

@@ -68,9 +68,13 @@ def save(wall: WallState, filename: str | os.PathLike[str]) -> None:
     def write(file: BinaryIO) -> None:
         with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
             archive.writestr(zipfile.ZipInfo(_CONTENTS), text)  # of 1980: the same wall gives the same bytes
-            for name, array in arrays.items():
+            for name, values in arrays.items():  # as ``np.save``, in chunks that stay in the cache for their checksum
+                array = np.require(values, values.dtype.newbyteorder("<"), "C")
                 with archive.open(zipfile.ZipInfo(f"{name}.npy"), "w", force_zip64=True) as member:
-                    _write_array(member, array)
+                    np.lib.format.write_array_header_1_0(member, np.lib.format.header_data_from_array_1_0(array))
+                    content = _bytes_of(array)
+                    for start in range(0, len(content), _CHUNK):
+                        member.write(content[start : start + _CHUNK])
 
     write_whole(path, write)
 
@@ -97,7 +101,13 @@ def opened(filename: str | os.PathLike[str]) -> Iterator[Members]:
 
 
 def _contents(wall: WallState) -> tuple[Arrays, dict[str, Any]]:
-    """The arrays of a wall by name, and all that is not an array."""
+    """Return the arrays of a wall by name, and all that is not an array."""
+    try:
+        same = json.loads(json.dumps(wall.made_from, allow_nan=False)) == wall.made_from
+    except (TypeError, ValueError) as error:
+        raise InputError("made_from", f"must be what JSON can hold: {error}") from error
+    if not same:
+        raise InputError("made_from", "must be what JSON can hold: lists, not tuples, and texts as keys")
     arrays: Arrays = {f"samples/{name}": of for name, of in zip(SAMPLES, wall.sample_columns, strict=False)}
     arrays |= {f"vertices/{name}": getattr(wall, name) for name in VERTICES}
     if wall.arms is not None:
@@ -130,31 +140,12 @@ def _contents(wall: WallState) -> tuple[Arrays, dict[str, Any]]:
         "path": placing,
         "images": images,
         "attributes": attributes,
-        "made_from": _checked_origin(wall.made_from),
+        "made_from": wall.made_from,
     }
 
 
 def _or_null(number: float) -> float | None:
     return None if math.isnan(number) else number
-
-
-def _checked_origin(made_from: dict[str, Any]) -> dict[str, Any]:
-    try:
-        same = json.loads(json.dumps(made_from, allow_nan=False)) == made_from
-    except (TypeError, ValueError) as error:
-        raise InputError("made_from", f"must be what JSON can hold: {error}") from error
-    if not same:
-        raise InputError("made_from", "must be what JSON can hold: lists, not tuples, and texts as keys")
-    return made_from
-
-
-def _write_array(member: IO[bytes], array: Array) -> None:
-    """As ``np.save`` does, in chunks that are in the cache when their checksum has been made."""
-    array = np.require(array, array.dtype.newbyteorder("<"), "C")
-    np.lib.format.write_array_header_1_0(member, np.lib.format.header_data_from_array_1_0(array))
-    content = _bytes_of(array)
-    for start in range(0, len(content), _CHUNK):
-        member.write(content[start : start + _CHUNK])
 
 
 def _bytes_of(array: Array) -> memoryview:
@@ -181,7 +172,7 @@ class Members:
         return self._archive.open(member)
 
     def contents(self) -> dict[str, Any]:
-        """All that is not an array, of a version that this helibore knows."""
+        """Return all that is not an array, of a version that this helibore knows."""
         if _CONTENTS not in self._archive.namelist():
             raise ValueError(f"a zip file, but not the archive of a wall (it lacks {_CONTENTS})")
         with self._open(_CONTENTS, min(_LARGEST_CONTENTS, self._size)) as member:
@@ -189,10 +180,9 @@ class Members:
         if not isinstance(contents, dict) or contents.get("format") != FORMAT:
             raise ValueError("not the archive of a wall")
         if contents["version"] > VERSION:
-            raise ValueError(
-                f"an archive of version {contents['version']}, written by helibore "
-                f"{contents['helibore']}; this is helibore {_core.__version__}, which reads versions up to {VERSION}"
-            )
+            own = f"this is helibore {_core.__version__}, which reads versions up to {VERSION}"
+            written = f"an archive of version {contents['version']}, written by helibore {contents['helibore']}"
+            raise ValueError(f"{written}; {own}")
         return contents
 
     def array(self, name: str, dtype: str = "<f8", dimensions: int = 1) -> Array:

@@ -35,9 +35,7 @@ def in_canonical_order(samples: Caliper, values: npt.ArrayLike, caliper: Caliper
         return column("values", values, len(samples), "the wall")
     array = column("values", values, len(caliper), "caliper")
     order = canonical_order(caliper)
-    if not np.array_equal(caliper.depth[order], samples.depth) or not np.array_equal(
-        caliper.radius[order], samples.radius
-    ):
+    if not all(np.array_equal(getattr(caliper, name)[order], getattr(samples, name)) for name in ("depth", "radius")):
         raise InputError("caliper", "must hold the samples of the wall, in the order they were appended")
     return array[order]
 

@@ -41,32 +41,16 @@ def values_at(wall: Any, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Point
     if not count:
         return PointValues(radius, radius, np.zeros(radius.size, np.int32), np.full(radius.size, 360.0))
     near = np.clip(vertex, 0, count - 1)
-    return PointValues(
-        radius,
-        np.where(there, wall.nearest[near], np.nan),
-        np.where(there, wall.support[near], 0),
-        np.where(there, wall.angular_gap[near], 360.0),
-    )
+    nearest, support = np.where(there, wall.nearest[near], np.nan), np.where(there, wall.support[near], 0)
+    return PointValues(radius, nearest, support, np.where(there, wall.angular_gap[near], 360.0))
 
 
 def evaluate(wall: WallLike, depth: npt.ArrayLike, toolface: npt.ArrayLike) -> Floats:
-    """Radius of a wall at any point of it, bilinear in the cell of the helix that holds the point.
+    """Return the radius of a wall at points, (n,) metres, bilinear in the cell of the helix that holds the point.
 
     With s = toolface in sectors, s in [0, K), the vertices of one toolface lie at depths start + (s + m K) pitch / K,
     so the turn of a point is m = (depth - start) / pitch - s / K. Vertices without support, or beyond the ends of the
-    helix, have no weight; the others share it.
-
-    Parameters
-    ----------
-    wall
-        Any wall.
-    depth, toolface
-        Metres and degrees, (n,), finite.
-
-    Returns
-    -------
-    ndarray
-        (n,) m, new; NaN where no vertex of the cell has a radius.
+    helix, have no weight; the others share it. NaN where no vertex of the cell has a radius.
     """
     where = finite_column("depth", depth)
     angle = finite_column("toolface", toolface, where.size, "depth")
