@@ -23,6 +23,7 @@ from helibore.base.notebook import card, curve_picture
 from helibore.trajectory.references import Reference
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
+CorePath = _core.Path
 
 
 class Survey:
@@ -154,10 +155,10 @@ class Path:
     start_depth: float = field(init=False)
     survey_depth: float = field(init=False)
     stop_depth: float = field(init=False)
-    _core: _core.Path = field(init=False)
-    core: InitVar[_core.Path | None] = None
+    _core: CorePath = field(init=False)
+    core: InitVar[CorePath | None] = None
 
-    def __post_init__(self, core: _core.Path | None) -> None:
+    def __post_init__(self, core: CorePath | None) -> None:
         north, east, down = self.head
         head, extend = (float(north), float(east), float(down)), float(self.extend)
         core = core or _core.Path(self.survey._core, self.method, self.reference, head, extend)
