@@ -6,6 +6,10 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from hypothesis import settings
+
+settings.register_profile("without deadlines", deadline=None)  # an example may take long on a loaded machine
+settings.load_profile("without deadlines")
 
 
 @pytest.fixture(scope="session")
