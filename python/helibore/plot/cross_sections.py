@@ -42,13 +42,7 @@ class CrossSection:
 
 
 def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
-    """Cut the wall.
-
-    Raises
-    ------
-    InputError
-        ``polar section at 5 m: the wall reaches from 10 to 20 m``.
-    """
+    """Cut the wall at these depths; an InputError names a depth that the wall does not reach."""
     settings = wall.settings
     K, pitch = settings.sectors, settings.pitch
     radius, samples = wall.radius, wall.samples
@@ -63,10 +57,7 @@ def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
         vertex = turn * K + column
         there = (turn >= 0) & (vertex < radius.size)
         across = np.where(there, radius[np.clip(vertex, 0, radius.size - 1)], np.nan)
-        near = slice(
-            np.searchsorted(samples.depth, depth - 0.5 * abs(pitch)),
-            np.searchsorted(samples.depth, depth + 0.5 * abs(pitch), side="right"),
-        )
+        near = np.abs(samples.depth - depth) <= 0.5 * abs(pitch)
         cut.append(CrossSection(depth, toolface, across, samples.toolface[near], samples.radius[near]))
     return cut
 
@@ -107,11 +98,13 @@ def draw_section(
     axes.set_xlim(-1.02 * outer, 1.02 * outer)
     axes.set_ylim(-1.02 * outer, 1.02 * outer)
     scale = LENGTHS[unit]
-    step = _ring_step(outer / scale)
+    power = 10.0 ** np.floor(np.log10(outer / scale / 3))
+    step = float(next(power * each for each in (1, 2, 5, 10) if power * each >= outer / scale / 4))
     for ring in np.arange(step, outer / scale * 1.0001, step):
         _circle(axes, ring * scale, color=RULE, linewidth=0.3, alpha=0.7)
     for angle in range(0, 360, 45):
-        _ray(axes, angle, outer)
+        ray = _xy(np.full(2, float(angle)), np.array([0.0, outer]))
+        axes.plot(*ray, color=RULE, linewidth=0.3, alpha=0.7)
     _fill(axes, section, 0.5 * bit, outer)
     _circle(axes, 0.5 * bit, color=INK, linewidth=0.8, dashes=(4, 2))
     axes.plot(*_xy(section.sample_toolface, section.sample_radius), ".", color="#23415f", markersize=1.4, alpha=0.6)
@@ -131,15 +124,13 @@ def draw_section(
 
 def key_text(bit_diameter: float, unit: str, pitch: float) -> str:
     """Explain what the sections show, in one line."""
-    size = length_text(bit_diameter / LENGTHS[unit], unit)
-    return (
-        f"Cross sections, looking downhole, true shape. Red: wall; dashed: bit, {size}; dots: samples within "
-        f"{500 * abs(pitch):g} mm; grey: no sample in reach"
-    )
+    size, near = length_text(bit_diameter / LENGTHS[unit], unit), f"{500 * abs(pitch):g} mm"
+    signs = f"Red: wall; dashed: bit, {size}; dots: samples within {near}; grey: no sample in reach"
+    return f"Cross sections, looking downhole, true shape. {signs}"
 
 
 def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
-    """Amber over bit, green under bit, grey wedges where the radius is missing."""
+    """Fill amber over the bit, green under the bit, and grey wedges where the radius is missing."""
     K = section.radius.size
     finer = max(720 // K, 1)
     fine = section.toolface[0] + np.linspace(0.0, 360.0, finer * K + 1)
@@ -159,7 +150,7 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
 
 
 def _patch(axes: Axes, outline: list[Floats], color: str | tuple[float, ...], alpha: float = 1.0) -> None:
-    """A filled outline; the limits of the axes are known, so it is not measured."""
+    """Fill an outline; the limits of the axes are known, so it is not measured."""
     from matplotlib.patches import Polygon
 
     axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, edgecolor="none", alpha=alpha))
@@ -173,13 +164,3 @@ def _xy(toolface: Floats, radius: Floats) -> tuple[Floats, Floats]:
 def _circle(axes: Axes, radius: float, **look: object) -> None:
     around = np.linspace(0.0, 360.0, 181)
     axes.plot(*_xy(around, np.full(181, radius)), **look)  # type: ignore[arg-type]
-
-
-def _ray(axes: Axes, angle: float, outer: float) -> None:
-    x, y = _xy(np.full(2, float(angle)), np.array([0.0, outer]))
-    axes.plot(x, y, color=RULE, linewidth=0.3, alpha=0.7)
-
-
-def _ring_step(outer: float) -> float:
-    power = 10.0 ** np.floor(np.log10(outer / 3))
-    return float(next(power * step for step in (1, 2, 5, 10) if power * step >= outer / 4))

@@ -19,30 +19,20 @@ from helibore.samples.helix import WallLike
 class Diameters:
     """One row a turn from the shallowest to the deepest, each (rows,) float64, metres; NaN where missing.
 
-    Attributes
-    ----------
-    depth
-        Of the middle of the turn.
-    area, c1, c2, d0, d90
-        As `Logs.equivalent_diameter`, ``c1``, ``c2``, ``diameter_0`` and ``diameter_90``: NaN unless the turn is whole.
-    least, greatest
-        Across the hole, of what is there.
-    coverage
-        Share of the turn that has a radius, measured or interpolated.
-    kind
-        Of hole, as in `Classification.kind`.
+    ``area``, ``c1`` to ``d90`` are `Logs.equivalent_diameter`, ``c1``, ``c2``, ``diameter_0`` and ``diameter_90``: NaN
+    unless the turn is whole.
     """
 
-    depth: Floats
+    depth: Floats  # of the middle of the turn
     area: Floats
     c1: Floats
     c2: Floats
     d0: Floats
     d90: Floats
-    least: Floats
+    least: Floats  # across the hole, of the radii that are there
     greatest: Floats
-    coverage: Floats
-    kind: Floats
+    coverage: Floats  # share of the turn that has a radius, measured or interpolated
+    kind: Floats  # of hole, as in `Classification.kind`
 
 
 def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
@@ -52,20 +42,10 @@ def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
     half = K // 2  # with an odd number the far side is the mean of the two vertices next to it
     far = 0.5 * (np.roll(by_turn, -half, axis=1) + np.roll(by_turn, -((K + 1) // 2), axis=1))
     across = by_turn + far
-    columns = {
-        "depth": logs.depth,
-        "area": logs.equivalent_diameter,
-        "c1": logs.c1,
-        "c2": logs.c2,
-        "d0": logs.diameter_0,
-        "d90": logs.diameter_90,
-        "least": np.fmin.reduce(across, axis=1),
-        "greatest": np.fmax.reduce(across, axis=1),
-        "coverage": np.isfinite(by_turn).mean(axis=1),
-        "kind": kind,
-    }
+    whole = (logs.depth, logs.equivalent_diameter, logs.c1, logs.c2, logs.diameter_0, logs.diameter_90)
+    ends = np.fmin.reduce(across, axis=1), np.fmax.reduce(across, axis=1)
     order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)
-    return Diameters(**{name: column[order] for name, column in columns.items()})
+    return Diameters(*(column[order] for column in (*whole, *ends, np.isfinite(by_turn).mean(axis=1), kind)))
 
 
 def thinned(turns: Diameters, top: float, bottom: float, rows: int) -> Diameters:

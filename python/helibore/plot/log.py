@@ -20,7 +20,6 @@ from helibore.plot.solid import draw_solid
 from helibore.plot.tracks import HEAD, Stretch
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from helibore.wall.wall import Wall
@@ -102,8 +101,7 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
 
 
 def _width(content: Content) -> float:
-    tracks = content.tracks
-    return max(NARROWEST, 2 * MARGIN + sum(track.width for track in tracks) + GAP * (len(tracks) - 1))
+    return max(NARROWEST, 2 * MARGIN + tracks_width(content))
 
 
 def _divided(content: Content, room: float) -> list[tuple[float, float]]:
@@ -129,17 +127,16 @@ def draw_tracks(sheet: Sheet, content: Content, top: float, bottom: float, y: fl
         track.head(sheet, x, y)
         sheet.box(x, y, track.width, HEAD)
         axes = track.draw(sheet, x, stretch)
-        if first is None:
-            first = axes
-        else:
+        if first is not None:
             axes.sharey(first)
+        first = first or axes
         x += track.width + GAP
     _mark(sheet, content, stretch)
     return y + HEAD + height
 
 
 def _mark(sheet: Sheet, content: Content, stretch: Stretch) -> None:
-    """Letters of the cross sections, and a bar along the shaded body, left of the tracks."""
+    """Write the letters of the cross sections left of the tracks; draw a bar along the shaded body right of them."""
 
     def down(depth: float) -> float:
         return stretch.y + (depth - stretch.top) / (stretch.bottom - stretch.top) * stretch.height
@@ -174,7 +171,7 @@ def _tail_height(content: Content) -> float:
 
 
 def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
-    """Cross sections in rows, then the shaded body, once in each of its colours."""
+    """Draw cross sections in rows, then the shaded body, once in each of its colours."""
     drawing, settings = content.drawing, content.wall.settings
     if content.sections:
         room = sheet.width - 2 * MARGIN
@@ -213,13 +210,8 @@ def overview(wall: Wall, **options: Any) -> Figure:
         axes = draw_solid(sheet, box, wall, content.stretched, body.scale, body.values, body.name)
         for depth in content.stretched.depth:
             beside = top + HEAD + (depth - content.top) / (content.bottom - content.top) * length
-            at = _down(sheet, axes, depth)
-            sheet.line((right + 1.8, right + TIES + 1.0), (beside, at), color=FAINT, linewidth=0.5)
+            place, (low, high) = axes.get_position(), axes.get_ylim()
+            at = sheet.height * (1.0 - (place.y0 + (depth - low) / (high - low) * place.height))
+            sheet.line((right + 1.8, right + TIES + 1.0), (beside, float(at)), color=FAINT, linewidth=0.5)
     draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
     return sheet.figure
-
-
-def _down(sheet: Sheet, axes: Axes, depth: float) -> float:
-    """Millimetres from the top of the sheet to a depth on the body's axis."""
-    box, (low, high) = axes.get_position(), axes.get_ylim()
-    return float(sheet.height * (1.0 - (box.y0 + (depth - low) / (high - low) * box.height)))

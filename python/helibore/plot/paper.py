@@ -44,15 +44,7 @@ def require_matplotlib() -> None:
 
 
 class Sheet:
-    """A figure of a size in millimetres.
-
-    Parameters
-    ----------
-    width, height
-        Millimetres.
-    dpi
-        Pixels an inch of everything that is pixels: images, and the whole figure as PNG.
-    """
+    """A figure of a size in millimetres; ``dpi`` is the resolution of images, and of the whole figure as PNG."""
 
     def __init__(self, width: float, height: float, dpi: int) -> None:
         require_matplotlib()
@@ -76,19 +68,16 @@ class Sheet:
         """Write text whose middle line is at y; ``within`` millimetres: smaller, then shortened, until it fits."""
         look: dict[str, Any] = {"color": INK, "va": "center", "ha": "left", "fontsize": size, "family": FONT} | extra
         shown = self.figure.text(x / self.width, 1.0 - y / self.height, text, parse_math=False, **look)
-        if within is not None:
-            self._fit(shown, within)
-        return shown
-
-    def _fit(self, shown: Text, within: float) -> None:
-        room = within / MM * self.dpi
-        words, size = shown.get_text(), float(shown.get_fontsize())
+        if within is None:
+            return shown
+        room, words = within / MM * self.dpi, text
         while shown.get_window_extent().width > room and size > LEAST:
             size = max(size - 0.5, LEAST)
             shown.set_fontsize(size)
         while shown.get_window_extent().width > room and len(words) > 1:
             words = words[:-1]
             shown.set_text(words.rstrip() + "…")
+        return shown
 
     def line(self, x: tuple[float, float], y: tuple[float, float], **extra: Any) -> None:
         """Draw a line from (x0, y0) to (x1, y1)."""
@@ -172,11 +161,8 @@ def _check_size(figure: Figure, path: str | os.PathLike[str], ending: str) -> No
     width, height = figure.get_size_inches() * MM
     pixels = round(max(width, height) / MM * figure.dpi)
     if ending == ".png" and pixels > MOST_PIXELS:
-        raise InputError(
-            f"{path}: {height:,.0f} mm of paper at {figure.dpi:g} dpi are {pixels:,} pixels",
-            f"must be at most {MOST_PIXELS:,}; take a coarser scale, fewer dpi, or .pdf",
-        )
+        place = f"{path}: {height:,.0f} mm of paper at {figure.dpi:g} dpi are {pixels:,} pixels"
+        raise InputError(place, f"must be at most {MOST_PIXELS:,}; take a coarser scale, fewer dpi, or .pdf")
     if ending == ".pdf" and max(width, height) > LONGEST_PDF:
-        raise InputError(
-            f"{path}: a page of {height:,.0f} mm", f"PDF allows {LONGEST_PDF:,.0f}; take pages or a coarser scale"
-        )
+        rule = f"PDF allows {LONGEST_PDF:,.0f}; take pages or a coarser scale"
+        raise InputError(f"{path}: a page of {height:,.0f} mm", rule)

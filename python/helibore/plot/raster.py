@@ -15,30 +15,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.base.arrays import Floats, Integers
+from helibore.base.arrays import Floats
 from helibore.images.sector_image import SectorImage
 from helibore.samples.helix import HelixSettings
 
 
 @dataclass(frozen=True)
 class Grid:
-    """Pixels between two depths, once around the hole.
+    """Pixels between two depths, once around the hole."""
 
-    Attributes
-    ----------
-    top, bottom
-        Depths of the edges, metres, the first above the second.
-    rows, columns
-        Pixels.
-    left
-        Toolface at the left and the right edge, degrees.
-    """
-
-    top: float
+    top: float  # depths of the edges, metres, the first above the second
     bottom: float
     rows: int
     columns: int
-    left: float = 0.0
+    left: float = 0.0  # toolface at the left and the right edge, degrees
 
     def edges(self) -> Floats:
         """Depths of the edges of the rows, (rows + 1,)."""
@@ -50,17 +40,7 @@ class Grid:
 
 
 def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
-    """Return one value of a helix a pixel, (rows, columns); each vertex is the middle of its cell.
-
-    Parameters
-    ----------
-    values
-        (n,) one a vertex; NaN where missing.
-    settings, start_depth
-        The helix.
-    grid
-        Where the pixels are.
-    """
+    """Return one value of a helix a pixel, (rows, columns), from (n,) one a vertex, which is the middle of its cell."""
     K, pitch = settings.sectors, settings.pitch
     turns = -(-values.size // K)
     by_turn = np.full(turns * K, np.nan)
@@ -79,14 +59,7 @@ def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, gri
 def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
     """Return one value of a sector image a pixel, (rows, columns); its gaps are missing.
 
-    Parameters
-    ----------
-    image
-        Where its rows and sectors are.
-    values
-        (n, S) what to show: ``image.values``, or those normalised.
-    grid
-        Where the pixels are.
+    ``values`` are (n, S): ``image.values``, or those normalised.
     """
     sums, counts = _running(values)
     edges = grid.edges()
@@ -105,7 +78,7 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
 
 
 def _nearest_rows(image: SectorImage, values: Floats, depth: Floats) -> Floats:
-    """The row nearest to each depth, missing beyond its reach."""
+    """Return the row nearest to each depth, missing beyond its reach."""
     right = np.clip(np.searchsorted(image.depth, depth), 1, max(image.depth.size - 1, 1))
     left = right - 1
     right = np.minimum(right, image.depth.size - 1)
@@ -116,24 +89,23 @@ def _nearest_rows(image: SectorImage, values: Floats, depth: Floats) -> Floats:
 
 
 def _running(columns: Floats) -> tuple[Floats, Floats]:
-    """Sums down each column of what is there, and how many there are, with a row of zeros first."""
+    """Return running sums of the values down each column, and running counts of them, with a row of zeros first."""
     there = np.isfinite(columns)
-    sums = np.zeros((columns.shape[0] + 1, columns.shape[1]))
-    counts = np.zeros_like(sums)
+    sums, counts = np.zeros((2, columns.shape[0] + 1, columns.shape[1]))
     np.cumsum(np.where(there, columns, 0.0), axis=0, out=sums[1:])
     np.cumsum(there, axis=0, out=counts[1:])
     return sums, counts
 
 
 def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floats:
-    """Mean between neighbouring edges (in cells; cell i is centred on i), or the cell that holds the middle."""
+    """Return means between neighbouring edges (in cells; cell i is centred on i), or the cell that holds the middle."""
     low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
     size = column.size
     middle = 0.5 * (low + high)
     cell = np.floor(middle + 0.5).astype(np.int64)
     inside = (cell >= 0) & (cell < size)
     found = np.where(inside, column[np.clip(cell, 0, size - 1)], np.nan)
-    first, stop = _bound(low, size), _bound(high, size)
+    first, stop = (np.clip(np.ceil(edge), 0, size).astype(np.int64) for edge in (low, high))
     several = stop - first >= 2
     total, count = sums[stop] - sums[first], counts[stop] - counts[first]
     mean = np.where(2 * count >= stop - first, total / np.maximum(count, 1), np.nan)
@@ -141,12 +113,8 @@ def _blocks(column: Floats, sums: Floats, counts: Floats, edges: Floats) -> Floa
     return np.where(several, mean, found)
 
 
-def _bound(edges: Floats, size: int) -> Integers:
-    return np.clip(np.ceil(edges), 0, size).astype(np.int64)
-
-
 def _around(rows: Floats, edges: Floats) -> Floats:
-    """Columns between neighbouring edges (in cells; cell j, modulo their number, is centred on j)."""
+    """Return columns between neighbouring edges (in cells; cell j, modulo their number, is centred on j)."""
     cells = rows.shape[1]
     low, high = np.minimum(edges[:-1], edges[1:]), np.maximum(edges[:-1], edges[1:])
     if high[0] - low[0] < 2.0:

@@ -68,16 +68,9 @@ def _multiples(step: float, top: float, bottom: float) -> list[float]:
 
 
 def nice_limits(values: Floats, always: float, least: float) -> tuple[float, float]:
-    """Return round ends of an axis for nearly all values and one number that must be on it, off its edge.
+    """Return round ends of an axis, at least ``least`` long, for nearly all values and for ``always``, off its edge.
 
-    Parameters
-    ----------
-    values
-        NaN where missing; the outermost 0.2 % at each end may lie beyond the axis.
-    always
-        A number the axis holds.
-    least
-        The least length of the axis.
+    The outermost 0.2 % of the values at each end may lie beyond the axis; NaN do not count.
     """
     there = values[np.isfinite(values)]
     low, high = (always, always) if not there.size else np.percentile(there, NEARLY_ALL).tolist()

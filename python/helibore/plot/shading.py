@@ -56,30 +56,12 @@ class Shaded:
 
 
 def shade(
-    radius: Floats,
-    colors: Floats,
-    sectors: int,
-    pitch: float,
-    first: tuple[float, float],
-    bit_diameter: float,
+    radius: Floats, colors: Floats, sectors: int, pitch: float, first: tuple[float, float], bit_diameter: float,
     view: View,
-) -> Shaded:
-    """Draw vertices of a wall, from a whole number of turns.
+) -> Shaded:  # fmt: skip
+    """Draw vertices of a wall, from a whole number of turns: (n,) radii, none missing, and (n, 3) colours in [0, 1].
 
-    Parameters
-    ----------
-    radius
-        (n,) metres, vertex by vertex along the helix; none missing.
-    colors
-        (n, 3) in [0, 1].
-    sectors, pitch
-        Of the helix; pitch may be negative.
-    first
-        Depth (m) and toolface (deg) of the first vertex.
-    bit_diameter
-        Metres: the shape is exaggerated about it.
-    view
-        Viewer, exaggeration, size.
+    ``first`` is depth and toolface of the first vertex. The shape is exaggerated about ``bit_diameter``.
     """
     turns = radius.size // sectors - 1
     length = turns * abs(pitch)
@@ -95,7 +77,9 @@ def shade(
         # The inside shows through the open end only; elsewhere what faces away is hidden.
         down_hole = turn * pitch - min(0.0, turns * pitch)
         open_end = down_hole.min() < 2.2 * half * rise / fall
-        largest = view.tube * (0.5 * bit_diameter + view.shape * (_largest(radius, sectors, turn) - 0.5 * bit_diameter))
+        low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3  # the turns that these rows are smoothed from
+        greatest = float(radius[low * sectors : high * sectors].max())
+        largest = view.tube * (0.5 * bit_diameter + view.shape * (greatest - 0.5 * bit_diameter))
         across = np.pi if open_end else np.radians(115.0)
         psi = np.linspace(-across, across, int(_DENSITY * scale * 2 * across * largest) + 2)
         around = (view.facing + np.degrees(psi) - first[1]) / 360.0
@@ -111,31 +95,19 @@ def shade(
         right = x * scale + 0.5 * canvas.width
         down = (z * fall + y * rise - 0.5 * length * fall) * scale + 0.5 * canvas.height
         canvas.put(right, down, y * fall - z * rise, _light(normal[:, seen], facing[seen], fine[1:, seen], rise, fall))
-    top_depth = min(first[0], first[0] + turns * pitch)
-    span = _FINER * view.height / scale / fall
-    return Shaded(
-        canvas.mean(),
-        -0.5 * _FINER * view.width / scale,
-        0.5 * _FINER * view.width / scale,
-        top_depth + 0.5 * length - 0.5 * span,
-        top_depth + 0.5 * length + 0.5 * span,
-    )
+    middle = first[0] + 0.5 * turns * pitch
+    side, span = 0.5 * canvas.width / scale, 0.5 * canvas.height / scale / fall
+    return Shaded(canvas.mean(), -side, side, middle - span, middle + span)
 
 
 def _rows(radius: Floats, sectors: int, turns: int, pitch: float, view: View, per_metre: float) -> Floats:
-    """Depths (in turns) to draw at: closer where the wall is steep and a step down the hole is a long way on screen."""
+    """Return depths (in turns) to draw at: closer where the wall is steep and a step down is long on screen."""
     grid = radius[: (turns + 1) * sectors].reshape(turns + 1, sectors)
     slope = view.tube * view.shape * np.abs(np.diff(grid, axis=0)).max(axis=1) / abs(pitch)
     steep = np.maximum(slope, np.maximum(np.append(slope[1:], 0), np.append(0, slope[:-1])))  # and next to such turns
     drawn = np.append(0.0, np.cumsum(abs(pitch) * per_metre * np.hypot(1.0, 0.7 * steep)))
     rows: Floats = np.interp(np.linspace(0.0, drawn[-1], int(drawn[-1]) + 2), drawn, np.arange(turns + 1))
     return rows
-
-
-def _largest(radius: Floats, sectors: int, turn: Floats) -> float:
-    """The largest radius in the turns a block of rows is smoothed from."""
-    low, high = max(int(turn[0]) - 2, 0), int(turn[-1]) + 3
-    return float(radius[low * sectors : high * sectors].max())
 
 
 def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Single:
@@ -165,7 +137,7 @@ def _spline(at: Floats, count: int, wrap: bool) -> Single:
 
 
 def _normals(x: Single, y: Single, z: Single) -> Single:
-    """Unit normals (3, rows, columns) of the grid, away from the axis."""
+    """Return unit normals (3, rows, columns) of the grid, away from the axis."""
     around = [np.gradient(p, axis=1) for p in (x, y)]
     along = [np.gradient(p, axis=0) for p in (x, y, z)]  # by row: only its direction counts
     normal = np.stack(
@@ -176,7 +148,7 @@ def _normals(x: Single, y: Single, z: Single) -> Single:
 
 
 def _light(normal: Single, facing: Single, colors: Single, rise: float, fall: float) -> Single:
-    """Colours (points, 3) under the lamps with a soft shine; the inside, seen through the open end, is darker."""
+    """Return colours (points, 3) under the lamps, with a soft shine; the inside, seen at the open end, is darker."""
     normal = normal * np.sign(facing)
     to_viewer = np.array([0.0, fall, -rise])
     bright = np.full(facing.shape, _AMBIENT, dtype=np.float32)

@@ -66,13 +66,7 @@ def most_relief(wall: Wall, top: float, bottom: float) -> tuple[float, float] | 
 
 
 def stretch_of(wall: Wall, start: float, stop: float) -> Stretched:
-    """Cut whole turns between two depths out of a wall.
-
-    Raises
-    ------
-    InputError
-        If the wall has less than three turns there, or no radius.
-    """
+    """Cut whole turns between two depths out of a wall, which must have three turns there, and a radius."""
     sectors, pitch = wall.settings.sectors, wall.settings.pitch
     turns = len(wall) // sectors
     ends = sorted(((start - wall.start_depth) / pitch, (stop - wall.start_depth) / pitch))
@@ -104,26 +98,13 @@ def _nearest_step(value: float) -> float:
 
 
 def draw_solid(
-    sheet: Sheet,
-    box: tuple[float, float, float, float],
-    wall: Wall,
-    one: Stretched,
-    scale: ColorScale,
-    values: Floats,
+    sheet: Sheet, box: tuple[float, float, float, float], wall: Wall, one: Stretched, scale: ColorScale, values: Floats,
     name: str,
-) -> Axes:
-    """Draw the body with its depth axis and its caption.
+) -> Axes:  # fmt: skip
+    """Draw a stretch of the wall as a body with its depth axis and its caption.
 
-    Parameters
-    ----------
-    sheet, box
-        Where: left, top, width and height in millimetres; the caption takes the uppermost 10.
-    wall, one
-        Of which stretch.
-    scale, values
-        Colours, and one value a vertex of the stretch; NaN where missing.
-    name
-        What the values are.
+    ``box`` is left, top, width and height in millimetres; the caption takes the uppermost 10. ``values``, of which
+    ``scale`` makes colours and ``name`` the caption, are one a vertex of the stretch; NaN where missing.
     """
     x, y, width, height = box
     settings = wall.settings
@@ -145,10 +126,8 @@ def draw_solid(
     edges = (picture.left, picture.right, picture.bottom, picture.top)
     axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="nearest")
     _dress(axes, one)
-    sheet.text(
-        x + 0.5 * width, y + 2.5, f"{one.depth[0]:.0f} to {one.depth[1]:.0f} m, coloured by {name}",
-        USUAL, within=width, ha="center", weight="bold",
-    )  # fmt: skip
+    title = f"{one.depth[0]:.0f} to {one.depth[1]:.0f} m, coloured by {name}"
+    sheet.text(x + 0.5 * width, y + 2.5, title, USUAL, within=width, ha="center", weight="bold")
     more = f", shape × {shape:g} more" if shape != 1 else ""
     words = f"tube × {tube:g} against depth{more}; seen from toolface {view.facing:.0f}°"
     sheet.text(x + 0.5 * width, y + 6.5, words, SMALL, within=width, ha="center", color=FAINT)
@@ -156,7 +135,7 @@ def draw_solid(
 
 
 def _dress(axes: Axes, one: Stretched) -> None:
-    """A depth axis beside the body, as long as it is."""
+    """Draw a depth axis beside the body, as long as it is."""
     from helibore.plot.scales import Lines
 
     top, bottom = one.depth
