@@ -22,6 +22,7 @@ from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
 from helibore.samples.caliper import Caliper
+from helibore.wall.empty_boxes import empty_boxes
 from helibore.wall.estimates import Columns, estimate_left_out, find_kriging_range, in_depth_order
 from helibore.wall.wall import Wall
 
@@ -30,7 +31,6 @@ TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
 """The settings that a candidate may change."""
 ANGULAR_SCALES = (0.5, 1.0, 2.0, 4.0, 8.0)
 NUGGETS = (0.003, 0.02, 0.1, 0.4)
-_MOST_BOX_DEPTH, _BOXES = 0.5, 500
 _CLIP = 12.0
 """Errors count as at most so many robust deviations: one wrong sample must not decide."""
 _MEDIAN_SQUARE = 0.455
@@ -252,23 +252,3 @@ def _compared(tried: list[Settings], errors: list[list[Floats]], depth: Floats) 
     (alone, gain_alone), (box, gain_box) = measures
     columns = (of.tolist() for of in (alone, box, gain_alone, gain_box))
     return tuple(Candidate(*row) for row in zip(tried, *columns, strict=True))
-
-
-def empty_boxes(samples: Columns, settings: Settings, count: int, rng: np.random.Generator) -> tuple[Floats, Floats]:
-    """Half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
-
-    At most `_BOXES` different ones, repeated.
-    """
-    depth, toolface, _ = samples
-    some = min(count, _BOXES)
-    where, angle = rng.uniform(depth[0], depth[-1], some), rng.uniform(0.0, 360.0, some)
-    height, width = np.full(some, _MOST_BOX_DEPTH), np.full(some, 180.0)
-    reach = max(abs(settings.pitch) / 2, _MOST_BOX_DEPTH)
-    first, last = np.searchsorted(depth, where - reach), np.searchsorted(depth, where + reach)
-    for i in range(some):
-        band = slice(first[i], last[i])
-        along = np.abs(depth[band] - where[i])
-        turn = np.abs((toolface[band] - angle[i] + 180.0) % 360.0 - 180.0)
-        height[i] = along[turn <= 180.0 / settings.sectors].min(initial=_MOST_BOX_DEPTH)
-        width[i] = turn[along <= abs(settings.pitch) / 2].min(initial=180.0)
-    return np.resize(height, count), np.resize(width, count)

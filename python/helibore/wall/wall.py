@@ -206,6 +206,18 @@ class Wall:
         return self._core.provisional()
 
     @property
+    def sigma(self) -> Floats:
+        """(n,) float64 standard uncertainty of each radius, metres, computed when asked for: `wall_sigma`.
+
+        With 95 % probability the true radius is within 1.96 sigma. NaN where the hole is not sampled: farther from
+        samples than calibration can say, or in a gap of the turn larger than `Settings.largest_gap`. InputError if
+        there are fewer than 100 samples.
+        """
+        from helibore.wall.uncertainty import wall_sigma
+
+        return wall_sigma(self._state(), self._threads)
+
+    @property
     def angular_gap(self) -> Floats:
         """(n,) float64 degrees between the samples next to each vertex on its two sides; `Settings.gap_reach`."""
         return self._state().angular_gap

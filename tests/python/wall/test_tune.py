@@ -10,8 +10,9 @@ import pytest
 from reference import Floats, exactly
 
 import helibore as hb
+from helibore.wall.empty_boxes import empty_boxes
 from helibore.wall.estimates import estimate_left_out, in_depth_order
-from helibore.wall.tune import FEWEST_SAMPLES, cross_validate, empty_boxes
+from helibore.wall.tune import FEWEST_SAMPLES, cross_validate
 
 BIT = 0.216
 

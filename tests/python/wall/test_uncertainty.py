@@ -1,0 +1,124 @@
+"""The uncertainty of a wall: it covers the truth, is missing where nothing was sampled, and never fails in silence."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from reference import Floats, exactly
+
+import helibore as hb
+from helibore.wall.estimates import Estimates, in_depth_order
+from helibore.wall.uncertainty import Calibration, calibrate
+
+BIT = 0.216
+KRIGING = {"estimator": "kriging", "angular_scale": 2.0}
+
+
+def truth(depth: Floats, toolface: Floats) -> Floats:
+    """A breakout that comes and goes."""
+    off = (toolface - 60.0 + 90.0) % 180.0 - 90.0
+    return np.asarray(0.109 + 0.015 * np.exp(-((off / 25.0) ** 2)) * (1 + np.sin(2 * depth)))
+
+
+def caliper(count: int = 12_000, length: float = 8.0, noise: float = 5e-4, seed: int = 1) -> hb.Caliper:
+    rng = np.random.default_rng(seed)
+    depth, toolface = np.sort(rng.uniform(0, length, count)), rng.uniform(0, 360, count)
+    return hb.Caliper(depth, toolface, truth(depth, toolface) + rng.normal(0, noise, count))
+
+
+@pytest.mark.parametrize("settings", [{}, KRIGING], ids=["inverse distance", "kriging"])
+@pytest.mark.parametrize("count", [1500, 12_000])
+def test_the_interval_covers_the_truth(count: int, settings: dict[str, Any]) -> None:
+    wall = hb.reconstruct(caliper(count), bit_diameter=BIT, **settings)
+    sigma = wall.sigma
+    error = wall.radius - truth(wall.depth, wall.toolface)
+    known = np.isfinite(sigma)
+    assert known.mean() > 0.95
+    assert 0.89 < np.mean(abs(error[known]) <= 1.96 * sigma[known]) <= 1.0
+    assert sigma[known].mean() < 1.6 * np.sqrt(np.mean(error[known] ** 2))
+    assert np.corrcoef(sigma[known], abs(error[known]))[0, 1] > 0.2  # larger where the error is
+
+
+def test_more_noise_is_less_sure() -> None:
+    quiet, loud = (hb.reconstruct(caliper(noise=noise), bit_diameter=BIT).sigma for noise in (2e-4, 2e-3))
+    assert np.nanmean(loud) > 2 * np.nanmean(quiet)
+
+
+def test_missing_in_gaps_of_depth_and_turn() -> None:
+    """Three metres without samples, and a quarter of the turn without samples below them."""
+    full = caliper()
+    gap = (full.depth > 2.5) & (full.depth < 5.5)
+    side = (full.depth > 6) & (full.toolface > 200) & (full.toolface < 300)
+    kept = ~gap & ~side
+    wall = hb.reconstruct(
+        hb.Caliper(full.depth[kept], full.toolface[kept], full.radius[kept]), bit_diameter=BIT, max_distance=None
+    )
+    sigma, depth, toolface = wall.sigma, wall.depth, wall.toolface
+    assert np.isfinite(wall.radius).all()
+    assert np.isnan(sigma[(depth > 3.3) & (depth < 4.7)]).all()
+    assert np.isnan(sigma[(depth > 6.6) & (toolface > 215) & (toolface < 285)]).all()
+    assert np.isfinite(sigma[depth < 2.3]).mean() > 0.95
+
+
+def test_live_as_batch_and_threads() -> None:
+    samples = caliper(3000)
+    settings = {"bit_diameter": BIT, "start_depth": 0.0, "stop_depth": 8.0, **KRIGING, "kriging_range": 0.3}
+    batch, live = hb.Wall(**settings, threads=1), hb.Wall(**settings, threads=2)
+    batch.append(samples.depth, samples.toolface, samples.radius)
+    for part in np.array_split(np.arange(len(samples)), 5):
+        live.append(samples.depth[part], samples.toolface[part], samples.radius[part])
+    np.testing.assert_array_equal(live.sigma, batch.sigma)
+
+
+@pytest.mark.parametrize("settings", [{}, KRIGING], ids=["inverse distance", "kriging"])
+def test_a_constant_wall_and_collinear_samples_have_a_value(settings: dict[str, Any]) -> None:
+    depth = np.arange(300) * 0.01
+    for toolface in (np.arange(300) * 37.0, np.zeros(300)):
+        constant = hb.reconstruct(hb.Caliper(depth, toolface, np.full(300, 0.11)), bit_diameter=BIT, **settings)
+        sigma = constant.sigma[constant.angular_gap <= 60]
+        assert np.isfinite(sigma).mean() > 0.9 if sigma.size else True
+        assert np.all(sigma[np.isfinite(sigma)] < 1e-6)
+    varying = hb.Caliper(depth, np.arange(300) * 37.0, 0.11 + 1e-3 * np.sin(np.arange(300)))
+    assert np.isfinite(hb.reconstruct(varying, bit_diameter=BIT, **settings).sigma).mean() > 0.9
+
+
+def test_too_few_samples() -> None:
+    wall = hb.reconstruct(caliper(40), bit_diameter=BIT)
+    with pytest.raises(
+        hb.InputError, match=exactly("samples = 40: too few samples for an uncertainty: must be at least 100")
+    ):
+        _ = wall.sigma
+    together = hb.reconstruct(hb.Caliper(np.ones(200), np.zeros(200), np.full(200, 0.11)), bit_diameter=BIT)
+    with pytest.raises(hb.InputError, match=r"^samples: too few samples for an uncertainty: none has another"):
+        _ = together.sigma
+
+
+def test_the_formula_by_hand() -> None:
+    calibration = Calibration(
+        noise=1e-3,
+        between=4e-6,
+        power=0.5,
+        metric=1,
+        usual_spread=0.1,
+        usual_scatter=1e-6,
+        quantile=1.959964,
+        reach=0.2,
+    )
+    one, two = np.array([0.2]), np.array([4e-6])
+    none = np.array([np.nan])
+    found = Estimates(none, np.array([0.1]), none, np.array([0.25]), two, [none, one, none], [])
+    assert calibration.sigma(found) == pytest.approx(np.sqrt(1e-6 * 0.25 + 4e-6 * 2.0 * 2.0), rel=1e-12)
+    far = found._replace(nearest=np.array([0.21]))
+    assert np.isnan(calibration.sigma(far)).all()
+
+
+def test_calibration_finds_the_noise_of_a_dense_round_hole() -> None:
+    rng = np.random.default_rng(2)
+    depth, toolface = np.sort(rng.uniform(0, 5, 8000)), rng.uniform(0, 360, 8000)
+    samples = hb.Caliper(depth, toolface, 0.11 + rng.normal(0, 5e-4, 8000))
+    wall = hb.reconstruct(samples, bit_diameter=BIT)
+    found = calibrate(in_depth_order(samples), wall.settings)
+    assert 1.96 * np.nanmean(wall.sigma) == pytest.approx(1.96 * np.std(wall.radius), rel=0.4)
+    assert found.noise * found.quantile / 1.96 == pytest.approx(5e-4, rel=0.35)
