@@ -154,11 +154,11 @@ def _watch(
     next_snapshot = time.monotonic() + every
     try:
         while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
-            if server.failure is not None:
-                return
             if window and not _show(window, server):
                 window = None
             show()
+            if server.failure is not None:
+                return
             if target and time.monotonic() >= next_snapshot:
                 _snapshot(server.live, target)
                 next_snapshot = time.monotonic() + every

@@ -101,6 +101,7 @@ class Alarms:
         self._held: dict[str, tuple[int, str]] = {}
         self._changed: deque[tuple[int, int]] = deque(maxlen=MOST_RANGES)
         self._lock_file = live.journal.folder / "lock" if live.journal else None
+        self._journal = str(live.journal.folder) if live.journal else ""
         self._inode = self._lock_file.stat().st_ino if self._lock_file else 0
         address = self._limits.webhook or ""
         if address.startswith("env:"):
@@ -115,10 +116,10 @@ class Alarms:
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
 
-    def start(self) -> None:
-        """Start the thread that delivers, if there is a command or a webhook."""
+    def start(self, thread: Callable[[str, Callable[[], None]], threading.Thread]) -> None:
+        """Start the thread that delivers, if there is a command or a webhook; ``thread`` makes a thread."""
         if self._ways:
-            self._thread = threading.Thread(target=self._deliver, name="alarms", daemon=True)
+            self._thread = thread("alarms", self._deliver)
             self._thread.start()
 
     @property
@@ -238,8 +239,9 @@ class Alarms:
         """Report that an alarm begins, or that it ``ended``, and queue the line for the command and the webhook."""
         self._live.report(f"alarm_{alarm.rule}" + ("_end" if ended else ""), ended + alarm.text, alarm.source)
         state = "ends" if ended else "begins"
-        line = {"alarm": alarm.rule, "source": alarm.source, "state": state, "time": utc(wall),
-                "local_time": local(wall).isoformat(timespec="milliseconds"), "text": alarm.text}  # fmt: skip
+        line = {"journal": self._journal, "alarm": alarm.rule, "source": alarm.source, "state": state,
+                "time": utc(wall), "local_time": local(wall).isoformat(timespec="milliseconds"),
+                "text": alarm.text}  # fmt: skip
         try:
             if self._ways:
                 self._lines.put_nowait(json.dumps(line).encode() + b"\n")

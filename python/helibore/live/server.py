@@ -144,7 +144,7 @@ class Server:
         for name, one in self.openers.items():
             source = self.live.configuration.sources[name]
             self._threads.append(self.thread(name, functools.partial(self._follow, source, one)))
-        self.alarms.start()
+        self.alarms.start(self.thread)
         for thread in [*self._threads, *self._own]:
             thread.start()
 

@@ -37,6 +37,10 @@ def alarmed(text, folder=None, states=STATES):
     return live, clock, Alarms(live, states)
 
 
+def thread(name, run):
+    return threading.Thread(target=run, name=name, daemon=True)
+
+
 def rules(alarms):
     return [(alarm.rule, alarm.source) for alarm in alarms.active]
 
@@ -210,7 +214,7 @@ def test_a_line_of_json_goes_to_the_command_and_to_the_webhook(tmp_path, monkeyp
     with Hook() as hook:
         monkeypatch.setenv("ALARM_HOOK", hook.url)
         live, clock, alarms = alarmed(HOST + f'[alarms]\ncommand = {json.dumps(keep)}\nwebhook = "env:ALARM_HOOK"\n')
-        alarms.start()
+        alarms.start(thread)
         clock.step(61)
         alarms.check()
         live.receive("mwd", frames(1)[0])
@@ -245,7 +249,7 @@ def test_a_command_or_a_webhook_that_hangs_delays_no_alarm(tmp_path, monkeypatch
     with Hook(answer=None) as hook:
         target = json.dumps(hanging(tmp_path)) if way == "command" else f'"{hook.url}"'
         live, clock, alarms = alarmed(HOST + f"[alarms]\n{way} = {target}\n")
-        alarms.start()
+        alarms.start(thread)
         for _ in range(module.MOST_LINES):
             clock.step(61)
             alarms.check()
@@ -264,7 +268,7 @@ def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatc
     monkeypatch.setattr(module, "SECONDS", 0.3)
     monkeypatch.setattr(module, "WAITS", (0.0,))
     live, clock, alarms = alarmed(HOST + f"[alarms]\ncommand = {json.dumps(hanging(tmp_path))}\n")
-    alarms.start()
+    alarms.start(thread)
     clock.step(61)
     alarms.check()
     until(lambda: alarms.undelivered == 1)
@@ -278,7 +282,7 @@ def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch):
     monkeypatch.setattr(module, "WAITS", (0.0, 0.01, 0.01))
     with Hook(answer=500) as hook:
         live, clock, alarms = alarmed(HOST + f'[alarms]\nwebhook = "{hook.url}"\n')
-        alarms.start()
+        alarms.start(thread)
         clock.step(61)
         alarms.check()
         until(lambda: alarms.undelivered == 1)
@@ -346,7 +350,19 @@ def test_a_dead_thread_is_an_alarm_that_is_delivered(tmp_path, monkeypatch):
         running.server.stop()
         running.live.close()
     assert hook.lines[0]["alarm"] == "failure"
+    assert hook.lines[0]["journal"] == str(tmp_path)
     assert hook.lines[0]["text"] == "thread sync died: ZeroDivisionError: division by zero"
+
+
+def test_the_death_of_the_thread_that_delivers_is_a_failure(tmp_path, monkeypatch):
+    monkeypatch.setattr(Alarms, "_sent", lambda *_: 1 / 0)
+    text = configured(f"listen://127.0.0.1:{free_port()}") + '[alarms]\nlost = 0.1\ncommand = ["true"]\n'
+    running = Running(text, tmp_path)
+    running.server.start()
+    until(lambda: ("failure", "") in rules(running.server.alarms))
+    assert texts(running.live)["alarm_failure"] == "thread alarms died: ZeroDivisionError: division by zero"
+    running.server.stop()
+    running.live.close()
 
 
 class Command:
