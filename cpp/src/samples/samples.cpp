@@ -106,21 +106,22 @@ Chunks full_chunks(Index count, bool timed) {
 
 // Rows [first, last) at one depth by toolface: by part of the circle, then by comparison.
 Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
-    Level level{chunk.depth()[first], first, last, {}, {}};
-    std::array<std::uint16_t, Level::parts + 2> ends{};
-    for (Index row = first; row < last; ++row) ++ends[Level::part(chunk.toolface()[row]) + 1];
+    const auto n = static_cast<std::size_t>(last - first), parts = 2 * n;
+    Level level{chunk.depth()[first], first, last, {}, {}, std::vector<std::uint16_t>(parts + 2)};
+    std::vector<std::uint16_t> ends(parts + 2), rows(n);
+    for (Index row = first; row < last; ++row) ++ends[level.part(chunk.toolface()[row]) + 1];
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
-    std::vector<std::uint16_t> rows(static_cast<std::size_t>(last - first));
     for (Index row = first; row < last; ++row)
-        rows[ends[Level::part(chunk.toolface()[row])]++] = static_cast<std::uint16_t>(row);
+        rows[ends[level.part(chunk.toolface()[row])]++] = static_cast<std::uint16_t>(row);
     const auto before = [of = chunk.toolface()](std::uint16_t a, std::uint16_t b) {
         return of[a] < of[b] || (of[a] == of[b] && a < b);
     };
     level.toolface.reserve(rows.size());
     level.row.reserve(rows.size());
-    for (std::size_t part = 0, i = 0; part <= Level::parts; ++part) {
+    for (std::size_t part = 0, i = 0; part <= parts; ++part) {
         level.starts[part] = static_cast<std::uint16_t>(level.row.size());
-        std::sort(rows.begin() + static_cast<std::ptrdiff_t>(i), rows.begin() + ends[part], before);
+        if (ends[part] > i + 1)
+            std::sort(rows.begin() + static_cast<std::ptrdiff_t>(i), rows.begin() + ends[part], before);
         for (; i < ends[part]; ++i) {
             const double toolface = chunk.toolface()[rows[i]];
             const std::size_t kept = level.row.size(), most = static_cast<std::size_t>(neighbors);
@@ -129,7 +130,7 @@ Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
             level.row.push_back(rows[i]);
         }
     }
-    level.starts[Level::parts + 1] = static_cast<std::uint16_t>(level.row.size());
+    level.starts[parts + 1] = static_cast<std::uint16_t>(level.row.size());
     return level;
 }
 
@@ -162,6 +163,13 @@ Chunks Samples::room_for(Index count, bool timed) const {
         chunks = {std::make_shared<Chunk>(count * std::min(most_appends, Chunk::full / count), timed)};
     for (const auto& chunk : chunks) count -= chunk->count = std::min(Chunk::full, count);
     return chunks;
+}
+
+void Samples::prepare_levels(int neighbors) const {
+    if (chunks_.size() < 2) return;
+    const Chunk& chunk = *chunks_[chunks_.size() - 2];
+    if (chunk.depth()[chunk.count / 2] == chunk.last_depth() && chunk.has_level(0, chunk.count))
+        chunk.levels(neighbors);
 }
 
 Samples::Undo Samples::insert(SortedBatch& batch) {

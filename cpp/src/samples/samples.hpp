@@ -9,7 +9,6 @@
 #pragma once
 
 #include <algorithm>
-#include <array>
 #include <atomic>
 #include <compare>
 #include <cstdint>
@@ -32,15 +31,20 @@ struct Row {
 // only the first V are listed: they come before the others for every vertex.
 struct Level {
     static constexpr Index least = 256;  // samples
-    static constexpr std::size_t parts = 512;
 
     double depth;
     Index first, last;  // rows of the chunk
     std::vector<double> toolface;
     std::vector<std::uint16_t> row;
-    std::array<std::uint16_t, parts + 2> starts{};  // of parts of the circle; the last part is for rounding
+    std::vector<std::uint16_t> starts;  // of parts of the circle, two for each row; the last is for rounding
 
-    static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
+    std::size_t part(double of) const {
+        return static_cast<std::size_t>(of * (static_cast<double>(starts.size() - 2) / 360.0));
+    }
+    // Is there perhaps a toolface from low to high? Most often one look at memory tells.
+    bool any_between(double low, double high) const {
+        return low < 0.0 || high >= 360.0 || starts[part(low)] < starts[part(high) + 1];
+    }
     // Where a toolface is or would be.
     std::ptrdiff_t position(double of) const {
         const auto begin = toolface.begin();
@@ -173,6 +177,9 @@ class Samples {
 
     // Chunks for the `count` rows of a batch, all full except the last.
     Chunks room_for(Index count, bool timed) const;
+
+    // Sorts the levels of the last chunk that is full, so that a search after many appends does not do it for all.
+    void prepare_levels(int neighbors) const;
 
     // Inserts the batch. Timed rows equal to an earlier one are dropped and added to batch.redundant. If it throws
     // std::bad_alloc, nothing has changed.

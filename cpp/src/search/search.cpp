@@ -272,6 +272,7 @@ void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, co
         double* turns = scratch.turns.data() + static_cast<std::size_t>(lane) * wanted;
         double& farthest = turns[wanted - 1];
         const double before = farthest, toolface = g.toolface[lane], limit = std::min(box.width, before * (1.0 + 1e-9));
+        if (!level.any_between(toolface - limit, toolface + limit)) continue;
         const double along = (level.depth - g.depth[lane]) / (scratch.least_trial * rules_.scale);
         const double tied = 0x1p-38 * along * along;
         // Lists an entry that lies on the given side; false if those behind it are of no use.

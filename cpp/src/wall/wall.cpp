@@ -86,6 +86,7 @@ Index Wall::State::count_now(const Helix& next) const {
 // A wall has no vertices before its first sample.
 Change Wall::State::update(const SortedBatch& batch) {
     if (samples.size() == 0) return {};
+    if (!settings.window) samples.prepare_levels(settings.neighbors);
     const Helix next = helix_now();
     const Index new_count = count_now(next);
     const bool moved = count > 0 && next.start_depth != helix.start_depth;
