@@ -34,7 +34,7 @@ from helibore.viewer import Viewer
 # Resolves when the page has drawn a wall of so many vertices and the GPU has finished.
 DRAWN = """(size) => new Promise((done) => {
   const { app } = window.__wall;
-  const gl = app.gpu.renderer.getContext();
+  const gl = app.gpu.gl;
   const pixel = new Uint8Array(4);
   let frames = -1;
   const look = () => {

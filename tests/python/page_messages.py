@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from helibore.viewer.messages import FRAMES, HEAD, LIVE, TEXEL, WRITE
+from helibore.viewer.messages import FIRST, FRAMES, HEAD, LIVE, NO_FIRST, RADIUS, TEXEL, WRITE
 
 
 @dataclass(frozen=True)
@@ -34,12 +34,16 @@ def unpack(message: bytes) -> Message:
     kind, level, mask, tile, first, count, total, sequence, time = HEAD.unpack_from(message)
     live, kind = bool(kind & LIVE), kind & ~LIVE
     columns = mask.bit_count() if kind == WRITE else 0
-    assert len(message) == HEAD.size + {WRITE: count * (2 * TEXEL + 4 * columns), FRAMES: count * 48}[kind]
+    words = TEXEL - bool(kind == WRITE and level & NO_FIRST)
+    texel_bytes = 2 * (words * count + words * count % 2)
+    assert len(message) == HEAD.size + {WRITE: texel_bytes + 4 * columns * count, FRAMES: count * 48}[kind]
     at = HEAD.size
     texels, centre, directions = np.zeros((0, TEXEL), np.uint16), np.zeros((0, 3)), np.zeros((0, 6), np.float32)
     if kind == WRITE:
-        texels = np.frombuffer(message, "<u2", TEXEL * count, at).reshape(-1, TEXEL)
-        at += texels.nbytes
+        texels = np.frombuffer(message, "<u2", words * count, at).reshape(-1, words)
+        if words < TEXEL:
+            texels, level = np.insert(texels, FIRST, texels[:, RADIUS], axis=1), level & ~NO_FIRST
+        at += texel_bytes
     else:
         centre = np.frombuffer(message, "<f8", 3 * count, at).reshape(-1, 3)
         directions = np.frombuffer(message, "<f4", 6 * count, at + centre.nbytes).reshape(-1, 6)

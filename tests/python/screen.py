@@ -46,9 +46,9 @@ AT_REST = """() => new Promise((done) => {
   let before = null;
   let quiet = 0;
   const look = () => {
-    const now = JSON.stringify([window.__wall.stats, app.scheduled, app.summaryPending]);
+    const now = JSON.stringify([window.__wall.stats, app.scheduled, app.summaryPending, Boolean(app.sharpening)]);
     if (app.glow.ranges.length) { app.glow.ranges.length = 0; app.redraw(); }
-    quiet = now === before && !app.scheduled && !app.summaryPending ? quiet + 1 : 0;
+    quiet = now === before && !app.scheduled && !app.summaryPending && !app.sharpening ? quiet + 1 : 0;
     before = now;
     if (quiet >= 4) done(true);
     else setTimeout(look, 25);
@@ -59,7 +59,7 @@ AT_REST = """() => new Promise((done) => {
 # Draws at once and reads the WebGL canvas back, as RGBA bytes of a rectangle in CSS pixels.
 READ = """([name, strip]) => {
   const { app } = window.__wall;
-  const gl = app.gpu.renderer.getContext();
+  const gl = app.gpu.gl;
   app.gpu.draw(app.look());
   const { left, top, width, height } = app.rects[name];
   const h = Math.round(strip ?? height);

@@ -15,7 +15,7 @@ from starlette.responses import PlainTextResponse
 from starlette.types import ASGIApp, Receive, Scope, Send
 
 LOOPBACK = ("127.0.0.1", "localhost", "[::1]", "::1")
-NEEDS_NO_TOKEN = ("/app.js", "/app.css", "/licences.txt", "/healthz")
+NEEDS_NO_TOKEN = ("/app.js", "/app.css", "/healthz")
 NO_TOKEN = "token: missing or wrong. Open the address that the viewer printed, with its ?token=..."
 POLICY = (
     "default-src 'self'; connect-src 'self'; img-src 'self' data: blob:; style-src 'self'; object-src 'none'; "

@@ -137,8 +137,11 @@ class Client:
         store, mask = self.scene.levels[level], self.subscription.mask
         part = slice(tile * store.tile_size + first, tile * store.tile_size + stop)
         kind = messages.WRITE | (0 if key in self.requested else messages.LIVE)
+        texels = store.texels[part].astype("<u2", copy=False)
+        if first_pass := bool((texels[:, messages.FIRST] == texels[:, messages.RADIUS]).all()):
+            level, texels = level | messages.NO_FIRST, np.delete(texels, messages.FIRST, axis=1)
         message = messages.head(kind, level, mask, tile, first, stop - first, store.size, time.time())
-        message += store.texels[part].astype("<u2", copy=False).tobytes()
+        message += texels.tobytes() + bytes(2 * (first_pass and (stop - first) % 2))
         for bit, column in enumerate(store.columns):
             if mask >> bit & 1:
                 message += column[part].astype("<f4", copy=False).tobytes()

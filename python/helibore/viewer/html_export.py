@@ -9,7 +9,6 @@ overview of the whole well. Its content-security policy forbids every request.
 from __future__ import annotations
 
 import base64
-import html
 import itertools
 import json
 import math
@@ -24,7 +23,6 @@ from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
 MOST_ADDRESS = 128 * 1024  # characters: 200 dips of twelve points and 50 notes of 80 letters of any script
-CLOSING = '<form method="dialog"><button>Close</button></form>'
 SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
 
@@ -55,15 +53,12 @@ def html_export(scene: Scene, files: dict[str, str], start: float, stop: float, 
 
 
 def _page(files: dict[str, str]) -> tuple[str, str]:
-    """Return the page's HTML before and after its script, with style and licences in it."""
-    licences = f"<pre hidden>{html.escape(files['licences.txt'])}</pre>"
+    """Return the page's HTML before and after its script, with style in it."""
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     page = files["index.html"]
     for old, new in (
         ('<meta charset="utf-8">', f'<meta charset="utf-8">\n{policy}'),
         ('<link rel="stylesheet" href="app.css">', f"<style>\n{files['app.css']}</style>"),
-        ('<a href="licences.txt" target="_blank" rel="noopener">', "<a>"),
-        (CLOSING, f"{licences}\n  {CLOSING}"),
         (SCRIPT, SCRIPT),
     ):
         if page.count(old) != 1:

@@ -8,6 +8,9 @@
     | total u32    | sequence u32    | time f64      |
     +--------------+-----------------+---------------+
 
+The radii of the first pass are left out of a WRITE where all equal the radii: then `level` has the bit NO_FIRST, and a
+texel is radius, nearest distance, state; two zero bytes follow an odd number of them.
+
 A WRITE sets `count` vertices of a tile from `first` on. Both count within the tile, whose halo (the first sectors + 1
 vertices of the next tile) is included. A WRITE can be repeated: a new quad, a changed one and a resent one are the same
 message. `mask` says which attributes follow. The type's highest bit LIVE marks new values, as opposed to a tile that
@@ -30,6 +33,7 @@ Texels = npt.NDArray[np.uint16]
 HEAD = struct.Struct("<BBHIIIIId")
 WRITE, FRAMES = 1, 3
 LIVE = 0x80
+NO_FIRST = 0x80
 SURVEYED = 1
 FRAMES_LEVEL = 255  # the "level" of the path's frames
 FRAME_STEP = 2.0  # metres of depth between frames; a 10 deg/30 m dogleg bows 3 mm between them

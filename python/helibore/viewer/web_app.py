@@ -1,6 +1,6 @@
 """The addresses of the page's server.
 
-    /  /app.js  /app.css  /licences.txt     the page, from the package
+    /  /app.js  /app.css                    the page, from the package, compressed
     /ws                                     handshake and state as text, values as binary (messages.py)
     /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
     /api/summary                            volume, washout and gaps of a section
@@ -15,6 +15,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import gzip
+import hashlib
 import json
 import math
 from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
@@ -43,7 +45,6 @@ TYPES = {
     "index.html": "text/html; charset=utf-8",
     "app.js": "text/javascript; charset=utf-8",
     "app.css": "text/css; charset=utf-8",
-    "licences.txt": "text/plain; charset=utf-8",
 }
 Endpoint = Callable[[Request], Awaitable[Response]]
 
@@ -149,7 +150,15 @@ class WebApp:
     async def file(self, request: Request) -> Response:
         name = request.url.path.strip("/") or "index.html"
         body = page(name)
-        return PlainTextResponse(no_page() + "\n", 503) if body is None else Response(body, media_type=TYPES[name])
+        if body is None:
+            return PlainTextResponse(no_page() + "\n", 503)
+        tag = f'"{hashlib.sha256(body).hexdigest()}"'
+        headers = {"ETag": tag, "Vary": "Accept-Encoding"}
+        if request.headers.get("If-None-Match") == tag:
+            return Response(status_code=304, headers=headers)
+        if "gzip" in request.headers.get("Accept-Encoding", ""):
+            body, headers["Content-Encoding"] = gzip.compress(body), "gzip"
+        return Response(body, media_type=TYPES[name], headers=headers)
 
     async def health(self, _: Request) -> Response:
         vertices = self.scene.levels[0].size if self.scene.begun else 0

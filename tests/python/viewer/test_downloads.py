@@ -26,11 +26,9 @@ from helibore.viewer.scene import Scene
 
 FILES = {
     "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
-    '<a href="licences.txt" target="_blank" rel="noopener"><form method="dialog"><button>Close</button></form>'
     '<script type="module" src="app.js"></script>',
     "app.css": "",
     "app.js": "",
-    "licences.txt": "",
 }
 
 

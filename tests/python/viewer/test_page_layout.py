@@ -158,12 +158,26 @@ def test_the_same_depth_is_at_the_same_height_in_every_panel(browser: Any, viewe
 
 
 def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1030&sec=24")
+    screen = Screen(browser, viewer.url, "#md=1030&sec=24&camera=outside")
     screen.settle()
     point_at(screen, 0.4, 0.4)
-    wall = screen.pixels("wall")[..., :3].astype(int)
-    ring = abs(wall - np.array([255, 64, 13])).max(axis=-1) < 12
-    assert ring.sum() > 20
+    before = screen.stats()["pictures"]
+    point_at(screen, 0.4, 0.5)
+    assert screen.stats()["pictures"] == before, "the cursor moves in the ink alone"
+    wall = screen.evaluate(
+        "(({ left, top, width, height }) => [width, height, [...document.getElementById('ink').getContext('2d')"
+        ".getImageData(left, top, width, height).data]])(window.__wall.app.rects.wall)"
+    )
+    pixels = np.array(wall[2]).reshape(wall[1], wall[0], 4)
+    ring = (abs(pixels[..., :3] - CURSOR).max(axis=-1) < 12) & (pixels[..., 3] > 200)
+    left, top = screen.evaluate("(({ left, top }) => [left, top])(window.__wall.app.rects.wall)")
+    for one in screen.evaluate("document.getElementById('ink').labels"):
+        edges = [
+            int(one[side] - start) for side, start in (("top", top), ("bottom", top), ("left", left), ("right", left))
+        ]
+        if edges[3] > 0:
+            ring[max(0, edges[0] - 1) : edges[1] + 2, max(0, edges[2] - 1) : edges[3] + 2] = False
+    assert ring.sum() > 8
     expected = screen.evaluate(
         "(() => { const { app } = window.__wall;"
         " const [x, y] = app.gpu.project(app.path.at(app.view.cursor.depth), app.rects.wall);"
@@ -184,7 +198,7 @@ def test_the_ring_in_3d_is_at_the_cursors_depth(browser: Any, viewer: Any) -> No
 
 def test_what_a_wall_without_a_survey_cannot_know_is_not_shown(browser: Any) -> None:
     with hb.view(MadeWall(30_000)) as viewer:
-        screen = Screen(browser, viewer.url, "#md=1010&sec=10")
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10&camera=outside")
         point_at(screen, 0.4, 0.4)
         texts = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
         assert "no survey: angles from the tool’s zero" in texts

@@ -26,7 +26,7 @@ from tabs import Tabs, until  # noqa: E402
 import helibore as hb  # noqa: E402
 
 SEAM = 16384  # first vertex of the second tile
-ADDRESS = "#md=1025.6&sec=6"
+ADDRESS = "#md=1025.6&sec=6&camera=outside"
 SIZE = (1000, 640)  # pixels: software GL has fewer to draw
 SERVED = """
 import sys

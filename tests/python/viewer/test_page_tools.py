@@ -115,7 +115,7 @@ def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
 
 
 def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) -> None:
-    screen = Screen(browser, viewer.url, "#md=1012&sec=6", (1366, 768))
+    screen = Screen(browser, viewer.url, "#md=1012&sec=6&camera=outside", (1366, 768))
     screen.keyboard.press("i")
     screen.until("document.getElementById('camera').value === 'down'")
     screen.settle()
@@ -144,7 +144,7 @@ def test_the_camera_inside_sees_the_wall_and_the_gap(browser: Any, viewer: Any) 
     screen.until(f"window.__wall.app.view.top > {top + 0.1}")
     screen.keyboard.press("i")
     screen.keyboard.press("i")
-    screen.until("document.getElementById('camera').value === 'outside'")
+    screen.until("document.getElementById('camera').value === 'straight'")
     screen.close()
 
 

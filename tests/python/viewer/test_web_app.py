@@ -28,7 +28,7 @@ from helibore.viewer import Attribute, messages  # noqa: E402
 from helibore.viewer.access import NO_TOKEN  # noqa: E402
 from helibore.viewer.feed import Feed  # noqa: E402
 from helibore.viewer.scene import Scene  # noqa: E402
-from helibore.viewer.web_app import application  # noqa: E402
+from helibore.viewer.web_app import application, page  # noqa: E402
 
 HOST = "127.0.0.1"
 
@@ -382,7 +382,6 @@ def test_a_snapshot_holds_every_dip_and_note_that_a_page_keeps(monkeypatch: pyte
     """As the page writes them (picking.js, notes.js, panel.js), over a real port: its own limits count."""
     page = {
         "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
-        '<a href="licences.txt" target="_blank" rel="noopener"><form method="dialog"><button>Close</button></form>'
         '<script type="module" src="app.js"></script>',
     }
     monkeypatch.setattr("helibore.viewer.web_app.page", lambda name: page.get(name, "").encode())
@@ -398,3 +397,20 @@ def test_a_snapshot_holds_every_dip_and_note_that_a_page_keeps(monkeypatch: pyte
         assert refused.value.code == 400
         rule = "address: 131073 characters, must be at most 131072; keep fewer dips or notes\n"
         assert refused.value.read().decode() == rule
+
+
+@pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
+def test_the_page_is_small_on_the_wire_and_sent_again_only_if_it_changed() -> None:
+    with TestClient(application(Scene()), base_url=f"http://{HOST}") as client:
+        sent = 0
+        for name in ("", "app.js", "app.css"):
+            answer = client.get(f"/{name}")
+            assert answer.content == page(name or "index.html")
+            assert answer.headers["content-encoding"] == "gzip"
+            sent += int(answer.headers["content-length"])
+            again = client.get(f"/{name}", headers={"If-None-Match": answer.headers["etag"]})
+            assert (again.status_code, again.content) == (304, b"")
+            plain = client.get(f"/{name}", headers={"Accept-Encoding": "identity"})
+            assert "content-encoding" not in plain.headers
+            assert plain.content == answer.content
+        assert sent <= 60_000

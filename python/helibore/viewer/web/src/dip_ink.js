@@ -2,8 +2,9 @@
 // to 90 degrees across the track), its tail towards where the bed dips, north up. Without a survey the dip is that to the
 // hole, its head is hollow and its tail counts from the tool's zero.
 
+import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
-import { BOLD, HEAD, label, PALETTES, SMALL, yOf } from './layout.js';
+import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { line } from './strokes.js';
 
@@ -12,7 +13,7 @@ export function drawDips(ink, look, planes, gpu) {
   const all = [...planes.kept.map((plane) => [plane, palette.pin]), ...(planes.current ? [[planes.current, palette.cursor]] : [])];
   for (const [plane, colour] of all) {
     curve(ink, look, plane, colour, palette, planes.open && plane === planes.current ? [5, 4] : []);
-    if (gpu) disc(ink, look, plane, colour, gpu);
+    if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colour, gpu);
   }
   if (look.rects.dips) tadpoles(ink, look, planes, palette);
 }
@@ -31,15 +32,6 @@ export function drawPoints(ink, look, points) {
     ink.lineWidth = 2;
     ink.stroke();
   }
-}
-
-function within(ink, { left, top, width, height }, draw) {
-  ink.save();
-  ink.beginPath();
-  ink.rect(left, top, width, height);
-  ink.clip();
-  draw();
-  ink.restore();
 }
 
 function curve(ink, { view, path, rects }, plane, colour, palette, dash) {

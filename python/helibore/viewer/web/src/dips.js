@@ -7,10 +7,9 @@
 // Three points or more, not all on one side of the hole; what is left over says how well they lie in a plane.
 
 import { wrap360 } from './helix.js';
+import { dot, minus } from './vectors.js';
 
 const DEG = 180 / Math.PI;
-const dot = (u, v) => u[0] * v[0] + u[1] * v[1] + u[2] * v[2];
-const minus = (u, v) => u.map((x, i) => x - v[i]);
 
 // North, east, down of a wall point.
 export function wallPoint(path, { depth, toolface, radius }) {

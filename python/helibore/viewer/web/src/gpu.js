@@ -3,73 +3,119 @@
 // Positions are kept small for the GPU's float32: a tile's centres are relative to the tile, a tile relative to the
 // middle of the section, both subtracted in float64 here. The camera circles that middle.
 
-import * as THREE from 'three';
+import { Camera } from './camera.js';
 import { Q_ATTRIBUTE, themed } from './colour.js';
 import { pixelRatio, SOFTWARE } from './device.js';
-import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
+import { Context } from './gl.js';
 import { placeInside, WIDE } from './inside.js';
+import { COL_STRIDES, ROW_STRIDES, gridIndices, pickStride, rowsShown } from './lod.js';
 import { CUTS } from './path.js';
 import * as shaders from './shaders.js';
-import { colourTexture, eastNorthUp, NO_COLUMN, NO_RANGE, TileTextures } from './textures.js';
+import { colourTexture, NO_COLUMN, NO_RANGE, TileTextures } from './textures.js';
+import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from './vectors.js';
 
-THREE.ColorManagement.enabled = false; // colours are what the maps say, byte for byte
 const FIELD_OF_VIEW = 34;
 const NO_WALL = 0x9aa3aa;
 const MOST_PICKED = 254; // tiles told apart by the picking picture's alpha
+const PROGRAMS = {
+  wall: [shaders.WALL_VERTEX, shaders.WALL_FRAGMENT],
+  pick: [shaders.WALL_VERTEX, shaders.PICK_FRAGMENT],
+  image: [shaders.IMAGE_VERTEX, shaders.IMAGE_FRAGMENT],
+  column: [shaders.COLUMN_VERTEX, shaders.COLUMN_FRAGMENT],
+  bit: [shaders.BIT_VERTEX, shaders.BIT_FRAGMENT],
+};
 
 export class Gpu {
   constructor(canvas) {
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !SOFTWARE, powerPreference: 'high-performance' });
-    this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace;
-    this.renderer.autoClear = false;
-    this.outside = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.1, 1e5);
-    this.outside.up.set(0, 0, 1);
-    this.inside = new THREE.PerspectiveCamera(WIDE, 1, 0.1, 1e5);
+    this.canvas = canvas;
+    this.gl = canvas.getContext('webgl2', { antialias: !SOFTWARE, alpha: false, powerPreference: 'high-performance' });
+    if (!this.gl) throw new Error('no WebGL 2 context');
+    canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
+    canvas.addEventListener('webglcontextrestored', () => this.restore());
+    this.outside = new Camera(FIELD_OF_VIEW);
+    this.inside = new Camera(WIDE);
     this.head = { left: 0, raised: 0 }; // where the eye inside looks, radians from along the hole
     this.camera = this.outside;
-    this.wallScene = new THREE.Scene();
-    this.imageScene = new THREE.Scene();
-    this.grids = new Map();
-    this.flat = new THREE.BufferGeometry();
-    this.flat.setIndex([0, 1, 2, 2, 1, 3]);
-    this.materials = {
-      wall: material(shaders.WALL_VERTEX, shaders.WALL_FRAGMENT),
-      pick: material(shaders.WALL_VERTEX, shaders.PICK_FRAGMENT),
-      image: material(shaders.IMAGE_VERTEX, shaders.IMAGE_FRAGMENT),
-    };
-    this.materials.image.depthTest = false;
-    this.bit = bitGlyph();
-    this.wallScene.add(this.bit);
-    this.spot = new THREE.WebGLRenderTarget(1, 1);
-    this.stats = { triangles: 0, tiles: 0 };
+    this.stats = { triangles: 0, tiles: 0, pictures: 0 };
+    this.cost = 0; // milliseconds that the last full picture took
     this.origin = [0, 0, 0];
+    this.restore();
   }
 
-  get canvas() {
-    return this.renderer.domElement;
+  restore() {
+    this.context = new Context(this.gl, PROGRAMS);
   }
 
   resize(width, height) {
-    this.height = height;
-    this.renderer.setPixelRatio(pixelRatio(this.canvas));
-    this.renderer.setSize(width, height, false);
+    Object.assign(this, { width, height, ratio: 0 });
+  }
+
+  // Give the canvas its size in pixels; a coarse picture has half of them each way.
+  setRatio(ratio) {
+    if (ratio === this.ratio) return;
+    this.ratio = ratio;
+    [this.canvas.width, this.canvas.height] = [this.width, this.height].map((side) => Math.floor(side * ratio));
   }
 
   // `look` is one frame's picture: store, path, view, quantity, pieces and rectangles; main.js makes it.
-  draw(look) {
-    const { renderer } = this;
-    renderer.setScissorTest(false);
-    renderer.setClearColor(look.background, 1);
-    renderer.clear();
-    renderer.setScissorTest(true);
-    this.stats = { triangles: 0, tiles: look.wallPieces.length };
+  draw(look, coarse = false) {
+    if (this.gl.isContextLost()) return;
+    this.setRatio(pixelRatio(this.canvas) * (coarse ? 0.5 : 1));
+    this.stats = { triangles: 0, tiles: look.wallPieces.length, pictures: this.stats.pictures + 1 };
+    this.begin({ left: 0, top: 0, width: this.width, height: this.height }, look.background);
     this.image(look);
-    this.wall(look);
+    if (look.view.camera === 'straight') return this.column(look);
+    this.place(look);
+    this.begin(look.wallRect, look.view.camera === 'outside' ? null : NO_WALL); // a gap around the eye has the grey of no data
+    this.wall(look, 'wall');
+    this.bit(look);
+  }
+
+  // The hole straightened, on the depth axis of the tracks.
+  column(look) {
+    const { store, view, wallRect, path } = look;
+    const { reference, offset } = CUTS[view.cut];
+    const scale = columnScale(look);
+    this.begin(wallRect);
+    for (const piece of look.wallPieces) {
+      const { tile } = piece;
+      const { level } = tile;
+      if (path.count <= (tile.startDepth - path.startDepth) / path.step) continue;
+      const [a, b] = slanted(piece);
+      this.context.programs.column.use({
+        ...this.common(tile, look),
+        shape: scale.shape,
+        median: view.median,
+        across: (2 * scale.perMetre) / wallRect.width,
+        relief: 0.15 * scale.times,
+        viewTop: view.top - tile.startDepth,
+        viewLength: view.length,
+        reference: reference === 'up' ? 0 : 1,
+        offset: ((offset - view.turn) * Math.PI) / 180,
+        top: Math.max(a, view.top) - tile.startDepth,
+        bottom: Math.min(b, view.bottom) - tile.startDepth,
+      });
+      this.drawRows(piece, view, {
+        cols: pickStride(COL_STRIDES, (2 * Math.PI * store.bitRadius * scale.perMetre) / level.sectors, level.sectors / 8),
+        rows: pickStride(ROW_STRIDES, (wallRect.height / view.length) * Math.abs(level.pitch), level.rows / 4),
+      });
+    }
+  }
+
+  // Restrict drawing to a rectangle, and clear it to a colour if there is one.
+  begin({ left, top, width, height }, colour = null) {
+    const { gl, ratio } = this;
+    const [x, y, w, h] = [left, this.height - top - height, width, height].map((side) => Math.round(side * ratio));
+    gl.viewport(x, y, w, h);
+    gl.scissor(x, y, w, h);
+    if (colour === null) return;
+    gl.clearColor(...[16, 8, 0].map((shift) => ((colour >> shift) & 255) / 255), 1);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
   // Call back when what was asked for is drawn; in software that is long after draw() has returned.
   whenDrawn(done) {
-    const gl = this.renderer.getContext();
+    const { gl } = this;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
     gl.flush();
     const look = () => {
@@ -84,37 +130,28 @@ export class Gpu {
   }
 
   image(look) {
-    const { top, bottom } = look.view;
+    const { gl, context } = this;
+    const { top, bottom, cut } = look.view;
     const { height } = look.imageRect;
+    const { reference, offset } = CUTS[cut];
     this.begin(look.imageRect);
+    gl.disable(gl.DEPTH_TEST);
     const y = (depth) => 1 - (2 * (depth - top)) / (bottom - top);
-    fill(this.imageScene, look.imagePieces, (piece) => {
-      const { level } = piece.tile;
-      const pixel = (bottom - top) / height; // antialiasing would show an edge: overlap, the shader knows its rows
+    const pixel = (bottom - top) / height; // antialiasing would show an edge: overlap, the shader knows its rows
+    for (const piece of look.imagePieces) {
+      const { tile } = piece;
       const [a, b] = slanted(piece).map((end, i) => end + (i ? pixel : -pixel));
-      return this.mesh(this.flat, this.materials.image, piece, look, (uniforms) => {
-        const { reference, offset } = CUTS[look.view.cut];
-        uniforms.screenEnds.value.set(y(a), y(b));
-        uniforms.depthEnds.value.set(a - piece.tile.startDepth, b - piece.tile.startDepth);
-        uniforms.reference.value = reference === 'up' ? 0 : 1;
-        uniforms.offset.value = (offset * Math.PI) / 180;
-        uniforms.perPixel.value = (bottom - top) / height / Math.abs(level.pitch);
+      context.programs.image.use({
+        ...this.common(tile, look),
+        screenEnds: [y(a), y(b)],
+        depthEnds: [a - tile.startDepth, b - tile.startDepth],
+        reference: reference === 'up' ? 0 : 1,
+        offset: (offset * Math.PI) / 180,
+        perPixel: pixel / Math.abs(tile.level.pitch),
       });
-    });
-    this.renderer.render(this.imageScene, this.camera);
-  }
-
-  wall(look) {
-    this.place(look);
-    this.begin(look.wallRect);
-    if (look.view.camera !== 'outside') {
-      this.renderer.setClearColor(NO_WALL, 1); // a gap around the eye has the grey of no data
-      this.renderer.clear();
+      gl.drawArrays(gl.TRIANGLE_STRIP, 0, 4);
     }
-    this.fillWall(look, this.materials.wall);
-    this.drawBit(look);
-    this.renderer.render(this.wallScene, this.camera);
-    this.stats.triangles = this.renderer.info.render.triangles;
+    gl.enable(gl.DEPTH_TEST);
   }
 
   // Put the middle of the section at the origin of the scene.
@@ -127,74 +164,70 @@ export class Gpu {
       placeInside(this.inside, this, look, this.head);
       return;
     }
-    this.camera.aspect = wallRect.width / Math.max(1, wallRect.height);
-    const far = this.camera.position.length();
-    this.camera.near = Math.max(0.01, far / 500);
-    this.camera.far = far + 4 * view.length + 100;
-    this.camera.updateProjectionMatrix();
-    this.camera.updateMatrixWorld();
+    const far = length(this.outside.position);
+    Object.assign(this.camera, { aspect: wallRect.width / Math.max(1, wallRect.height), near: Math.max(0.01, far / 500), far: far + 4 * view.length + 100 });
   }
 
-  fillWall(look, used) {
+  wall(look, program) {
     const { store, path, view } = look;
     const tube = view.tubeFactor(store);
-    const pixel = look.wallRect.height / (2 * Math.tan((this.camera.fov * Math.PI) / 360));
-    const picked = used === this.materials.pick;
+    const pixel = look.wallRect.height / (2 * this.camera.tangent);
     this.drawn = look.wallPieces.filter(({ tile }) => path.count > (tile.startDepth - path.startDepth) / path.step);
-    if (picked) this.drawn = this.drawn.slice(0, MOST_PICKED);
-    fill(this.wallScene, this.drawn, (piece, index) => {
+    if (program === 'pick') this.drawn = this.drawn.slice(0, MOST_PICKED);
+    const projectionMatrix = this.camera.projection;
+    this.drawn.forEach((piece, index) => { // the overview comes first in the list and lies under the wall
       const { tile } = piece;
-      const frames = this.textures(tile).path(path);
+      const { level } = tile;
       const away = Math.max(this.distance(piece, look), 0.2);
       const strides = {
-        cols: pickStride(COL_STRIDES, ((2 * Math.PI * store.bitRadius * tube) / tile.level.sectors / away) * pixel, tile.level.sectors / 8),
-        rows: pickStride(ROW_STRIDES, (Math.abs(tile.level.pitch) / away) * pixel, tile.level.rows / 4),
+        cols: pickStride(COL_STRIDES, ((2 * Math.PI * store.bitRadius * tube) / level.sectors / away) * pixel, level.sectors / 8),
+        rows: pickStride(ROW_STRIDES, (Math.abs(level.pitch) / away) * pixel, level.rows / 4),
       };
-      const geometry = this.grid(tile.level, strides);
-      const mesh = this.mesh(geometry, used, piece, look, (uniforms) => {
-        geometry.setDrawRange(...rowsShown(piece, view, tile.level, strides));
-        uniforms.tube.value = tube;
-        uniforms.shape.value = view.shape;
-        uniforms.median.value = view.median;
-        const [a, b] = slanted(piece);
-        uniforms.top.value = Math.max(a, view.top) - tile.startDepth;
-        uniforms.bottom.value = Math.min(b, view.bottom) - tile.startDepth;
-        uniforms.cursor.value = view.cursor ? view.cursor.depth - tile.startDepth : 1e9;
-        uniforms.lamp.value = view.camera === 'outside' ? 0 : view.length;
-        uniforms.number.value = index + 1;
+      const [a, b] = slanted(piece);
+      this.context.programs[program].use({
+        ...this.common(tile, look),
+        projectionMatrix,
+        modelViewMatrix: this.camera.modelView(minus(this.textures(tile).path(path).origin, this.origin)),
+        tube,
+        shape: view.shape || 1,
+        median: view.median,
+        top: Math.max(a, view.top) - tile.startDepth,
+        bottom: Math.min(b, view.bottom) - tile.startDepth,
+        lamp: view.camera === 'outside' ? 0 : view.length,
+        number: index + 1,
       });
-      mesh.position.set(...frames.origin.map((x, c) => x - this.origin[c]));
-      return mesh;
+      this.drawRows(piece, view, strides);
     });
+  }
+
+  // Draw the rows of a tile's grid that are shown of it, coarser by strides.
+  drawRows(piece, view, { cols, rows }) {
+    const { level } = piece.tile;
+    const [first, count] = rowsShown(piece, view, level, { cols, rows });
+    const made = () => gridIndices(level.sectors, level.rows, cols, rows);
+    this.context.drawGrid(`${level.sectors}/${level.rows}/${cols}/${rows}`, made, first, count);
+    this.stats.triangles += count / 3;
   }
 
   // From the camera to the nearest point of a piece's axis.
   distance({ top, bottom }, { path }) {
-    const [a, b] = [top, bottom].map((depth) => new THREE.Vector3(...this.position(path.at(depth))));
-    const near = new THREE.Line3(a, b).closestPointToPoint(this.camera.position, true, new THREE.Vector3());
-    return near.distanceTo(this.camera.position);
+    const [a, b] = [top, bottom].map((depth) => this.position(path.at(depth)));
+    const along = minus(b, a);
+    const share = dot(minus(this.camera.position, a), along) / (dot(along, along) || 1);
+    return length(minus(plus(a, along, Math.min(1, Math.max(0, share))), this.camera.position));
   }
 
   position(frame) {
-    return eastNorthUp(frame.centre).map((x, c) => x - this.origin[c]);
+    return minus(eastNorthUp(frame.centre), this.origin);
   }
 
-  mesh(geometry, used, piece, look, own) {
-    const mesh = new THREE.Mesh(geometry, used);
-    mesh.frustumCulled = false;
-    mesh.onBeforeRender = () => {
-      this.common(used.uniforms, piece.tile, look);
-      own(used.uniforms);
-      used.uniformsNeedUpdate = true;
-    };
-    return mesh;
-  }
-
-  common(uniforms, tile, { store, path, view, quantity, glow, dark }) {
+  // What every program needs of a tile and of the look.
+  common(tile, { store, path, view, quantity, glow, dark }) {
     const textures = this.textures(tile);
     const { level } = tile;
     const frames = textures.path(path);
-    const values = {
+    const here = glow(tile);
+    return {
       texels: textures.vertices(),
       column: quantity.mode === Q_ATTRIBUTE ? textures.attribute(quantity.attribute) : NO_COLUMN,
       frames: frames.texture,
@@ -203,7 +236,7 @@ export class Gpu {
       K: level.sectors,
       rings: level.rings,
       rows: level.rows,
-      size: level.shown - tile.index * level.tileSize,
+      size: Math.min(level.shown - tile.index * level.tileSize, 2 ** 30),
       pitch: level.pitch,
       startToolface: (level.startToolface * Math.PI) / 180,
       radiusUnit: store.radiusUnit,
@@ -218,11 +251,9 @@ export class Gpu {
       logarithmic: quantity.log,
       isDynamic: quantity.dynamic,
       dark,
+      glowCount: here.length,
+      glow: [...here.flat(), ...Array(32).fill(0)].slice(0, 32),
     };
-    for (const [name, value] of Object.entries(values)) uniforms[name].value = value;
-    const here = glow(tile);
-    uniforms.glowCount.value = here.length;
-    here.forEach((part, i) => uniforms.glow.value[i].set(...part));
   }
 
   textures(tile) {
@@ -230,92 +261,69 @@ export class Gpu {
     return tile.textures;
   }
 
-  grid(level, { cols, rows }) {
-    const key = `${level.sectors}/${level.rows}/${cols}/${rows}`;
-    if (!this.grids.has(key)) {
-      const geometry = new THREE.BufferGeometry();
-      geometry.setIndex(new THREE.BufferAttribute(gridIndices(level.sectors, level.rows, cols, rows), 1));
-      this.grids.set(key, geometry);
-    }
-    return this.grids.get(key);
-  }
-
-  drawBit({ store, path, view, bitDepth }) {
+  bit({ store, path, view, bitDepth }) {
     const frame = bitDepth === null ? null : path.at(bitDepth);
-    this.bit.visible = frame !== null && bitDepth >= view.top && bitDepth <= view.bottom;
-    if (!this.bit.visible) return;
+    if (!frame || bitDepth < view.top || bitDepth > view.bottom) return;
     const size = store.bitRadius * view.tubeFactor(store);
-    this.bit.position.set(...this.position(frame));
-    this.bit.scale.setScalar(size);
-    this.bit.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...eastNorthUp(frame.tangent)));
+    const axes = [frame.high, frame.tangent, frame.right].map((axis) => scaled(eastNorthUp(axis), size));
+    this.context.programs.bit.use({ modelViewMatrix: this.camera.modelView(this.position(frame), axes), projectionMatrix: this.camera.projection });
+    this.gl.drawArrays(this.gl.TRIANGLES, 0, shaders.BIT_CORNERS);
   }
 
   // Stand beside the section so that all of it is in view.
-  lookAtSection(length, frame, radius, { width, height }) {
-    const along = new THREE.Vector3(...eastNorthUp(frame.tangent));
-    const level = new THREE.Vector3(along.y, -along.x, 0); // to the side of the hole, level
-    if (level.length() < 0.05) level.set(0.5, -1, 0);
-    const up = new THREE.Vector3(0, 0, 1).projectOnPlane(along);
-    const from = level.normalize().addScaledVector(up, 0.25).normalize();
-    const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
-    const tall = Math.abs(along.z) * length + 2.6 * radius;
-    const wide = Math.hypot(along.x, along.y) * length + 2.6 * radius;
+  lookAtSection(sectionLength, frame, radius, { width, height }) {
+    const along = eastNorthUp(frame.tangent);
+    const aside = [along[1], -along[0], 0]; // to the side of the hole, level
+    const level = length(aside) < 0.05 ? [0.5, -1, 0] : aside;
+    const up = plus([0, 0, 1], along, -along[2]);
+    const from = normalised(plus(normalised(level), up, 0.25));
+    const half = this.outside.tangent;
+    const tall = Math.abs(along[2]) * sectionLength + 2.6 * radius;
+    const wide = Math.hypot(along[0], along[1]) * sectionLength + 2.6 * radius;
     const away = Math.max(tall / 2 / half, wide / 2 / half / Math.max(0.2, width / height));
-    this.outside.position.copy(from.multiplyScalar(1.16 * away + radius));
-    this.outside.lookAt(0, 0, 0);
+    this.outside.position = scaled(from, 1.16 * away + radius);
+    this.outside.lookAt([0, 0, 0]);
   }
 
   // The quad under a point of the 3-D view: {tile, at} or null.
   pick(look, x, y) {
     const { width, height } = look.wallRect;
     this.place(look);
-    this.fillWall(look, this.materials.pick);
-    this.bit.visible = false;
-    const { renderer, camera } = this;
-    camera.setViewOffset(width, height, x, y, 1, 1);
-    renderer.setScissorTest(false);
-    renderer.setRenderTarget(this.spot);
-    renderer.setClearColor(0, 0);
-    renderer.clear();
-    renderer.render(this.wallScene, camera);
-    const pixel = new Uint8Array(4);
-    renderer.readRenderTargetPixels(this.spot, 0, 0, 1, 1, pixel);
-    renderer.setRenderTarget(null);
-    camera.clearViewOffset();
-    if (pixel[3] === 0) return null;
-    return { tile: this.drawn[pixel[3] - 1].tile, at: pixel[0] + 256 * pixel[1] + 65536 * pixel[2] };
+    this.camera.pixel = { x, y, width, height };
+    const [red, green, blue, alpha] = this.context.onePixel(() => this.wall(look, 'pick'));
+    this.camera.pixel = null;
+    return alpha === 0 ? null : { tile: this.drawn[alpha - 1].tile, at: red + 256 * green + 65536 * blue };
   }
 
   // A place of the hole on the 3-D view in pixels, or null behind the camera.
   project(frame, rect, aside = [0, 0, 0]) {
-    const v = new THREE.Vector3(...this.position(frame).map((x, c) => x + aside[c])).project(this.camera);
-    if (v.z > 1 || v.z < -1) return null;
-    return [rect.left + ((v.x + 1) / 2) * rect.width, rect.top + ((1 - v.y) / 2) * rect.height];
+    const seen = this.camera.project(plus(this.position(frame), aside));
+    return seen && [rect.left + ((seen[0] + 1) / 2) * rect.width, rect.top + ((1 - seen[1]) / 2) * rect.height];
   }
 
   // A step of some metres to the side of the hole as seen on screen: to the right, or up where it lies level.
   aside(frame, metres) {
-    const towards = this.camera.getWorldDirection(new THREE.Vector3());
-    const side = new THREE.Vector3(...eastNorthUp(frame.tangent)).cross(towards);
-    if (side.length() < 1e-3) side.set(...this.camera.matrixWorld.elements.slice(0, 3));
-    const e = this.camera.matrixWorld.elements;
-    const [right, up] = [0, 4].map((i) => side.x * e[i] + side.y * e[i + 1] + side.z * e[i + 2]);
-    const sign = Math.abs(right) > 0.5 * Math.abs(up) ? Math.sign(right) : Math.sign(up);
-    side.setLength(metres * sign);
-    return [side.x, side.y, side.z];
+    const [right, up, back] = this.camera.axes;
+    const across = cross(eastNorthUp(frame.tangent), scaled(back, -1));
+    const side = length(across) < 1e-3 ? right : across;
+    const [toRight, upwards] = [dot(side, right), dot(side, up)];
+    const sign = Math.abs(toRight) > 0.5 * Math.abs(upwards) ? Math.sign(toRight) : Math.sign(upwards);
+    return scaled(normalised(side), metres * sign);
   }
 
   // A direction as seen: right, up, towards the eye.
   facing(direction) {
-    const v = new THREE.Vector3(...direction).transformDirection(this.camera.matrixWorldInverse);
-    return [v.x, v.y, v.z];
+    return this.camera.facing(direction);
   }
+}
 
-  begin({ left, top, width, height }) {
-    const y = this.height - top - height;
-    this.renderer.setViewport(left, y, width, height);
-    this.renderer.setScissor(left, y, width, height);
-  }
+const BIT_SHARE = 0.2; // of the column's width is the bit's radius
+const COLUMN_SHAPE = 3; // the shape's exaggeration in the column, where the user chose none
+
+// Pixels a metre across the column, how many times more than along it, the shape's exaggeration about the bit.
+export function columnScale({ store, view, wallRect }) {
+  const perMetre = (BIT_SHARE * wallRect.width) / store.bitRadius;
+  return { perMetre, times: (perMetre * view.length) / wallRect.height, shape: view.shape || COLUMN_SHAPE };
 }
 
 // A helix ends on a slant: a tile's last turn reaches one pitch beyond the depth at which the next tile begins.
@@ -323,39 +331,3 @@ const slanted = ({ tile: { level }, top, bottom }) => {
   if (level.rings) return [top, bottom];
   return level.pitch > 0 ? [top, bottom + level.pitch] : [top + level.pitch, bottom];
 };
-
-// Show exactly these pieces in a scene; meshes are light, geometries and materials shared.
-function fill(scene, pieces, make) {
-  for (const child of [...scene.children]) if (child.userData.piece) scene.remove(child);
-  pieces.forEach((piece, index) => {
-    const mesh = make(piece, index);
-    mesh.userData.piece = true;
-    mesh.renderOrder = index; // the overview comes first in the list and lies under the wall
-    scene.add(mesh);
-  });
-}
-
-const UNIFORMS = [
-  'texels', 'column', 'frames', 'colours', 'dynamicRange', 'K', 'rings', 'rows', 'pitch', 'startToolface', 'radiusUnit', 'nearestUnit',
-  'bitRadius', 'firstFrame', 'frameStep', 'firstPass', 'mode', 'low', 'high', 'logarithmic', 'isDynamic', 'dark', 'glowCount',
-  'tube', 'shape', 'median', 'top', 'bottom', 'cursor', 'number', 'reference', 'offset', 'perPixel', 'size', 'lamp',
-];
-
-function material(vertexShader, fragmentShader) {
-  const uniforms = Object.fromEntries(UNIFORMS.map((name) => [name, { value: 0 }]));
-  uniforms.glow = { value: Array.from({ length: 8 }, () => new THREE.Vector4()) };
-  uniforms.screenEnds = { value: new THREE.Vector2() };
-  uniforms.depthEnds = { value: new THREE.Vector2() };
-  return new THREE.RawShaderMaterial({ glslVersion: THREE.GLSL3, vertexShader, fragmentShader, uniforms, side: THREE.DoubleSide });
-}
-
-// A drill bit of radius 1, turned from its outline: nose at the bit's depth, gauge, shank.
-function bitGlyph() {
-  const outline = [[0, 0], [0.6, -0.2], [1, -0.7], [1, -1.3], [0.5, -1.6], [0.5, -2.4], [0, -2.4]];
-  const shape = new THREE.LatheGeometry(outline.map(([x, y]) => new THREE.Vector2(x, y)), 24);
-  const glyph = new THREE.Mesh(shape, new THREE.RawShaderMaterial({
-    glslVersion: THREE.GLSL3, vertexShader: shaders.BIT_VERTEX, fragmentShader: shaders.BIT_FRAGMENT, side: THREE.DoubleSide,
-  }));
-  glyph.visible = false;
-  return glyph;
-}

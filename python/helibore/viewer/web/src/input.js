@@ -1,7 +1,7 @@
 // Pointer, wheel, touch and keyboard. A drag along the tracks moves the section, a click holds the cursor, the wheel
-// moves and, with Ctrl, zooms; OrbitControls turns the 3-D view. Moving by hand stops following the bit; F resumes.
+// moves and, with Ctrl, zooms; a drag on the 3-D view turns it. Moving by hand stops following the bit; F resumes.
 
-import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { Orbit } from './camera.js';
 import { fitRange } from './colour.js';
 import { depthAt, inside, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
@@ -20,7 +20,7 @@ export function bindTracks(app) {
     const [x, y] = at(event);
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
-    drag = { x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y) };
+    drag = { x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
@@ -32,6 +32,7 @@ export function bindTracks(app) {
     if (!drag.moved) return undefined;
     if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
     const perPixel = app.view.length / app.rects.image.height;
+    if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.set({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
     return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
   });
   const up = (event) => {
@@ -90,9 +91,7 @@ function pinch(app, pointers, id, now) {
 
 export function bindOrbit(app) {
   const pane = byId('orbit');
-  const controls = new OrbitControls(app.gpu.outside, pane);
-  Object.assign(controls, { enableDamping: false, minDistance: 0.5, maxDistance: 50000, rotateSpeed: 0.7 });
-  controls.addEventListener('change', app.redraw);
+  const controls = new Orbit(pane, app.gpu.outside, app.redraw);
   let waiting = null;
   pane.addEventListener('wheel', (event) => app.view.camera !== 'outside' && wheel(app, event), { passive: false });
   pane.addEventListener('pointermove', (event) => {

@@ -1,11 +1,10 @@
 // The borehole camera: the eye on the hole's axis at one end of the section, looking along it, up on the picture where
 // up is (in a vertical hole: toolface 0). The wheel moves the section and so the eye; a drag turns the head.
 
-import * as THREE from 'three';
 import { HEAD, label, PALETTES, SMALL, BOLD } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { wallPoint } from './dips.js';
-import { eastNorthUp } from './textures.js';
+import { eastNorthUp, minus, plus } from './vectors.js';
 import { ticks } from './view.js';
 
 export const WIDE = 75; // degrees of view
@@ -14,17 +13,13 @@ const FARTHEST = 1.2; // radians the head turns
 export function placeInside(camera, gpu, { path, view, store, wallRect }, head) {
   const down = view.camera === 'down';
   const frame = path.at(down ? view.top : view.bottom);
-  const along = new THREE.Vector3(...eastNorthUp(frame.tangent)).multiplyScalar(down ? 1 : -1);
-  camera.position.set(...gpu.position(frame));
-  camera.up.set(...(Math.abs(along.z) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]));
-  camera.lookAt(camera.position.clone().add(along));
-  camera.rotateY(head.left);
-  camera.rotateX(head.raised);
+  const along = eastNorthUp(frame.tangent);
+  camera.position = gpu.position(frame);
+  camera.lookAt((down ? plus : minus)(camera.position, along), Math.abs(along[2]) > 0.9998 ? eastNorthUp(frame.high) : [0, 0, 1]);
+  camera.turn(head.left, head.raised);
   camera.aspect = wallRect.width / Math.max(1, wallRect.height);
   const radius = store.bitRadius * view.tubeFactor(store);
   Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
-  camera.updateProjectionMatrix();
-  camera.updateMatrixWorld();
 }
 
 export function turnHead(head, dx, dy) {

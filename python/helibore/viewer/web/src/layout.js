@@ -6,14 +6,17 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 
 export const HEAD = 80;
-const FOOT = 8;
+const FOOT = 20;
 
 const DIPS = 70;
 
-export function layout(width, height, { dips = false, measured = true, rig = false } = {}) {
+const COLUMN = 800; // pixels that the straightened hole is wide at most
+const LIST = 240; // beside it, the list of zones
+
+export function layout(width, height, { dips = false, measured = true, rig = false, straight = false } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
-  const image = rig ? Math.round(width * 0.36) : Math.round(Math.min(360, Math.max(190, width * 0.25)));
-  const caliper = Math.round(Math.min(230, Math.max(120, width * 0.15)));
+  const image = rig ? Math.round(width * 0.36) : Math.round(Math.min(480, Math.max(190, width * 0.25)));
+  const caliper = Math.round(Math.min(280, Math.max(120, width * 0.15)));
   const widths = rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
   const rects = {};
   let left = 4;
@@ -21,12 +24,14 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
     rects[name] = { left, width: w, ...body };
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
-  rects.wall = { left: left + 4, width: Math.max(60, width - left - 4), top: 0, height };
+  rects.pane = { left: left + 4, width: Math.max(60, width - left - 4), top: 0, height };
+  const column = Math.min(COLUMN, rects.pane.width - (rects.pane.width >= 400 && !rig ? LIST : 4));
+  rects.wall = straight ? { ...body, left: left + 4, width: column } : rects.pane;
   return rects;
 }
 
-// Where the last track ends.
-export const tracksEnd = ({ image, caliper, dips = caliper.width ? caliper : image }) => dips.left + dips.width;
+// Where the last track ends; the straightened hole is one.
+export const tracksEnd = ({ image, caliper, wall, dips = caliper.width ? caliper : image }) => (wall?.top ? wall.left + wall.width : dips.left + dips.width);
 export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
 export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;
@@ -43,6 +48,16 @@ export const PALETTES = {
     cursor: '#ff7043', pin: '#b388ff', min: '#5fd08a', max: '#72aef7', fill: '#6fa8ff26', over: '#e0953a70', tight: '#ff5a52a0', hatch: '#6b757d', zones: zones(1),
   },
 };
+
+// Draw inside a rectangle only.
+export function within(ink, { left, top, width, height }, draw) {
+  ink.save();
+  ink.beginPath();
+  ink.rect(left, top, width, height);
+  ink.clip();
+  draw();
+  ink.restore();
+}
 
 // A text with a halo of the paper's colour. The canvas keeps every text's box until the next frame (`sized` deletes them);
 // a text that `yields` is left out if it would touch another.

@@ -9,6 +9,7 @@ import { fromAddress, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
 import { MAPS, quantities, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
+import { drawColumn } from './column.js';
 import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
 import { lamp } from './lamp.js';
@@ -27,14 +28,17 @@ import { recent, toggleRig, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
-import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, drawWallInk } from './tracks.js';
+import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead } from './tracks.js';
 import { scaleOf, showLength } from './units.js';
 import { View } from './view.js';
+import { drawWallInk } from './wall_ink.js';
 import { jump } from './zones.js';
 
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
+const SLOW = 40; // milliseconds of a picture
+const MOVING = 200; // milliseconds between two pictures that move
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const seconds = () => performance.now() / 1000;
 
@@ -79,7 +83,10 @@ class App {
     try {
       this.gpu = new Gpu(byId('gl'));
       this.controls = bindOrbit(this);
-      byId('gl').addEventListener('webglcontextrestored', this.redraw);
+      byId('gl').addEventListener('webglcontextrestored', () => {
+        this.painted = '';
+        this.redraw();
+      });
     } catch (error) {
       this.gpu = null;
       this.plain = new PlainImage();
@@ -129,7 +136,7 @@ class App {
   takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, alarms = [] }) {
     this.sources = sources;
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
-    this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || this.lastWrite !== null), alarms);
+    this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
     this.path.trueDepth = trueDepth;
     takeRanges(this.quantities, ranges);
@@ -203,6 +210,11 @@ class App {
     return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
   }
 
+  // Is the hole drawn straightened, on the depth axis of the tracks?
+  get straight() {
+    return this.view.camera === 'straight' && Boolean(this.gpu);
+  }
+
   get quantity() {
     return this.quantities.find(({ id }) => id === this.view.quantity) ?? this.quantities[0];
   }
@@ -246,9 +258,10 @@ class App {
     this.unseen = null;
     this.ask();
     if (this.controls) this.controls.enabled = this.view.camera === 'outside';
+    if (this.straight !== (this.rects.wall !== this.rects.pane)) this.resize();
     const look = this.look();
     if (!this.fitted && this.gpu) this.fit();
-    if (this.gpu && !this.gpu.renderer.getContext().isContextLost()) this.gpu.draw(look);
+    if (this.gpu) this.paint(look);
     this.drawInk(look);
     this.drawPanels(look);
     this.frames++;
@@ -256,6 +269,23 @@ class App {
     if (this.glow.fade(seconds())) this.glowOn(began);
     clearTimeout(this.addressing);
     this.addressing = setTimeout(() => history.replaceState(null, '', toAddress(this)), 400);
+  }
+
+  // Draw the WebGL canvas if it would look different: the cursor is in the ink. While a slow machine moves the picture, it
+  // is drawn coarse.
+  paint(look) {
+    const { gpu, view } = this;
+    const { cursor, pinned, pins, redraw, listeners, ...rest } = view;
+    const key = JSON.stringify([rest, look.quantity, look.rects, look.bitDepth, this.path.version, this.store.session, this.store.levels[0].limit, this.glow.ranges.length && performance.now(),
+      look.imagePieces.map(({ tile, top, bottom }) => [tile.level.rings, tile.index, tile.version, top, bottom]), gpu.outside.position, gpu.outside.axes, gpu.head]);
+    if (key === this.painted) return;
+    const began = performance.now();
+    const coarse = gpu.cost > SLOW && began - this.paintedAt < MOVING && !this.glow.ranges.length && gpu.stats.pictures > 2;
+    Object.assign(this, { painted: key, paintedAt: began });
+    clearTimeout(this.sharpening);
+    this.sharpening = coarse ? setTimeout(() => Object.assign(this, { painted: '', sharpening: null, paintedAt: 0 }) && this.redraw(), MOVING) : null;
+    gpu.draw(look, coarse);
+    if (!coarse) gpu.whenDrawn(() => (gpu.cost = performance.now() - began));
   }
 
   // Fading takes at most a quarter of the time, so that new values need not wait for it.
@@ -286,7 +316,8 @@ class App {
     this.picking.write(planes);
     drawCursor(ink, look);
     drawAxisLabels(ink, look);
-    if (this.gpu) drawWallInk(ink, look, this.gpu, calipers);
+    if (this.straight) drawColumn(ink, look, calipers);
+    else if (this.gpu) drawWallInk(ink, look, this.gpu, calipers);
     const { image } = this.rects;
     ink.strokeStyle = PALETTES[this.view.theme].line;
     ink.lineWidth = 1;
@@ -320,9 +351,13 @@ class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = byId('stage');
-    this.rects = layout(width, height, { dips: this.picking.shown, measured: this.store?.basis !== 'gauge', rig: this.view.rig });
+    this.rects = layout(width, height, { dips: this.picking.shown, measured: this.store?.basis !== 'gauge', rig: this.view.rig, straight: this.straight });
     this.gpu?.resize(width, height);
-    const { wall } = this.rects;
+    this.painted = '';
+    const { pane: wall } = this.rects;
+    byId('orbit').hidden = this.straight;
+    byId('zonesCard').classList.toggle('list', this.straight);
+    byId('zonesCard').style.left = this.straight ? `${this.rects.wall.left + this.rects.wall.width + 8}px` : '';
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
@@ -337,8 +372,7 @@ class App {
     if (!frame || !this.gpu) return;
     this.gpu.lookAtSection(this.view.length, frame, this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
     Object.assign(this.gpu.head, { left: 0, raised: 0 });
-    this.controls.target.set(0, 0, 0);
-    this.controls.update();
+    this.controls.target = [0, 0, 0];
     this.fitted = true;
     this.redraw();
   }

@@ -12,14 +12,14 @@ import { bySeverity, LETTERS } from './zones.js';
 export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
-const SHAPES = [1, 2, 3, 5, 10, 20];
+const SHAPES = [0, 1, 2, 3, 5, 10, 20];
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
   options('camera', Object.entries(CAMERAS));
   options('sectionLength', [['', 'custom'], ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
-  options('shape', SHAPES.map((v) => [v, `× ${v}`]));
+  options('shape', SHAPES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('map', Object.entries(MAPS).filter(([name]) => !name.endsWith('-dark')).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
   for (const option of byId('map').options) option.title = MAPS[option.value].label;
 }
@@ -69,6 +69,7 @@ export function showBasis({ basis, basis_text: text }) {
 export function reflect(view, quantity) {
   for (const id of ['cut', 'pass', 'units', 'median', 'camera']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
+  for (const id of ['tube', 'fit']) byId(id).closest('label, button').hidden = view.camera === 'straight';
   byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
@@ -118,8 +119,8 @@ export function sectionText(store, summary) {
   const { volume, excess, coverage, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
   const number = (value) => value ?? NaN;
   return [
-    ['Measured / no sample', `${showPercent(number(coverage))} / ${showPercent(number(without))}`],
-    [`Volume of ${measured.toFixed(1)} m measured`, measured ? `${volume.toFixed(3)} m³` : '–'],
+    ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`],
+    ['Volume', measured ? `${volume.toFixed(3)} m³ in ${measured.toFixed(1)} m` : '–'],
     ['Over bit volume', showPercent(number(excess))],
     [`Washed out${washed === null ? '' : ` (${showPercent(washed / (measured + gaps))})`}`, washed === null ? '–' : `${washed.toFixed(1)} m`],
   ];

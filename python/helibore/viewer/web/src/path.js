@@ -5,6 +5,8 @@
 //   toolface of up    = atan2(-right.down, -high.down)       undefined where the hole is vertical
 //   toolface of north = atan2(right.north, high.north)       undefined where the hole runs north or south
 
+import { cross, normalised } from './vectors.js';
+
 const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
 
@@ -69,16 +71,6 @@ export class Path {
     };
   }
 }
-
-export const cross = (a, b) => [
-  a[1] * b[2] - a[2] * b[1],
-  a[2] * b[0] - a[0] * b[2],
-  a[0] * b[1] - a[1] * b[0],
-];
-const normalised = (v) => {
-  const length = Math.hypot(...v) || 1;
-  return v.map((x) => x / length);
-};
 
 // The four ways to cut the wall open: what the left edge is, and the letters along the top from left to right.
 export const CUTS = {

@@ -33,7 +33,7 @@ export function drawPolar(canvas, look) {
   const depth = view.cursor?.depth ?? view.middle;
   const found = turnAt(store, view, depth);
   const R = store.bitRadius;
-  const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * view.shape);
+  const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * (view.shape || 1));
   const kept = view.pins.map((pin) => turnAt(store, view, pin));
   const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => exaggerated(measured.radiusMax || R)));
   const scale = (Math.min(width, height) / 2 - 20) / (widest * 1.04);
@@ -49,7 +49,7 @@ export function drawPolar(canvas, look) {
   diameters(ink, found, (r, j) => place(exaggerated(r), j, depth, found), palette);
   if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
   letters(ink, look, depth, width, height, palette);
-  if (view.shape !== 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
+  if (view.shape > 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
   return found;
 }
 

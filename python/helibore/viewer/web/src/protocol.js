@@ -8,6 +8,7 @@ export const HEAD = 32;
 export const WRITE = 1;
 export const FRAMES = 3;
 export const LIVE = 0x80;
+export const NO_FIRST = 0x80; // in `level`: the radii of the first pass are left out, they are the radii
 export const SURVEYED = 1; // in `mask` of FRAMES
 export const TEXEL = 4;
 export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];
@@ -26,7 +27,7 @@ export function decode(buffer) {
   const message = {
     type: head.getUint8(0) & ~LIVE,
     live: (head.getUint8(0) & LIVE) !== 0,
-    level: head.getUint8(1),
+    level: head.getUint8(1) & ~NO_FIRST,
     mask: head.getUint16(2, true),
     tile: head.getUint32(4, true),
     first: head.getUint32(8, true),
@@ -38,21 +39,34 @@ export function decode(buffer) {
   const attributes = attributesIn(message.mask);
   const { type, count } = message;
   if (type !== WRITE && type !== FRAMES) throw new Error(`message type ${type}: unknown`);
-  const size = HEAD + (type === FRAMES ? 48 * count : count * (2 * TEXEL + 4 * attributes.length));
+  const words = TEXEL - (type === WRITE && head.getUint8(1) & NO_FIRST ? 1 : 0);
+  const texelBytes = 2 * (words * count + ((words * count) % 2)); // what follows is at a multiple of 4
+  const size = HEAD + (type === FRAMES ? 48 * count : texelBytes + 4 * count * attributes.length);
   if (buffer.byteLength !== size) throw new Error(`message of ${buffer.byteLength} bytes: its head says ${size}`);
   if (type === FRAMES) {
     message.surveyed = (message.mask & SURVEYED) !== 0;
     message.centre = new Float64Array(buffer, HEAD, 3 * count);
     message.directions = new Float32Array(buffer, HEAD + 24 * count, 6 * count);
   } else {
-    message.texels = new Uint16Array(buffer, HEAD, TEXEL * count);
-    const at = HEAD + 2 * TEXEL * count;
+    const sent = new Uint16Array(buffer, HEAD, words * count);
+    message.texels = words === TEXEL ? sent : withFirst(sent);
+    const at = HEAD + texelBytes;
     message.columns = attributes.map((bit, i) => ({
       attribute: bit,
       values: new Float32Array(buffer, at + 4 * count * i, count),
     }));
   }
   return message;
+}
+
+function withFirst(sent) {
+  const texels = new Uint16Array((sent.length / (TEXEL - 1)) * TEXEL);
+  for (let from = 0, to = 0; from < sent.length; from += TEXEL - 1, to += TEXEL) {
+    texels[to + RADIUS] = texels[to + FIRST] = sent[from];
+    texels[to + NEAREST] = sent[from + 1];
+    texels[to + STATE] = sent[from + 2];
+  }
+  return texels;
 }
 
 export const encodeAck = (session, sequence) => JSON.stringify({ session, ack: sequence });

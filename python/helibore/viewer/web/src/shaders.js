@@ -1,5 +1,5 @@
-// A tile's textures are drawn in two ways: wound around the hole (3-D) and cut open (the image track). Both find the quad
-// under a pixel as helix.js does and colour it with the same function. `texels` holds radius, first-pass radius, nearest distance, state (messages.py);
+// A tile's textures are drawn in three ways: wound around the hole (3-D), around a straight axis (the column) and cut open
+// (the image track). All find the quad under a pixel as helix.js does and colour it with the same function. `texels` holds radius, first-pass radius, nearest distance, state (messages.py);
 // `frames` has one column a frame: centre and toolface of up, high and toolface of north, right.
 
 const COMMON = /* glsl */ `
@@ -83,14 +83,9 @@ vec3 glowing(vec3 colour, int k) {
 }
 `;
 
-export const WALL_VERTEX = /* glsl */ `${COMMON}
-uniform mat4 modelViewMatrix, projectionMatrix;
-uniform float tube, shape;
+const RADII = /* glsl */ `
+uniform float shape;
 uniform int median;
-out vec2 grid;
-out vec3 seen;
-out float depthHere;
-
 float radiusAt(int k) {
   if (k < 0 || k >= K * (rows + 1)) return -1.0;
   uvec4 t = texel(k);
@@ -111,14 +106,23 @@ float smoothRadius(int k) {
   order(z, a); order(e, w); order(z, e); order(a, w); // drop the least and the greatest, then the middle of three
   return max(min(a, c), min(max(a, c), e));
 }
+float exaggerated(float r) { return max(r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape, 0.1 * bitRadius); }
+`;
+
+export const WALL_VERTEX = /* glsl */ `${COMMON}${RADII}
+uniform mat4 modelViewMatrix, projectionMatrix;
+uniform float tube;
+out vec2 grid;
+out vec3 seen;
+out float depthHere;
+
 void main() {
   int row = gl_VertexID / (K + 1);
   int col = gl_VertexID - row * (K + 1);
   int at = rings ? row * K + col % K : row * K + col;
   float r = smoothRadius(at);
   if (rings && r < 0.0) r = radiusAt(at - K); // the far edge of the last ring
-  float R = r < 0.0 ? bitRadius : bitRadius + (r - bitRadius) * shape;
-  R = max(R, 0.1 * bitRadius) * tube;
+  float R = exaggerated(r) * tube;
   float turn = float(row) + slope() * float(col) / float(K);
   float toolface = startToolface + 6.283185307179586 * float(col) / float(K);
   depthHere = turn * pitch;
@@ -132,19 +136,21 @@ void main() {
 }
 `;
 
-const QUAD = /* glsl */ `
-in vec2 grid;
-in vec3 seen;
-in float depthHere;
-uniform float top, bottom;    // metres from the tile's start: what is shown of it
+const CELL = /* glsl */ `
 int quad() {
   int row = clamp(int(floor(grid.y)), 0, rows - 1);
   return row * K + clamp(int(floor(grid.x)), 0, K - 1);
 }
 `;
 
+const QUAD = /* glsl */ `
+in vec2 grid;
+in vec3 seen;
+in float depthHere;
+uniform float top, bottom;    // metres from the tile's start: what is shown of it
+${CELL}`;
+
 export const WALL_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}${QUAD}
-uniform float cursor;         // metres from the tile's start
 uniform float lamp;           // metres that the lamp beside the eye reaches; 0: daylight, seen from outside
 out vec4 colour;
 void main() {
@@ -159,19 +165,69 @@ void main() {
   vec3 base = known(v) ? interpolated(colourOf(v, k / K), k) : nothing();
   vec3 lit = base * min(light, 1.08);
   lit = glowing(dotted(lit, k), k);
-  float line = abs(depthHere - cursor) / max(fwidth(depthHere), 1e-6);
-  if (line < 1.3) lit = vec3(1.0, 0.25, 0.05);
   colour = vec4(lit, 1.0);
 }
 `;
 
-// The bit: steel, lit as the wall is.
+// The hole straightened: depth runs down the picture; not turned, the left edge of the image is at the left, its last quarter
+// in front.
+// The right half of the front is cut away.
+export const COLUMN_VERTEX = /* glsl */ `${COMMON}${RADII}
+uniform int reference;        // 0 up, 1 north
+uniform float offset;         // radians from it to the left
+uniform float across;         // of half the picture, a metre
+uniform float relief;         // how much slopes along the hole shade
+uniform float viewTop, viewLength; // metres, from the tile's start
+out vec2 grid, side;          // side: to the right, towards the eye; of 1
+out float depthHere, shade;
+void main() {
+  int row = gl_VertexID / (K + 1);
+  int col = gl_VertexID - row * (K + 1);
+  int at = rings ? row * K + col % K : row * K + col;
+  float r = smoothRadius(at);
+  if (rings && r < 0.0) r = radiusAt(at - K);
+  float R = exaggerated(r);
+  float before = radiusAt(at - 1), after = radiusAt(at + 1), above = radiusAt(at - K), below = radiusAt(at + K);
+  float around = before < 0.0 || after < 0.0 ? 0.0 : shape * (after - before) * float(K) / 12.566 / R;
+  float along = above < 0.0 || below < 0.0 ? 0.0 : shape * relief * (below - above) / (2.0 * pitch);
+  depthHere = (float(row) + slope() * float(col) / float(K)) * pitch;
+  float turn = startToolface + 6.283185307179586 * float(col) / float(K) - frame(reference, depthHere).w - offset;
+  side = -vec2(cos(turn), sin(turn));
+  vec3 normal = normalize(vec3(side.x + around * side.y, -along, side.y - around * side.x)); // right, down, towards the eye
+  bool inner = side.x > 0.0 && side.y < 0.0;
+  shade = (inner ? 0.66 : 0.5) + (inner ? 0.3 : 0.55) * max(0.0, dot(inner ? -normal : normal, normalize(vec3(inner ? 0.5 : -0.5, -0.5, 0.8))));
+  grid = vec2(float(col), float(row));
+  gl_Position = vec4(side.x * R * across, 1.0 - 2.0 * (depthHere - viewTop) / viewLength, -0.5 * side.y * min(1.0, R * across), 1.0);
+}
+`;
+export const COLUMN_FRAGMENT = /* glsl */ `${COMMON}${COLOUR}
+in vec2 grid, side;
+in float depthHere, shade;
+uniform float top, bottom;    // metres from the tile's start: what is shown of it
+${CELL}
+out vec4 colour;
+void main() {
+  if (depthHere < top || depthHere > bottom || (side.x > 0.0 && side.y > 0.0)) discard;
+  int k = quad();
+  if (missing(k)) discard;
+  float v = value(k);
+  vec3 base = known(v) ? interpolated(colourOf(v, k / K), k) : nothing();
+  colour = vec4(glowing(dotted(base * min(shade, 1.05), k), k), 1.0);
+}
+`;
+
+// The bit: steel, lit as the wall is; an outline of radius 1 turned around the hole, its nose at the bit's depth.
+export const BIT_CORNERS = 6 * 6 * 24;
 export const BIT_VERTEX = /* glsl */ `
 uniform mat4 modelViewMatrix, projectionMatrix;
-in vec3 position;
 out vec3 seen;
+const vec2 OUTLINE[7] = vec2[](vec2(0, 0), vec2(0.6, -0.2), vec2(1, -0.7), vec2(1, -1.3), vec2(0.5, -1.6), vec2(0.5, -2.4), vec2(0, -2.4));
 void main() {
-  vec4 at = modelViewMatrix * vec4(position, 1.0);
+  int corner = gl_VertexID % 6;
+  int cell = gl_VertexID / 6;
+  vec2 edge = OUTLINE[cell / 24 + (corner == 1 || corner == 2 || corner == 4 ? 1 : 0)];
+  float around = 6.283185307179586 * float(cell % 24 + (corner == 2 || corner > 3 ? 1 : 0)) / 24.0;
+  vec4 at = modelViewMatrix * vec4(edge.x * sin(around), edge.y, edge.x * cos(around), 1.0);
   seen = at.xyz;
   gl_Position = projectionMatrix * at;
 }

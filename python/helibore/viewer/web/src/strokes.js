@@ -1,8 +1,8 @@
 // The two strokes that every panel draws with: a line, dashed or not, and the hatching of what is not measured.
 
-export function line(ink, x0, y0, x1, y1, colour, dash = []) {
+export function line(ink, x0, y0, x1, y1, colour, dash = [], width = 1.2) {
   ink.strokeStyle = colour;
-  ink.lineWidth = 1.2;
+  ink.lineWidth = width;
   ink.setLineDash(dash);
   ink.beginPath();
   ink.moveTo(x0, y0);

@@ -1,23 +1,15 @@
-// A tile's arrays as textures. Each is made once and uploaded again when what it shows has another version; three.js
-// keeps the arrays, so after a lost context the same textures come back by themselves. A tile is uploaded whole: 132 kB
-// take a tenth of a millisecond, a hundredth of drawing the frame, and rows on their own would save none of that.
+// A tile's arrays as textures. Each is made once and uploaded again when what it shows has another version. A tile is
+// uploaded whole: 132 kB take a tenth of a millisecond, a hundredth of drawing the frame.
 
-import * as THREE from 'three';
 import { dynamicRange, lookup } from './colour.js';
-
-function texture(array, width, height, format, type) {
-  const made = new THREE.DataTexture(array, width, height, format, type);
-  made.unpackAlignment = 4;
-  made.needsUpdate = true;
-  return made;
-}
+import { Texture } from './gl.js';
+import { eastNorthUp } from './vectors.js';
 
 export class TileTextures {
   constructor(tile) {
     this.tile = tile;
     const { sectors, rows } = tile.level;
-    this.texels = texture(tile.texels, sectors, rows + 2, THREE.RGBAIntegerFormat, THREE.UnsignedShortType);
-    this.texels.internalFormat = 'RGBA16UI';
+    this.texels = new Texture(tile.texels, sectors, rows + 2, 'texels');
     this.version = tile.version;
     this.columns = new Map();
     this.frames = null;
@@ -27,7 +19,7 @@ export class TileTextures {
   vertices() {
     if (this.version !== this.tile.version) {
       this.version = this.tile.version;
-      this.texels.needsUpdate = true;
+      this.texels.change();
     }
     return this.texels;
   }
@@ -36,12 +28,12 @@ export class TileTextures {
     const { sectors, rows } = this.tile.level;
     let kept = this.columns.get(index);
     if (!kept) {
-      kept = { texture: texture(this.tile.column(index), sectors, rows + 2, THREE.RedFormat, THREE.FloatType), version: this.tile.version };
+      kept = { texture: new Texture(this.tile.column(index), sectors, rows + 2, 'value'), version: this.tile.version };
       this.columns.set(index, kept);
     }
     if (kept.version !== this.tile.version) {
       kept.version = this.tile.version;
-      kept.texture.needsUpdate = true;
+      kept.texture.change();
     }
     return kept.texture;
   }
@@ -70,7 +62,7 @@ export class TileTextures {
       array.set(eastNorthUp(path.directions.subarray(6 * j + 3, 6 * j + 6)), 4 * (2 * count + i));
     }
     this.frames = {
-      texture: texture(array, count, 3, THREE.RGBAFormat, THREE.FloatType),
+      texture: new Texture(array, count, 3, 'frames'),
       first: start - first,
       origin,
       version: path.version,
@@ -84,7 +76,7 @@ export class TileTextures {
     if (this.range?.key !== key || this.range.version !== this.tile.version) {
       this.range?.texture.dispose();
       const array = dynamicRange(store, quantity, this.tile, pass);
-      this.range = { key, version: this.tile.version, texture: texture(array, this.tile.level.rows, 1, THREE.RGFormat, THREE.FloatType) };
+      this.range = { key, version: this.tile.version, texture: new Texture(array, this.tile.level.rows, 1, 'pair') };
     }
     return this.range.texture;
   }
@@ -97,16 +89,13 @@ export class TileTextures {
   }
 }
 
-// North, east, down to east, north, up: both right-handed. Swapping only the last would mirror the hole.
-export const eastNorthUp = (v) => [v[1], v[0], -v[2]];
-
 const nearTo = (before, angle, i) => (i === 0 ? angle : angle + 2 * Math.PI * Math.round((before - angle) / (2 * Math.PI)));
 
 const tables = new Map();
 export function colourTexture(name) {
-  if (!tables.has(name)) tables.set(name, texture(lookup(name), 256, 1, THREE.RGBAFormat, THREE.UnsignedByteType));
+  if (!tables.has(name)) tables.set(name, new Texture(lookup(name), 256, 1, 'colours'));
   return tables.get(name);
 }
 
-export const NO_COLUMN = texture(new Float32Array([NaN]), 1, 1, THREE.RedFormat, THREE.FloatType);
-export const NO_RANGE = texture(new Float32Array([0, 1]), 1, 1, THREE.RGFormat, THREE.FloatType);
+export const NO_COLUMN = new Texture(new Float32Array([NaN]), 1, 1, 'value');
+export const NO_RANGE = new Texture(new Float32Array([0, 1]), 1, 1, 'pair');

@@ -1,13 +1,12 @@
-// The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track, labels
-// in the 3-D view. (caliper.js and map.js draw their own tracks.) Everything here is drawn anew for each frame.
+// The ink over the picture: depth axis, heads with scales and letters, the cursor's line through every track. (caliper.js,
+// map.js, column.js and wall_ink.js draw their own.) Everything here is drawn anew for each frame.
 
 import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
-import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
 import { scaleOf, showDepth, unitOf } from './units.js';
-import { CAMERAS, ticks } from './view.js';
+import { ticks } from './view.js';
 import { drawZones } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
@@ -67,13 +66,13 @@ export function drawImageHead(ink, look) {
   letters(ink, cut.letters, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
-function ends(ink, { view, quantity }, left, width, palette) {
+function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
   const scale = scaleOf(quantity, view.units);
   const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(3)).toString().replace('-', '−'));
   label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
   label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
   if (view.rig) return;
-  const legend = [['no data', DENSE], ...(quantity.mode === Q_ATTRIBUTE ? [] : [[width < 240 ? 'between arms' : 'interpolated between arms', SPARSE]])];
+  const legend = [['no data', DENSE], ...(quantity.mode === Q_ATTRIBUTE || basis !== 'azimuthal' ? [] : [[width < 240 ? 'between arms' : 'interpolated between arms', SPARSE]])];
   legend.reduce((x, [text, hatching]) => {
     hatched(ink, x, 47, 12, 10, palette, hatching);
     ink.strokeStyle = palette.hatch;
@@ -136,102 +135,4 @@ export function drawCursor(ink, look) {
   const edge = leftEdge(look.path, view.cut, view.cursor.depth).toolface;
   const x = rects.image.left + ((((view.cursor.toolface - edge) % 360) + 360) % 360) / 360 * rects.image.width;
   line(ink, x, y - 7, x, y + 7, palette.cursor);
-}
-
-// In the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
-export function drawWallInk(ink, look, gpu, calipers) {
-  const { view, path, store, rects } = look;
-  const palette = PALETTES[view.theme];
-  const rect = rects.wall;
-  const tube = view.tubeFactor(store);
-  ink.save();
-  ink.beginPath();
-  ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
-  ink.clip();
-  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
-  else drawInsideInk(ink, look, gpu);
-  if (path.surveyed && view.camera === 'outside') compass(ink, gpu, rect, palette);
-  const words = [`tube × ${tube}`, `shape × ${view.shape} about the bit radius`];
-  if (view.median > 1) words.push(`median of ${view.median} turns`);
-  if (!path.surveyed) words.unshift('no survey: drawn vertical');
-  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera]);
-  if (!view.rig) label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
-  ink.restore();
-}
-
-function outsideInk(ink, look, gpu, calipers, palette) {
-  const { view, path, store, rects } = look;
-  const rect = rects.wall;
-  const tube = view.tubeFactor(store);
-  unmeasured(ink, look, gpu, calipers, palette);
-  zonesBeside(ink, look, gpu, palette);
-  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
-  const beside = store.bitRadius * tube * 1.3;
-  const used = [];
-  const [shallow, deep] = store.span;
-  for (const depth of values.filter((value) => value >= shallow && value <= deep)) {
-    const frame = path.at(depth);
-    const at = frame && gpu.project(frame, rect, gpu.aside(frame, beside));
-    if (!at || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
-    used.push(at);
-    const axis = gpu.project(frame, rect);
-    const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
-    const text = `${depth.toFixed(digits)} m`;
-    label(ink, text, at[0] + (level ? 0 : 8), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
-    if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
-    else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
-  }
-  cursorLabel(ink, look, gpu, beside, palette);
-}
-
-// A stroke beside the hole along every zone in view.
-function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
-  const beside = -1.25 * store.bitRadius * view.tubeFactor(store);
-  for (const { kind, start, stop } of zones) {
-    const depths = [Math.max(start, view.top), Math.min(stop, view.bottom)];
-    if (depths[1] <= depths[0]) continue;
-    const ends = depths.map((depth) => path.at(depth)).map((frame) => frame && gpu.project(frame, rects.wall, gpu.aside(frame, beside)));
-    if (!ends[0] || !ends[1]) continue;
-    ink.strokeStyle = palette.zones[kind];
-    ink.lineWidth = 5;
-    ink.beginPath();
-    ink.moveTo(...ends[0]);
-    ink.lineTo(...ends[1]);
-    ink.stroke();
-  }
-}
-
-// The axis of the hole, dashed, through every gap of the wall in view and from its end to the bit.
-function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, seen }, palette) {
-  const depthOf = (y) => view.top + (y / min.length) * view.length;
-  const ahead = bitDepth === null ? [] : [store.end, bitDepth].sort((a, b) => a - b);
-  let before = null;
-  for (let y = 0; y < min.length; y += 4) {
-    const depth = depthOf(y);
-    const open = (seen[y] && Number.isNaN(min[y])) || (depth > ahead[0] && depth < ahead[1]);
-    const frame = open ? path.at(depth) : null;
-    const at = frame && gpu.project(frame, rects.wall);
-    if (at && before && (y / 4) % 2) line(ink, ...before, ...at, palette.soft);
-    before = at;
-  }
-}
-
-function cursorLabel(ink, { view, path, rects }, gpu, beside, palette) {
-  if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
-  const frame = path.at(view.cursor.depth);
-  const at = frame && gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
-  if (at) label(ink, showDepth(view.cursor.depth), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
-}
-
-function compass(ink, gpu, rect, palette) {
-  const [x, y] = [rect.left + 44, rect.height - 46];
-  const used = [];
-  for (const [name, direction] of [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]]) {
-    const [dx, dy, towards] = gpu.facing(direction);
-    line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
-    const clear = used.every(([a, b]) => Math.hypot(dx - a, dy - b) > 0.45);
-    used.push([dx, dy]);
-    const far = 26 + 10 / Math.hypot(dx, dy); // ten pixels past the tip, however short the arm is seen
-    if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
-  }
 }

@@ -8,7 +8,7 @@ const SHORTEST = 0.5; // metres of section
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
 // From where the 3-D view is seen.
-export const CAMERAS = { outside: 'outside', down: 'inside, down', up: 'inside, up' };
+export const CAMERAS = { straight: 'straight', outside: 'on its path', down: 'inside, down', up: 'inside, up' };
 
 const DEFAULTS = {
   quantity: 'over',
@@ -17,10 +17,11 @@ const DEFAULTS = {
   pass: 'latest',
   theme: 'light',
   tube: 0, // 0: chosen from the section
-  shape: 1,
+  shape: 0, // 0: 3 in the column, true elsewhere
   median: 1,
   follow: true,
-  camera: 'outside',
+  camera: 'straight',
+  turn: 0, // degrees that the straightened hole is turned, so that more of it is at the right
   rig: false, // large digits; follows the bit, whatever the user does
 };
 
@@ -90,7 +91,7 @@ export class View {
 
   toAddress() {
     const parts = { md: this.middle.toFixed(2), sec: this.length.toFixed(2) };
-    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera']) {
+    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn']) {
       if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
     }
     for (const key of ['follow', 'rig']) if (this[key]) parts[key] = 1;
@@ -108,7 +109,8 @@ export class View {
     const taken = {
       length: number('sec', SHORTEST, 1e5),
       tube: number('tube', 0, 1000),
-      shape: number('shape', 1, 100),
+      shape: number('shape', 0, 100),
+      turn: number('turn', 0, 360),
       median: [1, 3, 5].includes(number('median', 1, 5)) ? number('median', 1, 5) : null,
       cut: among('cut', Object.keys(CUTS)),
       units: among('units', ['mm', 'in']),

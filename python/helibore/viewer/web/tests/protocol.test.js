@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { decode, encodeAck, FRAMES, HEAD, LIVE, toRanges, WRITE } from '../src/protocol.js';
+import { decode, encodeAck, FRAMES, HEAD, LIVE, NO_FIRST, toRanges, WRITE } from '../src/protocol.js';
 
 function message({ type, level = 0, mask = 0, tile = 0, first = 0, count = 0, total = 0, sequence = 0, time = 0 }, payload = []) {
   const bytes = payload.reduce((sum, part) => sum + part.byteLength, HEAD);
@@ -33,6 +33,14 @@ test('a write is taken apart without copying', () => {
   assert.deepEqual(write.columns.map(({ attribute }) => attribute), [0, 2]);
   assert.deepEqual([...write.columns[1].values], [NaN, 4]);
   assert.equal(write.texels.buffer, buffer);
+});
+
+test('first radii that are left out are the radii', () => {
+  const texels = Uint16Array.from([10800, 35, 8, 10700, 36, 7, 0, 65535, 0, 0]); // three of three numbers, then two bytes more
+  const write = decode(message({ type: WRITE, level: 1 | NO_FIRST, mask: 1, count: 3 }, [texels, Float32Array.from([1, 2, 3])]));
+  assert.equal(write.level, 1);
+  assert.deepEqual([...write.texels], [10800, 10800, 35, 8, 10700, 10700, 36, 7, 0, 0, 65535, 0]);
+  assert.deepEqual([...write.columns[0].values], [1, 2, 3]);
 });
 
 test('frames are taken apart', () => {

@@ -151,7 +151,7 @@ test('an address says what is seen, and a wrong one nothing', () => {
   assert.deepEqual([other.top, other.length, other.quantity, other.cut, other.shape, other.follow], [1040, 20, 'GR', 'north', 5, false]);
   const third = new View(() => {});
   assert.equal(third.fromAddress('#md=abc&sec=-4&cut=<b>&shape=1e9'), false);
-  assert.deepEqual([third.length, third.cut, third.shape], [30, 'top', 1]);
+  assert.deepEqual([third.length, third.cut, third.shape], [30, 'top', 0]);
 });
 
 test('missing is a dash, never a number', () => {

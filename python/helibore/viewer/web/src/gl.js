@@ -1,0 +1,132 @@
+// WebGL 2, as much of it as the page needs: textures and index buffers that come back after a lost context, programs whose
+// uniforms are set by name.
+
+const FORMATS = {
+  texels: ['RGBA16UI', 'RGBA_INTEGER', 'UNSIGNED_SHORT'],
+  value: ['R32F', 'RED', 'FLOAT'],
+  pair: ['RG32F', 'RG', 'FLOAT'],
+  frames: ['RGBA32F', 'RGBA', 'FLOAT'],
+  colours: ['RGBA8', 'RGBA', 'UNSIGNED_BYTE'],
+};
+const SAMPLERS = ['texels', 'column', 'frames', 'colours', 'dynamicRange']; // a texture unit each
+
+// An array as a texture; uploaded when it is first used, after `change`, and in a new context.
+export class Texture {
+  constructor(array, width, height, format) {
+    Object.assign(this, { array, width, height, format: FORMATS[format], context: null, changed: true });
+  }
+
+  change() {
+    this.changed = true;
+  }
+
+  bind(context, unit) {
+    const { gl } = context;
+    gl.activeTexture(gl.TEXTURE0 + unit);
+    if (this.context !== context) {
+      Object.assign(this, { context, texture: gl.createTexture(), changed: true });
+      gl.bindTexture(gl.TEXTURE_2D, this.texture);
+      for (const side of ['S', 'T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_WRAP_${side}`], gl.CLAMP_TO_EDGE);
+      for (const way of ['MIN', 'MAG']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${way}_FILTER`], gl.NEAREST);
+    } else gl.bindTexture(gl.TEXTURE_2D, this.texture);
+    if (!this.changed) return;
+    this.changed = false;
+    const [internal, format, type] = this.format.map((name) => gl[name]);
+    gl.texImage2D(gl.TEXTURE_2D, 0, internal, this.width, this.height, 0, format, type, this.array);
+  }
+
+  dispose() {
+    this.context?.gl.deleteTexture(this.texture);
+    this.context = null;
+  }
+}
+
+class Program {
+  constructor(context, vertex, fragment) {
+    const { gl } = context;
+    this.context = context;
+    this.program = gl.createProgram();
+    for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
+      const shader = gl.createShader(type);
+      gl.shaderSource(shader, `#version 300 es\n${source}`);
+      gl.compileShader(shader);
+      gl.attachShader(this.program, shader);
+    }
+    gl.linkProgram(this.program);
+    const problems = gl.getAttachedShaders(this.program).map((shader) => gl.getShaderInfoLog(shader)).join('');
+    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(problems || gl.getProgramInfoLog(this.program));
+    const count = gl.getProgramParameter(this.program, gl.ACTIVE_UNIFORMS) ?? 0;
+    this.uniforms = Array.from({ length: count }, (_, i) => gl.getActiveUniform(this.program, i)).map(({ name, type }) => (
+      { name: name.replace('[0]', ''), type, at: gl.getUniformLocation(this.program, name) }
+    ));
+  }
+
+  // Values by name; those that the program does not have are left out.
+  use(values) {
+    const { gl } = this.context;
+    gl.useProgram(this.program);
+    for (const { name, type, at } of this.uniforms) {
+      const value = values[name];
+      if (type === gl.SAMPLER_2D || type === gl.UNSIGNED_INT_SAMPLER_2D) {
+        value.bind(this.context, SAMPLERS.indexOf(name));
+        gl.uniform1i(at, SAMPLERS.indexOf(name));
+      } else if (type === gl.FLOAT) gl.uniform1f(at, value);
+      else if (type === gl.INT || type === gl.BOOL) gl.uniform1i(at, Number(value));
+      else if (type === gl.FLOAT_VEC2) gl.uniform2fv(at, value);
+      else if (type === gl.FLOAT_VEC4) gl.uniform4fv(at, value);
+      else gl.uniformMatrix4fv(at, false, value);
+    }
+  }
+}
+
+// What belongs to one context: when it is lost, so is all of this.
+export class Context {
+  constructor(gl, shaders) {
+    this.gl = gl;
+    this.programs = Object.fromEntries(Object.entries(shaders).map(([name, pair]) => [name, new Program(this, ...pair)]));
+    this.grids = new Map();
+    gl.enable(gl.DEPTH_TEST);
+    gl.depthFunc(gl.LEQUAL);
+    gl.enable(gl.SCISSOR_TEST);
+  }
+
+  // Draw `count` indices from the `first` on; `make` gives those of a key that is new.
+  drawGrid(key, make, first, count) {
+    const { gl } = this;
+    if (!this.grids.has(key)) {
+      this.grids.set(key, gl.createBuffer());
+      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.grids.get(key));
+      gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, make(), gl.STATIC_DRAW);
+    }
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.grids.get(key));
+    gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 2 * first);
+  }
+
+  // A picture of one pixel, drawn by `draw`: its red, green, blue and alpha.
+  onePixel(draw) {
+    const { gl } = this;
+    this.spot ??= this.makeSpot();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, this.spot);
+    gl.viewport(0, 0, 1, 1);
+    gl.scissor(0, 0, 1, 1);
+    gl.clearColor(0, 0, 0, 0);
+    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
+    draw();
+    const pixel = new Uint8Array(4);
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
+    gl.bindFramebuffer(gl.FRAMEBUFFER, null);
+    return pixel;
+  }
+
+  makeSpot() {
+    const { gl } = this;
+    const spot = gl.createFramebuffer();
+    gl.bindFramebuffer(gl.FRAMEBUFFER, spot);
+    for (const [format, place] of [[gl.RGBA8, gl.COLOR_ATTACHMENT0], [gl.DEPTH_COMPONENT16, gl.DEPTH_ATTACHMENT]]) {
+      gl.bindRenderbuffer(gl.RENDERBUFFER, gl.createRenderbuffer());
+      gl.renderbufferStorage(gl.RENDERBUFFER, format, 1, 1);
+      gl.framebufferRenderbuffer(gl.FRAMEBUFFER, place, gl.RENDERBUFFER, gl.getParameter(gl.RENDERBUFFER_BINDING));
+    }
+    return spot;
+  }
+}

@@ -1,0 +1,126 @@
+// The ink over the 3-D view along the path: see `drawWallInk`.
+
+import { wallPoint } from './dips.js';
+import { drawInsideInk } from './inside.js';
+import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
+import { line } from './strokes.js';
+import { turn } from './turns.js';
+import { showDepth } from './units.js';
+import { dot, eastNorthUp, minus } from './vectors.js';
+import { CAMERAS, ticks } from './view.js';
+
+// In the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
+export function drawWallInk(ink, look, gpu, calipers) {
+  const { view, path, store, rects } = look;
+  const palette = PALETTES[view.theme];
+  const rect = rects.wall;
+  const tube = view.tubeFactor(store);
+  ink.save();
+  ink.beginPath();
+  ink.rect(rect.left, HEAD, rect.width, rect.height - HEAD);
+  ink.clip();
+  if (view.camera === 'outside') outsideInk(ink, look, gpu, calipers, palette);
+  else drawInsideInk(ink, look, gpu);
+  if (path.surveyed && view.camera === 'outside') compass(ink, gpu, rect, palette);
+  const words = [`tube × ${tube}`, `shape × ${view.shape || 1} about the bit radius`];
+  if (view.median > 1) words.push(`median of ${view.median} turns`);
+  if (!path.surveyed) words.unshift('no survey: drawn vertical');
+  if (view.camera !== 'outside') words.unshift(CAMERAS[view.camera]);
+  if (!view.rig) label(ink, words.join('   '), rect.left + rect.width - 10, rect.height - 14, { colour: palette.ink, halo: palette.paper, align: 'right', font: FONT });
+  ink.restore();
+}
+
+function outsideInk(ink, look, gpu, calipers, palette) {
+  const { view, path, store, rects } = look;
+  const rect = rects.wall;
+  const tube = view.tubeFactor(store);
+  unmeasured(ink, look, gpu, calipers, palette);
+  zonesBeside(ink, look, gpu, palette);
+  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
+  const beside = store.bitRadius * tube * 1.3;
+  const used = [];
+  const [shallow, deep] = store.span;
+  for (const depth of values.filter((value) => value >= shallow && value <= deep)) {
+    const frame = path.at(depth);
+    const at = frame && gpu.project(frame, rect, gpu.aside(frame, beside));
+    if (!at || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
+    used.push(at);
+    const axis = gpu.project(frame, rect);
+    const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
+    const text = `${depth.toFixed(digits)} m`;
+    label(ink, text, at[0] + (level ? 0 : 8), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
+    if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
+    else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
+  }
+  cursorLabel(ink, look, gpu, beside, palette);
+}
+
+// A stroke beside the hole along every zone in view.
+function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
+  const beside = -1.25 * store.bitRadius * view.tubeFactor(store);
+  for (const { kind, start, stop } of zones) {
+    const depths = [Math.max(start, view.top), Math.min(stop, view.bottom)];
+    if (depths[1] <= depths[0]) continue;
+    const ends = depths.map((depth) => path.at(depth)).map((frame) => frame && gpu.project(frame, rects.wall, gpu.aside(frame, beside)));
+    if (!ends[0] || !ends[1]) continue;
+    line(ink, ...ends[0], ...ends[1], palette.zones[kind], [], 5);
+  }
+}
+
+// The axis of the hole, dashed, through every gap of the wall in view and from its end to the bit.
+function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, seen }, palette) {
+  const depthOf = (y) => view.top + (y / min.length) * view.length;
+  const ahead = bitDepth === null ? [] : [store.end, bitDepth].sort((a, b) => a - b);
+  let before = null;
+  for (let y = 0; y < min.length; y += 4) {
+    const depth = depthOf(y);
+    const open = (seen[y] && Number.isNaN(min[y])) || (depth > ahead[0] && depth < ahead[1]);
+    const frame = open ? path.at(depth) : null;
+    const at = frame && gpu.project(frame, rects.wall);
+    if (at && before && (y / 4) % 2) line(ink, ...before, ...at, palette.soft);
+    before = at;
+  }
+}
+
+function cursorLabel(ink, look, gpu, beside, palette) {
+  const { view, path, rects } = look;
+  if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
+  const frame = path.at(view.cursor.depth);
+  if (frame) cursorRing(ink, look, gpu, palette);
+  const at = frame && gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
+  if (at) label(ink, showDepth(view.cursor.depth), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
+}
+
+function compass(ink, gpu, rect, palette) {
+  const [x, y] = [rect.left + 44, rect.height - 46];
+  const used = [];
+  for (const [name, direction] of [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]]) {
+    const [dx, dy, towards] = gpu.facing(direction);
+    line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
+    const clear = used.every(([a, b]) => Math.hypot(dx - a, dy - b) > 0.45);
+    used.push([dx, dy]);
+    const far = 26 + 10 / Math.hypot(dx, dy); // ten pixels past the tip, however short the arm is seen
+    if (Math.hypot(dx, dy) > 0.25 && clear) label(ink, name, x + far * dx, y - far * dy, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+  }
+}
+
+// The cursor's depth around the side of the wall that is seen.
+function cursorRing(ink, { view, path, store, rects }, gpu, palette) {
+  const { depth } = view.cursor;
+  const { centre } = path.at(depth);
+  const level = store.levels[0];
+  const k = Math.max(0, level.turnAt(depth));
+  const radii = turn(store, level, k);
+  const tube = view.tubeFactor(store);
+  let before = null;
+  for (let j = 0; j <= radii.length; j++) {
+    const r = radii[j % radii.length];
+    const R = (store.bitRadius + ((Number.isNaN(r) ? store.bitRadius : r) - store.bitRadius) * (view.shape || 1)) * tube;
+    const point = wallPoint(path, { depth, toolface: level.toolface(k + j), radius: 1.01 * R });
+    const outwards = eastNorthUp(minus(point, centre));
+    const seen = dot(outwards, minus(gpu.camera.position, gpu.position({ centre: point }))) > 0;
+    const at = seen ? gpu.project({ centre: point }, rects.wall) : null;
+    if (at && before) line(ink, ...before, ...at, palette.cursor, [], 2.4);
+    before = at;
+  }
+}
