@@ -111,15 +111,16 @@ function curve(ink, rect, values, x, colour) {
 function head(ink, { view, store }, { left, width }, [low, bit, high], x, palette) {
   const { scale, unit } = LENGTHS[view.units];
   const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
-  label(ink, `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
+  const slim = width < 110;
+  label(ink, slim ? `Cal. ${unit}` : `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });
   if (store.basis === 'average') label(ink, 'mean, shape not measured', left + 2, 29, { colour: palette.max, font: SMALL });
   else {
     label(ink, 'Cmin', left + 2, 29, { colour: palette.min, font: BOLD });
-    label(ink, 'Cmax', left + width - 2, 29, { colour: palette.max, align: 'right', font: BOLD });
+    label(ink, 'Cmax', left + width - 2, slim ? 43 : 29, { colour: palette.max, align: 'right', font: BOLD });
   }
-  label(ink, `bit ${show(bit)}`, x(bit), HEAD - 25, { colour: palette.ink, align: 'center', font: SMALL, halo: palette.paper });
+  label(ink, `bit ${show(bit)}`, slim ? left + width / 2 : x(bit), HEAD - 25, { colour: palette.ink, align: 'center', font: SMALL, halo: palette.paper });
   line(ink, x(bit), HEAD - 18, x(bit), HEAD, palette.ink, [3, 2]);
-  label(ink, show(low), left + 1, HEAD - 9, { colour: palette.soft, font: SMALL });
+  if (x(bit) - left > 30) label(ink, show(low), left + 1, HEAD - 9, { colour: palette.soft, font: SMALL });
   label(ink, show(high), left + width - 1, HEAD - 9, { colour: palette.soft, align: 'right', font: SMALL });
 }
 

@@ -36,7 +36,7 @@ export function drawColumn(ink, look, { min, seen }) {
   ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
   if (view.rig) return;
   heads(ink, look, middle, bit, palette);
-  const words = `${store.basis === 'gauge' ? 'bit size, not measured   ' : ''}across × ${times < 10 ? times.toPrecision(2) : times.toFixed(0)}   shape × ${shape} about bit${view.median > 1 ? `   median of ${view.median} turns` : ''}`;
+  const words = `${store.basis === 'gauge' ? 'not measured, drawn at bit size   ' : ''}across × ${times < 10 ? times.toPrecision(2) : times.toFixed(0)}   shape × ${shape} about bit${view.median > 1 ? `   median of ${view.median} turns` : ''}`;
   label(ink, words, rect.left + 2, bottom + 11, { colour: palette.soft, font: SMALL });
   label(ink, unitOf({ length: true }, view.units), rect.left + rect.width - 2, HEAD - 9, { colour: palette.soft, align: 'right', font: SMALL });
 }

@@ -59,16 +59,17 @@ export class Gpu {
 
   // `look` is one frame's picture: store, path, view, quantity, pieces and rectangles; main.js makes it.
   draw(look, coarse = false) {
-    if (this.gl.isContextLost()) return;
+    if (this.gl.isContextLost()) return undefined;
     this.setRatio(pixelRatio(this.canvas) * (coarse ? 0.5 : 1));
     this.stats = { triangles: 0, tiles: look.wallPieces.length, pictures: this.stats.pictures + 1 };
     this.begin({ left: 0, top: 0, width: this.width, height: this.height }, look.background);
     this.image(look);
+    if (look.wallRect.width < 1) return undefined;
     if (look.view.camera === 'straight') return this.column(look);
     this.place(look);
     this.begin(look.wallRect, look.view.camera === 'outside' ? null : NO_WALL); // a gap around the eye has the grey of no data
     this.wall(look, 'wall');
-    this.bit(look);
+    return this.bit(look);
   }
 
   // The hole straightened, on the depth axis of the tracks.

@@ -11,11 +11,18 @@ import { CAMERAS } from './view.js';
 
 const CLICK = 4; // pixels a pointer may move and still click
 
+// Where a pointer is on the element that listens, in the element's own pixels: a page on 4K is enlarged.
+function placeOf({ currentTarget, clientX, clientY }) {
+  const { left, top } = currentTarget.getBoundingClientRect();
+  const zoom = currentTarget.currentCSSZoom ?? 1;
+  return [(clientX - left) / zoom, (clientY - top) / zoom];
+}
+
 export function bindTracks(app) {
   const ink = byId('ink');
   const pointers = new Map();
   let drag = null;
-  const at = (event) => [event.offsetX, event.offsetY];
+  const at = placeOf;
   ink.addEventListener('pointerdown', (event) => {
     const [x, y] = at(event);
     pointers.set(event.pointerId, [x, y]);
@@ -74,7 +81,7 @@ function wheel(app, event) {
   event.preventDefault();
   const { view, store, rects } = app;
   const steps = event.deltaY / (event.deltaMode === 1 ? 3 : 100);
-  if (event.ctrlKey || event.metaKey) view.zoom(1.25 ** steps, depthAt(view, rects.image, event.offsetY), store);
+  if (event.ctrlKey || event.metaKey) view.zoom(1.25 ** steps, depthAt(view, rects.image, placeOf(event)[1]), store);
   else view.show(view.top + steps * view.length * 0.1, view.length, store);
 }
 
@@ -100,7 +107,7 @@ export function bindOrbit(app) {
       app.redraw();
     }
     if (event.buttons || app.view.pinned || !app.store) return;
-    const place = [event.offsetX, event.offsetY];
+    const place = placeOf(event);
     if (!waiting) {
       setTimeout(() => {
         app.pickAt(...waiting);
@@ -110,9 +117,10 @@ export function bindOrbit(app) {
     waiting = place;
   });
   let pressed = null;
-  pane.addEventListener('pointerdown', (event) => (pressed = [event.offsetX, event.offsetY]));
+  pane.addEventListener('pointerdown', (event) => (pressed = placeOf(event)));
   pane.addEventListener('pointerup', (event) => {
-    const clicked = pressed && Math.hypot(event.offsetX - pressed[0], event.offsetY - pressed[1]) <= CLICK;
+    const [x, y] = placeOf(event);
+    const clicked = pressed && Math.hypot(x - pressed[0], y - pressed[1]) <= CLICK;
     if (!clicked || event.button !== 0) return;
     app.view.pinned = false;
     app.pickAt(...pressed);
@@ -130,6 +138,8 @@ export function bindControls(app) {
   on('sectionLength', 'change', ({ target }) => app.setLength(target.value));
   on('follow', 'click', () => app.follow(!view.follow));
   on('rigOpen', 'click', () => app.rig());
+  on('menu', 'click', ({ currentTarget }) => currentTarget.setAttribute('aria-expanded', String(byId('bar').classList.toggle('open'))));
+  for (const tab of byId('tabs').children) tab.addEventListener('click', () => view.set({ tab: tab.value }));
   on('theme', 'click', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
   on('fit', 'click', () => app.fit());
   on('keys', 'click', () => byId('help').showModal());
@@ -150,13 +160,13 @@ function bindHistogram(app) {
   canvas.addEventListener('pointerdown', (event) => {
     const { quantity, histogram } = app;
     if (!app.store || quantity.dynamic) return;
-    const away = (name) => Math.abs(histogram.x(quantity[name], quantity) - event.offsetX);
+    const away = (name) => Math.abs(histogram.x(quantity[name], quantity) - placeOf(event)[0]);
     end = away('low') < away('high') ? 'low' : 'high';
     canvas.setPointerCapture(event.pointerId);
   });
   canvas.addEventListener('pointermove', (event) => {
     if (!end) return;
-    const value = app.histogram.value(event.offsetX, app.quantity);
+    const value = app.histogram.value(placeOf(event)[0], app.quantity);
     const { low, high } = app.quantity;
     if (end === 'low' ? value < high : value > low) app.setColours({ [end]: value });
   });
@@ -168,7 +178,7 @@ export function bindKeys(app) {
     const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || byId('help').open || byId('note').open;
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
     const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[event.key - 1]?.id) : null);
-    if (!act || (event.key === 'Enter' && event.target.tagName === 'BUTTON')) return;
+    if (!act || (/^(Enter| )$/.test(event.key) && event.target.tagName === 'BUTTON')) return;
     event.preventDefault();
     act(app);
   });
@@ -181,8 +191,14 @@ const KEYS = {
   ' ': (app) => app.follow(!app.view.follow),
   '[': ({ view, store }) => view.zoom(1 / 1.5, view.middle, store),
   ']': ({ view, store }) => view.zoom(1.5, view.middle, store),
-  ArrowUp: along(-0.1),
-  ArrowDown: along(0.1),
+  ArrowUp: (app) => app.step(-app.view.length / 200, 0),
+  ArrowDown: (app) => app.step(app.view.length / 200, 0),
+  ArrowLeft: (app) => app.step(0, -360 / app.store.levels[0].sectors),
+  ArrowRight: (app) => app.step(0, 360 / app.store.levels[0].sectors),
+  Home: ({ view, store }) => view.show(store.span[0], view.length, store),
+  End: ({ view, store }) => view.show(store.span[1] - view.length, view.length, store),
+  '+': ({ view, store }) => view.zoom(1 / 1.5, view.cursor?.depth ?? view.middle, store),
+  '-': ({ view, store }) => view.zoom(1.5, view.cursor?.depth ?? view.middle, store),
   PageUp: along(-0.9),
   PageDown: along(0.9),
   h: (app) => app.fit(),

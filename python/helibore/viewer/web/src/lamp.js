@@ -2,6 +2,7 @@
 
 import { byId } from './panel.js';
 import { showAge, showClock, showCount } from './units.js';
+import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
 
@@ -37,4 +38,11 @@ export function lampWords({ status, words, store, bitDepth, newest, ended, sourc
 function behind(store, bitDepth) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
   return ahead > -0.05 ? `${Math.max(0, ahead).toFixed(1)} m behind bit` : `bit back ${(-ahead).toFixed(1)} m in the wall`;
+}
+
+// The cursor in words, for those who hear the page.
+export function spokenText({ view, read, zones }) {
+  const values = Object.fromEntries(read);
+  const zone = zoneAt(zones, view.cursor?.depth);
+  return `${values.MD}, over bit ${values['Over bit radius']}${zone ? `, ${zoneText(zone, view.units)}` : ''}`;
 }

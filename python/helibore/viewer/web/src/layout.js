@@ -1,7 +1,7 @@
 // Where the panels of the stage are, in CSS pixels. All tracks share one depth axis: the same y is the same depth.
 //
 //   | map | depth | image | caliper | dips, where some are picked |  3-D  |
-//   heads above, bodies below                   narrow stages give the 3-D view what the tracks leave
+//   heads above, bodies below         on a narrow screen a tab shows the tracks or the 3-D view with its depths
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 
@@ -13,25 +13,28 @@ const DIPS = 70;
 const COLUMN = 800; // pixels that the straightened hole is wide at most
 const LIST = 240; // beside it, the list of zones
 
-export function layout(width, height, { dips = false, measured = true, rig = false, straight = false } = {}) {
+export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const image = rig ? Math.round(width * 0.36) : Math.round(Math.min(480, Math.max(190, width * 0.25)));
   const caliper = Math.round(Math.min(280, Math.max(120, width * 0.15)));
-  const widths = rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
+  const narrow = tab === '3d' ? { map: 0, axis: 66, image: 0, caliper: 0 } : { map: 38, axis: width < 600 ? 62 : 74, image: width - (width < 600 ? 118 : 130) - (measured ? small(width) + 6 : 0), caliper: measured ? small(width) : 0 };
+  const widths = tab ? narrow : rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
   const rects = {};
   let left = 4;
   for (const [name, w] of Object.entries(widths)) {
     rects[name] = { left, width: w, ...body };
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
-  rects.pane = { left: left + 4, width: Math.max(60, width - left - 4), top: 0, height };
-  const column = Math.min(COLUMN, rects.pane.width - (rects.pane.width >= 400 && !rig ? LIST : 4));
+  rects.pane = { left: left + 4, width: tab && tab !== '3d' ? 0 : Math.max(60, width - left - 4), top: 0, height };
+  const column = Math.max(0, Math.min(COLUMN, rects.pane.width - (rects.pane.width >= 400 && !rig && !tab ? LIST : 4)));
   rects.wall = straight ? { ...body, left: left + 4, width: column } : rects.pane;
   return rects;
 }
 
+const small = (width) => Math.round(Math.min(200, Math.max(64, width * 0.19))); // the caliper beside tabs
+
 // Where the last track ends; the straightened hole is one.
-export const tracksEnd = ({ image, caliper, wall, dips = caliper.width ? caliper : image }) => (wall?.top ? wall.left + wall.width : dips.left + dips.width);
+export const tracksEnd = ({ image, caliper, wall, dips = caliper.width ? caliper : image }) => (wall?.top && wall.width ? wall.left + wall.width : dips.left + dips.width);
 export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
 export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;

@@ -12,21 +12,21 @@ import { drawCaliper } from './caliper.js';
 import { drawColumn } from './column.js';
 import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
-import { lamp } from './lamp.js';
+import { lamp, spokenText } from './lamp.js';
 import { Gpu } from './gpu.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNotes, Notes } from './notes.js';
-import { applyTheme, byId, disableControls, fillSelects, Histogram, links, listZones, nameCuts, options, readout, reflect, sectionText, showBasis, write } from './panel.js';
+import { applyTheme, byId, disableControls, fillSelects, Histogram, links, listZones, nameCuts, options, readout, reflect, sectionText, showBasis, write, writeBrief } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
 import { Replay } from './replay.js';
 import { recent, toggleRig, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
-import { drawPolar, sized, turnText } from './polar.js';
+import { drawPolar, sized, turnAt, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
 import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead } from './tracks.js';
 import { scaleOf, showLength } from './units.js';
@@ -34,6 +34,7 @@ import { View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
 import { jump } from './zones.js';
 
+const NARROW = window.matchMedia('(max-width: 999px)');
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
@@ -210,6 +211,12 @@ class App {
     return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
   }
 
+  // What the places of the panels depend on, besides the size of the stage.
+  get arrangement() {
+    const { view, store, straight, picking } = this;
+    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, tab: NARROW.matches && !view.rig ? view.tab : null };
+  }
+
   // Is the hole drawn straightened, on the depth axis of the tracks?
   get straight() {
     return this.view.camera === 'straight' && Boolean(this.gpu);
@@ -258,7 +265,7 @@ class App {
     this.unseen = null;
     this.ask();
     if (this.controls) this.controls.enabled = this.view.camera === 'outside';
-    if (this.straight !== (this.rects.wall !== this.rects.pane)) this.resize();
+    if (JSON.stringify(this.arrangement) !== this.arranged) this.resize();
     const look = this.look();
     if (!this.fitted && this.gpu) this.fit();
     if (this.gpu) this.paint(look);
@@ -303,21 +310,21 @@ class App {
     const { ink, width, height } = sized(byId('ink'));
     ink.clearRect(0, 0, width, height);
     ink.font = FONT;
-    this.plain?.draw(ink, look);
+    if (this.rects.image.width) this.plain?.draw(ink, look);
     drawAxis(ink, look);
-    drawImageHead(ink, look);
+    if (this.rects.image.width) drawImageHead(ink, look);
     const calipers = drawCaliper(ink, look);
     drawAhead(ink, look);
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
-    drawNotes(ink, look);
+    if (this.rects.image.width) drawNotes(ink, look);
     if (this.picking.on) drawPoints(ink, look, this.picking.points);
     this.picking.write(planes);
     drawCursor(ink, look);
     drawAxisLabels(ink, look);
-    if (this.straight) drawColumn(ink, look, calipers);
-    else if (this.gpu) drawWallInk(ink, look, this.gpu, calipers);
+    if (this.straight && this.rects.wall.width) drawColumn(ink, look, calipers);
+    else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
     const { image } = this.rects;
     ink.strokeStyle = PALETTES[this.view.theme].line;
     ink.lineWidth = 1;
@@ -333,17 +340,18 @@ class App {
     this.read = readout({ store, view, path, quad: this.quad });
     write('readout', this.read);
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
-    if (store.basis === 'azimuthal' && !view.rig) {
-      const found = drawPolar(byId('polar'), look);
-      write('turn', turnText(look, found, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3))));
-    }
+    const turned = turnAt(store, view, cursor?.depth ?? view.middle);
+    const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
+    if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned);
+    write('turn', figures);
+    if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
     byId('sectionTitle').textContent = `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
     this.summarize();
     write('section', sectionText(store, this.summary));
     this.alarms.write(view.units);
     listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
     writeRig(this);
-    if (!view.rig) this.histogram.draw(look);
+    if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, quantity);
     links(this, toAddress(this));
     lamp(this);
@@ -351,7 +359,9 @@ class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = byId('stage');
-    this.rects = layout(width, height, { dips: this.picking.shown, measured: this.store?.basis !== 'gauge', rig: this.view.rig, straight: this.straight });
+    this.arranged = JSON.stringify(this.arrangement);
+    this.rects = layout(width, height, this.arrangement);
+    document.body.dataset.tab = this.arrangement.tab ?? '';
     this.gpu?.resize(width, height);
     this.painted = '';
     const { pane: wall } = this.rects;
@@ -465,6 +475,18 @@ class App {
     const depth = view.cursor?.depth ?? view.middle;
     const near = view.pins.filter((pin) => Math.abs(pin - depth) > 1e-3);
     view.set({ pins: near.length < view.pins.length ? near : [...near, depth].slice(-3) });
+  }
+
+  // Move the cursor by metres and degrees, and the section with it; say where it is.
+  step(metres, degrees) {
+    const { view, store } = this;
+    const { depth, toolface } = view.cursor ?? { depth: view.middle, toolface: null };
+    const [top, bottom] = store.span;
+    const to = Math.min(bottom, Math.max(top, depth + metres));
+    if (to < view.top || to > view.bottom) view.show(view.top + to - depth, view.length, store);
+    view.set({ cursor: { depth: to, toolface: degrees ? ((toolface ?? 0) + degrees + 360) % 360 : toolface }, pinned: true });
+    clearTimeout(this.speaking);
+    this.speaking = setTimeout(() => (byId('spoken').textContent = spokenText(this)), 400);
   }
 
   copy() {

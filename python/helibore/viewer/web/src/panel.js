@@ -7,7 +7,7 @@ import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
 import { scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
-import { bySeverity, LETTERS } from './zones.js';
+import { bySeverity, LETTERS, zoneAt, zoneText } from './zones.js';
 
 export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
@@ -71,6 +71,7 @@ export function reflect(view, quantity) {
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'fit']) byId(id).closest('label, button').hidden = view.camera === 'straight';
   byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
+  for (const tab of byId('tabs').children) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
   byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
@@ -112,6 +113,18 @@ export function readout({ store, view, path, quad }) {
   ];
 }
 
+// On a narrow screen: the cursor's depth in large digits, its zone, the sizes of its turn.
+export function writeBrief({ view, zones, path }, read, figures) {
+  const depth = view.cursor?.depth ?? view.middle;
+  const values = Object.fromEntries([...read, ...figures]);
+  byId('briefDepth').textContent = showDepth(depth);
+  const zone = zoneAt(zones, depth);
+  byId('briefZone').hidden = !zone;
+  byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : '';
+  if (zone) byId('briefZone').style.borderColor = PALETTES[view.theme].zones[zone.kind];
+  write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ['Over bit', values['Over bit radius']], ['TVD', showDepth(path.tvd(depth))]]);
+}
+
 // The figures of a section, as `Wall.summary` has them.
 export function sectionText(store, summary) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
@@ -133,6 +146,7 @@ export function listZones(zones, { units, theme }, alarms, show) {
   if (card.dataset.key === key) return;
   card.dataset.key = key;
   card.parentElement.hidden = zones.length === 0;
+  byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
   byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
     const button = document.createElement('button');

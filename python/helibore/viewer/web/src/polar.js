@@ -25,13 +25,12 @@ export function turnAt(store, view, depth) {
 const dial = (look, depth, found, j) => wrap360(found.level.toolface(found.k + j) - zero(look, depth));
 const zero = ({ path, view }, depth) => leftEdge(path, view.cut, depth).toolface - CUTS[view.cut].offset;
 
-export function drawPolar(canvas, look) {
+export function drawPolar(canvas, look, found) {
   const { store, view } = look;
   const palette = PALETTES[view.theme];
   const { ink, width, height } = sized(canvas);
   ink.clearRect(0, 0, width, height);
   const depth = view.cursor?.depth ?? view.middle;
-  const found = turnAt(store, view, depth);
   const R = store.bitRadius;
   const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * (view.shape || 1));
   const kept = view.pins.map((pin) => turnAt(store, view, pin));
@@ -50,7 +49,6 @@ export function drawPolar(canvas, look) {
   if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
   letters(ink, look, depth, width, height, palette);
   if (view.shape > 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
-  return found;
 }
 
 // Where around the hole the cursor is.

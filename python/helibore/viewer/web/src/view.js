@@ -22,6 +22,7 @@ const DEFAULTS = {
   follow: true,
   camera: 'straight',
   turn: 0, // degrees that the straightened hole is turned, so that more of it is at the right
+  tab: 'log', // of a narrow screen
   rig: false, // large digits; follows the bit, whatever the user does
 };
 
@@ -91,7 +92,7 @@ export class View {
 
   toAddress() {
     const parts = { md: this.middle.toFixed(2), sec: this.length.toFixed(2) };
-    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn']) {
+    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']) {
       if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
     }
     for (const key of ['follow', 'rig']) if (this[key]) parts[key] = 1;
@@ -116,6 +117,7 @@ export class View {
       units: among('units', ['mm', 'in']),
       pass: among('pass', ['latest', 'first', 'change']),
       theme: among('theme', ['light', 'dark']),
+      tab: among('tab', ['log', '3d', 'section', 'zones']),
       camera: among('camera', Object.keys(CAMERAS)),
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };

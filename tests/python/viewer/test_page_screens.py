@@ -1,0 +1,93 @@
+"""The page on any screen: tabs below 1000 px, a large read-out below 600 px, larger text on 4K; keyboard for all."""
+
+from __future__ import annotations
+
+import itertools
+from typing import Any
+
+import pytest
+from made_wall import MadeWall, curved_path, gamma_and_resistivity
+from screen import NEEDS_BROWSER, Screen
+
+import helibore as hb
+
+pytestmark = NEEDS_BROWSER
+
+OUTSIDE = """[...document.querySelectorAll('button, select, input, canvas, p, dt, dd')]
+  .filter((e) => e.checkVisibility() && !e.closest('aside, #zones, .unseen'))
+  .map((e) => [e.id || e.textContent, e.getBoundingClientRect()])
+  .filter(([, { left, right, bottom }]) => left < -0.5 || right > innerWidth + 0.5 || bottom > innerHeight + 0.5)
+  .map(([name]) => name)"""
+
+
+@pytest.mark.parametrize("size", [(390, 844), (820, 1180)])
+def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[int, int]) -> None:
+    wall = MadeWall(30_000)
+    with hb.view(wall, path=curved_path(), attributes=gamma_and_resistivity(wall), well="Made-1 T2") as viewer:
+        screen = Screen(browser, viewer.url, "#md=1020&sec=30", size, drawn=False)
+        screen.until("window.__wall.app.zones.length")
+        shown = {"log": "#ink", "3d": "#ink", "section": "#turn", "zones": "#zones"}
+        for tab, panel in shown.items():
+            screen.click(f"#tabs button[value='{tab}']")
+            screen.settle()
+            assert screen.is_visible(panel)
+            assert screen.is_visible("#section") == (tab == "section")
+            assert screen.evaluate(OUTSIDE) == []
+            widths = screen.evaluate("(({ image, wall }) => [image.width, wall.width])(window.__wall.app.rects)")
+            assert (widths[0] > 150, widths[1] > 150) == (tab != "3d", tab == "3d")
+            labels = screen.evaluate("document.getElementById('ink').labels")
+            touching = [
+                (a["text"], b["text"])
+                for a, b in itertools.combinations(labels, 2)
+                if a["left"] < b["right"]
+                and b["left"] < a["right"]
+                and a["top"] < b["bottom"]
+                and b["top"] < a["bottom"]
+            ]
+            assert touching == []
+        screen.click("#tabs button[value='log']")
+        screen.keyboard.press("ArrowDown")
+        screen.settle()
+        if size[0] < 600:
+            depth = screen.evaluate("window.__wall.app.view.cursor.depth")
+            assert screen.inner_text("#briefDepth") == f"{depth:.2f} m"
+            assert screen.evaluate("getComputedStyle(document.getElementById('briefDepth')).fontSize") == "34px"
+        assert "tab=" not in screen.address()
+        screen.close()
+
+
+def test_the_keyboard_moves_the_cursor_and_the_page_says_where_it_is(browser: Any) -> None:
+    with hb.view(MadeWall(60_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1020&sec=20", drawn=False)
+        for key in ("ArrowDown", "ArrowRight", "ArrowRight"):
+            screen.keyboard.press(key)
+        cursor = screen.evaluate("window.__wall.app.view.cursor")
+        assert cursor["depth"] == pytest.approx(1020.1)
+        assert cursor["toolface"] == pytest.approx(2 * 360 / 64)
+        screen.until("document.getElementById('spoken').textContent")
+        over = screen.readout()["Over bit radius"]
+        assert screen.evaluate("document.getElementById('spoken').textContent").startswith(
+            f"1020.10 m, over bit {over}"
+        )
+        screen.keyboard.press("End")
+        assert screen.evaluate("window.__wall.app.view.bottom - window.__wall.app.store.span[1]") == pytest.approx(0)
+        screen.keyboard.press("+")
+        assert screen.evaluate("window.__wall.app.view.length") == pytest.approx(20 / 1.5)
+        screen.close()
+
+
+def test_4k_shows_the_same_larger_and_the_pointer_hits(browser: Any) -> None:
+    with hb.view(MadeWall(30_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1020&sec=20", (3840, 2160), drawn=False)
+        image = screen.evaluate("window.__wall.app.rects.image")
+        stage = screen.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
+        assert stage["width"] > 3000
+        screen.mouse.move(
+            stage["left"] + 2 * (image["left"] + image["width"] / 2),
+            stage["top"] + 2 * (image["top"] + image["height"] / 2),
+        )
+        screen.until("window.__wall.app.view.cursor")
+        cursor = screen.evaluate("window.__wall.app.view.cursor")
+        assert cursor["depth"] == pytest.approx(1020, abs=0.05)
+        assert cursor["toolface"] == pytest.approx(180, abs=1)
+        screen.close()
