@@ -37,6 +37,7 @@ DECIMALS = {"in": 4, "mm": 3}
     "Logs",
     opt("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
     opt("--rugosity-window", "Length of hole that rugosity is taken over.", type=LENGTH, default="1m"),
+    opt("--sigma", "Uncertainty of diameters and volumes, too: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
     opt("--well", "Name of the well, for the files.  [name of the source]"),
     opt(
@@ -152,7 +153,7 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     if not shaped and (options["zones"] or options["criteria"] or options["scaled"]):
         raise InputError("zones", f"need a shape that was measured; this wall: {BASIS_TEXT[wall.basis]}")
     criteria = _criteria(wall, options)
-    every = wall.logs(rugosity_window=options["rugosity_window"])
+    every = wall.logs(rugosity_window=options["rugosity_window"], sigma=options["sigma"])
     if reference not in (None, every.reference):
         if every.reference:
             raise InputError(f"--reference {reference}", f"the wall's path counts from {every.reference}")

@@ -56,6 +56,7 @@ COLUMNS = tuple(
         ("excess", "EXCESS", "", "Volume over that of gauge hole, less 1", "own"),
         ("coverage", "COVER", "", "Share of the turn that is measured, not interpolated between arms", "mean"),
         ("nearest", "NEAREST", "m", "Largest distance to the nearest sample", "greatest there"),
+        ("diameter_sigma", "DEQ_SIGMA", "m", "Standard uncertainty of DEQ, at most", "mean"),
         ("age", "AGE", "s", "Newest sample here, before the newest of the wall", "least there"),
     )
 )

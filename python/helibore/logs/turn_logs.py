@@ -21,6 +21,7 @@ from dataclasses import dataclass, fields, replace
 from typing import Any, Literal
 
 import numpy as np
+import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, Mask, column
@@ -98,6 +99,9 @@ class Logs(Tabular):
         The diameters that each arm of a tool with few arms measured, one array an arm; () for other tools.
     nearest
         Largest distance from a vertex to the nearest sample used; NaN where no vertex has any or the wall does not say.
+    diameter_sigma
+        Standard uncertainty of `equivalent_diameter`, with ``sigma=True``, else NaN: at most this, since the errors of
+        a turn are taken to be equal. NaN where a vertex is not sampled.
     age
         Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN
         where there is none, or the samples carry no time.
@@ -142,6 +146,7 @@ class Logs(Tabular):
     excess: Floats
     coverage: Floats
     nearest: Floats
+    diameter_sigma: Floats
     age: Floats
     bit_diameter: float
     sectors: int
@@ -156,6 +161,12 @@ class Logs(Tabular):
     def __len__(self) -> int:
         """Return the number of rows."""
         return int(self.depth.size)
+
+    @property
+    def volume_sigma(self) -> Floats:
+        """Standard uncertainty of `volume`, m3, at most, as `diameter_sigma`."""
+        uncertain: Floats = 0.5 * np.pi * self.height * self.equivalent_diameter * self.diameter_sigma
+        return uncertain
 
     @property
     def height(self) -> float:
@@ -230,12 +241,16 @@ class Logs(Tabular):
         """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
         if not len(self):
             raise InputError("logs", "the wall has no full turn")
-        skipped = () if self.arm_diameter else ("wall_out_of_roundness", "uneven")
+        sure = np.isfinite(self.diameter_sigma).any()
+        skipped = [] if self.arm_diameter else ["wall_out_of_roundness", "uneven"]
+        skipped += [] if sure else ["diameter_sigma"]
         own = [
             LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name))
             for of in COLUMNS
             if of.name not in skipped
         ]
+        if sure:
+            own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL, at most", self.volume_sigma))
         own += [
             LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured", values)
             for number, values in enumerate(self.arm_diameter, 1)
@@ -278,6 +293,7 @@ def turn_logs(
     bit_diameter: float | None = None,
     rugosity_window: float = RUGOSITY_WINDOW,
     threads: int | None = None,
+    sigma: npt.ArrayLike | None = None,
 ) -> Logs:
     """Measure every full turn of a wall: `Wall.logs`.
 
@@ -291,6 +307,8 @@ def turn_logs(
         Metres; rounded to an odd number of turns, at least 3; `Logs.rugosity_window` is what was used.
     threads
         None: all cores. The result does not depend on it.
+    sigma
+        (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
 
     Raises
     ------
@@ -324,6 +342,7 @@ def turn_logs(
         volume=np.pi * square * abs(pitch),
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
+        diameter_sigma=np.full(turns, np.nan) if sigma is None else 2 * _of_turns(sigma, turns, K).mean(axis=1),
         age=_ages(getattr(wall, "samples", None), depth, abs(pitch)),
         bit_diameter=bit,
         sectors=K,
@@ -355,6 +374,10 @@ def _from_arms(wall: Any, depth: Floats) -> dict[str, Any]:
     c1, axis, uneven, c2, least = arms.sizes()
     sizes = {"c1": c1, "c1_toolface": axis, "c2": c2, "least_diameter": least, "uneven": uneven}
     return {**sizes, "shape": "arms", "arm_diameter": tuple(arms.diameter)}
+
+
+def _of_turns(values: npt.ArrayLike, turns: int, sectors: int) -> Floats:
+    return column("sigma", values)[: turns * sectors].reshape(turns, sectors)
 
 
 def _nearest(wall: WallLike, turns: int) -> Floats:

@@ -213,9 +213,7 @@ class Wall:
         samples than calibration can say, or in a gap of the turn larger than `Settings.largest_gap`. InputError if
         there are fewer than 100 samples.
         """
-        from helibore.wall.uncertainty import wall_sigma
-
-        return wall_sigma(self._state(), self._threads)
+        return _sigma(self._state(), self._threads)
 
     @property
     def angular_gap(self) -> Floats:
@@ -432,11 +430,15 @@ class Wall:
         placing = (self.path, self.images, self.attributes, self.made_from)
         return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing, arms)
 
-    def logs(self, rugosity_window: float = 1.0, threads: int | None = None) -> Logs:
-        """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter."""
+    def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
+        """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
+
+        ``sigma``: with the uncertainty of diameters and volumes.
+        """
         from helibore.logs.turn_logs import turn_logs
 
-        return turn_logs(self._state(), None, rugosity_window, threads)
+        state = self._state()
+        return turn_logs(state, None, rugosity_window, threads, _sigma(state, self._threads) if sigma else None)
 
     def zones(self, criteria: Criteria | None = None) -> Classification:
         """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall."""
@@ -521,3 +523,9 @@ class Wall:
 
 def _empty_wall(settings: Settings, basis: Basis, threads: int) -> Wall:
     return Wall(threads=threads, basis=basis, **vars(settings))
+
+
+def _sigma(state: WallState, threads: int) -> Floats:
+    from helibore.wall.uncertainty import wall_sigma
+
+    return wall_sigma(state, threads)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -122,3 +123,22 @@ def test_calibration_finds_the_noise_of_a_dense_round_hole() -> None:
     found = calibrate(in_depth_order(samples), wall.settings)
     assert 1.96 * np.nanmean(wall.sigma) == pytest.approx(1.96 * np.std(wall.radius), rel=0.4)
     assert found.noise * found.quantile / 1.96 == pytest.approx(5e-4, rel=0.35)
+
+
+def test_logs_carry_the_uncertainty_of_diameters_and_volumes(tmp_path: Path) -> None:
+    wall = hb.reconstruct(caliper(), bit_diameter=BIT, start_depth=0.5, stop_depth=7.5)
+    logs, plain = wall.logs(sigma=True), wall.logs()
+    turns = wall.sigma[: len(logs) * 64].reshape(-1, 64)
+    np.testing.assert_allclose(logs.diameter_sigma, 2 * turns.mean(axis=1), rtol=1e-12)
+    true = truth(wall.depth, wall.toolface)[: len(logs) * 64].reshape(-1, 64)
+    known = np.isfinite(logs.diameter_sigma)
+    off = logs.equivalent_diameter - 2 * np.sqrt(np.mean(true**2, axis=1))
+    assert np.mean(abs(off[known]) <= 1.96 * logs.diameter_sigma[known]) > 0.95
+    area = np.pi / 4 * ((logs.equivalent_diameter + 1e-6) ** 2 - logs.equivalent_diameter**2)
+    np.testing.assert_allclose(logs.volume_sigma, area * 0.1 / 1e-6 * logs.diameter_sigma, rtol=1e-4)
+    assert {"DEQ_SIGMA", "VOL_SIGMA"} <= {one.mnemonic for one in logs.table()}
+    assert "DEQ_SIGMA" not in {one.mnemonic for one in plain.table()}
+    steps = logs.by_step(1.0)
+    assert steps.volume_sigma.size == len(steps)
+    logs.save(tmp_path / "w.csv")
+    assert "VOL_SIGMA" in (tmp_path / "w.csv").read_text()
