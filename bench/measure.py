@@ -19,7 +19,7 @@ A_ROUND = 0.1  # seconds
 
 
 def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None) -> float:
-    """Seconds of a work, its result dropped between: the mean of as many as a tenth of a second takes, or until told.
+    """Seconds of a work, its result dropped between: the mean of as many as a tenth of a second takes, or ``until``.
 
     It runs once before that, so that it does not pay for the caches and pages that another left behind. Shorter than a
     tenth, a machine shared with others is fast in one run and slow in the next.

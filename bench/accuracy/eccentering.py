@@ -4,7 +4,7 @@
 is "one hole", every turn has toolfaces of its own at random and a shape of its own: no turn can learn from the next.
 
     error    rms over the samples of corrected less true radius, each sample's own noise taken off, mm
-    bound    the least that any unbiased fit can reach (Cramer and Rao) that is told the shape and place of oval and
+    bound    the least that any unbiased fit can reach (Cramer and Rao) that knows the shape and place of oval and
              lobes but not their size; only where a random half is missing
     covered  turns whose true centre lies within three standard deviations on both axes, %; bar 99
     sigma    stated standard deviation of the centre, median of turns, mm

@@ -117,8 +117,8 @@ def main() -> int:
         unseen += np.count_nonzero(np.isnan(errors))
         medians.append(np.nanmedian(errors, axis=1))
         means.append(np.nanmean(errors, axis=1))
-        told = f"{number:4d} {mine.sum():8d} {shifts.shift[row]:8.3f} {1e3 * bias.by_pass[row]:8.3f} |"
-        print(told + columns(medians[-1]))
+        line = f"{number:4d} {mine.sum():8d} {shifts.shift[row]:8.3f} {1e3 * bias.by_pass[row]:8.3f} |"
+        print(line + columns(medians[-1]))
     print(f"mean{'':27s} |" + columns(np.mean(medians, axis=0)))
     print(f"\n{'the same by the mean of |error|, pass':>31s}")
     for number, one in zip(shifts.passes, means, strict=True):

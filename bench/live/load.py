@@ -35,7 +35,7 @@ caliper = {{ first = "5010", groups = 30, order = ["toolface", "depth", "radius"
 """
 
 
-def send(port: int, seconds: float, triples: int, items: int, told: multiprocessing.Queue[int]) -> None:
+def send(port: int, seconds: float, triples: int, items: int, counts: multiprocessing.Queue[int]) -> None:
     """The rig: a tick every 10 ms, late ticks are caught up."""
     draw = np.random.default_rng(1)
     step = 100.0 / (triples * max(seconds, 60.0))
@@ -60,7 +60,7 @@ def send(port: int, seconds: float, triples: int, items: int, told: multiprocess
             link.sendall(b"".join(out))
         time.sleep(0.01)
     link.close()
-    told.put(sent)
+    counts.put(sent)
 
 
 def memory() -> float:
@@ -85,8 +85,8 @@ def main() -> None:
         server.latency.latest = deque()
         server.start()
         context = multiprocessing.get_context("spawn")
-        told: multiprocessing.Queue[int] = context.Queue()
-        rig = context.Process(target=send, args=(port, seconds, chosen.triples, chosen.items, told))
+        counts: multiprocessing.Queue[int] = context.Queue()
+        rig = context.Process(target=send, args=(port, seconds, chosen.triples, chosen.items, counts))
         rig.start()
         while live.wall.sample_count == 0:
             time.sleep(0.01)
@@ -103,7 +103,7 @@ def main() -> None:
         assert np.array_equal(batch.radius, live.wall.radius, equal_nan=True), "the live wall is not the batch wall"
         late = np.array(server.latency.latest)
         reader = live.model.readers[1]
-        lost = told.get() - live.wall.sample_count
+        lost = counts.get() - live.wall.sample_count
         (warm, first), (last, count) = marks[len(marks) // 4], marks[-1]
         bad = sum(reader.total(rule) for rule in wits.RULES)
         half, most = 1e3 * np.quantile(late, 0.5), 1e3 * np.quantile(late, 0.99)

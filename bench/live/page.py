@@ -273,7 +273,7 @@ def with_exports(fetching: bool) -> tuple[float, float, float]:
 
 
 def fetch(url: str, stop: Any, started: Any, made: Any) -> None:
-    """Fetch exports until told to stop."""
+    """Fetch exports until asked to stop."""
     import urllib.request
 
     while not stop.is_set():

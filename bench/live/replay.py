@@ -1,7 +1,7 @@
 """How fast a journal is replayed into a wall: ``python -m bench.live.replay --triples 10000000``.
 
 The journal is written as it would be live, packets of up to 1,400 bytes. The wall that was replayed is compared with
-the batch reconstruction of its samples, bit for bit, before anything is printed. Each quarter's rate is told, so that
+the batch reconstruction of its samples, bit for bit, before anything is printed: then each quarter's rate, so that
 what grows with the journal shows.
 """
 

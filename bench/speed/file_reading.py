@@ -3,7 +3,7 @@
     las()    P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it, beside lasio
     table()  a CSV of samples of 100 MB (depth, toolface, radius, time), beside pyarrow's own read
 
-Both sides run in turn in one process; a ratio is taken of each turn, and its median and spread are told. Every value is
+Both sides run in turn in one process; the median and spread of the ratios of all turns are printed. Every value is
 loaded on our side (nulls replaced and counted), and the values are compared first.
 
     python -m bench.speed.file_reading [las file]

@@ -81,7 +81,7 @@ def brute_force(depth: Floats, toolface: Floats, radius: Floats, at_depth: float
 
 
 def reconstruct(data: tuple[Floats, Floats, Floats, float], **settings: Any) -> hb.Wall:
-    """Raw arrays to wall, on all cores unless told otherwise."""
+    """Raw arrays to wall, on all cores unless another number is given."""
     depth, toolface, radius, stop = data
     fixed = {"bit_diameter": BIT_DIAMETER, "sectors": SECTORS, "pitch": PITCH, "start_depth": 0.0, "stop_depth": stop}
     return hb.reconstruct(hb.Caliper(depth, toolface, radius), **fixed, **settings)

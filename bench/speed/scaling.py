@@ -47,7 +47,7 @@ def work_on(name: str, order: str) -> Callable[[], object]:
 
 
 class Neighbour:
-    """Another process on a core of its own, which works while it is told to and then says how long a work took."""
+    """Another process on a core of its own, which works while it is asked to and then reports how long a work took."""
 
     def __init__(self, core: int, name: str, order: str) -> None:
         context = multiprocessing.get_context("spawn")

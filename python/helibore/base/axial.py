@@ -17,20 +17,11 @@ from helibore.base.arrays import Floats
 
 @dataclass(frozen=True)
 class BreakoutLobe:
-    """One side of a breakout, or a key seat, from the mean section of its zone.
+    """One side of a breakout, or a key seat, from the mean section of its zone."""
 
-    Attributes
-    ----------
-    toolface, opening
-        Direction of its weighted middle, [0, 360), degrees; and the angle over which it is higher than the floor,
-        degrees, NaN if the tool has too few arms to measure it.
-    height
-        The greatest height over the circle of C2, metres; in an image the greatest darkness, a fraction.
-    """
-
-    toolface: float
-    opening: float
-    height: float
+    toolface: float  # direction of its weighted middle, [0, 360), degrees
+    opening: float  # the angle over which it is higher than the floor, degrees; NaN if the tool has too few arms
+    height: float  # the greatest height over the circle of C2, metres; in an image the greatest darkness, a fraction
 
 
 @dataclass(frozen=True)

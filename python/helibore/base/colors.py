@@ -88,31 +88,13 @@ def customary_map(name: str, unit: str = "") -> str:
 
 @dataclass(frozen=True)
 class ColorScale:
-    """A colour map between two values.
-
-    Parameters
-    ----------
-    low, high
-        Values of the first and the last colour; values beyond them get these colours, too.
-    color_map
-        One of `COLOR_MAPS`.
-    log
-        Whether colours follow the logarithm; both ends must then be above 0.
-    reverse
-        Whether to reverse the order of the colours.
-
-    Raises
-    ------
-    InputError
-        ``limits = (0, 20): must be above 0 on a log scale``; on ends that are not finite or not in order, and on
-        an unknown map.
-    """
+    """A colour map between two values; values beyond them get the colours of the ends."""
 
     low: float
     high: float
-    color_map: str = "viridis"
-    log: bool = False
-    reverse: bool = False
+    color_map: str = "viridis"  # one of `COLOR_MAPS`
+    log: bool = False  # whether colours follow the logarithm; both ends must then be above 0
+    reverse: bool = False  # whether to reverse the order of the colours
 
     def __post_init__(self) -> None:
         check_map(self.color_map)

@@ -30,29 +30,15 @@ from helibore.base.tables import LogTable, columns_of
 
 @dataclass(frozen=True, kw_only=True)
 class ImageCriteria:
-    """What makes rows of an image a breakout.
+    """What makes rows of an image a breakout."""
 
-    Attributes
-    ----------
-    dark
-        A sector is dark below this share of the median of its row, in (0, 1).
-    least_opening, most_opening
-        Degrees: a dark arc narrower than the first or wider than the second is ignored.
-    opposite
-        Degrees: the angle between two arcs may differ from half a turn by this much.
-    least_length, least_rows
-        Metres of hole, and rows with two dark arcs, that make a breakout.
-    join
-        Metres: breakouts with a smaller gap between them become one, if their axes agree within ``opposite``.
-    """
-
-    dark: float = 0.6
-    least_opening: float = 10.0
-    most_opening: float = 100.0
-    opposite: float = 30.0
-    least_length: float = 0.05
-    least_rows: int = 2
-    join: float = 0.02
+    dark: float = 0.6  # a sector is dark below this share of the median of its row, in (0, 1)
+    least_opening: float = 10.0  # degrees: a narrower dark arc is ignored
+    most_opening: float = 100.0  # degrees: a wider dark arc is ignored
+    opposite: float = 30.0  # degrees: the angle between two arcs may differ from half a turn by this much
+    least_length: float = 0.05  # metres of hole that make a breakout
+    least_rows: int = 2  # rows with two dark arcs that make a breakout
+    join: float = 0.02  # metres: a smaller gap does not part a breakout, if the axes agree within ``opposite``
 
     def __post_init__(self) -> None:
         check_not_negative(vars(self))

@@ -89,28 +89,11 @@ def symmetric_limit(values: Floats, unit: float) -> float:
 
 
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:
-    """Normalise rows of values by the window around each of them: dynamic normalisation.
+    """Normalise rows of values, (n, S) or (n,), by the window around each of them: dynamic normalisation.
 
-    Parameters
-    ----------
-    depth
-        (n,) metres, rising.
-    values
-        (n, S) or (n,); NaN where missing.
-    window
-        Metres; half of it above and half below each row, both ends included.
-    log
-        Normalise logarithms; values must be above 0.
-
-    Returns
-    -------
-    The shape of ``values``, owned: 0 to 1, 0.5 at the window's mean, 0 and 1 two standard deviations from it; 0.5 where
-    a window is constant; NaN where the value is missing.
-
-    Raises
-    ------
-    InputError
-        On depths that do not rise, shapes that do not fit, a window that is not above 0, or only missing values.
+    ``depth`` is (n,) metres, rising; half of ``window`` (metres) lies above and half below each row, ends included.
+    ``log`` normalises logarithms. The result has the shape of ``values``: 0 to 1, 0.5 at the window's mean, 0 and 1 two
+    standard deviations from it; 0.5 where a window is constant; NaN where the value is missing.
     """
     depths = column("depth", depth)
     shape = np.shape(values)

@@ -22,9 +22,8 @@ from helibore import _core
 from helibore.base.arrays import Floats, Integers, column
 from helibore.base.threads import thread_count
 from helibore.mesh.attributes import Attributes
-from helibore.mesh.mesh import Mesh, quad_radius, triangles
+from helibore.mesh.mesh import Mesh, metadata_of, quad_radius, triangles
 from helibore.mesh.mesh_files import save_surface
-from helibore.mesh.metadata import metadata_of
 from helibore.mesh.vtkhdf import append_mesh
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, spread, vertices_between

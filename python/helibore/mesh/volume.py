@@ -28,9 +28,8 @@ from helibore.base.arrays import Floats, Integers, column
 from helibore.base.errors import InputError
 from helibore.base.threads import thread_count
 from helibore.mesh.attributes import Attributes
-from helibore.mesh.mesh import Mesh
+from helibore.mesh.mesh import Mesh, metadata_of
 from helibore.mesh.mesh_files import save_volume
-from helibore.mesh.metadata import metadata_of
 from helibore.mesh.vtkhdf import append_mesh
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import Helix, WallLike, basis_of, helix_of, numbered, spread, vertices_between

@@ -76,47 +76,27 @@ class Hole:
     """The truth: the wall, the gamma and the path of a hole between two measured depths.
 
     Lengths are metres, angles degrees; toolfaces count clockwise looking downhole from the high side.
-
-    Parameters
-    ----------
-    start, stop
-        Measured depths of the interval.
-    bit_diameter, overgauge
-        Diameter of the bit, and how much larger than the bit's the radius of the hole is everywhere.
-    ovality, ovality_toolface
-        Amplitude of the ellipse in radius, and the toolface of its long axis.
-    spiral, spiral_length
-        Radius of the helix on which the centre of a spiral hole runs, and the depth of one turn of that helix.
-    rugosity, rugosity_length
-        Root mean square roughness, and its shortest wavelength along the hole (the longest is eight times that).
-    washouts, breakouts, beds
-        See :class:`Washout`, :class:`Breakout`, :class:`Bed`. The beds are in order of depth.
-    top_gamma
-        Gamma above the first bed, gAPI.
-    inclination, azimuth, sections
-        The path: its direction at ``start`` and the sections that follow; the last section has no end.
-    seed
-        Chooses the roughness.
     """
 
     start: float = 2000.0
     stop: float = 2050.0
     bit_diameter: float = 0.216
-    overgauge: float = 0.001
-    ovality: float = 0.0
-    ovality_toolface: float = 0.0
-    spiral: float = 0.0
-    spiral_length: float = 1.0
-    rugosity: float = 0.0
-    rugosity_length: float = 0.4
+    overgauge: float = 0.001  # how much larger than the bit's the radius of the hole is everywhere
+    ovality: float = 0.0  # amplitude of the ellipse in radius
+    ovality_toolface: float = 0.0  # of the long axis of the ellipse
+    spiral: float = 0.0  # radius of the helix on which the centre of a spiral hole runs
+    spiral_length: float = 1.0  # depth of one turn of that helix
+    rugosity: float = 0.0  # root mean square roughness
+    rugosity_length: float = 0.4  # its shortest wavelength along the hole; the longest is eight times that
     washouts: tuple[Washout, ...] = ()
     breakouts: tuple[Breakout, ...] = ()
-    beds: tuple[Bed, ...] = ()
-    top_gamma: float = 60.0
-    inclination: float = 25.0
+    beds: tuple[Bed, ...] = ()  # in order of depth
+    top_gamma: float = 60.0  # above the first bed, gAPI
+    inclination: float = 25.0  # of the path at ``start``
     azimuth: float = 60.0
+    # The path below ``start``; the last section has no end.
     sections: tuple[Section, ...] = (Section(30.0, build=3.0), Section(15.0), Section(30.0, turn=3.0))
-    seed: int = 0
+    seed: int = 0  # chooses the roughness
     _modes: Floats = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:

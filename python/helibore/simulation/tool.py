@@ -33,40 +33,21 @@ class Lift:
 
 @dataclass(frozen=True)
 class Tool:
-    """How the tool turns, advances and measures.
+    """How the tool turns, advances and measures."""
 
-    Parameters
-    ----------
-    rotation, stick_slip, stick_slip_period
-        Mean speed in turns a minute; amplitude of its swing as a share of the mean (1: the string stops once a
-        period); and the period in seconds.
-    advance, advance_variation
-        Mean rate of penetration in metres an hour, and its variation as a share of the mean, less than 1.
-    sample_rate
-        Samples a second.
-    noise, toolface_noise
-        Standard deviation of the radius (m) and of the toolface (deg).
-    missing
-        Share of the samples that never arrive, [0, 1).
-    lifts
-        The lifts in order of depth; see :class:`Lift`.
-    sectors, image_step, gamma_noise
-        The gamma image: sectors a turn, metres a row, standard deviation in gAPI.
-    """
-
-    rotation: float = 117.0
-    stick_slip: float = 0.7
-    stick_slip_period: float = 3.7
-    advance: float = 20.0
-    advance_variation: float = 0.6
-    sample_rate: float = 20.0
-    noise: float = 0.0005
-    toolface_noise: float = 0.0
-    missing: float = 0.0
-    lifts: tuple[Lift, ...] = ()
-    sectors: int = 16
-    image_step: float = 0.1
-    gamma_noise: float = 2.0
+    rotation: float = 117.0  # mean speed, turns a minute
+    stick_slip: float = 0.7  # amplitude of its swing as a share of the mean; 1: the string stops once a period
+    stick_slip_period: float = 3.7  # seconds
+    advance: float = 20.0  # mean rate of penetration, metres an hour
+    advance_variation: float = 0.6  # as a share of the mean, less than 1
+    sample_rate: float = 20.0  # samples a second
+    noise: float = 0.0005  # standard deviation of the radius, metres
+    toolface_noise: float = 0.0  # standard deviation of the toolface, degrees
+    missing: float = 0.0  # share of the samples that never arrive, [0, 1)
+    lifts: tuple[Lift, ...] = ()  # in order of depth
+    sectors: int = 16  # of the gamma image, a turn
+    image_step: float = 0.1  # metres a row of the gamma image
+    gamma_noise: float = 2.0  # standard deviation, gAPI
 
     def __post_init__(self) -> None:
         for name in ("rotation", "stick_slip_period", "advance", "sample_rate", "image_step"):
@@ -115,27 +96,12 @@ class Simulation:
 def simulate(
     hole: Hole | None = None, tool: Tool | None = None, *, samples: int | None = None, seed: int = 0
 ) -> Simulation:
-    """Measure a known hole with an imaging-while-drilling tool.
+    """Measure a hole (None: ``Hole.example(seed=seed)``) with an imaging-while-drilling tool (None: ``Tool()``).
 
-    Parameters
-    ----------
-    hole, tool
-        The hole and the tool; None: ``Hole.example(seed=seed)`` and ``Tool()``.
-    samples
-        Number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed; it sets the
-        sample rate. None: the number that ``tool.sample_rate`` gives.
-    seed
-        Seed of phases, noise and missing samples (and of the hole if ``hole`` is None).
-
-    Returns
-    -------
-    Simulation
-        The first sample lies at ``hole.start`` and the last at ``hole.stop``. Ten million samples take some seconds.
-
-    Raises
-    ------
-    InputError
-        If there are fewer than 2 samples, a lift leaves the hole, or the lifts are not in order of depth.
+    ``samples`` is the number of samples of the whole run, at least 2, before the share ``tool.missing`` is removed; it
+    sets the sample rate. None: the number that ``tool.sample_rate`` gives. ``seed`` is that of phases, noise and
+    missing samples. The first sample lies at ``hole.start``, the last at ``hole.stop``. An InputError says that a lift
+    leaves the hole, or that the lifts are not in order of depth.
     """
     hole = Hole.example(seed=seed) if hole is None else hole
     tool = Tool() if tool is None else tool

@@ -12,14 +12,10 @@ from helibore.samples.helix import WallLike, helix_of
 
 
 class PointValues(NamedTuple):
-    """Values at points, (m,) each.
+    """Values at points, (m,) each: the radius in metres as `evaluate`, NaN where no vertex around the point has one.
 
-    Attributes
-    ----------
-    radius
-        Metres, as `evaluate`; NaN where no vertex around the point has one.
-    nearest, support, gap
-        Of the vertex nearest to the point, as in `Wall`: metres, samples, degrees; NaN, 0 and 360 beyond the wall.
+    The others are those of the vertex nearest to the point, as in `Wall`: metres, samples, degrees; NaN, 0 and 360
+    beyond the wall.
     """
 
     radius: Floats

@@ -364,7 +364,7 @@ def test_spoiled_files_say_what_is_wrong(tmp_path: Path, what: str) -> None:
     assert [path.name for path in tmp_path.iterdir()] == ["c.csv"]
 
 
-def test_depths_that_fall_or_repeat_are_told(tmp_path: Path) -> None:
+def test_depths_that_fall_or_repeat_are_reported(tmp_path: Path) -> None:
     rows = plain().splitlines()
     (tmp_path / "c.csv").write_text("\n".join([rows[0], *rows[:0:-1], rows[1], rows[1].replace("0.108", "0.109")]))
     result = run("reconstruct", tmp_path / "c.csv", "-o", tmp_path / "w.glb", "--bit-diameter", "216mm")
@@ -406,7 +406,7 @@ def test_depths_that_fall_or_repeat_are_told(tmp_path: Path) -> None:
         ),
     ],
 )  # fmt: skip
-def test_where_a_survey_counts_from_is_told(
+def test_where_a_survey_counts_from_is_reported(
     tmp_path: Path, head: str, first: str, options: tuple[str, ...], said: str
 ) -> None:
     """TVD of a survey that begins at 990 m MD is not from the surface, unless the head says where that is."""

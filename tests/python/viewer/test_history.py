@@ -5,7 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 
-from helibore.viewer.history import MOST, History
+from helibore.viewer.scene import MOST_POINTS, History
 
 
 def test_growth_is_kept_and_nothing_else() -> None:
@@ -32,6 +32,6 @@ def test_a_month_is_still_few_points_from_its_start_to_its_end() -> None:
     for i in range(0, 30 * 86400, 20):
         history.note(float(i), i + 1, 1.0)
     times = history.as_columns()["time"]
-    assert len(times) <= MOST + 1
+    assert len(times) <= MOST_POINTS + 1
     assert (times[0], times[-1]) == (0.0, 30 * 86400 - 20.0)
     assert max(b - a for a, b in itertools.pairwise(times)) < 3000

@@ -97,7 +97,7 @@ def test_a_write_across_a_seam_reaches_the_halo_of_the_tile_above() -> None:
     assert [(m.tile, m.first, m.count) for m in sorted(got, key=lambda m: m.tile)] == [(0, tile, 3), (1, 0, 3)]
     assert all(m.live for m in got)
     scene.write(tile + K + 1, Vertices(np.full(3, 0.12)), {})
-    assert [m.tile for m in page.drain() if m.level == 0] == [1], "beyond the halo the tile above is not told"
+    assert [m.tile for m in page.drain() if m.level == 0] == [1], "beyond the halo the tile above gets no message"
 
 
 def test_new_quads_cost_sixteen_bytes_each_with_two_attributes() -> None:

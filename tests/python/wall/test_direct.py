@@ -62,10 +62,10 @@ def test_settled_vertices_are_interpolated_and_the_change_says_so() -> None:
         now = wall.radius
         differs = np.ones(len(now), dtype=bool)
         differs[: len(shown)] = now[: len(shown)].view(np.int64) != shown.view(np.int64)
-        told = np.zeros(len(now), dtype=bool)
+        reported = np.zeros(len(now), dtype=bool)
         for start, stop in change.ranges:
-            told[start:stop] = True
-        assert not np.any(differs & ~told)
+            reported[start:stop] = True
+        assert not np.any(differs & ~reported)
         np.testing.assert_array_equal(now[: wall.settled], plain.radius[: wall.settled])
         assert not wall.provisional[: wall.settled].any()
         ever += int(wall.provisional.sum())

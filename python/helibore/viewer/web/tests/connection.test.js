@@ -27,10 +27,10 @@ class Socket {
 function connected() {
   Socket.made = [];
   globalThis.WebSocket = Socket;
-  const heard = { handshake: [], write: [], status: [] };
-  const on = { handshake: (m) => heard.handshake.push(m), state() {}, frames() {}, write: (m) => heard.write.push(m), status: (...s) => heard.status.push(s) };
+  const received = { handshake: [], write: [], status: [] };
+  const on = { handshake: (m) => received.handshake.push(m), state() {}, frames() {}, write: (m) => received.write.push(m), status: (...s) => received.status.push(s) };
   const connection = new Connection('ws://rig/ws', on);
-  return { connection, heard, socket: Socket.made[0] };
+  return { connection, received, socket: Socket.made[0] };
 }
 
 function written(count, sequence, cut = 0) {
@@ -43,26 +43,26 @@ function written(count, sequence, cut = 0) {
 }
 
 test('a write is applied and acknowledged', () => {
-  const { heard, socket } = connected();
+  const { received, socket } = connected();
   socket.say({ type: 'handshake', session: 's' });
   socket.say(written(3, 7));
-  assert.equal(heard.write[0].count, 3);
+  assert.equal(received.write[0].count, 3);
   assert.deepEqual(socket.sent, [{ session: 's', ack: 7 }]);
-  assert.deepEqual(heard.status, [['live', '']]);
+  assert.deepEqual(received.status, [['live', '']]);
 });
 
 test('a message that is not what its head says is told, and the page connects again, later each time', () => {
   mock.timers.enable({ apis: ['setTimeout'] });
   try {
-    const { heard, socket } = connected();
+    const { received, socket } = connected();
     socket.say({ type: 'handshake', session: 's' });
     socket.say(written(3, 1, 2));
     socket.say(written(3, 2));
-    assert.deepEqual(heard.status.at(-1), [
+    assert.deepEqual(received.status.at(-1), [
       'lost',
       'The server sent what this page cannot read, trying again: message of 54 bytes: its head says 56',
     ]);
-    assert.equal(heard.write.length, 0, 'nothing after it is applied');
+    assert.equal(received.write.length, 0, 'nothing after it is applied');
     mock.timers.tick(499);
     assert.equal(Socket.made.length, 1);
     mock.timers.tick(1);
@@ -74,8 +74,8 @@ test('a message that is not what its head says is told, and the page connects ag
     assert.equal(Socket.made.length, 3);
     Socket.made[2].say({ type: 'handshake', session: 's' });
     Socket.made[2].say(written(3, 1));
-    assert.deepEqual(heard.status.at(-1), ['live', '']);
-    assert.equal(heard.write.length, 1);
+    assert.deepEqual(received.status.at(-1), ['live', '']);
+    assert.equal(received.write.length, 1);
   } finally {
     mock.timers.reset();
   }
@@ -84,13 +84,13 @@ test('a message that is not what its head says is told, and the page connects ag
 test('a lost connection says so; a refusal says why', () => {
   mock.timers.enable({ apis: ['setTimeout'] });
   try {
-    const { heard, socket } = connected();
+    const { received, socket } = connected();
     socket.onclose({ code: 1006, reason: '' });
-    assert.deepEqual(heard.status.at(-1), ['lost', 'Connection lost, trying again']);
+    assert.deepEqual(received.status.at(-1), ['lost', 'Connection lost, trying again']);
     socket.onclose({ code: 1012, reason: '' });
-    assert.deepEqual(heard.status.at(-1), ['lost', 'The server was stopped, trying again']);
+    assert.deepEqual(received.status.at(-1), ['lost', 'The server was stopped, trying again']);
     socket.onclose({ code: 4403, reason: 'token: missing or wrong.' });
-    assert.deepEqual(heard.status.at(-1), ['lost', 'The server refused this page: token: missing or wrong.']);
+    assert.deepEqual(received.status.at(-1), ['lost', 'The server refused this page: token: missing or wrong.']);
   } finally {
     mock.timers.reset();
   }
