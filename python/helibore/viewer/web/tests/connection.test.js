@@ -51,7 +51,7 @@ test('a write is applied and acknowledged', () => {
   assert.deepEqual(received.status, [['live', '']]);
 });
 
-test('a message that is not what its head says is told, and the page connects again, later each time', () => {
+test('a message that is not what its head says is reported, and the page connects again, later each time', () => {
   mock.timers.enable({ apis: ['setTimeout'] });
   try {
     const { received, socket } = connected();

@@ -109,21 +109,21 @@ test('picks in an address say which radius was measured and which is the bit’s
 
 test('one dip too many is not kept and says so; its points stay, and so do the other dips', () => {
   globalThis.document = { getElementById: () => ({ addEventListener() {} }) };
-  const told = [];
-  const picking = new Picking({ path: path(20, 0), resize() {}, notice: (text) => told.push(text) });
+  const shown = [];
+  const picking = new Picking({ path: path(20, 0), resize() {}, notice: (text) => shown.push(text) });
   const bed = (depth) => [0, 120, 240].map((toolface) => ({ depth, toolface, radius: 0.1, measured: true }));
   const keep = (depth) => {
     picking.points = bed(depth);
     picking.keep();
   };
   for (let i = 0; i < 200; i++) keep(1000 + i / 10);
-  assert.deepEqual(told, []);
+  assert.deepEqual(shown, []);
   const before = [...picking.kept];
   keep(1030);
   assert.deepEqual(picking.kept, before);
   assert.deepEqual(picking.points, bed(1030));
   const rule = 'There are 200 dips, as many as are kept: save them as a table and undo some first.';
-  assert.deepEqual(told, [`${rule} This one was not kept: 1030.00 m`]);
+  assert.deepEqual(shown, [`${rule} This one was not kept: 1030.00 m`]);
   picking.points = [];
   picking.undo();
   keep(1030);
@@ -131,8 +131,8 @@ test('one dip too many is not kept and says so; its points stay, and so do the o
   const address = picking.toAddress();
   picking.fromAddress(address);
   assert.equal(picking.kept.length, 200);
-  assert.equal(told.length, 1);
+  assert.equal(shown.length, 1);
   picking.fromAddress(`${address}!${address}`);
   assert.equal(picking.kept.length, 200);
-  assert.equal(told[1], 'The address holds 400 dips: the first 200 are kept, the others are not.');
+  assert.equal(shown[1], 'The address holds 400 dips: the first 200 are kept, the others are not.');
 });
