@@ -8,6 +8,7 @@ is randomly shortened by up to half, so that the sources do not reconnect at the
 
 from __future__ import annotations
 
+import contextlib
 import functools
 import random
 import threading
@@ -20,9 +21,9 @@ from helibore.live.alarms import TICK, WAITING, Alarms
 from helibore.live.events import LOGGER
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
-from helibore.live.sources import Source
-from helibore.live.store import AccessDeniedError, Position
-from helibore.live.transport import Link, Opener, close_quietly, opener
+from helibore.live.sources import Source, StoreSource
+from helibore.live.store import AccessDeniedError, StoreClient
+from helibore.live.transport import Link, Opener, opener
 from helibore.live.update import Update
 
 QUEUE_BYTES = 4 << 20
@@ -136,7 +137,7 @@ class Server:
         try:
             for name, source in self.live.configuration.sources.items():
                 if source.address.kind != "host":
-                    self.openers[name] = opener(source, functools.partial(self._report, name), self._position(name))
+                    self.openers[name] = self._opener(name, source)
         except BaseException:
             for one in self.openers.values():
                 one.close()
@@ -195,10 +196,11 @@ class Server:
     def _report(self, source: str, rule: str, text: str) -> None:
         self.live.report(rule, text, source)
 
-    def _position(self, source: str) -> Position:
-        """Return a function that returns the last index drawn of a store's log; rows requested twice are read once."""
-        reader = self.live.model.readers[self.live.model.numbers[source]]
-        return lambda: getattr(reader, "last", None)
+    def _opener(self, name: str, source: Source) -> Opener:
+        if not isinstance(source, StoreSource):
+            return opener(source, functools.partial(self._report, name))
+        reader = self.live.model.readers[self.live.model.numbers[name]]
+        return StoreClient(source, lambda: getattr(reader, "last", None))  # the last index drawn
 
     def _follow(self, source: Source, one: Opener) -> None:
         """Open and read a source again and again until the server stops."""
@@ -248,7 +250,8 @@ class Server:
                     self.last_received[source.name] = time.monotonic()
                     self._put(source, connection, payload, journals.BYTES)
         finally:
-            close_quietly(link)
+            with contextlib.suppress(OSError):  # it may be broken already
+                link.close()
             self._put(source, connection, b"", journals.CLOSED)
         return came
 

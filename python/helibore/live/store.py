@@ -26,6 +26,7 @@ from helibore.base.errors import InputError, MissingExtraError
 from helibore.live import witsml
 from helibore.live.redaction import Redactor, check_password
 from helibore.live.sources import StoreSource
+from helibore.live.transport import Link, Opener
 
 PIECE = 1 << 19
 SOON = 0.25
@@ -39,8 +40,11 @@ class AccessDeniedError(OSError):
 Position = Callable[[], tuple[str, str] | None]
 
 
-class StoreClient:
+class StoreClient(Opener):
     """Opens polling links to a store.
+
+    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that a repeated one takes
+    only a line of the journal.
 
     Raises
     ------
@@ -50,14 +54,13 @@ class StoreClient:
         If the password is not in the environment, or ``ca`` is not a file of certificates.
     """
 
-    ends = False
-
     def __init__(self, source: StoreSource, position: Position) -> None:
+        super().__init__(lambda _: StoreLink(self))  # the link sends the first query
         try:
             import httpx2
         except ImportError:
             raise MissingExtraError("httpx2", "witsml") from None
-        self._source, self._position, self._http = source, position, httpx2
+        self.source, self.position, self.http = source, position, httpx2
         place = f"source.{source.name}"
         self._trust = ssl.create_default_context()
         if source.ca:
@@ -66,48 +69,35 @@ class StoreClient:
             except OSError as error:
                 raise InputError(f"{place}.ca", f"is no file of certificates: {error}", repr(source.ca)) from None
         self._auth: tuple[str, str] | None = None
-        self._refused: dict[str, bytes] = {}
+        self.refused: dict[str, bytes] = {}
         if source.user:
             if source.password_env not in os.environ:
                 raise InputError(f"{place}.password_env", "is not set in the environment", repr(source.password_env))
             self._auth = source.user, os.environ[source.password_env]
             check_password(f"{place}.password_env", self._auth[1])
-        self._redactor = Redactor(self._auth)
+        self.redactor = Redactor(self._auth)
 
-    def open(self, seconds: float) -> StoreLink | None:  # noqa: ARG002 (the link sends the first query)
-        """Begin polling."""
-        client = self._http.Client(verify=self._trust, auth=self._auth, trust_env=False, follow_redirects=False)
-        return StoreLink(client, self._http, self._source, self._position, self._refused, self._redactor)
-
-    def close(self) -> None:
-        """Nothing is held."""
+    def client(self) -> Any:
+        """Return a client of httpx2 that verifies the certificate and sends the credentials to this store only."""
+        return self.http.Client(verify=self._trust, auth=self._auth, trust_env=False, follow_redirects=False)
 
 
-class StoreLink:
-    """Polls a store until it is closed or an answer fails.
+class StoreLink(Link):
+    """Polls a store until it is closed or an answer fails."""
 
-    ``refused`` has the checksum of the last refused answer of each kind, over all links, so that a repeated one takes
-    only a line of the journal.
-    """
-
-    def __init__(
-        self, client: Any, http: Any, source: StoreSource, position: Position, refused: dict[str, bytes],
-        redactor: Redactor,
-    ) -> None:  # fmt: skip
-        self.peer = source.address.url
-        self._client, self._http, self._source = client, http, source
-        self._position = position
-        self._refused, self._redactor = refused, redactor
+    def __init__(self, store: StoreClient) -> None:
+        self.peer = store.source.address.url
+        self._client, self._http, self._source = store.client(), store.http, store.source
+        self._position, self._refused, self._redactor = store.position, store.refused, store.redactor
         self._pieces: queue.SimpleQueue[bytes | OSError | threading.Event] = queue.SimpleQueue()
         self._closed = threading.Event()
         self._before: dict[str, bytes] = {}
         self._socket: socket.socket | None = None
         self._answering = False
-        self._thread = threading.Thread(target=self._poll, name=f"poll {source.name}", daemon=True)
+        self._thread = threading.Thread(target=self._poll, name=f"poll {store.source.name}", daemon=True)
         self._thread.start()
 
     def read(self, seconds: float) -> bytes | None:
-        """Return what came."""
         try:
             piece = self._pieces.get(timeout=seconds)
         except queue.Empty:
@@ -121,11 +111,7 @@ class StoreLink:
             return b""
         return piece
 
-    def write(self, payload: bytes) -> None:
-        """Do nothing: only queries are sent to a store."""
-
     def close(self) -> None:
-        """Stop polling."""
         self._closed.set()
 
     def _poll(self) -> None:

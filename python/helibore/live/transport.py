@@ -7,7 +7,6 @@ Bytes are sent only if the mode of the source says so. ``server.py`` decides whe
 
 from __future__ import annotations
 
-import contextlib
 import ipaddress
 import selectors
 import socket
@@ -15,12 +14,11 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from helibore.base.errors import MissingExtraError
 from helibore.live import wits
-from helibore.live.sources import Source, StoreSource, WitsSource
-from helibore.live.store import Position, StoreClient
+from helibore.live.sources import Source, WitsSource
 
 CHUNK = 65536
 PATIENCE = 3
@@ -29,47 +27,38 @@ ACCEPT_AGAIN = 1.0
 """Seconds until the next try after a connection could not be accepted (no descriptors left)."""
 
 
-class Link(Protocol):
+class Link:
     """One open connection."""
 
     peer: str
 
     def read(self, seconds: float) -> bytes | None:
         """Return bytes; b"" if none came within ``seconds``, None if the link has ended."""
+        raise NotImplementedError
 
     def write(self, payload: bytes) -> None:
-        """Send a heartbeat or a poll."""
+        """Send a heartbeat or a poll, if this kind of link sends."""
 
     def close(self) -> None:
         """Close the link."""
 
 
-class Opener(Protocol):
-    """Opens links to one source."""
-
-    ends: bool
-    """Whether the source ends when its link ends (a file)."""
-
-    def open(self, seconds: float) -> Link | None:
-        """Return a link; None if none came within ``seconds``. Raise OSError if the link cannot be opened."""
-
-    def close(self) -> None:
-        """Close the opener."""
-
-
 @dataclass
-class SimpleOpener:
-    """Opens a link by calling ``connect`` with a time limit in seconds."""
+class Opener:
+    """Opens links to one source by calling ``connect`` with a time limit in seconds.
 
-    connect: Callable[[float], Link]
+    ``ends``: whether the source ends when its link ends (a file).
+    """
+
+    connect: Callable[[float], Link | None]
     ends: bool = False
 
     def open(self, seconds: float) -> Link | None:
-        """Connect."""
+        """Return a link; None if none came within ``seconds``. Raise OSError if the link cannot be opened."""
         return self.connect(seconds)
 
     def close(self) -> None:
-        """Do nothing: there is nothing to close."""
+        """Close what is held between two links."""
 
 
 def _readable(sockets: list[socket.socket], seconds: float) -> list[Any]:
@@ -88,7 +77,7 @@ def _keep_alive(connection: socket.socket) -> None:
             connection.setsockopt(socket.IPPROTO_TCP, getattr(socket, option), value)
 
 
-class SocketLink:
+class SocketLink(Link):
     """A TCP connection; ``listener`` decides whether a newcomer replaces it."""
 
     def __init__(
@@ -100,7 +89,6 @@ class SocketLink:
         connection.settimeout(5.0)
 
     def read(self, seconds: float) -> bytes | None:
-        """Return what came."""
         if self._first:
             first, self._first = self._first, b""
             return first
@@ -114,11 +102,9 @@ class SocketLink:
         return None if self._listener and ready and self._listener.replaces(self, ready) else b""
 
     def write(self, payload: bytes) -> None:
-        """Send ``payload``."""
         self._connection.sendall(payload)
 
     def close(self) -> None:
-        """Close the connection."""
         self._connection.close()
 
 
@@ -133,16 +119,15 @@ class Newcomer:
     sent: bytes = b""
 
 
-class TcpListener:
+class TcpListener(Opener):
     """Waits for one sender at a time; a peer that is not allowed is refused.
 
     A newcomer replaces a sender only if the sender has been silent for ``replace_after`` seconds and for `PATIENCE`
     times its own longest interval, and only if the newcomer sent a whole frame with an item.
     """
 
-    ends = False
-
     def __init__(self, source: WitsSource, refuse: Callable[[str, str], None]) -> None:
+        super().__init__(self._next)
         host, port = source.address.host, source.address.port
         self._listening = socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET,
                                                backlog=64)  # fmt: skip
@@ -153,7 +138,7 @@ class TcpListener:
         self._newcomer: Newcomer | None = None
         self._accept_from = 0.0
 
-    def open(self, seconds: float) -> Link | None:
+    def _next(self, seconds: float) -> Link | None:
         """Return the next allowed connection."""
         if self._newcomer is None and _readable([self._listening], seconds):
             self._accept()
@@ -218,53 +203,31 @@ class TcpListener:
         return False
 
     def close(self) -> None:
-        """Stop listening."""
         self._listening.close()
         if self._newcomer:
             self._newcomer.connection.close()
 
 
-def _connect(source: Source) -> Callable[[float], Link]:
-    host, port = source.address.host, source.address.port
-
-    def connect(seconds: float) -> Link:
-        return SocketLink(socket.create_connection((host, port), timeout=max(seconds, 5.0)), f"{host}:{port}")
-
-    return connect
-
-
-def _serial(source: Source) -> Callable[[float], Link]:
-    try:
-        import serial
-    except ImportError:
-        raise MissingExtraError("pyserial", "serial") from None
-    file, baud = source.address.file, source.address.baud
-    return lambda seconds: SerialLink(serial.Serial(file, baud, timeout=seconds, write_timeout=5), file)
-
-
-class SerialLink:
+class SerialLink(Link):
     """An open serial port."""
 
     def __init__(self, port: Any, peer: str) -> None:
         self.peer, self._port = peer, port
 
     def read(self, seconds: float) -> bytes | None:
-        """Return what came."""
         self._port.timeout = seconds
         first = self._port.read(1)
         return bytes(first + self._port.read(min(self._port.in_waiting, CHUNK))) if first else b""
 
     def write(self, payload: bytes) -> None:
-        """Send ``payload``."""
         self._port.write(payload)
 
     def close(self) -> None:
-        """Close the port."""
         self._port.close()
 
 
-class FileLink:
-    """An open file."""
+class FileLink(Link):
+    """An open file; it gives the bytes that are due at ``speed`` bytes a second (0: all)."""
 
     def __init__(self, file: Path, speed: float) -> None:
         self.peer, self._speed = str(file), speed
@@ -272,7 +235,6 @@ class FileLink:
         self._start, self._sent = time.monotonic(), 0
 
     def read(self, seconds: float) -> bytes | None:
-        """Return the bytes that are due at this speed."""
         size = CHUNK
         if self._speed:
             due = int((time.monotonic() - self._start) * self._speed) - self._sent
@@ -284,38 +246,31 @@ class FileLink:
         self._sent += len(payload)
         return payload or None
 
-    def write(self, payload: bytes) -> None:
-        """Do nothing: a file is only read."""
-
     def close(self) -> None:
-        """Close the file."""
         self._stream.close()
 
 
-def opener(source: Source, refuse: Callable[[str, str], None], position: Position = lambda: None) -> Opener:
-    """Return the opener for ``source``; ``refuse`` reports refused peers, ``position`` returns a log's last index.
+def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
+    """Return the opener for a source that is no store; ``refuse`` reports refused peers.
 
     Raises
     ------
     OSError
         If the address of a listener cannot be used.
     MissingExtraError
-        If pyserial (for a serial source) or httpx2 (for a store) is not installed.
-    InputError
-        If a store's password or certificates are missing.
+        If pyserial (for a serial source) is not installed.
     """
-    kind = source.address.kind
-    if isinstance(source, StoreSource):
-        return StoreClient(source, position)
-    if isinstance(source, WitsSource) and kind == "listen":
+    address = source.address
+    if isinstance(source, WitsSource) and address.kind == "listen":
         return TcpListener(source, refuse)
-    if kind == "file":
-        file, speed = Path(source.address.file), source.address.speed
-        return SimpleOpener(lambda _: FileLink(file, speed), ends=True)
-    return SimpleOpener(_serial(source) if kind == "serial" else _connect(source))
-
-
-def close_quietly(link: Link) -> None:
-    """Close a link that may be broken already."""
-    with contextlib.suppress(OSError):
-        link.close()
+    if address.kind == "file":
+        return Opener(lambda _: FileLink(Path(address.file), address.speed), ends=True)
+    if address.kind == "tcp":
+        where, name = (address.host, address.port), f"{address.host}:{address.port}"
+        return Opener(lambda seconds: SocketLink(socket.create_connection(where, timeout=max(seconds, 5.0)), name))
+    try:
+        import serial
+    except ImportError:
+        raise MissingExtraError("pyserial", "serial") from None
+    file, baud = address.file, address.baud
+    return Opener(lambda seconds: SerialLink(serial.Serial(file, baud, timeout=seconds, write_timeout=5), file))
