@@ -42,12 +42,8 @@ class Window:
     ----------
     well
         Name of the well on the page.
-    host, port
-        Address of the page. Port 0: a free port.
-    token
-        Secret that the page's address must have.
-    certificate, key
-        PEM files; with them the page is served over HTTPS.
+    host, port, token, certificate, key
+        As for `PageServer`. Port 0: a free port.
 
     Attributes
     ----------
@@ -78,7 +74,7 @@ class Window:
         self._server = PageServer(self.scene, host=host, port=port, token=token, certificate=certificate, key=key)
         self.url = self._server.url
         self._well = well
-        self._live: Live | None = None
+        self._live: Live
         self._feed: Feed | None = None
         self._path_moved = True
         self._newest: float | None = None
@@ -104,7 +100,7 @@ class Window:
 
         Call this a few times a second, with the state of each source.
         """
-        live = self._wanted()
+        live = self._live
         if self._feed and live.model.layouts.keys() - self._images.keys():  # a new image, not configured
             self._feed.close()
             self._feed = None
@@ -142,7 +138,7 @@ class Window:
         from helibore.viewer.feed import Feed
 
         self._path_moved = False
-        live = self._wanted()
+        live = self._live
         self._images = dict.fromkeys(live.model.layouts, 0)
         configured = [image for source in live.configuration.sources.values() for image in source.images]
         units = {image.name: image.unit for image in configured} | {name: of.unit for name, of in live.images.items()}
@@ -159,7 +155,7 @@ class Window:
         """Map the images that have grown to the current wall."""
         if self._feed is None or time.monotonic() < self._images_due:
             return
-        began, live = time.monotonic(), self._wanted()
+        began, live = time.monotonic(), self._live
         for name, shown in self._images.items():
             rows = len(live.images[name]) if name in live.images else 0
             if rows > max(shown, 1):  # the reach of a single row is not known
@@ -173,23 +169,19 @@ class Window:
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if self._feed:
             return text
-        model = self._wanted().model
+        model = self._live.model
         received, waiting = model.counts["received"], model.waiting
         return f"{text}. {received:,} samples received" + (f", {waiting:,} wait for their depth." if waiting else ".")
 
-    def _wanted(self) -> Live:
-        assert self._live is not None, "follow comes first"
-        return self._live
-
     def _span(self) -> tuple[float, float]:
         """Return the depths of the shallowest and the deepest vertex, metres."""
-        wall = self._wanted().wall
+        wall = self._live.wall
         return helix_of(wall).ends(len(wall))
 
     def _path(self) -> Path | None:
         """Return the path so far, extended below the wall; None if it does not cover the wall's top."""
         top, bottom = self._span()
-        path = self._wanted().model.stations.reaching(bottom + AHEAD)
+        path = self._live.model.stations.reaching(bottom + AHEAD)
         if path is None or path.start_depth > top:
             self._path_stop = float("inf")
             return None

@@ -168,31 +168,20 @@ class SourceReader:
         states = np.zeros(values.shape, np.uint8)
         column = self._column[items["code"]]
         mapped = np.flatnonzero(column >= 0)[::-1]  # backwards, so that the first of two equal items in a frame stays
-        row = np.repeat(np.arange(len(frames)), frames["items"])[mapped]
+        of = np.repeat(np.arange(len(frames)), frames["items"])
+        row = of[mapped]
         values[row, column[mapped]] = items["value"][mapped]
         states[row, column[mapped]] = np.array([VALUE, NULL, INVALID, INVALID], np.uint8)[items["flags"][mapped]]
-        reading.keep_alives = int(np.count_nonzero((frames["items"] == 1) & self._is_keep_alive(batch)))
+        empty = (items["code"] == 111) & (items["flags"] == wits.NULL)
+        reading.keep_alives = int(np.count_nonzero(frames["items"][of[empty]] == 1))
         bad = mapped[items["flags"][mapped] == wits.INVALID][::-1]
         self._report_invalid(bad, batch, reading, values)
         if len(mapped) != np.count_nonzero(states):
-            pairs = row * len(self._codes) + column[mapped]
-            kept = np.zeros(len(mapped), bool)
-            kept[len(pairs) - 1 - np.unique(pairs[::-1], return_index=True)[1]] = True
-            self._report_items(
-                mapped[~kept][::-1], batch, reading, "twice", "is there twice in a frame: the first counts"
-            )
+            pairs = (row * len(self._codes) + column[mapped])[::-1]
+            twice = np.delete(mapped[::-1], np.unique(pairs, return_index=True)[1])
+            words = "is there twice in a frame: the first counts"
+            self._events.report_rows(twice, lambda item: self._item_event(item, batch, reading, "twice", words))
         return values, states
-
-    @staticmethod
-    def _is_keep_alive(batch: wits.Batch) -> npt.NDArray[np.bool_]:
-        first = np.minimum(batch.frames["first"], max(len(batch.items) - 1, 0))
-        if not len(batch.items):
-            return np.zeros(len(batch.frames), bool)
-        alone: npt.NDArray[np.bool_] = (batch.items["code"][first] == 111) & (batch.items["flags"][first] == wits.NULL)
-        return alone
-
-    def _report_items(self, rows: Integers, batch: wits.Batch, reading: Reading, rule: str, words: str) -> None:
-        self._events.report_rows(rows, lambda row: self._item_event(row, batch, reading, rule, words))
 
     def _item_event(self, row: int, batch: wits.Batch, reading: Reading, rule: str, words: str) -> Event:
         item = batch.items[row]
