@@ -292,6 +292,8 @@ class Source(Table):
     rig, station, measured
         The items of the rig quantities; of depth, inclination and azimuth of a survey station; and all items of
         stations, caliper and images.
+    mapped, records
+        The codes of all items that are read, and the numbers of their records, whose sequence numbers are checked.
     images
         The images of the table ``image``.
     limits
@@ -304,6 +306,7 @@ class Source(Table):
         description='"tcp://HOST:PORT", "listen://HOST:PORT", "serial:///dev/ttyS0?baud=9600", '
         '"file:///PATH?speed=1", "https://STORE" or "host" (the program pushes the bytes)'
     )
+    units: Derived[str] = "sent"
     silence: Annotated[float, within(0.1)] = 120.0
     nulls: list[float] = [*NULLS]
     pass_numbers: PassNumbers = PassNumbers()
@@ -314,6 +317,8 @@ class Source(Table):
     rig: Derived[dict[str, Item]] = {}
     station: Derived[list[Item]] = []
     measured: Derived[list[Item]] = []
+    mapped: Derived[list[int]] = []
+    records: Derived[list[int]] = []
     images: Derived[list[Image]] = []
     limits: Derived[tuple[int, int, int]] = (1024, 65536, 512)
     message: Derived[tuple[bytes, float] | None] = None
@@ -334,22 +339,13 @@ class Source(Table):
         for image in images:
             measured += [*image.sectors, *([image.depth] if image.depth else [])]
         rig = {name: item for name, item in self.items if item is not None and name != "pass_number"}
-        self._derive(name=context.name, rig=rig, images=images, measured=measured)
-
-    @property
-    def mapped(self) -> list[int]:
-        """The codes of all items that are read."""
-        number = self.items.pass_number
-        return [item.code for item in [*self.rig.values(), *([number] if number else []), *self.measured]]
-
-    @property
-    def records(self) -> list[int]:
-        """The record numbers of all mapped items; their sequence numbers (item 04) are checked."""
-        return []
+        number = [self.items.pass_number] if self.items.pass_number else []
+        mapped = [item.code for item in (*rig.values(), *number, *measured)]
+        self._derive(name=context.name, rig=rig, images=images, measured=measured, mapped=mapped)
 
     def meaning(self) -> dict[str, Any]:
         """Return the settings that affect the wall, without those of the transport."""
-        meaning: dict[str, Any] = {"name": self.name, "units": "sent", "nulls": self.nulls, "limits": self.limits,
+        meaning: dict[str, Any] = {"name": self.name, "units": self.units, "nulls": self.nulls, "limits": self.limits,
                                    "items": self.rig, "survey": self.station or None}  # fmt: skip
         caliper = ("toolface", "radius", "depth", "offset", "latency", "toolface_offset", "radius_range")
         image = ("name", "unit", "sectors", "depth", "offset", "latency", "layout")
@@ -381,25 +377,21 @@ class WitsSource(Source):
         self._derive(station=[item for _, item in self.survey or ()], message=messages.get(self.mode),
                      limits=(self.line_limit, self.frame_limit, self.item_limit))  # fmt: skip
         super().model_post_init(context)
+        self._derive(records=sorted({code // 100 for code in self.mapped}))
         if self.address.kind == "listen" and not self.address.is_loopback and "allow" not in self.model_fields_set:
             raise InputError("allow", f"must be set: who may connect to a listener on {self.address.host}")
 
-    @property
-    def records(self) -> list[int]:
-        return sorted({code // 100 for code in self.mapped})
 
-    def meaning(self) -> dict[str, Any]:
-        return super().meaning() | {"units": self.units}
-
-
-class Log(Table):
-    """The log of a store, with the uids of its well, its wellbore and itself.
-
-    A row more than ``jump`` (m or s) after the previous one counts only if the next row is within ``jump`` after it.
-    """
+class StoreObject(Table):
+    """An object of a store, named by the uids of its well, its wellbore and itself."""
 
     well: Text = Field(description="the uid")
     wellbore: Text = Field(description="the uid")
+
+
+class Log(StoreObject):
+    """A log; a row more than ``jump`` (m or s) after the previous one counts only if the next one confirms it."""
+
     log: Text = Field(description="the uid")
     index: Literal["depth", "time"] = Field(description='"depth" or "time"')
     jump: Annotated[float, within(0.001)] | None = None
@@ -409,11 +401,9 @@ class Log(Table):
         return self.well, self.wellbore, self.log
 
 
-class Trajectory(Table):
-    """The trajectory of a store."""
+class Trajectory(StoreObject):
+    """A trajectory."""
 
-    well: Text = Field(description="the uid")
-    wellbore: Text = Field(description="the uid")
     trajectory: Text = Field(description="the uid")
 
     @property
