@@ -1,0 +1,51 @@
+"""Checks the built site: every public name is in it, no page asks for a network, no markup is left raw."""
+
+from __future__ import annotations
+
+import html
+import inspect
+import re
+import sys
+from pathlib import Path
+
+from sphinx.util.inventory import InventoryFile
+
+import helibore
+
+
+def public_names() -> set[str]:
+    """The names of the package, and the methods and properties of its classes."""
+    names = set()
+    for name in set(dir(helibore)) - {"__version__", "plot"}:
+        of = getattr(helibore, name)
+        names.add(f"helibore.{name}")
+        if inspect.isclass(of) and not issubclass(of, BaseException):
+            members = {member: what for member, what in vars(of).items() if not member.startswith("_")}
+            names |= {
+                f"helibore.{name}.{member}"
+                for member, what in members.items()
+                if callable(what) or type(what) is property
+            }
+    return names
+
+
+def problems(site: Path) -> list[str]:
+    """One line for each thing that is wrong."""
+    inventory = InventoryFile.loads((site / "objects.inv").read_bytes(), uri="")
+    documented = {name for kind in inventory.data.values() for name in kind}
+    found = [f"{name} is not in the reference" for name in sorted(public_names() - documented)]
+    for page in sorted(site.rglob("*.html")):
+        text = page.read_text(encoding="utf-8")
+        place = page.relative_to(site)
+        for request in re.findall(r"<(?:script|img|link)[^>]+(?:src|href)=\"(https?://[^\"]+)", text):
+            found.append(f"{place} asks for {request}")
+        prose = html.unescape(re.sub(r"<(pre|code|script|style)\b.*?</\1>|<[^>]+>", " ", text, flags=re.DOTALL))
+        for raw in re.findall(r":(?:class|func|meth|py:\w+):`|``|\{eval-rst|:::|\$\$", prose):
+            found.append(f"{place} shows raw markup: {raw}")
+    return found
+
+
+if __name__ == "__main__":
+    wrong = problems(Path(sys.argv[1]))
+    print("\n".join(wrong))
+    sys.exit(bool(wrong))
