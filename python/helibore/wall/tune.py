@@ -90,6 +90,7 @@ class Tuning:
 
     @property
     def settings(self) -> Settings:
+        """The settings of the best candidate."""
         return self.best.settings
 
     @property
