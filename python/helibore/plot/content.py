@@ -173,11 +173,18 @@ class Content:
     stretched: Stretched | None
     bodies: list[Body]
     reference: str
+    interpolated: Floats | None
 
     def summary(self, start: float | None = None, stop: float | None = None) -> WallSummary:
         """Return the summary of the interval, or of a part of it."""
         ends = (self.top if start is None else start, self.bottom if stop is None else stop)
         return summarize(self.wall, *ends, zones=self.zones)
+
+    @property
+    def hatching(self) -> str:
+        """What the hatching means; "" where there is none."""
+        between = " between arms" if self.wall.arms is not None else ""
+        return "" if self.interpolated is None else f"interpolated{between}"
 
     @property
     def letters(self) -> str:
@@ -210,8 +217,11 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     width = min(130.0, max(24.0, (190.0 - 14.0 - 40.0 - 2.0 * (count + 1)) / max(count, 1)))
     radius = _radius(wall, drawing.looks.get(RADIUS, Look()))
     helix = (wall.settings, wall.start_depth)
+    interpolated = None
     if wall.basis == "azimuthal":
-        tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width))
+        between = (wall.angular_gap > wall.settings.largest_gap) & np.isfinite(wall.radius)
+        interpolated = between.astype(np.float64) if between.any() else None
+        tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width, interpolated))
     for image, (how, values) in pairs:
         tracks.append(ImageTrack(how, (image, values), reference, drawing.left, width))
     stretched = _stretched(wall, drawing, top, bottom, images)
@@ -221,11 +231,12 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     polar = drawing.polar
     if polar is None:
         polar = telling_depths(turns, top, bottom) if wall.basis == "azimuthal" else []
-    sections = sections_at(wall, sorted(polar)) if polar else []
+    sections = sections_at(wall, sorted(polar), interpolated) if polar else []
     lines = Lines.of(scale)
     return Content(
-        wall, drawing, top, bottom, scale, lines, tracks, turns, zones, sections, stretched, bodies, reference
-    )
+        wall, drawing, top, bottom, scale, lines, tracks, turns, zones, sections, stretched, bodies, reference,
+        interpolated,
+    )  # fmt: skip
 
 
 def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:

@@ -14,12 +14,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from helibore.base.arrays import Floats
+from helibore.base.arrays import Floats, Mask
 from helibore.base.errors import InputError
 from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
-from helibore.plot.tracks import GREY, LENGTHS, OVER, SIDES, UNDER
+from helibore.plot.tracks import GREY, HATCH_COLOR, LENGTHS, OVER, SIDES, UNDER
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,17 +32,24 @@ WIDTH, HEIGHT = 47.0, 54.0
 
 @dataclass(frozen=True)
 class CrossSection:
-    """The wall at a depth: radius (m) by toolface (deg, from the wall's first), NaN where missing, and the samples."""
+    """The wall at a depth: radius (m) by toolface (deg, from the wall's first), NaN where missing, and the samples.
+
+    ``interpolated``: (sectors,) whether the wall there is interpolated between arms.
+    """
 
     depth: float
     toolface: Floats
     radius: Floats
+    interpolated: Mask
     sample_toolface: Floats
     sample_radius: Floats
 
 
-def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
-    """Cut the wall at these depths; an InputError names a depth that the wall does not reach."""
+def sections_at(wall: Wall, depths: list[float], interpolated: Floats | None = None) -> list[CrossSection]:
+    """Cut the wall at these depths; an InputError names a depth that the wall does not reach.
+
+    ``interpolated``: (n,) 1 at vertices between arms, else 0.
+    """
     settings = wall.settings
     K, pitch = settings.sectors, settings.pitch
     radius, samples = wall.radius, wall.samples
@@ -56,9 +63,11 @@ def sections_at(wall: Wall, depths: list[float]) -> list[CrossSection]:
         turn = np.rint((depth - wall.start_depth) / pitch - column / K).astype(np.int64)
         vertex = turn * K + column
         there = (turn >= 0) & (vertex < radius.size)
-        across = np.where(there, radius[np.clip(vertex, 0, radius.size - 1)], np.nan)
+        vertex = np.clip(vertex, 0, radius.size - 1)
+        across = np.where(there, radius[vertex], np.nan)
+        between = np.zeros(K, dtype=bool) if interpolated is None else np.isfinite(across) & (interpolated[vertex] > 0)
         near = np.abs(samples.depth - depth) <= 0.5 * abs(pitch)
-        cut.append(CrossSection(depth, toolface, across, samples.toolface[near], samples.radius[near]))
+        cut.append(CrossSection(depth, toolface, across, between, samples.toolface[near], samples.radius[near]))
     return cut
 
 
@@ -118,6 +127,7 @@ def draw_section(
         sheet.text(*place, side, SMALL, ha="center")
     there = np.isfinite(section.radius)
     words = f"rings each {step:g} {unit}" + ("" if there.all() else f"; {100 * (1 - there.mean()):.0f} % missing")
+    words += f"; {100 * section.interpolated.mean():.0f} % interpolated" if section.interpolated.any() else ""
     sheet.text(middle, y + HEIGHT - 1.0, words, SMALL, ha="center", within=WIDTH - 2)
     return axes
 
@@ -126,7 +136,7 @@ def key_text(bit_diameter: float, unit: str, pitch: float) -> str:
     """Explain what the sections show, in one line."""
     size, near = length_text(bit_diameter / LENGTHS[unit], unit), f"{500 * abs(pitch):g} mm"
     signs = f"Red: wall; dashed: bit, {size}; dots: samples within {near}; grey: no sample in reach"
-    return f"Cross sections, looking downhole, true shape. {signs}"
+    return f"Cross sections, looking downhole, true shape. {signs}; hatched: interpolated"
 
 
 def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
@@ -143,17 +153,24 @@ def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:
         inner = _xy(fine, np.full(fine.size, bit))
         ring = [np.append(a, b[::-1]) for a, b in zip(_xy(fine, other), inner, strict=True)]
         _patch(axes, ring, color, 0.85)
-    for j in np.flatnonzero(np.isnan(r)):
+    for j in np.flatnonzero(np.isnan(r) | section.interpolated):
         arc = section.toolface[j] + np.linspace(-180.0 / K, 180.0 / K, 8)
-        x, y = _xy(arc, np.full(8, outer))
-        _patch(axes, [np.append(x, 0.0), np.append(y, 0.0)], GREY)
+        x, y = _xy(arc, np.full(8, outer if np.isnan(r[j]) else r[j]))
+        wedge = [np.append(x, 0.0), np.append(y, 0.0)]
+        if np.isnan(r[j]):
+            _patch(axes, wedge, GREY)
+        else:
+            _patch(axes, wedge, "none", hatch="////")
 
 
-def _patch(axes: Axes, outline: list[Floats], color: str | tuple[float, ...], alpha: float = 1.0) -> None:
-    """Fill an outline; the limits of the axes are known, so it is not measured."""
+def _patch(
+    axes: Axes, outline: list[Floats], color: str | tuple[float, ...], alpha: float = 1.0, hatch: str | None = None
+) -> None:
+    """A filled or hatched outline; the limits of the axes are known, so it is not measured."""
     from matplotlib.patches import Polygon
 
-    axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, edgecolor="none", alpha=alpha))
+    look = {"hatch": hatch, "edgecolor": HATCH_COLOR, "linewidth": 0.0} if hatch else {"edgecolor": "none"}
+    axes.add_artist(Polygon(np.column_stack(outline), facecolor=color, alpha=alpha, **look))
 
 
 def _xy(toolface: Floats, radius: Floats) -> tuple[Floats, Floats]:

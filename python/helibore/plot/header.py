@@ -11,7 +11,7 @@ from helibore._core import __version__
 from helibore.base.units import INCH
 from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
-from helibore.plot.tracks import GREY
+from helibore.plot.tracks import GREY, HATCH_COLOR
 from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
@@ -50,8 +50,16 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Wall made from", made, wall.basis != "azimuthal"),
         ("Samples", f"{wall.sample_count:,}", False),
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {len(wall):,} vertices", False),
-        ("No sample in reach", f"{100 * content.summary().without_radius:.2f} % of the interval", False),
+        ("Measured", measured_text(content), True)
+        if content.hatching
+        else ("No sample in reach", f"{100 * content.summary().without_radius:.2f} % of the interval", False),
     ]
+
+
+def measured_text(content: Content) -> str:
+    """Return how much of the turns was measured, and what the rest is."""
+    rest = content.hatching or "interpolated or missing"
+    return f"{100 * content.summary().coverage:.2f} % of the turns; the rest is {rest}"
 
 
 def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
@@ -75,7 +83,14 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
     """Explain the letters and the grey; say what drew it."""
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
     sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
-    words = f"missing: no value, or no sample in reach.   {SIDES_TEXT[content.reference]}"
-    sheet.text(x + 5.2, y, words, SMALL, within=sheet.width - 2 * x - 52.0)
+    words = "missing: no value, or no sample in reach."
+    left = x + 5.2
+    sheet.text(left, y, words, SMALL)
+    if content.hatching:
+        left += 43.0
+        sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
+        sheet.text(left + 5.2, y, content.hatching, SMALL)
+    left += 41.0 if content.hatching else 43.0
+    sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - 24.0 - left)
     made = f"helibore {__version__}" + (f", {page}" if page else "")
     sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)

@@ -26,7 +26,7 @@ from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
-from helibore.plot.header import facts
+from helibore.plot.header import facts, measured_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
 from helibore.samples.caliper import BASIS_TEXT
@@ -243,7 +243,7 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
     if math.isfinite(summary.nearest_half):
         away = f"{summary.nearest_half * 1e3:.0f} mm away for half of the vertices, {summary.nearest_most * 1e3:.0f} mm"
         rows.append(("Nearest sample", f"{away} for 99 %"))
-    rows.append(("Measured", f"{100 * summary.coverage:.2f} % of the turns; the rest is interpolated or missing"))
+    rows.append(("Measured", measured_text(content)))
     coverage = content.turns.coverage
     broken = int((coverage < 1).sum())
     known = f"{100 * float(coverage.mean()):.2f} % of the wall"

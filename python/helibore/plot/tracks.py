@@ -43,6 +43,10 @@ SIDES = {
 }
 """Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""
 GREY = tuple(part / 255.0 for part in MISSING)
+HATCH = 1.4
+"""Millimetres from line to line of the hatching of what is interpolated between arms."""
+HATCH_BYTES = (33, 48, 61)
+HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Of the kinds of zones, beside their colours."""
@@ -274,6 +278,8 @@ class ImageTrack:
         Toolface of the left edge, degrees; a multiple of 90.
     width
         Millimetres.
+    interpolated
+        Of a wall: (n,) 1 at vertices that lie between the arms, whose pixels are hatched, else 0; None: none are.
     """
 
     def __init__(
@@ -283,8 +289,10 @@ class ImageTrack:
         reference: str,
         left: float,
         width: float,
+        interpolated: Floats | None = None,
     ) -> None:
         self.shown, self.source, self.reference, self.left, self.width = shown, source, reference, left, width
+        self.interpolated = interpolated
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write name and unit, draw the colour bar with its numbers, and the letters of the sides."""
@@ -314,6 +322,10 @@ class ImageTrack:
         else:
             pixels = unroll_wall(values, source[0], source[1], grid)
         colors = self.shown.scale.colors(pixels)[..., :3]
+        if self.interpolated is not None and not isinstance(source, SectorImage):
+            between = unroll_wall(self.interpolated, source[0], source[1], grid) > 0.5
+            along = np.add.outer(np.arange(grid.rows), np.arange(grid.columns)) % sheet.pixels(HATCH)
+            colors[between & np.isfinite(pixels) & (along < max(sheet.pixels(0.2), 1))] = HATCH_BYTES
         box = (0.0, 360.0, stretch.bottom, stretch.top)
         axes.imshow(colors, extent=box, aspect="auto", interpolation="nearest", origin="upper")
         for quarter in (90, 180, 270):

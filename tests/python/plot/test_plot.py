@@ -23,7 +23,7 @@ from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
 from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
-from helibore.plot.tracks import HEAD, ImageTrack
+from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
 
 
@@ -78,6 +78,32 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
         assert needed in words, needed
     assert "A   2,0" in words
     assert_readable(figure)
+
+
+def test_what_lies_between_arms_is_hatched_and_named() -> None:
+    depth = np.repeat(np.arange(2000, 2006, 0.05), 4)
+    arm = np.tile([0, 1, 0, 1], depth.size // 4)
+    toolface = (np.tile([0, 90, 180, 270], depth.size // 4) + 2 * depth) % 360
+    radius = 0.108 + 0.004 * np.cos(np.radians(2 * toolface))
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, radius, arm=arm), bit_diameter=BIT)
+    figure = plot.log(wall, dpi=100, polar=(2003.0,), body=())
+    words = [text.get_text() for text in texts(figure)]
+    measured = wall.summary().coverage
+    assert f"{100 * measured:.2f} % of the turns; the rest is interpolated between arms" in words
+    assert "interpolated between arms" in words
+    assert_readable(figure)
+    (section,) = sections_at(wall, [2003.0], (wall.angular_gap > 60.0).astype(float))
+    gap = wall.angular_gap[30 * 64 - 32 : 31 * 64 - 32]  # the turn around 2003 m
+    assert np.count_nonzero(section.interpolated) == pytest.approx(np.count_nonzero(gap > 60), abs=2)
+    assert f"rings each 2 in; {100 * section.interpolated.mean():.0f} % interpolated" in words
+    pixels = tracks_of(figure)[-1].images[0].get_array()
+    dark = (pixels == np.array(HATCH_BYTES)).all(axis=2)
+    width = max(round(0.2 / 25.4 * 100), 1) / round(HATCH / 25.4 * 100)
+    assert dark.mean() == pytest.approx((1 - measured) * width, rel=0.15)
+    assert (dark.mean(axis=0) > 0).mean() > 0.8
+    beside_a_gap = [text.get_text() for text in texts(plot.log(plotted_wall(), dpi=50, body=()))]
+    assert "interpolated" in beside_a_gap
+    assert "interpolated between arms" not in beside_a_gap
 
 
 @pytest.mark.parametrize("basis", ["average", "gauge"])
