@@ -1,19 +1,25 @@
-# GLM is the core's vector library, used only inside cpp/src. An installed package wins; otherwise a pinned release is
-# fetched, headers only (SOURCE_SUBDIR names a folder that does not exist, so GLM's own CMake never runs).
+# GLM is the core's vector library, headers only, used only inside cpp/src. An installed package wins; otherwise a pinned
+# release is fetched, with one try: a machine without a network learns within seconds what to install.
 find_package(glm 0.9.9.8 CONFIG QUIET)
-if(NOT glm_FOUND)
-  message(STATUS "GLM is not installed (Debian: libglm-dev; Fedora: glm-devel; Homebrew, vcpkg, conda-forge: glm); "
-                 "fetching the pinned release, which needs a network")
-  include(FetchContent)
-  FetchContent_Declare(glm
-    URL https://github.com/g-truc/glm/archive/refs/tags/1.0.3.tar.gz
-    URL_HASH SHA256=6775e47231a446fd086d660ecc18bcd076531cfedd912fbd66e576b118607001
-    SOURCE_SUBDIR do-not-configure)
-  FetchContent_MakeAvailable(glm)
-  add_library(helibore_glm INTERFACE)
-  target_include_directories(helibore_glm SYSTEM INTERFACE ${glm_SOURCE_DIR})
+add_library(helibore_glm INTERFACE)
+if(glm_FOUND)
+  get_target_property(glm_headers glm::glm INTERFACE_INCLUDE_DIRECTORIES)
 else()
-  add_library(helibore_glm INTERFACE)
-  get_target_property(helibore_glm_include glm::glm INTERFACE_INCLUDE_DIRECTORIES)
-  target_include_directories(helibore_glm SYSTEM INTERFACE ${helibore_glm_include})
+  set(glm_headers "${CMAKE_CURRENT_BINARY_DIR}/glm-1.0.3")
+  if(NOT EXISTS "${glm_headers}/glm/glm.hpp")
+    set(glm_archive "${CMAKE_CURRENT_BINARY_DIR}/glm.tar.gz")
+    file(DOWNLOAD https://github.com/g-truc/glm/archive/refs/tags/1.0.3.tar.gz "${glm_archive}"
+         STATUS glm_status TIMEOUT 60 INACTIVITY_TIMEOUT 10)
+    file(SHA256 "${glm_archive}" glm_sum)
+    if(NOT glm_sum STREQUAL 6775e47231a446fd086d660ecc18bcd076531cfedd912fbd66e576b118607001)
+      file(REMOVE "${glm_archive}")
+      list(POP_BACK glm_status glm_reason)
+      message(FATAL_ERROR "helibore needs the GLM headers. Install them: apt-get install libglm-dev (Debian, Ubuntu), dnf install "
+                          "glm-devel (Fedora), or glm of Homebrew, vcpkg, conda-forge. Fetching them failed: ${glm_reason}")
+    endif()
+    file(ARCHIVE_EXTRACT INPUT "${glm_archive}" DESTINATION "${CMAKE_CURRENT_BINARY_DIR}")
+  endif()
 endif()
+# A folder that the compiler searches anyway must not be named: -isystem /usr/include breaks cross builds and <cstdlib>.
+list(REMOVE_ITEM glm_headers ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
+target_include_directories(helibore_glm SYSTEM INTERFACE ${glm_headers})

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import click
 
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, MissingExtraError
 from helibore.cli.lines import summary_lines
 from helibore.cli.terminal import Terminal
 
@@ -19,16 +19,14 @@ DEPTH_SCALE, DPI = 250, 120
 @click.option("--seed", type=int, default=0, show_default=True, help="Seed of the simulated hole.")
 @click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
 def demo(output: Path, seed: int, quiet: bool) -> None:
-    """Simulate a hole, rebuild its wall, write helibore-demo.glb and helibore-demo.png.
+    """Simulate a hole, rebuild its wall, write helibore-demo.glb and, with matplotlib, helibore-demo.png.
 
     \b
     helibore demo
     """
     import helibore.plot as plot
-    from helibore.plot.paper import require_matplotlib
     from helibore.simulation.demo import drill, error, rebuild
 
-    require_matplotlib()
     if not output.is_dir():
         raise InputError(str(output), "the folder must exist")
     terminal = Terminal(quiet)
@@ -40,18 +38,22 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
     with terminal.stage("mesh", "Writing helibore-demo.glb"):
         surface = wall.surface(demonstration.path)
         surface.save(output / "helibore-demo.glb")
-    with terminal.stage("picture", "Drawing helibore-demo.png"):
-        length, noise = simulation.hole.stop - simulation.hole.start, f"{simulation.tool.noise * 1e3:g} mm noise"
-        title = f"{length:g} m of borehole wall from {simulation.depth.size:,} samples"
-        about = f"Simulated drilling with stick-slip and {noise}; rms error of the wall {off.rms * 1e3:.2f} mm"
-        figure = plot.overview(wall, title=title, subtitle=about, scale=DEPTH_SCALE, dpi=DPI)
-        plot.save(figure, output / "helibore-demo.png")
+    length, noise = simulation.hole.stop - simulation.hole.start, f"{simulation.tool.noise * 1e3:g} mm noise"
+    title = f"{length:g} m of borehole wall from {simulation.depth.size:,} samples"
+    about = f"Simulated drilling with stick-slip and {noise}; rms error of the wall {off.rms * 1e3:.2f} mm"
+    picture = str(output / "helibore-demo.png")
+    try:
+        with terminal.stage("picture", "Drawing helibore-demo.png"):
+            figure = plot.overview(wall, title=title, subtitle=about, scale=DEPTH_SCALE, dpi=DPI)
+            plot.save(figure, picture)
+    except MissingExtraError as missing:
+        picture = f"no picture: it {missing}"
     lines = summary_lines(wall.summary(), f", {len(surface.quads):,} quads")
     lines += [
         ("truth", f"rebuilt minus true radius: rms {off.rms * 1e3:.2f} mm, mean {off.mean * 1e3:+.2f} mm"),
         ("", f"half of the vertices within {off.median * 1e3:.2f} mm, 99 % within {off.most * 1e3:.2f} mm; "
              f"noise of one sample {simulation.tool.noise * 1e3:.2f} mm"),
         ("time", terminal.times()),
-        ("wrote", f"{output / 'helibore-demo.glb'}, {output / 'helibore-demo.png'}"),
+        ("wrote", f"{output / 'helibore-demo.glb'}, {picture}"),
     ]  # fmt: skip
     terminal.summary(lines)
