@@ -154,6 +154,8 @@ def _watch(
     next_snapshot = time.monotonic() + every
     try:
         while not stopped.is_set() and time.monotonic() < end and not (server.wait(TICK) and window is None):
+            if window and (thread := window.dead_thread()):
+                server.fail(thread, RuntimeError("it ended"))
             if window and not _show(window, server):
                 window = None
             show()

@@ -116,6 +116,12 @@ class Window:
         words = tuple(str(alarm) for alarm in alarms)
         self.scene.update_state(**known, sources=self._status_text(states), alarms=words)
 
+    def dead_thread(self) -> str:
+        """Return the name of a thread of the page that has ended; "" if all are running."""
+        if not self._server.alive:
+            return "page"
+        return "feed" if self._feed and not self._feed.alive else ""
+
     def report(self, text: str) -> None:
         """Show on the page why the wall cannot be shown."""
         self.scene.update_state(sources=text)

@@ -169,15 +169,19 @@ class Server:
             try:
                 run()
             except BaseException as error:
-                self.failure = self.failure or error
-                LOGGER.critical("thread %s died", name, exc_info=error)
-                text = f"thread {name} died: {type(error).__name__}: {error}"
-                self.live.report("failure", text)
-                self.alarms.begin("failure", text)
-                self._stop.set()
-                self._drained.set()
+                self.fail(name, error)
 
         return threading.Thread(target=guarded, name=name, daemon=True)
+
+    def fail(self, thread: str, error: BaseException) -> None:
+        """Report and alarm the death of a thread, and stop."""
+        self.failure = self.failure or error
+        LOGGER.critical("thread %s died", thread, exc_info=error)
+        text = f"thread {thread} died: {type(error).__name__}: {error}"
+        self.live.report("failure", text)
+        self.alarms.begin("failure", text)
+        self._stop.set()
+        self._drained.set()
 
     def wait(self, seconds: float | None = None) -> bool:
         """Wait until every source has ended (files), a failure or ``seconds``; return whether all have ended."""

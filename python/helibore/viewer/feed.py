@@ -99,6 +99,11 @@ class Feed:
         self._thread = threading.Thread(target=self._run, name="helibore-view-feed", daemon=True)
         self._thread.start()
 
+    @property
+    def alive(self) -> bool:
+        """Whether the thread is running."""
+        return self._thread is not None and self._thread.is_alive()
+
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Note what an append changed; None: anything may have. New attributes come as whole columns."""
         columns = {name: self._column(name, values) for name, values in (attributes or {}).items()}

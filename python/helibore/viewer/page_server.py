@@ -62,6 +62,11 @@ class PageServer:
                 raise RuntimeError("the viewer's server did not start: this is a bug in helibore")
             time.sleep(0.005)
 
+    @property
+    def alive(self) -> bool:
+        """Whether the thread is running."""
+        return self._thread.is_alive()
+
     def wait(self) -> None:
         """Block until Ctrl-C, then close."""
         try:

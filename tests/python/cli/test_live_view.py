@@ -14,7 +14,7 @@ from typing import Any
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from live_servers import free_port, until
+from live_servers import configured, frames, free_port, until
 
 import helibore as hb
 from helibore.cli import cli
@@ -78,6 +78,29 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
         until(lambda: health(window.url)["vertices"] == len(live.wall) > 20_000)
         assert time.time() - 60 < scene.state.newest <= time.time()
     assert scene.state.ended
+
+
+@pytest.mark.usefixtures("needs_page")
+@pytest.mark.parametrize("thread", ["page", "feed"])
+def test_the_death_of_a_thread_of_the_page_ends_the_command_with_an_error(tmp_path, monkeypatch, thread):
+    from helibore.cli import live_view
+
+    (tmp_path / "rig.wits").write_bytes(b"".join(frames(50)))
+    (tmp_path / "rig.toml").write_text(configured(f"file://{tmp_path}/rig.wits"))
+    real = live_view.Window.refresh
+
+    def refresh(window, *arguments):
+        real(window, *arguments)
+        if thread == "page":
+            window._server._server.should_exit = True
+        elif window._feed:
+            window._feed.close()
+
+    monkeypatch.setattr(live_view.Window, "refresh", refresh)
+    arguments = ["live", str(tmp_path / "rig.toml"), "--journal", str(tmp_path / "j"), "-q", "--view"]
+    result = CliRunner().invoke(cli, [*arguments, "--seconds", "60"])
+    assert result.exit_code != 0
+    assert f"alarm_failure: thread {thread} died: RuntimeError: it ended" in result.output
 
 
 @pytest.mark.usefixtures("needs_page")
