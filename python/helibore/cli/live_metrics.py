@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hmac
 import http.server
+import os
 import socket
 import ssl
 import threading
@@ -63,7 +64,10 @@ class Access:
 
 
 class MetricsServer(http.server.ThreadingHTTPServer):
-    """Serves /metrics to a few connections at a time, each for a few seconds at most."""
+    """Serves /metrics to a few connections at a time, each for a few seconds at most.
+
+    It keeps a descriptor in reserve, so that it still answers when the process has no other one left.
+    """
 
     daemon_threads = True
 
@@ -93,14 +97,20 @@ class MetricsServer(http.server.ThreadingHTTPServer):
         if context := access.context():
             self.socket = context.wrap_socket(self.socket, server_side=True, do_handshake_on_connect=False)
         self._free = threading.BoundedSemaphore(CONNECTIONS)
+        self._reserve = os.open(os.devnull, os.O_RDONLY)
+        metrics(server)  # loads its library
         server.thread("metrics", self.serve_forever).start()
 
     def get_request(self) -> Any:
         try:
             return super().get_request()
         except OSError:
-            time.sleep(0.1)  # no descriptor is left: the connection still waits
-            raise
+            if self._reserve < 0:
+                time.sleep(0.1)  # the connection still waits
+                raise
+            os.close(self._reserve)
+            self._reserve = -1
+            return super().get_request()
 
     def process_request(self, request: Any, client_address: Any) -> None:
         if self._free.acquire(blocking=False):
@@ -117,6 +127,9 @@ class MetricsServer(http.server.ThreadingHTTPServer):
         finally:
             late.cancel()
             self._free.release()
+            if self._reserve < 0:
+                with suppress(OSError):
+                    self._reserve = os.open(os.devnull, os.O_RDONLY)
 
     @staticmethod
     def _hang_up(request: Any) -> None:
@@ -130,3 +143,5 @@ class MetricsServer(http.server.ThreadingHTTPServer):
         """Stop serving."""
         self.shutdown()
         self.server_close()
+        if self._reserve >= 0:
+            os.close(self._reserve)

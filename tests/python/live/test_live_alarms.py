@@ -388,6 +388,11 @@ class Command:
         except OSError:
             return ""
 
+    def exhaust_descriptors(self, hard):
+        """Set the limit to the lowest number that no descriptor has now, so that none can be opened."""
+        used = {int(path.name) for path in Path(f"/proc/{self.process.pid}/fd").iterdir()}
+        resource.prlimit(self.process.pid, resource.RLIMIT_NOFILE, (min(set(range(len(used) + 1)) - used), hard))
+
     def said(self, text):
         return any(text in line for line in list(self.lines))
 
@@ -405,8 +410,9 @@ def test_a_process_without_descriptors_folder_or_lock_alarms_and_recovers(tmp_pa
     port = free_port()
     with Command(tmp_path, configured(f"listen://127.0.0.1:{port}") + "[alarms]\nlost = 1000.0\n") as command:
         soft, hard = resource.prlimit(command.process.pid, resource.RLIMIT_NOFILE)
-        resource.prlimit(command.process.pid, resource.RLIMIT_NOFILE, (3, hard))
-        until(lambda: command.said("alarm_descriptors: no file and no connection can be opened"))
+        text = "alarm_descriptors: no file and no connection can be opened"
+        until(lambda: command.exhaust_descriptors(hard) or command.said(text))
+        until(lambda: 'helibore_alarm_active{alarm="descriptors",source=""} 1.0' in command.metrics())
         resource.prlimit(command.process.pid, resource.RLIMIT_NOFILE, (soft, hard))
         until(lambda: command.said("alarm_descriptors_end: after "))
         (tmp_path / "j/lock").rename(tmp_path / "lock")
