@@ -39,7 +39,8 @@ takes_a_mesh = section(
     OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive that reopens."),
     opts("--shell shells", f"Thickness beyond the wall: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}).",
          type=LENGTH),
-    opt("--color-by", "An image, difference or radius, for GLB, PLY and VTK.  [the first image, else radius]",
+    opt("--sigma", "Standard uncertainty of the radius, as the attribute 'sigma'.", is_flag=True),
+    opt("--color-by", "An image, difference, sigma or radius, for GLB, PLY and VTK.  [the first image, else radius]",
         metavar="NAME"),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
         type=FILE),
@@ -103,6 +104,12 @@ def _write(verb: str, options: dict[str, Any]) -> None:
 
     make_wall(run, options["threads"], terminal.stage)
     wall, shells = run.wall, list(options["shells"])
+    if options["sigma"]:
+        from helibore.wall.interpolation import on_quads
+
+        with terminal.stage("sigma", "Leaving samples out"):
+            wall.attributes["sigma"] = on_quads(wall.sigma, wall.settings.sectors)
+            wall.attributes.units["sigma"] = "m"
     made: Surface | Volume
     with terminal.stage("place", f"Placing {len(wall):,} vertices"), placing(run):
         made = wall.volume("own", shells, *ends) if shells else wall.surface("own", *ends)

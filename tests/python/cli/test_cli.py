@@ -379,3 +379,20 @@ def test_tune_does_not_go_with_what_it_finds(folder: Path) -> None:
     )
     assert result.exit_code == 2
     assert "--nugget: does not go with --tune, which finds it" in result.output
+
+
+def test_sigma_is_an_attribute_of_archives_and_meshes(folder: Path, tmp_path: Path) -> None:
+    archive = tmp_path / "w.wall"
+    made = run("reconstruct", folder / "caliper.csv", "-o", archive, "--bit-diameter", "216mm", "--sigma", "-q")
+    assert made.exit_code == 0, made.output
+    wall = helibore.load(archive)
+    assert wall.attributes.units["sigma"] == "m"
+    corners = wall.sigma[[0, 1, 65, 64]]
+    assert wall.attributes["sigma"][0] == pytest.approx(corners.mean(), rel=1e-12)
+    colored = run("mesh", archive, "-o", tmp_path / "w.glb", "--color-by", "sigma")
+    assert colored.exit_code == 0, colored.output
+    few = tmp_path / "few.csv"
+    few.write_text("\n".join((folder / "caliper.csv").read_text().splitlines()[:40]))
+    result = run("reconstruct", few, "-o", archive, "--bit-diameter", "216mm", "--sigma")
+    assert result.exit_code == 2
+    assert "too few samples for an uncertainty: must be at least 100" in " ".join(result.output.split())
