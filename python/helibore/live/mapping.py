@@ -237,9 +237,6 @@ class SourceReader:
     def _report(self, wall: int, rule: str, text: str, line: int = 0, offset: int = -1) -> None:
         self._events.report(self._event(wall, rule, text, line, offset))
 
-    def _report_frame(self, reading: Reading, row: int, rule: str, text: str) -> None:
-        self._report(int(reading.wall[row]), rule, text, int(reading.line[row]))
-
     def _repeats(self, batch: wits.Batch, states: npt.NDArray[np.uint8], reading: Reading) -> Integers:
         """Return DUPLICATE for frames with measurements whose text came before, 0 for the others."""
         flags = np.zeros(len(batch.frames), np.int64)
@@ -272,8 +269,8 @@ class SourceReader:
             found, reported = watch.take(numbers)
             flags |= found
             events += [(index, rule, f"record {code // 100:02d}: {text}") for index, rule, text in reported]
-        for event in sorted(events, key=lambda event: event[0]):  # in order of arrival, not record by record
-            self._report_frame(reading, *event)
+        for row, rule, text in sorted(events, key=lambda event: event[0]):  # in order of arrival, not record by record
+            self._report(int(reading.wall[row]), rule, text, int(reading.line[row]))
         return flags
 
     def _rig(self, values: Values, reading: Reading) -> dict[str, Values]:
