@@ -16,7 +16,7 @@ from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH
-from helibore.cli.source import Sectioned, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.source import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
@@ -39,7 +39,8 @@ DECIMALS = {"in": 4, "mm": 3}
     opt("--rugosity-window", "Length of hole that rugosity is taken over.", type=LENGTH, default="1m"),
     opt("--sigma", "Uncertainty of diameters and volumes, too: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
-    opt("--well", "Name of the well, for the files.  [name of the source]"),
+    opt("--well", "Name of the well, for the files.  [as the source states it, else its name]"),
+    HEADER,
     opt(
         "--unit",
         "Unit of diameters, radii and other sizes across the hole; depths stay in metres.",
@@ -85,7 +86,7 @@ def logs(**options: Any) -> None:
     from helibore.runs.run import make_wall
 
     make_wall(run, options["threads"], terminal.stage)
-    wall, well = run.wall, options["well"] or run.name
+    wall, header = run.wall, {"well": run.name} | header_of(run, options)
     unknown = [name for name in images if name not in wall.images]
     if unknown:
         there = ", ".join(wall.images) or "none"
@@ -107,7 +108,7 @@ def logs(**options: Any) -> None:
     work += [(file, each.table()) for file, each in zip(images.values(), dark, strict=True)]
     with terminal.stage("save", f"Writing {output.name}"):
         for file, table in work:
-            save_table(_in_unit(table, options["unit"]), file, well)
+            save_table(_in_unit(table, options["unit"]), file, header=header)
         saved = save_lines(run, output, "logs", options, tables[1:])
     terminal.summary([
         *run.messages,

@@ -6,25 +6,32 @@ Options become a `Drawing` here; ``helibore.plot`` draws it.
 from __future__ import annotations
 
 import math
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from helibore.base import units
+from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH
-from helibore.cli.source import Sectioned, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.source import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
 from helibore.cli.terminal import Terminal
 
 if TYPE_CHECKING:
     from helibore.plot import Look
+    from helibore.plot.tracks import ScalarCurve
     from helibore.runs.run import Run
 
 PAGES = (".html", ".htm")
 
 takes_a_drawing = section(
     "Drawing",
-    opt("--well", "Title.  [name of the file]"),
+    opt("--well", "Title.  [as the files state it, else the name of the file]"),
+    HEADER,
+    opts("--scalar scalars", "Curve along the hole, a track of its own; the inclination comes from the survey.",
+         metavar="FILE:CHANNEL|inclination"),
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
     opt("--unit", "Unit of diameters.", type=click.Choice(["in", "mm"]), default="in"),
     opts("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
@@ -129,8 +136,11 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     make_wall(run, repeated["threads"], terminal.stage)
     options = repeated
     run.messages += trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
+    header = header_of(run, options)
     drawing = {
-        "title": options["well"] or run.name,
+        "title": header.pop("well", run.name),
+        "header": header,
+        "scalars": [_scalar(text, run, looks) for text in options["scalars"]],
         "subtitle": run.messages[0][1],
         "start": options["start_depth"],
         "stop": options["stop_depth"],
@@ -148,6 +158,39 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     return run, options, drawing
 
 
+def _scalar(text: str, run: Run, looks: dict[str, Look]) -> ScalarCurve:
+    """A curve by its file and channel, or the inclination of the path; its look is that of --limits and --log."""
+    import numpy as np
+
+    from helibore.channels.roles import guess
+    from helibore.plot.tracks import ScalarCurve
+
+    if text == "inclination":
+        if run.path is None:
+            raise click.UsageError("--scalar inclination: needs --survey")
+        depth = np.linspace(run.path.start_depth, run.path.stop_depth, 1000)
+        values = np.degrees(np.arccos(np.clip(run.path.tangent(depth)[:, 2], -1.0, 1.0)))
+        name, unit = "Inclination", "deg"
+    else:
+        file, _, name = text.rpartition(":")
+        if not file:
+            raise click.UsageError(f"--scalar {text}: must be FILE:CHANNEL or inclination")
+        log = run.opener.log(Path(file)).set()
+        along = guess(log).one("depth")
+        if along is None:
+            raise InputError(log.path.name, "no channel is a depth")
+        if name not in log:
+            raise InputError(log.path.name, f"no channel {name!r}; it holds {', '.join(log.names)}")
+        channel = log[name]
+        depth = log[along.channel].values * units.factor(along.unit, units.LENGTH)
+        order = np.argsort(depth, kind="stable")
+        order = order[np.isfinite(depth[order])]
+        depth, values, unit = depth[order], channel.values[order], channel.unit
+    look = looks.pop(name, None)
+    log_scale = bool(look and look.log)
+    return ScalarCurve(name, unit, depth, values, look.limits if look else None, log_scale)
+
+
 def _scale(text: str | None) -> int | None:
     if text is None:
         return None
@@ -159,7 +202,6 @@ def _scale(text: str | None) -> int | None:
 
 def _looks(options: dict[str, Any]) -> dict[str, Look]:
     """Colours by name of an image."""
-    from helibore.base import units
     from helibore.plot import Look
 
     looks: dict[str, dict[str, Any]] = {}

@@ -217,6 +217,27 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     return run
 
 
+HEADER = opts(
+    "--header headers",
+    "Of the header: company, well, field, location, date, datum, bit, mud or remarks.  [as the files state it]",
+    metavar="NAME=TEXT",
+)
+
+
+def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
+    """The header of the log: as the files of the run state it, unless the options do."""
+    from helibore.channels.log_header import NAMES, log_header
+
+    found = log_header(run.opener.headers())
+    for text in options["headers"]:
+        name, equals, value = text.partition("=")
+        if not equals or name not in NAMES:
+            raise click.UsageError(f"--header {text}: must be NAME=TEXT, NAME one of {', '.join(NAMES)}")
+        found[name] = value
+    found |= {"well": options["well"]} if options["well"] else {}
+    return {name: found[name] for name in NAMES if found.get(name)}
+
+
 def _check_outputs(outputs: Sequence[Path], inputs: Sequence[Path], settings_file: Callable[[Path], Path]) -> None:
     for output in outputs:
         for file in inputs:

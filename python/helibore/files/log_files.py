@@ -20,7 +20,7 @@ import os
 import re
 import tempfile
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -33,14 +33,17 @@ from helibore.base.tables import LogColumn, LogTable
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
 NULL = -999.25
-LAS_LINE = 256
-"""The longest line of an unwrapped LAS 2.0 file; longer rows are wrapped at 80."""
+LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "date": "DATE", "datum": "DATUM",
+            "bit": "BS", "mud": "MUD", "remarks": "REM"}  # fmt: skip
+"""Mnemonics of what is known of the hole."""
 
 _DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}
 _STEP_DECIMALS = 5
 
 
-def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = "") -> None:
+def save_table(
+    table: LogTable, filename: str | os.PathLike[str], well: str = "", header: Mapping[str, str] | None = None
+) -> None:
     """Write a table of logs; the ending of the name decides the format.
 
     Parameters
@@ -51,6 +54,8 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
         Ends in .las, .csv, .parquet or .dlis; replaced if it is there.
     well
         Name of the well, for the formats that have a place for it.
+    header
+        What else is known of the hole, by name: company, field, location, date ... (`helibore.channels.log_header`).
 
     Raises
     ------
@@ -64,7 +69,10 @@ def save_table(table: LogTable, filename: str | os.PathLike[str], well: str = ""
     path = Path(filename)
     check_ending(path)
     writer = {".las": _las, ".csv": _csv, ".parquet": _parquet, ".dlis": _dlis}[path.suffix.lower()]
-    write_whole(path, writer(table, well))
+    known = {name: _one_line(text) for name, text in (header or {}).items()} | (
+        {"well": _one_line(well)} if well else {}
+    )
+    write_whole(path, writer(table, known))
 
 
 def check_ending(filename: str | os.PathLike[str]) -> None:
@@ -85,36 +93,32 @@ def _texts(column: LogColumn, missing: str) -> list[str]:
     return [f"{value:.{decimals}f}" if value == value else missing for value in column.values.tolist()]
 
 
-def _las(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
     """Write LAS 2.0 (CWLS): version, well, curve, parameter, ascii. Texts go in the value field, before the colon."""
     texts = [_texts(column, f"{NULL:.2f}") for column in table]
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
-    wrapped = sum(widths) + len(widths) > LAS_LINE
     depth = table.depth.values
     lines = [
         "~Version Information",
         _las_line("VERS", "", "2.0", "CWLS LOG ASCII STANDARD - VERSION 2.0"),
-        _las_line("WRAP", "", "YES" if wrapped else "NO", f"{'Several lines' if wrapped else 'One line'} a depth"),
+        _las_line("WRAP", "", "NO", "One line a depth"),
         "~Well Information",
         _las_line("STRT", "M", first, "First depth"),
         _las_line("STOP", "M", last, "Last depth"),
         _las_line("STEP", "M", _las_step(depth), "Step; 0 where no even step fits the decimals"),
         _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
-        _las_line("COMP", "", "", "Company"),
-        _las_line("WELL", "", _one_line(well), "Well"),
-        _las_line("FLD", "", "", "Field"),
-        _las_line("LOC", "", "", "Location"),
+        *(_las_line(LAS_WELL[name], "", header.get(name, ""), name.capitalize()) for name in LAS_WELL),
         _las_line("SRVC", "", "helibore", "Made by"),
         "~Curve Information",
         *(_las_line(column.mnemonic, column.unit.upper(), "", _one_line(column.description)) for column in table),
         "~Parameter Information",
         *(_las_line(_mnemonic(name), *_unit_and_value(text), _one_line(name)) for name, text in table.facts.items()),
-        "~A  " + ("" if wrapped else " ".join(c.mnemonic for c in table)),
+        "~A  " + " ".join(column.mnemonic for column in table),
     ]  # fmt: skip
     columns = [[text.rjust(width) for text in column] for column, width in zip(texts, widths, strict=True)]
     for row in zip(*columns, strict=True):
-        lines += _wrap(row) if wrapped else [" ".join(row)]
+        lines.append(" ".join(row))
     content = ("\n".join(lines) + "\n").encode("ascii", "replace")
     return lambda file: file.write(content)
 
@@ -137,17 +141,6 @@ def _las_step(depth: Floats) -> str:
     return f"{step:.{_STEP_DECIMALS}f}" if even else "0"
 
 
-def _wrap(row: tuple[str, ...]) -> list[str]:
-    """Write the depth on one line and the rest on lines of at most 80 characters, as LAS requires of wrapped files."""
-    lines = [row[0].strip()]
-    for text in row[1:]:
-        if len(lines) > 1 and len(lines[-1]) + 1 + len(text) <= 80:
-            lines[-1] += f" {text}"
-        else:
-            lines.append(text)
-    return lines
-
-
 def _mnemonic(name: str) -> str:
     return re.sub(r"[^A-Z0-9]+", "_", name.upper()).strip("_")
 
@@ -157,8 +150,8 @@ def _one_line(text: str) -> str:
     return " ".join(text.replace(":", ";").split())
 
 
-def _csv(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
-    facts = {"well": well} | table.facts if well else table.facts
+def _csv(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
+    facts = {**header, **table.facts}
     lines = [f"# {name}: {' '.join(text.split())}" for name, text in facts.items()]
     lines.append(",".join(f"{column.mnemonic} ({column.unit})" if column.unit else column.mnemonic for column in table))
     lines += map(",".join, zip(*(_texts(column, "") for column in table), strict=True))
@@ -166,7 +159,7 @@ def _csv(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
     return lambda file: file.write(content)
 
 
-def _parquet(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+def _parquet(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
     import pyarrow
     from pyarrow import parquet
 
@@ -175,19 +168,19 @@ def _parquet(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
         pyarrow.field(of.mnemonic, pyarrow.float64(), metadata={"unit": of.unit, "description": of.description})
         for of in table
     ]
-    schema = pyarrow.schema(fields, metadata={"well": well} | table.facts if well else table.facts)
+    schema = pyarrow.schema(fields, metadata={**header, **table.facts})
     rows = pyarrow.Table.from_arrays(arrays, schema=schema)
     return lambda file: parquet.write_table(rows, file)
 
 
-def _dlis(table: LogTable, well: str) -> Callable[[BinaryIO], object]:
+def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
     import dliswriter
 
     def write(file: BinaryIO) -> None:
         """Write to a temporary file first: dliswriter takes a file's name, not an open file."""
         with tempfile.TemporaryDirectory() as folder, _silent():
             path = Path(folder) / "logs.dlis"
-            _dlis_file(dliswriter, table, well).write(path, output_chunk_size=2**24)
+            _dlis_file(dliswriter, table, header).write(path, output_chunk_size=2**24)
             file.write(path.read_bytes())
 
     return write
@@ -209,10 +202,11 @@ def _silent() -> Iterator[None]:
         module.progressbar = bar
 
 
-def _dlis_file(dliswriter: Any, table: LogTable, well: str) -> Any:
+def _dlis_file(dliswriter: Any, table: LogTable, header: Mapping[str, str]) -> Any:
     file = dliswriter.DLISFile()
     logical = file.add_logical_file()
-    logical.add_origin("ORIGIN", file_set_number=1, well_name=well or None, creation_time=None, product="helibore")
+    known = {"well_name": header.get("well"), "company": header.get("company"), "field_name": header.get("field")}
+    logical.add_origin("ORIGIN", file_set_number=1, creation_time=None, product="helibore", **known)
     for name, text in table.facts.items():
         logical.add_parameter(_mnemonic(name), long_name=name, values=[text])
     channels = []

@@ -28,7 +28,18 @@ from helibore.plot.diameters import diameters
 from helibore.plot.raster import at_points
 from helibore.plot.scales import Lines, nice_limits, usual_scale
 from helibore.plot.solid import Stretched, most_relief, stretch_of
-from helibore.plot.tracks import CURVES, LENGTHS, SIDES, CaliperTrack, DepthTrack, ImageTrack, Shown
+from helibore.plot.tracks import (
+    CURVES,
+    LENGTHS,
+    SIDES,
+    CaliperTrack,
+    DepthTrack,
+    ImageTrack,
+    ScalarCurve,
+    ScalarTrack,
+    Shown,
+    Track,
+)
 from helibore.samples.helix import helix_of
 from helibore.trajectory.true_depth import true_depth
 
@@ -80,6 +91,10 @@ class Drawing:
     ----------
     title, subtitle
         Of the header: the well, and what else to say.
+    header
+        What else the header says of the hole, by name: company, field, date, datum, mud, remarks ...
+    scalars
+        Curves along the hole, each a track of its own: gamma ray, resistivity, inclination ...
     start, stop
         Measured depths, metres; None: the ends of the wall.
     scale
@@ -111,6 +126,8 @@ class Drawing:
 
     title: str = ""
     subtitle: str = ""
+    header: Mapping[str, str] = field(default_factory=dict)
+    scalars: Sequence[ScalarCurve] = ()
     start: float | None = None
     stop: float | None = None
     scale: int | None = None
@@ -166,7 +183,7 @@ class Content:
     bottom: float
     scale: int
     lines: Lines
-    tracks: list[DepthTrack | CaliperTrack | ImageTrack]
+    tracks: list[Track]
     turns: Diameters
     zones: Classification
     sections: list[CrossSection]
@@ -209,12 +226,12 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
     turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
     pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
-    tracks: list[DepthTrack | CaliperTrack | ImageTrack] = [
-        DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones)
-    ]
+    tracks: list[Track] = [DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones)]
     tracks.append(_caliper(wall, turns, top, bottom, drawing, reference))
+    tracks += [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
     count = len(images) + (wall.basis == "azimuthal")
-    width = min(130.0, max(24.0, (190.0 - 14.0 - 40.0 - 2.0 * (count + 1)) / max(count, 1)))
+    room = 192.0 - sum(track.width + 2.0 for track in tracks) - 2.0 * count
+    width = min(130.0, max(24.0, room / max(count, 1)))
     radius = _radius(wall, drawing.looks.get(RADIUS, Look()))
     helix = (wall.settings, wall.start_depth)
     interpolated = None

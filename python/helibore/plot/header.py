@@ -17,8 +17,6 @@ from helibore.samples.caliper import BASIS_TEXT
 if TYPE_CHECKING:
     from helibore.plot.content import Content
 
-HEADER = 34.0
-"""Millimetres."""
 REFERENCE_TEXT = {
     "high-side": "from the high side, clockwise looking downhole",
     "north": "from north, clockwise looking downhole",
@@ -41,8 +39,10 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     made = BASIS_TEXT[wall.basis]
     ends = f"{content.top:,.2f} to {content.bottom:,.2f} m MD"
     elevation = content.drawing.elevation
+    hole = [(name.capitalize(), text, False) for name, text in content.drawing.header.items() if text]
     below = "" if elevation is None else f"; TVDSS is TVD less {elevation:.12g} m"
     return [
+        *hole,
         ("Interval", f"{ends} ({content.bottom - content.top:,.1f} m)", False),
         ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
         ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre{below}", False),
@@ -54,6 +54,11 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         if content.hatching
         else ("No sample in reach", f"{100 * content.summary().without_radius:.2f} % of the interval", False),
     ]
+
+
+def header_height(content: Content) -> float:
+    """Return the millimetres that the header takes."""
+    return 16.8 + 4.3 * ((len(facts(content)) + 1) // 2)
 
 
 def measured_text(content: Content) -> str:

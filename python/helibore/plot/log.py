@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 
 from helibore.plot.content import Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
-from helibore.plot.header import HEADER, draw_footer, draw_header
+from helibore.plot.header import draw_footer, draw_header, header_height
 from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
 from helibore.plot.solid import draw_solid
 from helibore.plot.tracks import HEAD, Stretch
@@ -59,10 +59,10 @@ def log(wall: Wall, **options: Any) -> Figure:
     """
     content = content_of(wall, Drawing(**options))
     length = content.paper_length()
-    height = MARGIN + HEADER + HEAD + length + _tail_height(content) + FOOTER + MARGIN
+    height = MARGIN + header_height(content) + HEAD + length + _tail_height(content) + FOOTER + MARGIN
     sheet = Sheet(_width(content), height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, sheet.width - 2 * MARGIN)
-    bottom = draw_tracks(sheet, content, content.top, content.bottom, MARGIN + HEADER)
+    bottom = draw_tracks(sheet, content, content.top, content.bottom, MARGIN + header_height(content))
     _draw_tail(sheet, content, bottom + GAP)
     draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
     return sheet.figure
@@ -88,7 +88,7 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
         y = MARGIN
         if number == 0:
             draw_header(sheets[0], content, MARGIN, y, width - 2 * MARGIN)
-            y += HEADER
+            y += header_height(content)
         y = draw_tracks(sheets[-1], content, top, bottom, y)
     tail = _tail_height(content)
     if tail and y + GAP + tail > height - MARGIN - FOOTER:  # else it stands under the last metres
@@ -108,7 +108,7 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
     """Cut the interval into pages at strong depth lines; the first page also has the header."""
     metres = content.scale / 1000.0
     coarse = content.lines.coarse
-    parts, top, free = [], content.top, room - HEADER
+    parts, top, free = [], content.top, room - header_height(content)
     while (content.bottom - top) / metres > free + 1e-6:
         cut = coarse * int((top + free * metres) / coarse + 1e-9)
         if cut <= top:
@@ -200,10 +200,10 @@ def overview(wall: Wall, **options: Any) -> Figure:
     body = content.bodies[-1] if content.bodies else None
     right = MARGIN + tracks_width(content)
     width = right + (TIES + OVERVIEW_BODY if body else 0.0) + MARGIN
-    height = MARGIN + HEADER + HEAD + (max(length, LEAST) if body else length) + FOOTER + MARGIN
+    height = MARGIN + header_height(content) + HEAD + (max(length, LEAST) if body else length) + FOOTER + MARGIN
     sheet = Sheet(width, height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, width - 2 * MARGIN)
-    top = MARGIN + HEADER
+    top = MARGIN + header_height(content)
     draw_tracks(sheet, content, content.top, content.bottom, top)
     if body is not None and content.stretched is not None:
         box = (right + TIES, top + HEAD - 10.0, OVERVIEW_BODY, max(length, LEAST) + 10.0)

@@ -19,6 +19,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.colors import MISSING, ZONE_COLORS, ColorScale
+from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
@@ -26,7 +27,7 @@ from helibore.logs.zones import KINDS, Zone
 from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
-from helibore.plot.scales import Lines, length_text
+from helibore.plot.scales import Lines, length_text, nice_limits
 from helibore.samples.caliper import Basis
 from helibore.trajectory.true_depth import TrueDepth
 
@@ -43,6 +44,8 @@ SIDES = {
 }
 """Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""
 GREY = tuple(part / 255.0 for part in MISSING)
+SCALAR = "#1d6b3a"
+"""Of the line of a curve along the hole."""
 HATCH = 1.4
 """Millimetres from line to line of the hatching of what is interpolated between arms."""
 HATCH_BYTES = (33, 48, 61)
@@ -263,6 +266,83 @@ class CaliperTrack:
             axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="nearest", zorder=3)
 
 
+@dataclass(frozen=True, eq=False)
+class ScalarCurve:
+    """A curve along the hole, such as a gamma ray: depth (m, rising) and values, (n,), NaN where missing.
+
+    ``limits``: values at the left and the right edge of its track, the first may be the larger one; None: round numbers
+    around its values.
+    """
+
+    name: str
+    unit: str
+    depth: Floats
+    values: Floats
+    limits: tuple[float, float] | None = None
+    log: bool = False
+
+
+class ScalarTrack:
+    """One curve along the hole, on a scale of its own.
+
+    Raises
+    ------
+    InputError
+        ``curve 'GR', 10 to 20 m: has no value there``; on limits that a logarithm cannot show.
+    """
+
+    width = 30.0
+
+    def __init__(self, curve: ScalarCurve, top: float, bottom: float) -> None:
+        self.curve = curve
+        place = f"curve {curve.name!r}, {top:g} to {bottom:g} m"
+        inside = (curve.depth >= top) & (curve.depth <= bottom) & np.isfinite(curve.values)
+        if not inside.any():
+            raise InputError(place, "has no value there")
+        values = curve.values[inside]
+        if curve.log:
+            values = values[values > 0]
+        found = curve.limits
+        if found is None and curve.log and values.size:
+            found = (10.0 ** np.floor(np.log10(values.min())), 10.0 ** np.ceil(np.log10(values.max()) + 1e-9))
+        elif found is None:
+            found = nice_limits(values, float(np.median(values)) if values.size else 0.0, 0.0)
+        if curve.log and not min(found) > 0:
+            raise InputError(place, "a logarithmic scale needs limits above 0")
+        self.limits = found
+
+    def head(self, sheet: Sheet, x: float, y: float) -> None:
+        """Write name and unit, the line, and the values at the edges."""
+        curve, middle = self.curve, x + 0.5 * self.width
+        title = f"{curve.name} [{curve.unit or 'no unit'}]"
+        sheet.text(middle, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
+        sheet.line((x + 1, x + self.width - 1), (y + 12.0, y + 12.0), color=SCALAR, linewidth=0.9)
+        if curve.log:
+            sheet.text(middle, y + 17.0, "logarithmic", 5.6, ha="center", color=FAINT)
+        for at, ha, limit in ((0.6, "left", self.limits[0]), (self.width - 0.6, "right", self.limits[1])):
+            sheet.text(x + at, y + HEAD - 2.2, f"{limit:g}", SMALL, ha=ha)
+        sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
+
+    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
+        """Draw the curve; it ends where values are missing, and where rows are ten usual steps or more apart."""
+        axes = _bare(sheet, x, self.width, stretch)
+        curve = self.curve
+        first, last = np.searchsorted(curve.depth, [stretch.top, stretch.bottom])
+        part = slice(max(first - 1, 0), last + 1)
+        depth, values = curve.depth[part], curve.values[part]
+        values = np.where((values > 0) | (not curve.log), values, np.nan)
+        usual = float(np.median(np.diff(curve.depth))) if curve.depth.size > 1 else np.inf
+        gaps = np.flatnonzero(np.diff(depth) > 10.0 * usual) + 1
+        if curve.log:
+            axes.set_xscale("log")
+            axes.set_xticks([])
+            axes.minorticks_off()
+        axes.plot(np.insert(values, gaps, np.nan), np.insert(depth, gaps, np.nan), color=SCALAR, linewidth=0.8)
+        axes.set_xlim(*self.limits)
+        _depth_lines(axes, stretch)
+        return axes
+
+
 class ImageTrack:
     """Values around the hole, cut open: a wall's or a sector image's.
 
@@ -334,6 +414,8 @@ class ImageTrack:
         _depth_lines(axes, stretch)
         return axes
 
+
+Track = DepthTrack | CaliperTrack | ScalarTrack | ImageTrack
 
 LENGTHS = {"in": INCH, "mm": MILLIMETRE}
 """Units of diameters, in metres."""

@@ -104,6 +104,10 @@ class Opener:
             self._logs[file] = open_file(file, self._nulls, header_line)
         return self._logs[file]
 
+    def headers(self) -> list[dict[str, str]]:
+        """Return the headers of the sets of all files that are open, in the order they were opened."""
+        return [each.header for log in self._logs.values() for each in log.sets]
+
     def opened(self, file: Path, choose: Callable[[LogFile], RoleMap], header_line: int | None = None) -> Opened:
         """Open a set of a file; ``choose`` says which set and which roles."""
         log = self.log(file, header_line)

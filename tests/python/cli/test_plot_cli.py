@@ -31,6 +31,87 @@ def archive(tmp_path: Path, wall: hb.Wall) -> Path:
     return tmp_path / "well.wall"
 
 
+CURVES = """~Version
+VERS. 2.0 :
+WRAP. NO :
+~Well
+STRT.M 2000 :
+STOP.M 2022 :
+STEP.M 0 :
+NULL. -999.25 :
+COMP. Acme Oil : Company
+WELL. A-1 T2 : Well
+FLD. North : Field
+DATE. 2026-11-22 : Date
+~Curve
+DEPT.M :
+GR.GAPI :
+RT.OHMM :
+CALI.IN :
+~ASCII
+"""
+
+
+def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path: Path) -> None:
+    rows = "".join(
+        f"{2000 + 0.2 * k:.1f} {60 + 20 * (k % 7):d} {10.0 ** (k % 3):g} {8.5 + 0.01 * k:.2f}\n" for k in range(110)
+    )
+    las, survey = tmp_path / "mem.las", tmp_path / "survey.csv"
+    las.write_text(CURVES + rows)
+    survey.write_text("md_m,inc_deg,azi_deg\n1990,10,20\n2030,30,20\n")
+    arguments = ["--average", f"{las}:CALI", "--bit-diameter", "8.5in", "--survey", survey, "--no-body", "--dpi", 50,
+                 "--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--log", "RT", "--limits", "GR=0,200",
+                 "--scalar", "inclination", "--header", "company=Acme Offshore", "--header", "mud=OBM 1.2"]  # fmt: skip
+    result = run_cli(*arguments, "-o", tmp_path / "log.svg")
+    assert result.exit_code == 0, result.output
+    page = tmp_path / "well.html"
+    written = CliRunner().invoke(cli, [str(word) for word in ("report", *arguments, "-o", page)])
+    assert written.exit_code == 0, written.output
+    text = page.read_text()
+    assert "<h1>A-1 T2</h1>" in text
+    for label, said in (("Company", "Acme Offshore"), ("Field", "North"), ("Date", "2026-11-22"), ("Mud", "OBM 1.2")):
+        assert f"<tr><th>{label}</th><td>{said}</td></tr>" in text
+    again = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
+    assert again.exit_code == 0, again.output
+    assert "to the last bit" in again.output
+    written = CliRunner().invoke(
+        cli, ["logs", "--average", f"{las}:CALI", "--bit-diameter", "8.5in", "-o", str(tmp_path / "out.las")]
+    )
+    assert written.exit_code == 0, written.output
+    header = hb.open(tmp_path / "out.las").set().header
+    assert (header["COMP"], header["WELL"], header["FLD"], header["DATE"]) == (
+        "Acme Oil",
+        "A-1 T2",
+        "North",
+        "2026-11-22",
+    )
+    assert "NO : One line a depth" in (tmp_path / "out.las").read_text()
+
+
+@pytest.mark.parametrize(
+    ("options", "rule"),
+    [
+        (("--scalar", "GR"), "--scalar GR: must be FILE:CHANNEL or inclination"),
+        (("--scalar", "inclination"), "--scalar inclination: needs --survey"),
+        (("--scalar", "mem.las:XX"), "mem.las: no channel 'XX'; it holds DEPT, GR, RT, CALI"),
+        (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),
+        (("--scalar", "mem.las:GR", "--log", "GR", "--limits", "GR=0,9"), "curve 'GR', 2000 to 2022 m: a logarithmic "
+                                                                         "scale needs limits above 0"),
+        (("--header", "colour=red"), "--header colour=red: must be NAME=TEXT, NAME one of company, well, field, "
+                                     "location, date, datum, bit, mud, remarks"),
+    ],
+)  # fmt: skip
+def test_what_is_refused_of_scalar_tracks_and_headers(
+    tmp_path: Path, archive: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], rule: str
+) -> None:
+    (tmp_path / "mem.las").write_text(CURVES + "2000 60 1 8.5\n2001 70 1 8.5\n")
+    monkeypatch.chdir(tmp_path)
+    result = run_cli(archive, *options, "-o", tmp_path / "log.png", "--dpi", 30)
+    assert result.exit_code == 2
+    said = " ".join(result.output.split()).removesuffix(" (see cli plot --help)")
+    assert said == f"helibore: {rule}"
+
+
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
 def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, ending: str) -> None:
     output = tmp_path / f"log.{ending}"

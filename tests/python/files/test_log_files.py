@@ -59,14 +59,14 @@ def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path) -> None:
     assert "twice" in las.params.OVALITY.value
 
 
-def test_a_long_row_is_wrapped_as_the_standard_asks(logs: Logs, tmp_path: Path) -> None:
+def test_a_long_row_is_one_line(logs: Logs, tmp_path: Path) -> None:
     lasio = pytest.importorskip("lasio")
     more = [of for size in (0.1, 0.12, 0.14) for of in annulus(logs, size).columns()]
     logs.save(tmp_path / "well.las", more)
     lines = (tmp_path / "well.las").read_text().splitlines()
-    assert max(map(len, lines[lines.index("~A  ") :])) <= 80
+    assert len(lines) - next(row for row, line in enumerate(lines) if line.startswith("~A")) == len(logs) + 1
     las = lasio.read(tmp_path / "well.las")
-    assert las.version.WRAP.value == "YES"
+    assert las.version.WRAP.value == "NO"
     for column in logs.table(more):
         check(las[column.mnemonic], column) if column.decimals is None else None
         assert las[column.mnemonic].size == len(logs)
