@@ -298,3 +298,60 @@ def test_fingers_move_and_zoom_the_tracks(browser: Any, viewer: Any) -> None:
     screen.evaluate(touch, [[*fingers, ["pointerup", 2, 200, 600], ["pointerup", 1, 200, 300]]])
     assert screen.evaluate("window.__wall.app.view.length") < 0.6 * before["length"]
     screen.close()
+
+
+def test_a_pick_is_selected_moved_and_deleted(browser: Any, viewer: Any) -> None:
+    first, second = (f"{d}.0_10_108~{d}.3_130_108~{d - 1}.8_250_108" for d in (1009, 1015))
+    screen = Screen(browser, viewer.url, f"#md=1012&sec=12&dips={first}!{second}", (1366, 768), drawn=False)
+    screen.keyboard.press("d")
+    screen.settle()
+    depths = "window.__wall.app.picking.planes().kept.map(({ depth }) => depth)"
+    before = screen.evaluate(depths)
+    left, top, width, height, up = screen.evaluate(
+        "(({ left, top }, { rects: { image }, path }) =>"
+        " [left + image.left, top + image.top, image.width, image.height,"
+        " path.dial(1009).up])(document.getElementById('stage').getBoundingClientRect(), window.__wall.app)"
+    )
+    at = left + (10 - up) % 360 / 360 * width  # the first point of the first pick
+    y = top + (1009.0 - 1006.0) / 12 * height
+    screen.mouse.click(at, y)
+    screen.settle()
+    assert screen.evaluate("window.__wall.app.picking.selected?.length") == 3
+    screen.mouse.move(at, y)
+    screen.mouse.down()
+    screen.mouse.move(at, y + 40, steps=4)
+    screen.mouse.up()
+    screen.settle()
+    moved = screen.evaluate(depths)
+    assert moved[0] - before[0] == pytest.approx(40 / height * 12, abs=0.03)
+    assert moved[1] == before[1]
+    screen.keyboard.press("Delete")
+    screen.settle()
+    assert screen.evaluate(depths) == before[1:]
+    screen.close()
+
+
+def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: Any) -> None:
+    screen = Screen(browser, viewer.url, "#md=1012&sec=12&quantity=GR", (1366, 768))
+    screen.settle()
+    alone = screen.pixels("image")
+    screen.keyboard.press("e")
+    screen.settle()
+    assert screen.evaluate("[window.__wall.app.view.quantity, window.__wall.app.view.beside]") == ["over", ["GR"]]
+    both = screen.pixels("beside0")
+    assert abs(both[:, 5].astype(int) - alone[:, 5]).mean() <= 4, "the same image, narrower"
+    assert not np.array_equal(screen.pixels("image")[:, 5], both[:, 5])
+    assert "beside=GR" in screen.address()
+    head = screen.evaluate(
+        "(({ left, top }, { beside0 }) => [left + beside0.left + 40, top + 12])"
+        "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.rects)"
+    )
+    screen.mouse.click(*head)
+    screen.settle()
+    assert screen.evaluate("[window.__wall.app.view.quantity, window.__wall.app.view.beside]") == ["GR", ["over"]]
+    screen.page.select_option("#sectionLength", "1:200")
+    screen.settle()
+    height = screen.evaluate("window.__wall.app.rects.image.height")
+    assert screen.evaluate("window.__wall.app.view.length") == pytest.approx(height / 96 * 0.0254 * 200)
+    assert screen.evaluate("document.getElementById('sectionLength').value") == "1:200"
+    screen.close()

@@ -52,6 +52,9 @@ export function quantities(store) {
   return [...kept, ...own].map((quantity) => ({ dynamic: false, log: false, chosen: false, ...quantity }));
 }
 
+// A quantity by its id; an unknown one is the first.
+export const quantityOf = (all, id) => all.find((quantity) => quantity.id === id) ?? all[0];
+
 // Take the ends that the server chose, unless the user or the address chose others.
 export function takeRanges(quantities, ranges) {
   for (const quantity of quantities) {

@@ -10,9 +10,9 @@ import { line } from './strokes.js';
 
 export function drawDips(ink, look, planes, gpu) {
   const palette = PALETTES[look.view.theme];
-  const all = [...planes.kept.map((plane) => [plane, palette.pin]), ...(planes.current ? [[planes.current, palette.cursor]] : [])];
+  const all = [...planes.kept.map((plane) => [plane, plane === planes.selected ? palette.cursor : palette.pin]), ...(planes.current ? [[planes.current, palette.cursor]] : [])];
   for (const [plane, colour] of all) {
-    curve(ink, look, plane, colour, palette, planes.open && plane === planes.current ? [5, 4] : []);
+    for (const one of look.images) curve(ink, one, plane, colour, palette, planes.open && plane === planes.current ? [5, 4] : []);
     if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colour, gpu);
   }
   if (look.rects.dips) tadpoles(ink, look, planes, palette);
@@ -77,7 +77,7 @@ function disc(ink, { view, path, rects, store }, plane, colour, gpu) {
   });
 }
 
-function tadpoles(ink, { view, path, rects }, { kept, current }, palette) {
+function tadpoles(ink, { view, path, rects }, { kept, current, selected }, palette) {
   const { left, top, width, height } = rects.dips;
   const x = (degrees) => left + 6 + (degrees / 90) * (width - 12);
   ink.fillStyle = palette.panel;
@@ -91,7 +91,7 @@ function tadpoles(ink, { view, path, rects }, { kept, current }, palette) {
   within(ink, rects.dips, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];
-      tadpole(ink, x(angle), yOf(view, rects.dips, plane.depth), towards, path.surveyed, plane === current ? palette.cursor : palette.pin);
+      tadpole(ink, x(angle), yOf(view, rects.dips, plane.depth), towards, path.surveyed, plane === current || plane === selected ? palette.cursor : palette.pin);
     }
   });
 }

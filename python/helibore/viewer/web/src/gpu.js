@@ -63,7 +63,7 @@ export class Gpu {
     this.setRatio(pixelRatio(this.canvas) * (coarse ? 0.5 : 1));
     this.stats = { triangles: 0, tiles: look.wallPieces.length, pictures: this.stats.pictures + 1 };
     this.begin({ left: 0, top: 0, width: this.width, height: this.height }, look.background);
-    this.image(look);
+    for (const one of look.images) this.image(one);
     if (look.wallRect.width < 1) return undefined;
     if (look.view.camera === 'straight') return this.column(look);
     this.place(look);

@@ -3,12 +3,13 @@
 
 import { Orbit } from './camera.js';
 import { fitRange } from './colour.js';
-import { depthAt, inside, tracksEnd } from './layout.js';
+import { depthAt, HEAD, imageRects, inside, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
 import { turnHead } from './inside.js';
 import { byId } from './panel.js';
 import { CAMERAS } from './view.js';
 
+const CURVE = 6; // pixels from a curve that still hit it
 const CLICK = 4; // pixels a pointer may move and still click
 
 // Where a pointer is on the element that listens, in the element's own pixels: a page on 4K is enlarged.
@@ -27,7 +28,9 @@ export function bindTracks(app) {
     const [x, y] = at(event);
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
-    drag = { x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
+    const cursor = app.picking.selected && cursorAt(app, x, y);
+    const grabbed = Number.isFinite(cursor?.toolface) && app.picking.near(cursor, reachOf(app)) === app.picking.selected;
+    drag = { pick: grabbed ? app.picking.selected : null, x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
@@ -39,6 +42,7 @@ export function bindTracks(app) {
     if (!drag.moved) return undefined;
     if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
     const perPixel = app.view.length / app.rects.image.height;
+    if (drag.pick) return app.picking.shift(drag.pick, (y - drag.y) * perPixel);
     if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.set({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
     return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
   });
@@ -55,6 +59,8 @@ export function bindTracks(app) {
   ink.addEventListener('wheel', (event) => wheel(app, event), { passive: false });
 }
 
+const reachOf = ({ view, rects }) => (CURVE * view.length) / rects.image.height; // metres within which a curve is hit
+
 function hover(app, x, y) {
   if (app.view.pinned) return;
   app.view.set({ cursor: cursorAt(app, x, y) });
@@ -64,16 +70,24 @@ export function cursorAt({ view, rects, path }, x, y) {
   const tracks = { ...rects.axis, width: tracksEnd(rects) - rects.axis.left };
   if (!inside(tracks, x, y)) return null;
   const depth = depthAt(view, rects.axis, y);
-  if (!inside(rects.image, x, y)) return { depth, toolface: view.cursor?.toolface ?? null };
-  const turn = (x - rects.image.left) / rects.image.width;
+  const image = imageRects(rects).find((rect) => inside(rect, x, y));
+  if (!image) return { depth, toolface: view.cursor?.toolface ?? null };
+  const turn = (x - image.left) / image.width;
   return { depth, toolface: (((leftEdge(path, view.cut, depth).toolface + 360 * turn) % 360) + 360) % 360 };
 }
 
 function clickAt(app, x, y) {
+  const head = app.besides.findIndex((_, i) => y < HEAD && inside({ ...app.rects[`beside${i}`], top: 0 }, x, y));
+  if (head >= 0) return swap(app, app.besides[head].id);
   const cursor = cursorAt(app, x, y);
   if (!cursor) return;
-  if (app.picking.on && inside(app.rects.image, x, y)) app.picking.add(cursor);
+  if (app.picking.on && imageRects(app.rects).some((rect) => inside(rect, x, y))) app.picking.click(cursor, reachOf(app));
   else app.view.set({ cursor, pinned: !app.view.pinned });
+}
+
+// A click on the head of an image beside makes it the first; that one takes its place.
+function swap({ view, quantity }, id) {
+  view.set({ quantity: id, beside: view.beside.map((one) => (one === id ? quantity.id : one)) });
 }
 
 function wheel(app, event) {
@@ -149,6 +163,7 @@ export function bindControls(app) {
   on('map', 'change', ({ target }) => app.setColours({ map: target.value }));
   on('log', 'change', ({ target }) => app.setColours({ log: target.checked }));
   on('dynamic', 'change', ({ target }) => app.setColours({ dynamic: target.checked }));
+  on('beside', 'click', () => app.keepBeside());
   on('percentile', 'click', () => app.setColours(fitRange(app.quantity, app.histogram.sorted)));
   for (const end of ['low', 'high']) on(end, 'change', ({ target }) => app.setEnd(end, Number(target.value)));
   bindHistogram(app);
@@ -209,12 +224,14 @@ const KEYS = {
   r: (app) => app.replay.toggle(),
   d: (app) => app.picking.toggle(),
   b: (app) => app.notes.open(),
+  e: (app) => app.keepBeside(),
   k: (app) => app.rig(),
   a: (app) => app.alarms.silence(),
   n: (app) => app.jump(1),
   N: (app) => app.jump(-1),
   Enter: (app) => app.picking.keep(),
-  Backspace: (app) => app.picking.undo(),
+  Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
+  Delete: (app) => app.picking.remove(),
   Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.set({ cursor: null, pinned: false })),
   '?': () => byId('help').showModal(),
 };

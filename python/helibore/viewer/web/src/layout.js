@@ -13,12 +13,13 @@ const DIPS = 70;
 const COLUMN = 800; // pixels that the straightened hole is wide at most
 const LIST = 240; // beside it, the list of zones
 
-export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null } = {}) {
+export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null, beside = 0 } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const image = rig ? Math.round(width * 0.36) : Math.round(Math.min(480, Math.max(190, width * 0.25)));
   const caliper = Math.round(Math.min(280, Math.max(120, width * 0.15)));
+  const several = Math.round(Math.max(130, (1.5 * image) / (beside + 1))); // each of several images
   const narrow = tab === '3d' ? { map: 0, axis: 66, image: 0, caliper: 0 } : { map: 38, axis: width < 600 ? 62 : 74, image: width - (width < 600 ? 118 : 130) - (measured ? small(width) + 6 : 0), caliper: measured ? small(width) : 0 };
-  const widths = tab ? narrow : rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: measured ? image : image + caliper, caliper: measured ? caliper - (dips ? 10 : 0) : 0, ...(dips ? { dips: DIPS } : {}) };
+  const widths = tab ? narrow : rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: beside ? several : measured ? image : image + caliper, ...Object.fromEntries(Array.from({ length: beside }, (_, i) => [`beside${i}`, several])), caliper: measured ? (beside ? 120 : caliper - (dips ? 10 : 0)) : 0, ...(dips ? { dips: DIPS } : {}) };
   const rects = {};
   let left = 4;
   for (const [name, w] of Object.entries(widths)) {
@@ -26,7 +27,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
   rects.pane = { left: left + 4, width: tab && tab !== '3d' ? 0 : Math.max(60, width - left - 4), top: 0, height };
-  const column = Math.max(0, Math.min(COLUMN, rects.pane.width - (rects.pane.width >= 400 && !rig && !tab ? LIST : 4)));
+  const column = Math.max(0, Math.min(COLUMN, rects.pane.width - (rects.pane.width >= 380 && !rig && !tab ? LIST : 4)));
   rects.wall = straight ? { ...body, left: left + 4, width: column } : rects.pane;
   return rects;
 }
@@ -35,6 +36,7 @@ const small = (width) => Math.round(Math.min(200, Math.max(64, width * 0.19))); 
 
 // Where the last track ends; the straightened hole is one.
 export const tracksEnd = ({ image, caliper, wall, dips = caliper.width ? caliper : image }) => (wall?.top && wall.width ? wall.left + wall.width : dips.left + dips.width);
+export const imageRects = (rects) => Object.keys(rects).filter((name) => /^(image|beside)/.test(name)).map((name) => rects[name]);
 export const inside = ({ left, top, width, height }, x, y) => x >= left && x < left + width && y >= top && y < top + height;
 export const depthAt = (view, rect, y) => view.top + ((y - rect.top) / rect.height) * (view.bottom - view.top);
 export const yOf = (view, rect, depth) => rect.top + ((depth - view.top) / (view.bottom - view.top)) * rect.height;

@@ -7,7 +7,7 @@
 import { Alarms } from './alarms.js';
 import { fromAddress, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
-import { MAPS, quantities, takeRanges } from './colour.js';
+import { MAPS, quantities, quantityOf, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { drawColumn } from './column.js';
 import { Exported, exportedContents } from './exported.js';
@@ -15,7 +15,7 @@ import { Glow } from './glow.js';
 import { lamp, spokenText } from './lamp.js';
 import { Gpu } from './gpu.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
-import { FONT, HEAD, layout, PALETTES } from './layout.js';
+import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNotes, Notes } from './notes.js';
@@ -28,9 +28,9 @@ import { recent, toggleRig, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnAt, turnText } from './polar.js';
 import { coverage, Store } from './tiles.js';
-import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead } from './tracks.js';
+import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, scaleLength } from './tracks.js';
 import { scaleOf, showLength } from './units.js';
-import { View } from './view.js';
+import { MOST_BESIDE, View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
 import { jump } from './zones.js';
 
@@ -211,10 +211,23 @@ class App {
     return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
   }
 
+  // The quantities of the images beside the first.
+  get besides() {
+    return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter(Boolean);
+  }
+
+  // Keep the first image beside the others, or no longer.
+  keepBeside() {
+    const { view, quantity, quantities } = this;
+    if (view.beside.includes(quantity.id)) return view.set({ beside: view.beside.filter((id) => id !== quantity.id) });
+    const next = quantities.find(({ id }) => id !== quantity.id && !view.beside.includes(id));
+    return view.set({ beside: [quantity.id, ...view.beside].slice(0, MOST_BESIDE), quantity: next?.id ?? quantity.id });
+  }
+
   // What the places of the panels depend on, besides the size of the stage.
   get arrangement() {
     const { view, store, straight, picking } = this;
-    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, tab: NARROW.matches && !view.rig ? view.tab : null };
+    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, beside: NARROW.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
   // Is the hole drawn straightened, on the depth axis of the tracks?
@@ -223,7 +236,7 @@ class App {
   }
 
   get quantity() {
-    return this.quantities.find(({ id }) => id === this.view.quantity) ?? this.quantities[0];
+    return quantityOf(this.quantities, this.view.quantity);
   }
 
   // Everything that one frame shows; drawing does not change it.
@@ -234,7 +247,7 @@ class App {
     const tiles = turns / store.levels[0].rows;
     const pieces = coverage(store, top, bottom, tiles <= FINE_TILES && turns <= 16 * rects.image.height);
     const now = seconds();
-    return {
+    const made = {
       store, view, path, rects, bitDepth, quantity,
       imagePieces: pieces,
       wallPieces: pieces,
@@ -246,6 +259,8 @@ class App {
       zones: this.zones,
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
+    const beside = this.besides.map((one, i) => ({ ...made, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { width: 0 } } }));
+    return { ...made, images: [made, ...beside.filter(({ imageRect }) => imageRect)] };
   }
 
   schedule() {
@@ -283,7 +298,7 @@ class App {
   paint(look) {
     const { gpu, view } = this;
     const { cursor, pinned, pins, redraw, listeners, ...rest } = view;
-    const key = JSON.stringify([rest, look.quantity, look.rects, look.bitDepth, this.path.version, this.store.session, this.store.levels[0].limit, this.glow.ranges.length && performance.now(),
+    const key = JSON.stringify([rest, look.images.map(({ quantity }) => quantity), look.rects, look.bitDepth, this.path.version, this.store.session, this.store.levels[0].limit, this.glow.ranges.length && performance.now(),
       look.imagePieces.map(({ tile, top, bottom }) => [tile.level.rings, tile.index, tile.version, top, bottom]), gpu.outside.position, gpu.outside.axes, gpu.head]);
     if (key === this.painted) return;
     const began = performance.now();
@@ -310,25 +325,24 @@ class App {
     const { ink, width, height } = sized(byId('ink'));
     ink.clearRect(0, 0, width, height);
     ink.font = FONT;
-    if (this.rects.image.width) this.plain?.draw(ink, look);
+    if (this.rects.image.width) for (const one of look.images) this.plain?.draw(ink, one);
     drawAxis(ink, look);
-    if (this.rects.image.width) drawImageHead(ink, look);
+    if (this.rects.image.width) for (const one of look.images) drawImageHead(ink, one);
     const calipers = drawCaliper(ink, look);
-    drawAhead(ink, look);
+    for (const one of look.images) drawAhead(ink, one);
     this.map.draw(ink, look);
     const planes = this.picking.planes();
     drawDips(ink, look, planes, this.gpu);
     if (this.rects.image.width) drawNotes(ink, look);
-    if (this.picking.on) drawPoints(ink, look, this.picking.points);
+    if (this.picking.on) for (const one of look.images) drawPoints(ink, one, this.picking.points);
     this.picking.write(planes);
     drawCursor(ink, look);
     drawAxisLabels(ink, look);
     if (this.straight && this.rects.wall.width) drawColumn(ink, look, calipers);
     else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
-    const { image } = this.rects;
     ink.strokeStyle = PALETTES[this.view.theme].line;
     ink.lineWidth = 1;
-    ink.strokeRect(image.left - 0.5, image.top - 0.5, image.width + 1, image.height + 1);
+    for (const { left, top, width, height } of imageRects(this.rects)) ink.strokeRect(left - 0.5, top - 0.5, width + 1, height + 1);
   }
 
   drawPanels(look) {
@@ -352,7 +366,7 @@ class App {
     listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
     writeRig(this);
     if (byId('histogram').clientHeight) this.histogram.draw(look);
-    reflect(view, quantity);
+    reflect(view, quantity, this.rects.image);
     links(this, toAddress(this));
     lamp(this);
   }
@@ -411,6 +425,7 @@ class App {
   setLength(text) {
     const [top, bottom] = this.store.span;
     if (text === 'all') this.view.show(top - (bottom - top) * 0.02, (bottom - top) * 1.04, this.store);
+    else if (text.startsWith('1:')) this.view.zoom(scaleLength(this.rects.image, Number(text.slice(2))) / this.view.length, this.view.middle, this.store);
     else if (text) this.view.zoom(Number(text) / this.view.length, this.view.middle, this.store);
     this.fit();
   }

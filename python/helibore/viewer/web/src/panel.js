@@ -5,19 +5,21 @@ import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
+import { scaleLength } from './tracks.js';
 import { scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
 import { bySeverity, LETTERS, zoneAt, zoneText } from './zones.js';
 
 export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+const SCALES = [20, 50, 100, 200, 500, 1000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
 const SHAPES = [0, 1, 2, 3, 5, 10, 20];
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
   options('camera', Object.entries(CAMERAS));
-  options('sectionLength', [['', 'custom'], ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
+  options('sectionLength', [['', 'custom'], ...SCALES.map((scale) => [`1:${scale}`, `1:${scale}`]), ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('shape', SHAPES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('map', Object.entries(MAPS).filter(([name]) => !name.endsWith('-dark')).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
@@ -66,11 +68,13 @@ export function showBasis({ basis, basis_text: text }) {
 }
 
 // Show the view's own settings in the controls, whoever changed them.
-export function reflect(view, quantity) {
+export function reflect(view, quantity, image) {
   for (const id of ['cut', 'pass', 'units', 'median', 'camera']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'fit']) byId(id).closest('label, button').hidden = view.camera === 'straight';
-  byId('sectionLength').value = String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
+  const paper = SCALES.find((one) => Math.abs(scaleLength(image, one) / view.length - 1) < 1e-6);
+  byId('sectionLength').value = paper ? `1:${paper}` : String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
+  byId('beside').textContent = view.beside.includes(quantity.id) ? 'Alone' : 'Beside';
   for (const tab of byId('tabs').children) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';

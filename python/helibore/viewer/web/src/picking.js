@@ -1,7 +1,7 @@
 // Picking dips on the image: click points of a bed, three or more; the plane through them is shown at once, with the
-// cursor as one more point; Enter keeps it. Kept planes are curves on the image, discs in 3-D and tadpoles beside the caliper.
+// cursor as one more point; Enter keeps it. A click on a kept curve selects it: a drag moves it, Delete removes it. Kept planes are curves on the image, discs in 3-D and tadpoles beside the caliper.
 
-import { fitPlane } from './dips.js';
+import { fitPlane, planeDepth } from './dips.js';
 import { byId } from './panel.js';
 import { save } from './saving.js';
 import { showAngle, showDepth, showLength } from './units.js';
@@ -10,7 +10,7 @@ const MOST = 200;
 
 export class Picking {
   constructor(app) {
-    Object.assign(this, { app, on: false, points: [], kept: [] });
+    Object.assign(this, { app, on: false, points: [], kept: [], selected: null });
     byId('dipOpen').addEventListener('click', () => this.toggle());
     byId('dipKeep').addEventListener('click', () => this.keep());
     byId('dipUndo').addEventListener('click', () => this.undo());
@@ -24,7 +24,7 @@ export class Picking {
 
   toggle(on = !this.on) {
     this.on = on;
-    if (!on) this.points = [];
+    if (!on) Object.assign(this, { points: [], selected: null });
     byId('dipOpen').classList.toggle('on', on);
     byId('dips').hidden = !on;
     if (on) this.app.view.set({ pinned: false });
@@ -42,6 +42,36 @@ export class Picking {
     if (cursor?.toolface === null || cursor?.toolface === undefined) return;
     this.points.push(this.point(cursor));
     this.app.redraw();
+  }
+
+  // The kept pick whose curve passes within `reach` metres of the cursor; null if there is none.
+  near({ depth, toolface }, reach) {
+    const { path } = this.app;
+    return this.kept.find((points) => {
+      const plane = fitPlane(path, points);
+      return plane && Math.abs(planeDepth(path, plane, toolface) - depth) < reach;
+    }) ?? null;
+  }
+
+  // A click on the image: on a curve it selects the pick or lets it be; elsewhere it adds a point.
+  click(cursor, reach) {
+    const found = this.points.length ? null : this.near(cursor, reach);
+    if (!found && !this.selected) return this.add(cursor);
+    this.selected = found === this.selected ? null : found;
+    return this.app.redraw();
+  }
+
+  // Move the selected pick along the hole: `from` are its points before.
+  shift(from, metres) {
+    const moved = from.map((point) => this.point({ depth: point.depth + metres, toolface: point.toolface }));
+    this.kept[this.kept.indexOf(this.selected)] = this.selected = moved;
+    this.app.redraw();
+  }
+
+  remove() {
+    this.kept = this.kept.filter((points) => points !== this.selected);
+    this.selected = null;
+    this.app.resize();
   }
 
   undo() {
@@ -63,7 +93,8 @@ export class Picking {
   planes() {
     const { app } = this;
     const kept = this.kept.map((points) => fitPlane(app.path, points)).filter(Boolean);
-    if (!this.on) return { kept, current: null };
+    const selected = kept.find(({ points }) => points === this.selected);
+    if (!this.on || selected) return { kept, selected, current: null };
     const { cursor } = app.view;
     const more = this.points.length && Number.isFinite(cursor?.toolface) ? [this.point(cursor)] : [];
     const done = fitPlane(app.path, this.points);
@@ -71,13 +102,14 @@ export class Picking {
   }
 
   // The card beside the picture: the plane being picked in words, then the kept ones.
-  write({ kept, current, open }) {
+  write({ kept, selected, current, open }) {
     if (!this.on) return;
     const { units } = this.app.view;
     byId('dipKeep').disabled = open || !current;
     byId('dipSave').disabled = kept.length === 0;
-    const lines = kept.map((plane) => `${showDepth(plane.depth)}   ${inWords(plane)}${assumed(plane)}`);
+    const lines = (selected ? [selected] : kept).map((plane) => `${showDepth(plane.depth)}   ${inWords(plane)}${assumed(plane)}`);
     if (current) lines.push(`${showDepth(current.depth)}   ${inWords(current)}`, `misfit ${showLength(current.misfit, units, units === 'mm' ? 0 : 1)} along the hole${assumed(current)}`);
+    else if (selected) lines.push('Selected: drag it along the hole, Delete removes it, a click beside it ends.');
     else lines.push(['Click three points or more of a bed, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     const text = lines.slice(-9).join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;

@@ -36,16 +36,20 @@ export function drawPolar(canvas, look, found) {
   const kept = view.pins.map((pin) => turnAt(store, view, pin));
   const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => exaggerated(measured.radiusMax || R)));
   const scale = (Math.min(width, height) / 2 - 20) / (widest * 1.04);
-  const place = (r, j, at, turnFound) => {
-    const angle = (dial(look, at, turnFound, j) * Math.PI) / 180;
-    return [width / 2 + r * scale * Math.sin(angle), height / 2 - r * scale * Math.cos(angle)];
+  const placeOn = (turnFound, at) => {
+    const up = zero(look, at);
+    return (r, j) => {
+      const angle = ((turnFound.level.toolface(turnFound.k + j) - up) * Math.PI) / 180;
+      return [width / 2 + exaggerated(r) * scale * Math.sin(angle), height / 2 - exaggerated(r) * scale * Math.cos(angle)];
+    };
   };
+  const place = placeOn(found, depth);
   rings(ink, look, width, height, scale, palette);
-  kept.forEach((pin, i) => outline(ink, pin, (r, j, f) => place(exaggerated(r), j, view.pins[i], f), palette.pin, null));
-  outline(ink, found, (r, j, f) => place(exaggerated(Math.max(r, R)), j, depth, f), 'transparent', palette.over);
+  kept.forEach((pin, i) => outline(ink, pin, placeOn(pin, view.pins[i]), palette.pin, null));
+  outline(ink, found, (r, j) => place(Math.max(r, R), j), 'transparent', palette.over);
   disc(ink, width / 2, height / 2, R * scale, palette.panel);
-  outline(ink, found, (r, j, f) => place(exaggerated(r), j, depth, f), palette.ink, palette.fill);
-  diameters(ink, found, (r, j) => place(exaggerated(r), j, depth, found), palette);
+  outline(ink, found, place, palette.ink, palette.fill);
+  diameters(ink, found, place, palette);
   if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
   letters(ink, look, depth, width, height, palette);
   if (view.shape > 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
@@ -96,7 +100,7 @@ function outline(ink, found, place, colour, fill) {
   const K = found.radii.length;
   const [filled, measured, dotted] = [new Path2D(), new Path2D(), new Path2D()];
   for (let j = 0; j < K; j++) {
-    const [a, b] = [j, (j + 1) % K].map((i) => (Number.isNaN(found.radii[i]) ? null : place(found.radii[i], i, found)));
+    const [a, b] = [j, (j + 1) % K].map((i) => (Number.isNaN(found.radii[i]) ? null : place(found.radii[i], i)));
     if (!a || !b) continue;
     filled[j ? 'lineTo' : 'moveTo'](...a);
     const edge = found.between[j] || found.between[(j + 1) % K] ? dotted : measured;

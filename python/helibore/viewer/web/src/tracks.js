@@ -2,7 +2,7 @@
 // map.js, column.js and wall_ink.js draw their own.) Everything here is drawn anew for each frame.
 
 import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
-import { BOLD, FONT, HEAD, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
+import { BOLD, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
 import { scaleOf, showDepth, unitOf } from './units.js';
@@ -29,6 +29,9 @@ export function drawAxis(ink, { view, rects, zones }) {
   }
 }
 
+const PIXEL = 0.0254 / 96; // metres of paper
+export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
+
 // Measured depth over true depth at every tick; both give way to the cursor's tag, which is there first.
 export function drawAxisLabels(ink, { view, path, rects }) {
   const palette = PALETTES[view.theme];
@@ -36,6 +39,7 @@ export function drawAxisLabels(ink, { view, path, rects }) {
   const end = rect.left + rect.width - 12;
   label(ink, 'MD m', end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
   label(ink, path.trueDepth ? 'TVD m' : path.surveyed ? 'no TVD' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
+  if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, HEAD - 51, { colour: palette.soft, align: 'right', font: SMALL });
   const { values, digits } = ticks(view.top, view.bottom, rect.height, APART);
   for (const depth of values) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
@@ -133,6 +137,8 @@ export function drawCursor(ink, look) {
   label(ink, text, rect.left + rect.width - 5, y, { colour: '#ffffff', align: 'right', margin: 5 });
   if (view.cursor.toolface === null || view.cursor.toolface === undefined) return;
   const edge = leftEdge(look.path, view.cut, view.cursor.depth).toolface;
-  const x = rects.image.left + ((((view.cursor.toolface - edge) % 360) + 360) % 360) / 360 * rects.image.width;
-  line(ink, x, y - 7, x, y + 7, palette.cursor);
+  for (const { left, width } of imageRects(rects)) {
+    const x = left + ((((view.cursor.toolface - edge) % 360) + 360) % 360) / 360 * width;
+    line(ink, x, y - 7, x, y + 7, palette.cursor);
+  }
 }

@@ -5,6 +5,7 @@ import { CUTS } from './path.js';
 import { niceStep, tubeFor } from './lod.js';
 
 const SHORTEST = 0.5; // metres of section
+export const MOST_BESIDE = 3;
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
 // From where the 3-D view is seen.
@@ -35,6 +36,7 @@ export class View {
     this.cursor = null; // {depth, toolface}
     this.pinned = false;
     this.pins = []; // depths of sections kept beside the polar plot
+    this.beside = []; // ids of the quantities whose images stand beside the first
     this.listeners = [];
   }
 
@@ -95,6 +97,7 @@ export class View {
     for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']) {
       if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
     }
+    if (this.beside.length) parts.beside = this.beside.join('~');
     for (const key of ['follow', 'rig']) if (this[key]) parts[key] = 1;
     return `#${new URLSearchParams(parts)}`;
   }
@@ -122,6 +125,7 @@ export class View {
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
     for (const [key, value] of Object.entries(taken)) if (value !== null) this[key] = value;
+    this.beside = parts.get('beside')?.split('~').slice(0, MOST_BESIDE) ?? [];
     this.rig = parts.get('rig') === '1';
     if (this.rig) this.follow = true;
     const depth = number('md', -1e5, 1e6);
