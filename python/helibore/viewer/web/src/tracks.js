@@ -5,7 +5,7 @@ import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
 import { BOLD, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
-import { scaleOf, showDepth, unitOf } from './units.js';
+import { LENGTHS, scaleOf, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones } from './zones.js';
 
@@ -29,7 +29,7 @@ export function drawAxis(ink, { view, rects, zones }) {
   }
 }
 
-const PIXEL = 0.0254 / 96; // metres of paper
+const PIXEL = 1 / LENGTHS.in.scale / 96; // metres of paper
 export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
 
 // Measured depth over true depth at every tick; both give way to the cursor's tag, which is there first.
