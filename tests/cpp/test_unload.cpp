@@ -6,7 +6,7 @@
 
 int main() {
     long quads = 0;
-    for (int i = 0; i < 1000 && failures() == 0; ++i) {
+    for (int i = 0; i < static_cast<int>(1000 / reduced) && failures() == 0; ++i) {
         void* library = dlopen(UNLOAD_LIBRARY, RTLD_NOW | RTLD_LOCAL);
         if (!library) {
             std::cerr << dlerror() << "\n";

@@ -63,6 +63,8 @@ void splits_and_moves() {
 void refuses_settings() {
     CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", Wall(Settings{}));
     CHECK_THROWS(InputError, "pitch = 0: must be finite and not 0", Wall({.bit_diameter = 0.2, .pitch = 0.0}));
+    CHECK_THROWS(InputError, "pitch = 1e+155: must lie in -10000000 to 10000000 m",
+                 Wall({.bit_diameter = 0.2, .pitch = 1e155}));
     CHECK_THROWS(InputError, "sectors = 2: must lie in 3 to 1000000", Wall({.bit_diameter = 0.2, .sectors = 2}));
     CHECK_THROWS(InputError, "start_depth = nan: must be finite", Wall({.bit_diameter = 0.2, .start_depth = nan}));
     CHECK_THROWS(InputError, "neighbors = 257: must lie in 1 to 256", Wall({.bit_diameter = 0.2, .neighbors = 257}));

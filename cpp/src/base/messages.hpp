@@ -74,6 +74,7 @@ inline void require_sectors(int sectors) {
 
 inline void require_pitch(double pitch) {
     require(std::isfinite(pitch) && pitch != 0.0, "pitch", pitch, "must be finite and not 0");
+    require(std::abs(pitch) <= largest_depth, "pitch", pitch, depth_rule);
 }
 
 inline void require_finite(const char* name, std::span<const double> values) {

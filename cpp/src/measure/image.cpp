@@ -89,6 +89,10 @@ void require_cells(const ImageRows& image, const QuadCentres& quads, int threads
                 "must lie in -1e9 to 1e9");
     }
     require(quads.count >= 0, "count", quads.count, "must not be negative");
+    if (quads.count > 0) {  // an empty wall has no start
+        require_depth("start_depth", quads.start_depth);
+        require_pitch(quads.pitch);
+    }
     require_threads(threads);
 }
 

@@ -237,12 +237,15 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
             }
             read_neighbours(g, list, rules.neighbors, at, neighbours);
         }
-        const Estimate<P> next = rules.neighbors == 8 ? inverse_distance<P, 8>(neighbours, current * scale, rules)
-                                                      : inverse_distance<P, 0>(neighbours, current * scale, rules);
-        const P needed = P::min(next.farthest, P(rules.reach_square)) * P(slack);
+        Estimate<P> next = rules.neighbors == 8 ? inverse_distance<P, 8>(neighbours, current * scale, rules)
+                                                : inverse_distance<P, 0>(neighbours, current * scale, rules);
         P others = at_least(rejected, selected_at);
-        if (narrow && rules.unscale != 1.0)  // the floats choose those beyond the limit, too
-            others = P::blend(P::less(next.support, P(static_cast<double>(rules.neighbors))), P(0.0), others);
+        if (rules.unscale != 1.0) {  // then a sample beyond the limit may be nearer than one within it
+            const auto few = P::less(next.support, P(static_cast<double>(rules.neighbors)));
+            others = P::blend(few, P(0.0), others);
+            next.farthest = P::blend(few, P(rules.reach_square), next.farthest);
+        }
+        const P needed = P::min(next.farthest, P(rules.reach_square)) * P(slack);
         const auto doubtful = P::both(active, P::less_equal(others, needed));
         wanted = P::both(doubtful, moved_since(selected_at));
         if (narrow && any(doubtful) && !any(wanted)) {

@@ -1,0 +1,116 @@
+// Logs of turns against their definitions, computed slowly; angular gaps against a loop over all samples.
+#include "helibore/logs.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "input.hpp"
+
+using helibore::Index;
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+
+bool near(double a, double b, double size) {
+    return std::abs(a - b) <= 1e-7 * size || (std::isnan(a) && std::isnan(b));
+}
+
+void require_turn(const helibore::Turns& turns, const helibore::TurnLogs& logs, std::size_t turn) {
+    const auto K = static_cast<std::size_t>(turns.sectors);
+    const std::span<const double> r = turns.radius.subspan(turn * K, K);
+    double sum = 0.0, squares = 0.0, least = std::numeric_limits<double>::infinity(), most = 0.0;
+    std::size_t count = 0;
+    for (const double radius : r) {
+        if (std::isnan(radius)) continue;
+        ++count, sum += radius, squares += radius * radius;
+        least = std::min(least, radius), most = std::max(most, radius);
+    }
+    require_rule(logs.coverage[turn] == static_cast<double>(count) / static_cast<double>(K), "coverage");
+    if (count > 0) require_rule(logs.smallest[turn] == least && logs.largest[turn] == most, "extremes");
+    if (count < K) {
+        require_rule(std::isnan(logs.mean[turn]) && std::isnan(logs.enclosing_diameter[turn]), "a turn with a gap");
+        return;
+    }
+    require_rule(near(logs.mean[turn], sum / static_cast<double>(K), most), "mean");
+    require_rule(near(std::sqrt(logs.mean_square[turn]), std::sqrt(squares / static_cast<double>(K)), most),
+                 "mean square");
+    require_rule(
+        logs.least_diameter[turn] <= logs.c1[turn] && logs.c1_toolface[turn] >= 0.0 && logs.c1_toolface[turn] < 180.0,
+        "diameters");
+    const double inside = 0.5 * logs.inscribed_diameter[turn];
+    double nearest = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < K; ++k) {
+        const double angle =
+            (turns.start_toolface + 360.0 * static_cast<double>(k) / static_cast<double>(K)) * std::numbers::pi / 180.0;
+        nearest = std::min(nearest, std::hypot(r[k] * std::cos(angle) - logs.inscribed_0[turn],
+                                               r[k] * std::sin(angle) - logs.inscribed_90[turn]));
+    }
+    require_rule(near(nearest, inside, most), "the inscribed circle touches the nearest vertex");
+    const double centred = std::hypot(logs.centre_0[turn], logs.centre_90[turn]);
+    require_rule(inside >= least - centred - 1e-7 * most || inside >= 0.0, "an inscribed circle");
+    require_rule(0.5 * logs.enclosing_diameter[turn] >= 0.5 * most - 1e-7 * most &&
+                     0.5 * logs.enclosing_diameter[turn] <= most * (1.0 + 1e-7) + centred,
+                 "an enclosing circle");
+}
+
+void fuzz_turns(Input& input) {
+    helibore::Turns turns{.start_toolface = input.mostly_of({0.0, 33.0, -1e-20, 1e5}),
+                          .sectors = input.one_in(64) ? input.one_of({2, 1000001}) : input.between(3, 20),
+                          .radius = {},
+                          .window = input.one_of<Index>({3, 5, 11, 4, 1, 101})};
+    std::vector<double> radius;
+    const double scale = input.one_of({0.1, 1e-50, 1e40, 1.0});
+    for (std::size_t n = input.below(400); n > 0; --n)
+        radius.push_back(input.one_in(40) ? nan : scale * (1.0 + input.one_of({0.0, 1.0, 0.5, 1e-9}) * input.share()));
+    if (!radius.empty() && input.one_in(16)) radius[input.below(65536) % radius.size()] = input.hostile();
+    turns.radius = radius;
+    helibore::TurnLogs logs, on_three;
+    if (refused([&] { logs = turn_logs(turns, 1); })) return;
+    on_three = turn_logs(turns, 3);
+    require_rule(same_bits(logs.rugosity, on_three.rugosity) && same_bits(logs.inscribed_0, on_three.inscribed_0) &&
+                     same_bits(logs.enclosing_diameter, on_three.enclosing_diameter),
+                 "logs on three threads");
+    if (std::abs(turns.start_toolface) > 1e6) return;
+    for (std::size_t turn = 0; turn < logs.mean.size(); ++turn) require_turn(turns, logs, turn);
+}
+
+void fuzz_gaps(Input& input) {
+    const helibore::HelixVertices helix{.start_depth = input.one_of({10.0, 0.0}),
+                                        .start_toolface = input.one_of({0.0, 10.0, 359.0}),
+                                        .pitch = input.one_of({0.1, -0.1, 1.0}),
+                                        .sectors = input.one_of<Index>({8, 1, 3, 64}),
+                                        .count = static_cast<Index>(input.below(200))};
+    std::vector<double> depth, toolface;
+    for (std::size_t n = input.below(60); n > 0; --n) {
+        depth.push_back(helix.start_depth + 0.02 * input.between(-100, 100));
+        toolface.push_back(5.625 * input.between(-70, 70));
+    }
+    std::ranges::sort(depth);
+    const double reach = input.one_of({0.05, 0.5, 0.0, 1e9});
+    std::vector<double> gaps;
+    if (refused([&] { gaps = angular_gaps(helix, {depth, toolface}, reach, 1); })) return;
+    require_rule(same_bits(gaps, angular_gaps(helix, {depth, toolface}, reach, 3)), "gaps on three threads");
+    for (Index k = 0; k < helix.count; ++k) {
+        const auto K = static_cast<double>(helix.sectors);
+        const double at = helix.start_depth + static_cast<double>(k) * helix.pitch / K;
+        const double own = static_cast<double>(k % helix.sectors) * 360.0 / K;
+        double ahead = 360.0, behind = 360.0;
+        for (std::size_t i = 0; i < depth.size(); ++i) {
+            if (depth[i] < at - reach || depth[i] > at + reach) continue;
+            const double around = toolface[i] - helix.start_toolface - own;
+            const double clockwise = around - 360.0 * std::floor(around / 360.0);
+            ahead = std::min(ahead, clockwise);
+            behind = std::min(behind, clockwise == 0.0 ? 0.0 : 360.0 - clockwise);
+        }
+        const double wanted = ahead == 0.0 ? 0.0 : std::min(ahead + behind, 360.0);
+        require_rule(std::abs(gaps[static_cast<std::size_t>(k)] - wanted) < 1e-9, "the gap of a loop over all samples");
+    }
+}
+
+}  // namespace
+
+void fuzz(Input input) {
+    input.one_in(2) ? fuzz_gaps(input) : fuzz_turns(input);
+}

@@ -1,0 +1,86 @@
+// Angular gaps: against a loop over all samples for each vertex, and what is refused.
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "check.hpp"
+#include "helibore/error.hpp"
+#include "helibore/logs.hpp"
+#include "hole.hpp"
+
+using namespace helibore;
+
+namespace {
+
+double gap_of(const HelixVertices& helix, Index k, const std::vector<std::vector<double>>& samples, double reach) {
+    const auto K = static_cast<double>(helix.sectors);
+    const double depth = helix.start_depth + static_cast<double>(k) * helix.pitch / K;
+    const double own = helix.start_toolface + static_cast<double>(k % helix.sectors) * 360.0 / K;
+    double ahead = 360.0, behind = 360.0;
+    for (std::size_t i = 0; i < samples[0].size(); ++i) {
+        if (std::abs(samples[0][i] - depth) > reach) continue;
+        const double turn = samples[1][i] - own, clockwise = turn - 360.0 * std::floor(turn / 360.0);
+        ahead = std::min(ahead, clockwise);
+        behind = std::min(behind, 360.0 - clockwise);
+    }
+    return ahead == 0.0 ? 0.0 : std::min(ahead + behind, 360.0);
+}
+
+void agree(const HelixVertices& helix, const std::vector<std::vector<double>>& samples, double reach) {
+    const std::vector<double> found = angular_gaps(helix, {samples[0], samples[1]}, reach);
+    CHECK(found.size() == static_cast<std::size_t>(helix.count));
+    CHECK(found == angular_gaps(helix, {samples[0], samples[1]}, reach, 3));
+    for (Index k = 0; k < helix.count; ++k)
+        CHECK(std::abs(found[static_cast<std::size_t>(k)] - gap_of(helix, k, samples, reach)) < 1e-9);
+}
+
+void loops() {
+    for (const double pitch : {0.1, -0.1})
+        for (const Index sectors : {1, 3, 48})
+            for (const std::size_t n : {0u, 1u, 40u, 900u}) {
+                const Hole hole = oval_hole(n, 9.0, 2.0);
+                Wall wall({.bit_diameter = 0.216});  // sorts the samples
+                wall.append(hole.all());
+                for (const double reach : {0.02, 0.3, 9.0})
+                    agree({.start_depth = 10.0,
+                           .start_toolface = 350.0,
+                           .pitch = pitch,
+                           .sectors = sectors,
+                           .count = 200},
+                          wall.samples(), reach);
+            }
+}
+
+void by_hand() {
+    const std::vector<double> depth = {10.0, 10.0, 10.0}, toolface = {90.0, 200.0, -10.0};
+    const HelixVertices helix{.start_depth = 10.0, .pitch = 1e-6, .sectors = 4, .count = 4};
+    CHECK(angular_gaps(helix, {depth, toolface}, 0.1) == (std::vector<double>{100.0, 0.0, 110.0, 150.0}));
+    CHECK(angular_gaps(helix, {std::span(depth).first(1), std::span(toolface).first(1)}, 0.1) ==
+          (std::vector<double>{360.0, 0.0, 360.0, 360.0}));
+    CHECK(angular_gaps(helix, {}, 0.1) == std::vector<double>(4, 360.0));
+}
+
+void refusals() {
+    constexpr double infinity = std::numeric_limits<double>::infinity();
+    const std::vector<double> two = {1.0, 2.0}, bad = {1.0, infinity};
+    const SamplePlaces good{two, two};
+    CHECK_THROWS(InputError, "sectors = 0: must be 1 or more", angular_gaps({.sectors = 0}, good, 1.0));
+    CHECK_THROWS(InputError, "sectors = 1000001: must be at most 1000000",
+                 angular_gaps({.sectors = 1000001}, good, 1.0));
+    CHECK_THROWS(InputError, "count = -1: must not be negative", angular_gaps({.count = -1}, good, 1.0));
+    CHECK_THROWS(InputError, "start_toolface = inf: must be finite",
+                 angular_gaps({.start_toolface = infinity}, good, 1.0));
+    CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", angular_gaps({}, good, 1.0, 0));
+    CHECK_THROWS(InputError, "toolface has 1 values, depth has 2: must be equal",
+                 angular_gaps({}, {two, std::span(two).first(1)}, 1.0));
+    CHECK_THROWS(InputError, "toolface[1] = inf: must be finite", angular_gaps({}, {two, bad}, 1.0));
+}
+
+}  // namespace
+
+int main() {
+    loops();
+    by_hand();
+    refusals();
+    return failures();
+}
