@@ -22,7 +22,8 @@ def test_fuzzed(tmp_path):
 def test_every_guarantee_names_a_test_that_exists():
     page = (ROOT / "docs/guarantees.md").read_text()
     sentences = re.findall(r"^(\d+)\. (.*?)(?=^\d+\. |^$)", page, re.MULTILINE | re.DOTALL)
-    assert [int(number) for number, _ in sentences] == list(range(1, 35))
+    assert [int(number) for number, _ in sentences] == list(range(1, len(sentences) + 1))
+    assert len(sentences) >= 37
     for number, text in sentences:
         named = re.findall(r"`(test_\w+\.py)::(\w+)`", text)
         assert named, number
