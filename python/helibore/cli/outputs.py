@@ -24,7 +24,7 @@ NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "h
 
 
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
-    """The option of the file to write."""
+    """Return the option of the file to write."""
     return opt("-o --output", help, type=FILE, required=True)
 
 
@@ -44,7 +44,7 @@ def check_folder(file: Path) -> None:
 
 
 def _own(context: click.Context) -> dict[str, click.Parameter]:
-    """The command's own options that its settings record: all but those of the wall, but with the interval."""
+    """Return the options that the settings record: the command's own, and the interval of the wall."""
     shared = {names for options in SECTIONS.values() for names, _ in options}
     of_wall = {name for names in shared for name in names.split()}
     return {

@@ -67,13 +67,13 @@ def section(name: str, *options: tuple[str, dict[str, Any]]) -> Callable[[Comman
 
 
 def opt(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """An option for `section`: its names and what `click.option` takes. The help shows the default of a value."""
+    """Return an option for `section`: its names and what `click.option` takes. The help shows its default."""
     shown = settings.get("default") not in (None, ()) and "is_flag" not in settings
     return names, {"help": help, "show_default": shown} | settings
 
 
 def opts(names: str, help: str, **settings: Any) -> tuple[str, dict[str, Any]]:  # noqa: A002
-    """An option that may be repeated, for `section`."""
+    """Return an option that may be repeated, for `section`."""
     return opt(names, f"{help} Repeatable.", multiple=True, **settings)
 
 
@@ -401,7 +401,7 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
 
 
 def _roles(log: LogFile, set_name: str | None, map_file: Path | None, columns: dict[str, Any], **arms: Any) -> RoleMap:
-    """Return the roles of a set: guessed, overruled by a map, overruled by options."""
+    """Return the roles of a set: guessed; a map overrules the guess, and options overrule both."""
     from helibore.channels.log_set import LogFile
     from helibore.channels.role_map import parse_options, read_map
     from helibore.channels.roles import guess

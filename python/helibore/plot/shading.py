@@ -125,7 +125,7 @@ def _resample(values: Floats, sectors: int, turn: Floats, around: Floats) -> Sin
 
 
 def _spline(at: Floats, count: int, wrap: bool) -> Single:
-    """Weights (len(at), count) of a cubic B-spline at fractional indices, which wrap around or stop at the ends."""
+    """Return weights (len(at), count) of a cubic B-spline at fractional indices, which wrap or stop at the ends."""
     low = np.floor(at).astype(np.int64)
     t = at - low
     weights = ((1 - t) ** 3, 3 * t**3 - 6 * t**2 + 4, -3 * t**3 + 3 * t**2 + 3 * t + 1, t**3)

@@ -49,7 +49,7 @@ Stage = Callable[[str, str], AbstractContextManager[None]]
 
 
 def checksum(path: str | os.PathLike[str]) -> str:
-    """BLAKE2b of a file's bytes, 256 bits, as ``b2sum -l 256`` prints it: half the time of SHA-256."""
+    """Return the BLAKE2b of a file, 256 bits, as ``b2sum -l 256`` prints it: it takes half the time of SHA-256."""
     with Path(path).open("rb") as file:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 
@@ -65,12 +65,12 @@ class Opened:
     header_line: int | None = None
 
     def input(self) -> Input:
-        """What the settings say of it; the checksum is filled in when the output is saved."""
+        """Return it as the settings record it; `save_settings` fills in the checksum."""
         used = tuple(role for role in self.roles if role.role != "none")
         return Input(self.file, "", self.log.name, used, self.header_line)
 
     def line(self) -> str:
-        """What was read, in one sentence."""
+        """Describe what was read in one sentence."""
         named = f"set {self.log.name!r}, " if self.log.name not in ("table", "arrays") else ""
         return f"{self.file.name}: {self.format}, {named}{self.log.rows:,} rows"
 
@@ -125,7 +125,7 @@ class Files:
     survey: Opened | None = None
 
     def inputs(self) -> dict[str, Any]:
-        """The same as fields of `RunSettings`."""
+        """Return the files as fields of `RunSettings`."""
         alone = {name: getattr(self, name) for name in ("average", "track", "survey")}
         return {"caliper": tuple(each.input() for each in self.caliper)} | {
             name: found.input() for name, found in alone.items() if found is not None
@@ -157,7 +157,7 @@ class Run:
 
     @property
     def reference(self) -> str | None:
-        """What toolface 0 of the wall is: as the settings, the path or else all of the samples state it."""
+        """What toolface 0 of the wall is, if the settings, the path or else all samples state it."""
         if self.settings.path.reference or self.path is not None:
             return self.settings.path.reference or (self.path.reference if self.path else None)
         stated = {self.settings.preparation.toolface_from or one.reference for one in self.readings}
@@ -279,7 +279,7 @@ def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
 
 
 def _track(file: Opened) -> Track:
-    """Depth and toolface by time."""
+    """Return depth and toolface by time."""
     when = column(file.log, needed(file.log, file.roles, "time"))
     depth = column(file.log, needed(file.log, file.roles, "depth"))
     role = file.roles.one("toolface")
@@ -289,7 +289,7 @@ def _track(file: Opened) -> Track:
 
 
 def _read_image(run: Run, one: ImageInput) -> SectorImage:
-    """A sector image, and what its toolfaces count from."""
+    """Return a sector image in the reference that is stated for it, or in that of the wall."""
     stated = one.reference or run.reference
     reference: Any = stated or "high-side"
     if reference not in ("north", "high-side"):
@@ -308,7 +308,7 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
 
 
 def _read_round(run: Run, images: list[SectorImage]) -> tuple[str, Caliper]:
-    """A caliper without directions, and its name: an average one, or a gauge hole."""
+    """Return the name and samples of a caliper without directions: an average caliper, or a gauge hole."""
     wall, file = run.settings.wall, run.files.average
     if wall is None:
         raise RuntimeError("a round hole without settings; this is a bug in helibore")
@@ -324,7 +324,7 @@ def _read_round(run: Run, images: list[SectorImage]) -> tuple[str, Caliper]:
 
 
 def _read_average(run: Run, file: Opened) -> tuple[str, Caliper]:
-    """The diameters of an average caliper; rows without one are left out and counted."""
+    """Return the name and samples of an average caliper; rows without a diameter are left out and counted."""
     role, at = needed(file.log, file.roles, "mean-diameter"), needed(file.log, file.roles, "depth")
     depth, size = column(file.log, at), column(file.log, role)
     there = np.isfinite(depth) & np.isfinite(size)
@@ -353,7 +353,7 @@ def _check_interval(name: str, depth: Floats, settings: Settings) -> None:
 
 
 def interval(settings: Settings) -> tuple[float, float]:
-    """Depths the wall is asked for, shallow and deep; infinite where that is left to the samples."""
+    """Return the shallow and the deep end of the wall that the settings ask for; infinite: as the samples reach."""
     ends = (settings.start_depth, settings.stop_depth)
     top, bottom = ends if settings.pitch > 0 else ends[::-1]
     return -np.inf if top is None else top, np.inf if bottom is None else bottom
@@ -392,7 +392,7 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """What was read of the caliper files, and what each channel was taken for; the same of several sets once."""
+    """Describe what was read from the caliper files, and the role of each channel; equal roles of several sets once."""
     before: tuple[str, ...] = ()
     for each, found in zip(run.files.caliper, run.readings, strict=True):
         yield "caliper", each.line()
@@ -405,7 +405,7 @@ def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 
 def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
-    """What was read of the survey and of the track."""
+    """Describe what was read from the survey and from the track."""
     for label, file, roles in (
         ("survey", run.files.survey, ("depth", "inclination", "azimuth")),
         ("track", run.files.track, ("time", "depth", "toolface")),

@@ -113,13 +113,13 @@ class RunSettings:
 
     @property
     def inputs(self) -> tuple[Input | ImageInput, ...]:
-        """Every file the run reads."""
+        """Every file that the run reads."""
         alone = (self.average, self.archive, self.track, self.survey)
         return (*self.caliper, *(one for one in alone if one is not None), *self.image)
 
 
 def settings_file(output: str | os.PathLike[str]) -> Path:
-    """Where the settings of an output stand: ``wall.glb.toml`` beside ``wall.glb``."""
+    """Return the file of the settings of an output: ``wall.glb.toml`` beside ``wall.glb``."""
     output = Path(output)
     return output.with_name(f"{output.name}.toml")
 
@@ -186,7 +186,7 @@ class _Reader:
         return InputError(f"{self.name}: {place}" if place else self.name, rule, shown)
 
     def group(self, place: str, kind: type[Any], tree: Any) -> Any:
-        """A dataclass from a table."""
+        """Return a dataclass from a table."""
         if not isinstance(tree, dict):
             raise self.error(place, "must be a table")
         hints, dot = get_type_hints(kind), f"{place}." if place else ""
@@ -206,7 +206,7 @@ class _Reader:
             raise self.error(place, str(error)) from error
 
     def value(self, place: str, hint: Any, value: Any) -> Any:
-        """One value as its type; "none" stands for None where that is allowed."""
+        """Return a value as its type; "none" stands for None where that is allowed."""
         options = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
         if type(None) in options and value == "none":
             return None
@@ -229,7 +229,7 @@ class _Reader:
         raise self.error(place, f"must be {rule}", value)
 
     def tuple_of(self, place: str, parts: tuple[Any, ...], value: Any) -> tuple[Any, ...]:
-        """A list of values, or of tables, which are counted from 1."""
+        """Return a list of values, or of tables, which are counted from 1."""
         endless = parts[-1] is Ellipsis
         if not isinstance(value, list) or not (endless or len(parts) == len(value)):
             if endless and dataclasses.is_dataclass(parts[0]):

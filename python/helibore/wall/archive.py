@@ -156,7 +156,7 @@ def _bytes_of(array: Array) -> memoryview:
 
 
 class Members:
-    """The members of an archive, each read whole and checked."""
+    """Read and check the members of an archive, each as a whole."""
 
     def __init__(self, archive: zipfile.ZipFile, size: int) -> None:
         self._archive, self._size = archive, size

@@ -17,7 +17,7 @@ from helibore.samples.caliper import Caliper
 
 
 def canonical_order(caliper: Caliper) -> Integers:
-    """(m,) the rows of ``caliper`` in the order of `Wall.samples`: equal timed rows once, the first of them."""
+    """Return the rows of ``caliper``, (m,), in the order of `Wall.samples`: the first of equal timed rows only."""
     if caliper.time is None:
         return np.argsort(caliper.depth, kind="stable")
     columns = (caliper.depth, caliper.time, wrapped(caliper.toolface), caliper.radius)
@@ -41,7 +41,7 @@ def in_canonical_order(samples: Caliper, values: npt.ArrayLike, caliper: Caliper
 
 
 def on_quads(values: Floats, sectors: int) -> Floats:
-    """(q,) mean of the four corners of each quad (k, k+1, k+1+K, k+K); NaN where a corner has none."""
+    """Return the mean of the four corners of each quad (k, k+1, k+1+K, k+K), (q,); NaN where a corner has none."""
     count = max(values.size - sectors - 1, 0)
     corners = [values[first : first + count] for first in (0, 1, sectors + 1, sectors)]
     mean: Floats = (corners[0] + corners[1] + corners[2] + corners[3]) / 4
