@@ -71,6 +71,8 @@ void register_wits(py::module_& m) {
         .def(
             "finish", [](wits::Parser& parser) { return arrays_of(parser.finish()); },
             "What the stream's end completes.")
+        .def("state", [](const wits::Parser& parser) { return py::bytes(parser.state()); })
+        .def("restore", [](wits::Parser& parser, const std::string& state) { parser.restore(state); })
         .def("counts", &counts, "Bytes, lines, frames, items and each kind of bad text so far.");
 }
 

@@ -103,7 +103,13 @@ class Parser {
 
     Counts counts() const;
 
+    // All that the parser holds between two calls, as bytes of this machine's byte order. A parser with the same nulls
+    // and limits that restores them goes on with the same frames. restore throws InputError for other bytes.
+    std::string state() const;
+    void restore(std::string_view state);
+
   private:
+    struct State;
     enum class Place { outside, inside, dropped };
 
     void take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch);

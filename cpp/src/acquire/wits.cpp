@@ -183,6 +183,65 @@ Counts Parser::counts() const {
     return counts_;
 }
 
+// Followed by the held text and the items of the open frame. Between two calls nothing else differs from a new parser.
+struct Parser::State {
+    Counts counts;
+    Index held_base, held, line_start, body_start, frame_line, frame_lines, items;
+    std::int32_t place;
+    std::int16_t skipping_line, in_stray_run;
+};
+
+std::string Parser::state() const {
+    const std::lock_guard guard(lock_);
+    const State state{counts_,
+                      held_base_,
+                      as_index(held_.size()),
+                      as_index(line_start_),
+                      as_index(body_start_),
+                      frame_line_,
+                      frame_lines_,
+                      as_index(open_items_.size()),
+                      static_cast<std::int32_t>(place_),
+                      skipping_line_,
+                      in_stray_run_};
+    std::string bytes(reinterpret_cast<const char*>(&state), sizeof state);
+    bytes += held_;
+    bytes.append(reinterpret_cast<const char*>(open_items_.data()), open_items_.size() * sizeof(Item));
+    return bytes;
+}
+
+void Parser::restore(std::string_view bytes) {
+    State state{};
+    const auto require = [](bool good) {
+        if (!good) throw InputError("state", "is not the state of a parser");
+    };
+    require(bytes.size() >= sizeof state);
+    std::memcpy(&state, bytes.data(), sizeof state);
+    bytes.remove_prefix(sizeof state);
+    const Index size = as_index(bytes.size());
+    require(state.held >= 0 && state.held <= size && state.items >= 0 && state.items <= size);
+    require(size == state.held + state.items * as_index(sizeof(Item)));
+    require(state.line_start >= 0 && state.line_start <= state.held);
+    require(state.body_start >= 0 && state.body_start <= state.held);
+    require(state.place >= 0 && state.place <= static_cast<std::int32_t>(Place::dropped));
+    std::vector<Item> items(static_cast<std::size_t>(state.items));
+    if (!items.empty()) std::memcpy(items.data(), bytes.data() + state.held, items.size() * sizeof(Item));
+    const std::lock_guard guard(lock_);
+    held_.assign(bytes.substr(0, static_cast<std::size_t>(state.held)));
+    open_items_ = std::move(items);
+    counts_ = state.counts;
+    held_base_ = state.held_base;
+    line_start_ = static_cast<std::size_t>(state.line_start);
+    body_start_ = static_cast<std::size_t>(state.body_start);
+    searched_ = held_.size();
+    frame_start_ = frame_first_ = 0;
+    frame_line_ = state.frame_line;
+    frame_lines_ = state.frame_lines;
+    place_ = static_cast<Place>(state.place);
+    skipping_line_ = state.skipping_line != 0;
+    in_stray_run_ = state.in_stray_run != 0;
+}
+
 void Parser::take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch) {
     const std::string_view line(held_.data() + start, stop - start);
     if (!line.empty() && (line[0] == '&' || line[0] == '!')) {

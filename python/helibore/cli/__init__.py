@@ -20,7 +20,7 @@ import click
 from helibore._core import __version__
 from helibore.base.errors import MissingExtraError
 
-VERBS = ("demo", "inspect", "live", "logs", "mesh", "plot", "reconstruct", "report", "simulate", "view")
+VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "simulate", "view")
 MODULES = {"reconstruct": "mesh", "report": "plot"}
 """The module of a verb, if it is not of the same name."""
 

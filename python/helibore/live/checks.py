@@ -9,6 +9,7 @@ from __future__ import annotations
 import difflib
 import math
 from collections.abc import Mapping, Sequence
+from dataclasses import fields, is_dataclass, replace
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
 from helibore.base.errors import InputError, MissingExtraError
@@ -37,6 +38,19 @@ Checked = TypeVar("Checked", bound=Table)
 Value = TypeVar("Value")
 Derived = Annotated[Value, PlainValidator(_not_a_setting)]
 """A field that the file must not set: `Table._derive` sets it."""
+
+
+def with_values(value: Any, recorded: Any) -> Any:
+    """Return ``value`` with all values that are ``recorded`` as JSON; both have the same shape."""
+    if isinstance(value, Table):
+        names = type(value).model_fields.keys() & recorded.keys()
+        return value.model_copy(update={name: with_values(getattr(value, name), recorded[name]) for name in names})
+    if is_dataclass(value) and not isinstance(value, type):
+        names = {one.name for one in fields(value)} & recorded.keys()
+        return replace(value, **{name: with_values(getattr(value, name), recorded[name]) for name in names})
+    if isinstance(value, (list, tuple)) and len(value) == len(recorded):
+        return type(value)(with_values(of, one) for of, one in zip(value, recorded, strict=True))
+    return recorded
 
 
 def within(least: float, most: float = math.inf) -> AfterValidator:

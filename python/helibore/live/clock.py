@@ -26,6 +26,8 @@ def utc(nanoseconds: int) -> str:
 class ModelClock:
     """Converts (wall, monotonic) receive times to model time, ns."""
 
+    STATE = ("_anchor", "_start", "_drift", "now", "began")
+
     def __init__(self) -> None:
         self._anchor = 0
         self._start = 0

@@ -31,13 +31,15 @@ from pydantic import AfterValidator, ConfigDict, Field, PlainValidator
 
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
-from helibore.live.checks import Derived, Table, check, within
+from helibore.live.checks import Derived, Table, check, with_values, within
 from helibore.live.depth_limits import DepthLimits
 from helibore.live.layout import PathReference
 from helibore.live.pass_rules import PASSES, PassRules, read_layers
 from helibore.live.sources import Source, Text, read_source
 from helibore.wall.wall import Wall
 
+BEFORE_THEY_EXISTED = {"samples": {"most": 0}}
+"""The values that tables have in a journal that was begun before they existed, if they differ from the defaults."""
 OF_WALL = {*(f.name for f in dataclasses.fields(Settings)), "threads", "instruction_set", "basis"}
 
 
@@ -67,6 +69,12 @@ class PathTable(Table):
     head: Annotated[list[float], _three("must be three numbers: north, east, down in metres")] = [0.0, 0.0, 0.0]
     extend: Annotated[float, within(0)] = 100.0
     stations: list[Annotated[list[float], _three("must be [depth m, inclination deg, azimuth deg]")]] = []
+
+
+class SamplesTable(Table):
+    """The table ``samples``: the most samples of a source that a wall keeps near each vertex; 0: all."""
+
+    most: Annotated[int, within(0, 100_000)] = 64
 
 
 class JournalTable(Table):
@@ -150,6 +158,7 @@ class Configuration(Table):
     layers: Annotated[dict[str, list[str]], AfterValidator(read_layers)] = Field({}, validate_default=True)
     passes: PassRules = PassRules()
     depth: DepthLimits = DepthLimits()
+    samples: SamplesTable = SamplesTable()
     journal: JournalTable = JournalTable()
     snapshot: SnapshotTable = SnapshotTable()
     alarms: AlarmLimits = AlarmLimits()
@@ -173,9 +182,19 @@ class Configuration(Table):
 
     def meaning(self) -> str:
         """Return as JSON the settings that affect the wall, so without those of the transport."""
-        meaning = self.model_dump(include={"wall", "layers", "passes", "path", "depth"})
+        meaning = self.model_dump(include={"wall", "layers", "passes", "path", "depth", "samples"})
         meaning["sources"] = {name: source.meaning() for name, source in self.sources.items()}
         return json.dumps(meaning, sort_keys=True, default=asdict)
+
+    def with_meaning(self, meaning: str) -> Configuration:
+        """Return this configuration with the values of a recorded ``meaning``, also where the defaults have changed."""
+        recorded = BEFORE_THEY_EXISTED | json.loads(meaning)
+        known = {"wall", "path", "layers", "passes", "depth", "samples"} & recorded.keys()
+        values = {name: with_values(getattr(self, name), recorded[name]) for name in known}
+        sources = {
+            name: source.with_meaning(recorded["sources"].get(name, {})) for name, source in self.sources.items()
+        }
+        return self.model_copy(update=values | {"sources": sources})
 
     def _check_sources(self) -> None:
         """Refuse a rig quantity or image that two sources map; each source has pass numbers of its own."""

@@ -39,6 +39,8 @@ DEEP_ENOUGH = 100.0
 class Track:
     """Entries (time, order, value) of one quantity in order of arrival; each frame has a larger ``order``."""
 
+    STATE = ("time", "order", "value")
+
     def __init__(self) -> None:
         self.time = np.empty(0, np.int64)
         self.order = np.empty(0, np.int64)
@@ -64,13 +66,19 @@ class Track:
 class Rig:
     """Bit depth, hole depth, rotation and activity over time, and the pass at each bit depth entry."""
 
+    STATE = ("tracks", "kind", "off_bottom", "hole", "_deepest", "_hole")
+
     def __init__(self, rules: PassRules, limits: DepthLimits) -> None:
-        self._rules, self._limits = rules, limits
+        self.use(rules, limits)
         self.tracks = {name: Track() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self.kind = np.empty(0, np.int64)
         self.off_bottom = np.empty(0, bool)
         self.hole = np.empty(0)  # deepest hole depth up to each entry; infinite before the first one is sent
         self._deepest = self._hole = -np.inf
+
+    def use(self, rules: PassRules, limits: DepthLimits) -> None:
+        """Use these rules and limits from now on."""
+        self._rules, self._limits = rules, limits
 
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""

@@ -48,6 +48,8 @@ class DepthLimits(Table):
 class Steps:
     """Checks bit or hole depths: a value that jumps is used only if the next value does not jump back."""
 
+    STATE = ("_last", "_rejected")
+
     def __init__(self, limits: DepthLimits) -> None:
         self._limits = limits
         self._last = self._rejected = np.nan
@@ -73,8 +75,10 @@ class Steps:
 class HeldSample:
     """Checks the depths of one source's samples; it holds a sample that jumps until the next one comes."""
 
+    STATE = ("_last", "_held")
+
     def __init__(self, limits: DepthLimits) -> None:
-        self._limits = limits
+        self.limits = limits
         self._last = np.nan
         self._held: Rows | None = None
 
@@ -86,21 +90,19 @@ class HeldSample:
         if self._held is not None:
             rows = np.concatenate([self._held, rows])
         depth = rows["depth"]
-        known = np.flatnonzero(
-            (depth == depth) & ~self._limits.outside(depth) & ((rows["flags"] & ~int(DRAWABLE)) == 0)
-        )
+        known = np.flatnonzero((depth == depth) & ~self.limits.outside(depth) & ((rows["flags"] & ~int(DRAWABLE)) == 0))
         steps = np.abs(np.diff(np.concatenate([[self._last], depth[known]])))
-        if self._held is None and not (steps > self._limits.jump).any():
+        if self._held is None and not (steps > self.limits.jump).any():
             self._last = depth[known[-1]] if len(known) else self._last
             return rows, rows[:0]
         self._held = None
         jumped = -1
         wrong: list[int] = []
         for row in known.tolist():
-            near_last = np.isnan(self._last) or abs(depth[row] - self._last) <= self._limits.jump
+            near_last = np.isnan(self._last) or abs(depth[row] - self._last) <= self.limits.jump
             if jumped >= 0:
                 soon = rows["time"][row] - rows["time"][jumped] <= CONFIRMED_WITHIN
-                if soon and not near_last and abs(depth[row] - depth[jumped]) <= self._limits.jump:
+                if soon and not near_last and abs(depth[row] - depth[jumped]) <= self.limits.jump:
                     near_last = True  # this row confirms the jump
                 else:
                     wrong.append(jumped)

@@ -121,15 +121,38 @@ class EventBook:
     """Counts every event, joins the events of one rule of one source, and returns each new event once.
 
     May be used from several threads.
+
+    Attributes
+    ----------
+    recorded
+        As `latest`, by source and rule: only events that records caused, which a replay reports again.
     """
 
+    STATE = ("recorded",)
+
     def __init__(self) -> None:
-        self.counts: Counter[tuple[str, str]] = Counter()
         self.log: Callable[[Event], None] | None = None
         self._joined: dict[tuple[str, str], Event] = {}
+        self._recorded: dict[tuple[str, str], Event] = {}
         self._new: list[Event] = []
         self._places: dict[tuple[str, str], list[int]] = {}
         self._lock = threading.Lock()
+
+    @property
+    def recorded(self) -> dict[tuple[str, str], Event]:
+        with self._lock:
+            return dict(self._recorded)
+
+    @recorded.setter
+    def recorded(self, recorded: dict[tuple[str, str], Event]) -> None:
+        with self._lock:
+            self._recorded, self._joined = recorded, dict(recorded)
+
+    @property
+    def counts(self) -> Counter[tuple[str, str]]:
+        """How often each rule of each source was reported."""
+        with self._lock:
+            return Counter({key: event.count for key, event in self._joined.items()})
 
     @property
     def latest(self) -> list[Event]:
@@ -137,15 +160,15 @@ class EventBook:
         with self._lock:
             return list(self._joined.values())
 
-    def report(self, event: Event) -> None:
-        """Count ``event`` and join it to the earlier events of its source and rule."""
+    def report(self, event: Event, *, recorded: bool = True) -> None:
+        """Count ``event`` and join it to the earlier events of its source and rule; ``recorded``: by a record."""
         key = event.source, event.rule
         if self.log is not None:
             self.log(event)
         with self._lock:
-            self.counts[key] += event.count
-            before = self._joined.pop(key, None)
-            self._joined[key] = event if before is None else before.and_then(event)
+            for joined in (self._joined, self._recorded) if recorded else (self._joined,):
+                before = joined.pop(key, None)  # the latest is at the end
+                joined[key] = event if before is None else before.and_then(event)
             _add(self._new, self._places, event)
 
     def report_rows(self, rows: Sequence[int] | npt.NDArray[np.int64], describe: Callable[[int], Event]) -> None:

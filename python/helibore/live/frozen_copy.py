@@ -134,6 +134,8 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
     """Return the copy, and the rows of each image at that moment; rows never change after they arrive."""
     model = live.model
     walls = {name: FrozenWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
+    for wall in walls.values():
+        wall.made_from = {"configuration": model.stretches}
     images = {name: (image.so_far(), image.unit, model.layouts.get(name))
               for name, image in live.images.items() if len(image)}  # fmt: skip
     of = FrozenCopy(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,

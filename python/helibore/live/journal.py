@@ -6,6 +6,9 @@ prefix of a segment is valid::
 
     000001.hbj  | header | zeros | header | record | record | ...
     000002.hbj  | header | zeros | header | record | ...            <- appended to, locked by its writer
+    archive/000001.hbj.gz                                           a segment that ``archive.py`` compressed
+
+Segments of format 1 have their second header at 32; they are read and continued, and new segments have format 2.
 
 Why not SQLite: here, writing a record is one ``pwritev`` at the end of a file. There is no index to corrupt and no
 checkpoint that delays the reader of a socket. Damage destroys only the records that it touches.
@@ -21,14 +24,17 @@ from __future__ import annotations
 import contextlib
 import errno
 import fcntl
+import gzip
 import os
 import secrets
 import struct
 import threading
 import time
+import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -42,8 +48,9 @@ BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE = range(7)
 HEADER = struct.Struct("<8sIIQII")  # magic, version, segment, first sequence number, salt, checksum
 MAGIC = b"HELIBJ\r\n"
 VERSION = 2
-SECOND_HEADER = 4096
-RECORDS_START = SECOND_HEADER + HEADER.size
+SECOND_HEADERS = {1: HEADER.size, VERSION: 4096}
+RECORDS_START = SECOND_HEADERS[VERSION] + HEADER.size
+ARCHIVE = "archive"
 RECORD_HEADER = 48
 LONGEST_PAYLOAD = 1 << 20
 
@@ -81,6 +88,11 @@ class Segment:
         at = int(np.searchsorted(self.records["offset"], offset)) - 1
         return int(self.records["wall"][max(at, 0)]) if len(self.records) else 0
 
+    @property
+    def number(self) -> int:
+        """Number of the segment, from 1."""
+        return number_of(self.path)
+
     def damage_texts(self) -> list[str]:
         """Return one line for each damaged range."""
         return [
@@ -111,9 +123,47 @@ class Recovery:
     damage: list[str] = field(default_factory=list)
 
 
+class _Header(NamedTuple):
+    version: int
+    sequence: int
+    salt: int
+
+    @property
+    def records_start(self) -> int:
+        return SECOND_HEADERS[self.version] + HEADER.size
+
+
 def paths(folder: Path) -> list[Path]:
-    """Return the segment files of a journal in order."""
+    """Return the segment files of a journal in order, without those in its archive."""
     return sorted(path for path in folder.glob("*.hbj") if path.stem.isdigit())
+
+
+def all_paths(folder: Path) -> list[Path]:
+    """Return the segment files of a journal in order; one that is also in the archive is listed once."""
+    archived = {number_of(path): path for path in (folder / ARCHIVE).glob("*.hbj.gz") if path.name[:-7].isdigit()}
+    found = archived | {number_of(path): path for path in paths(folder)}
+    return [found[number] for number in sorted(found)]
+
+
+def number_of(path: Path) -> int:
+    """Return the number of a segment."""
+    return int(path.name.partition(".")[0])
+
+
+def content(path: Path) -> bytes:
+    """Return the bytes of a segment; an archived one is decompressed.
+
+    Raises
+    ------
+    InputError
+        If an archived segment is damaged.
+    """
+    if path.suffix != ".gz":
+        return path.read_bytes()
+    try:
+        return gzip.decompress(path.read_bytes())
+    except (OSError, EOFError, zlib.error) as error:
+        raise InputError(str(path), f"damaged: {error}") from error
 
 
 def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment]:
@@ -124,35 +174,58 @@ def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment
     ValueError
         If the folder holds no journal, or no segment of it has an intact header.
     """
-    found = paths(Path(folder))
+    found = all_paths(Path(folder))
     if not found:
         raise InputError(str(folder), "holds no journal (no file 000001.hbj)")
     salt = _salt(found)
-    for path in (path for path in found if int(path.stem) >= first):
-        text = path.read_bytes()
-        records, damage = _core.journal_scan(text, min(RECORDS_START, len(text)), salt)
+    for path in (path for path in found if number_of(path) >= first):
+        text = content(path)
+        header = _intact_header(text, path)
+        start = header.records_start if header else RECORDS_START
+        records, damage = _core.journal_scan(text, min(start, len(text)), salt)
         yield Segment(path, records, damage, text)
 
 
 def _salt(found: list[Path]) -> int:
     """Return the random number that all segments of a journal share, from the first intact header."""
-    for path in found:
-        with path.open("rb") as file:
-            head = file.read(RECORDS_START)
-        for start in (0, SECOND_HEADER):
-            if len(head) >= start + HEADER.size:
-                magic, version, _, _, salt, checksum = HEADER.unpack_from(head, start)
-                if magic == MAGIC and checksum == _core.crc32c(head[start : start + HEADER.size - 4]):
-                    if version != VERSION:
-                        raise InputError(str(path), f"version {version}: this helibore reads version {VERSION}")
-                    return int(salt)
+    for path in reversed(found):  # the archived ones last
+        if header := header_of(path):
+            return header.salt
     raise InputError(str(found[0].parent), "no segment has an intact header")
+
+
+def header_of(path: Path) -> _Header | None:
+    """Return the header of a segment; None if no copy is intact."""
+    if path.suffix == ".gz":
+        return _intact_header(content(path)[:RECORDS_START], path)
+    with path.open("rb") as file:
+        return _intact_header(file.read(RECORDS_START), path)
+
+
+def _intact_header(head: bytes, path: Path) -> _Header | None:
+    for start in (0, *SECOND_HEADERS.values()):
+        if len(head) >= start + HEADER.size:
+            magic, version, _, sequence, salt, checksum = HEADER.unpack_from(head, start)
+            if magic == MAGIC and checksum == _core.crc32c(head[start : start + HEADER.size - 4]):
+                if version not in SECOND_HEADERS:
+                    raise InputError(str(path), f"version {version}: this helibore reads versions up to {VERSION}")
+                return _Header(version, sequence, salt)
+    return None
+
+
+def segment_of(folder: Path, sequence: int) -> int:
+    """Return the number of a segment before which there is no record ``sequence`` or later."""
+    for path in reversed(all_paths(folder) if sequence else []):
+        header = header_of(path)
+        if header and header.sequence <= sequence:
+            return number_of(path)
+    return 1
 
 
 def _header(number: int, sequence: int, salt: int) -> bytes:
     start = HEADER.pack(MAGIC, VERSION, number, sequence, salt, 0)[:-4]
     header = start + struct.pack("<I", _core.crc32c(start))
-    return header.ljust(SECOND_HEADER, b"\0") + header
+    return header.ljust(SECOND_HEADERS[VERSION], b"\0") + header
 
 
 def _lock(file: int, folder: Path) -> None:
@@ -229,30 +302,41 @@ class Journal:
                 _lock(last, self.folder)
             finally:
                 os.close(last)
-        while found and found[-1].stat().st_size < RECORDS_START:  # the process died while making it: no record
+        while found and self._is_empty(found[-1]):  # the process died while making it
             self._set_aside(found.pop(), 0)
         if not found:
-            self._salt, self._number, self._sequence = secrets.randbits(32), 0, 0
+            before = all_paths(self.folder)  # in the archive
+            self._salt = _salt(before) if before else secrets.randbits(32)
+            self._number = number_of(before[-1]) if before else 0
+            self._sequence = self._first_sequence() if before else 0
+            self.recovery.last_sequence = self._sequence - 1
             self._begin_segment()
             return
         self._salt, self._number = _salt(found), int(found[-1].stem)
         text = found[-1].read_bytes()
-        records, damage = _core.journal_scan(text, RECORDS_START, self._salt)
+        header = _intact_header(text, found[-1])
+        records, damage = _core.journal_scan(text, header.records_start if header else RECORDS_START, self._salt)
         stop = len(text)
         if damage and damage[-1][1] == len(text):
             stop = damage.pop()[0]
             self._set_aside(found[-1], stop)
         self.recovery.damage += Segment(found[-1], records, damage, text).damage_texts()
-        self._sequence = int(records["sequence"][-1]) + 1 if len(records) else self._first_sequence(found)
+        self._sequence = int(records["sequence"][-1]) + 1 if len(records) else self._first_sequence()
         self.recovery.last_sequence = self._sequence - 1
         self._path = found[-1]
         self._file = os.open(self._path, os.O_RDWR)
         _lock(self._file, self.folder)
         self._stop = stop
 
-    def _first_sequence(self, found: list[Path]) -> int:
+    @staticmethod
+    def _is_empty(path: Path) -> bool:
+        """Return whether a segment is too short to hold a record."""
+        header = header_of(path)
+        return path.stat().st_size < (header.records_start if header else RECORDS_START)
+
+    def _first_sequence(self) -> int:
         """Return a sequence number after all others; for a last segment without an intact record."""
-        last = [_core.journal_scan(path.read_bytes(), RECORDS_START, self._salt)[0]["sequence"] for path in found[:-1]]
+        last = [segment.records["sequence"] for segment in segments(self.folder)]
         return max((int(numbers[-1]) + 1 for numbers in last if len(numbers)), default=0) + (1 << 32)
 
     def _set_aside(self, path: Path, stop: int) -> None:
@@ -375,6 +459,16 @@ class Journal:
             self._unsynced = self._unsynced[len(finished) :]
         for file in finished:
             os.close(file)
+
+    @property
+    def salt(self) -> int:
+        """The random number that all segments of this journal share."""
+        return self._salt
+
+    @property
+    def segment(self) -> int:
+        """Number of the segment that is written."""
+        return self._number
 
     @property
     def bytes_left(self) -> int:

@@ -25,23 +25,26 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import astuple
 from pathlib import Path as FilePath
-from typing import NamedTuple, TypeVar
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.base.arrays import column
+from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
+from helibore.live import checkpoint as checkpoints
 from helibore.live import journal as journals
 from helibore.live.configuration import Configuration, load
 from helibore.live.events import LOGGER, Event, gather
 from helibore.live.file_names import RULE, can_be_file
 from helibore.live.image_rows import ImageRows
-from helibore.live.journal import Journal, segments
+from helibore.live.journal import Journal, Segment, segment_of, segments
 from helibore.live.layout import given_layout
 from helibore.live.model import Model, Rows
 from helibore.live.pass_log import Pass
-from helibore.live.session_header import check_meaning, recorded_configuration
+from helibore.live.session_header import configuration_of, continued_with, recorded_configuration
 from helibore.live.update import Update, merge
 from helibore.trajectory.survey import Path, Survey
 from helibore.wall.wall import Wall
@@ -52,6 +55,7 @@ RECORD = np.dtype(
 )  # fmt: skip
 Read = TypeVar("Read")
 WINDOW_BYTES = 1 << 20
+OF_RECOVERY = "journal", "checkpoint"
 WINDOW_RECORDS = 8192
 
 
@@ -93,16 +97,20 @@ class Live:
         *,
         clock: Callable[[], tuple[int, int]] = lambda: (time.time_ns(), time.monotonic_ns()),
     ) -> None:
-        self.configuration = configuration if isinstance(configuration, Configuration) else load(configuration)
-        self.model = Model(self.configuration)
+        given = configuration if isinstance(configuration, Configuration) else load(configuration)
+        begun = given
+        if journal is not None and journals.paths(FilePath(journal)):
+            begun, given = continued_with(FilePath(journal), given)
+        self.configuration = given
+        self.model, self._begun = Model(begun), begun.meaning()
         self._lock = threading.Lock()
         self.clock = clock
         self._sequence = 0
-        self._names = {number: name for name, number in self.model.numbers.items()}
         self._began, self._last_bytes = clock()[1], dict[str, int]()
         self._silence_reported: dict[str, int] = {}  # the time of the last bytes before it
         self._pending_update = Update()
         self._logged: dict[tuple[str, str], float] = {}
+        self._checkpointing, self._checkpointed_segment = threading.Lock(), 1
         self.journal: Journal | None = None
         session = {"session": secrets.token_hex(8), "meaning": self.configuration.meaning(),
                    "configuration": self.configuration.text}  # fmt: skip
@@ -111,8 +119,6 @@ class Live:
             self._store(0, 0, opening, journals.OPENED)
             self.model.events.log = self._log
             return
-        if journals.paths(FilePath(journal)):
-            check_meaning(FilePath(journal), self.configuration)
         self.journal = Journal(
             journal,
             opening,
@@ -122,17 +128,90 @@ class Live:
         )
         for note in self.journal.recovery.notes:  # read_into reports the damage
             self.report("journal", note)
+        self._restore(begun)
         for update in read_into(self.model, FilePath(journal)):  # earlier sessions reported the other events
-            gather(self._pending_update.events, (event for event in update.events if event.rule == "journal"))
+            gather(self._pending_update.events, (event for event in update.events if event.rule in OF_RECOVERY))
         self.model.events.log = self._log
 
+    def _restore(self, begun: Configuration) -> None:
+        """Restore the newest usable checkpoint; report each that is not usable."""
+        assert self.journal is not None
+        for found in checkpoints.usable(
+            self.journal.folder, self.journal.salt, self.journal.recovery.last_sequence + 1
+        ):
+            error = found if isinstance(found, InputError) else self._restored(begun, *found)
+            if error is None:
+                return
+            self.report("checkpoint", f"{error}: not used")
+
+    def _restored(
+        self, begun: Configuration, path: FilePath, facts: dict[str, Any], arrays: checkpoints.Arrays
+    ) -> InputError | None:
+        """Restore one checkpoint, or return why that is not possible."""
+        model = Model(begun)
+        try:
+            if facts["meaning"] != begun.meaning():
+                raise InputError(str(path), "has another configuration")
+            for stretch in facts["stretches"]:
+                model.reconfigure(configuration_of(stretch), stretch["utc"], int(stretch["record"]))
+            checkpoints.unpack(model, facts["state"], arrays)
+        except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
+            return InputError(str(path), f"cannot be restored: {error}")
+        self._set_model(model)
+        return None
+
+    def _set_model(self, model: Model) -> None:
+        for event in self.model.events.take():  # what the host has reported
+            model.events.report(event, recorded=False)
+        self.model = model
+
+    def checkpoint(self) -> FilePath | None:
+        """Write the state of the model, so that a restart reads only the records after it.
+
+        Returns
+        -------
+        Path or None
+            The file in the journal's folder; None without a journal.
+
+        Raises
+        ------
+        OSError
+            If the disk refuses; the earlier checkpoints are then unchanged.
+        """
+        if self.journal is None:
+            return None
+        with self._checkpointing:
+            with self._lock:
+                segment, sequence = self.journal.segment, self.model.next_sequence
+                state = checkpoints.packed(self.model)
+                facts: dict[str, Any] = {"meaning": self._begun, "stretches": list(self.model.stretches)}
+            self.journal.sync()  # a checkpoint must not contain records that a power cut can destroy
+            facts = {"helibore": _core.__version__, "salt": self.journal.salt, **facts}
+            path = checkpoints.write(self.journal.folder, sequence, facts, state)
+            self._checkpointed_segment = segment
+            return path
+
+    @property
+    def checkpoint_due(self) -> bool:
+        """Whether a segment was completed since the last checkpoint."""
+        return self.journal is not None and self.journal.segment > self._checkpointed_segment
+
     @classmethod
-    def replay(cls, folder: str | os.PathLike[str], configuration: Configuration | None = None) -> Live:
-        """Read a journal (read only) and return the same bits as live; by default with its own configuration."""
+    def replay(
+        cls,
+        folder: str | os.PathLike[str],
+        configuration: Configuration | None = None,
+        report: Callable[[Segment], None] = lambda _: None,
+    ) -> Live:
+        """Read a whole journal (read only) and return the same bits as live; by default with its own configuration.
+
+        ``report`` gets each segment when it is read.
+        """
         live = cls(configuration or recorded_configuration(FilePath(folder)))
-        live.model = Model(live.configuration)
-        for _ in read_into(live.model, FilePath(folder)):
+        live.model = Model(live.configuration, follows=configuration is None)
+        for _ in read_into(live.model, FilePath(folder), report):
             pass
+        live.configuration = live.model.configuration
         return live
 
     @property
@@ -380,7 +459,7 @@ class Live:
             (wall, monotonic), sequence = self.clock(), self._sequence
             self._sequence += 1
         if kind == journals.BYTES:
-            self._last_bytes[self._names[source]] = monotonic
+            self._last_bytes[next(name for name, number in self.model.numbers.items() if number == source)] = monotonic
         record = np.array([(sequence, wall, monotonic, 0, len(payload), connection, source, kind, 0)], dtype=RECORD)
         return record, [payload]
 
@@ -390,9 +469,13 @@ class Live:
             self.journal.sync()
 
     def close(self) -> None:
-        """Sync and close the journal."""
+        """Write a checkpoint if one is due, then sync and close the journal."""
         if self.journal is not None:
-            self.journal.close()
+            try:
+                if self.checkpoint_due:
+                    self.checkpoint()
+            finally:
+                self.journal.close()
 
     def __enter__(self) -> Live:
         return self
@@ -406,14 +489,23 @@ def _require_finite(name: str, values: npt.NDArray[np.float64]) -> None:
         raise ValueError(f"{name}[{index}] = {values[index]}: must be finite")
 
 
-def read_into(model: Model, folder: FilePath) -> Iterator[Update]:
-    """Pass a journal's records to ``model``, one window at a time; report damage as events."""
-    for segment in segments(folder):
+def read_into(model: Model, folder: FilePath, report: Callable[[Segment], None] = lambda _: None) -> Iterator[Update]:
+    """Pass a journal's records from ``model.next_sequence`` on to ``model``, one window at a time; report damage."""
+    expected = 1 if not model.next_sequence else None
+    for segment in segments(folder, segment_of(folder, model.next_sequence)):
+        if expected is not None and segment.number > expected:
+            text = f"segments {expected} to {segment.number - 1} are missing"
+            model.report(segment.wall_before(0), "journal", text, recorded=True)
+        expected = segment.number + 1
+        first = int(np.searchsorted(segment.records["sequence"], model.next_sequence))
+        known = int(segment.records["offset"][first - 1]) if first else 0
         for (start, _), text in zip(segment.damage, segment.damage_texts(), strict=True):
-            model.report(segment.wall_before(start), "journal", text)
-        for start, stop in windows(segment.records):
-            payloads = [segment.payload(row) for row in range(start, stop)]
-            yield model.take(segment.records[start:stop], payloads)
+            if start >= known:
+                model.report(segment.wall_before(start), "journal", text, recorded=True)
+        for start, stop in windows(segment.records[first:]):
+            payloads = [segment.payload(first + row) for row in range(start, stop)]
+            yield model.take(segment.records[first + start : first + stop], payloads)
+        report(segment)
 
 
 def windows(records: Rows) -> Iterator[tuple[int, int]]:

@@ -10,6 +10,7 @@ Without these two, a repeated frame cannot be distinguished from a new measureme
 from __future__ import annotations
 
 import bisect
+import hashlib
 from collections import OrderedDict
 from dataclasses import dataclass, field
 
@@ -28,7 +29,7 @@ Integers = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
 
 ABSENT, VALUE, NULL, INVALID = range(4)
-REMEMBERED = 4096
+REMEMBERED, DIGEST_BYTES = 4096, 16
 
 
 @dataclass(slots=True)
@@ -68,6 +69,10 @@ class Reading:
 
 class SourceReader:
     """Reads one source: a parser for each connection, then the mapping."""
+
+    STATE: tuple[str, ...] = (
+        "_steps", "_parser", "_connection", "counts", "watches", "recent", "_pass_number", "_held", "_ends", "_walls"
+    )  # fmt: skip
 
     def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
         self.source = source
@@ -127,6 +132,23 @@ class SourceReader:
         self._parser, self._ends, self._walls, self._held = self._new_parser(), [], [], bytearray()
         return reading
 
+    def go_on_from(self, before: SourceReader) -> None:
+        """Take over counts, sequence numbers and connection of the reader that another configuration replaces."""
+        before._add_counts()
+        self.counts = {name: before.counts.get(name, 0) for name in self.counts}
+        self.watches |= {code: watch for code, watch in before.watches.items() if code in self.watches}
+        self._connection, self._recent = before._connection, before._recent
+
+    @property
+    def recent(self) -> bytes:
+        """Digests of the recent frames with measurements, the oldest first."""
+        return b"".join(self._recent)
+
+    @recent.setter
+    def recent(self, digests: bytes) -> None:
+        size = DIGEST_BYTES
+        self._recent = OrderedDict.fromkeys(digests[at : at + size] for at in range(0, len(digests), size))
+
     @property
     def connection(self) -> int:
         """Number of the last connection; 0 before the first."""
@@ -142,7 +164,7 @@ class SourceReader:
 
     def _columns(self, batch: wits.Batch, chunk: Chunk, ends: Integers) -> Reading:
         """Return the columns of a batch; ``ends`` are the stream offsets of the ends of the chunk's records."""
-        at = np.minimum(np.searchsorted(ends, batch.frames["stop"]), len(chunk.time) - 1)
+        at = np.minimum(np.searchsorted(ends, self._completed(batch)), len(chunk.time) - 1)
         within = np.arange(len(at)) - np.searchsorted(at, at)
         order = (chunk.order[at] << 20) + within
         reading = Reading(chunk.time[at], order, chunk.wall[at], batch.frames["line"], self._connection)
@@ -161,6 +183,18 @@ class SourceReader:
             reading.station_frame = np.flatnonzero(np.isfinite(stations).all(axis=1) & (repeated == 0))
             reading.stations = stations[reading.station_frame]
         return reading
+
+    def _completed(self, batch: wits.Batch) -> Integers:
+        """Return the stream offset at which each frame was known to be complete: the end of its last line.
+
+        In a last line ``!!&&`` the frame itself stops after ``!!``, which may have come in an earlier packet.
+        """
+        stops: Integers = batch.frames["stop"].copy()
+        last = np.frombuffer(batch.text, np.uint8)[stops - batch.base - 1]
+        for row in np.flatnonzero(last != ord("\n")).tolist():
+            end = self._held.find(b"\n", int(stops[row]) - batch.base)
+            stops[row] = batch.base + end + 1 if end >= 0 else stops[row]
+        return stops
 
     def _table(self, batch: wits.Batch, reading: Reading) -> tuple[Values, npt.NDArray[np.uint8]]:
         items, frames = batch.items, batch.frames
@@ -248,7 +282,7 @@ class SourceReader:
         starts = (batch.frames["start"][rows] - batch.base).tolist()
         stops = (batch.frames["stop"][rows] - batch.base).tolist()
         for row, start, stop in zip(rows.tolist(), starts, stops, strict=True):
-            words = text[start:stop]
+            words = hashlib.blake2b(text[start:stop], digest_size=DIGEST_BYTES).digest()  # a frame may be long
             if words in recent:
                 flags[row] = Flag.DUPLICATE
                 self._report(int(reading.wall[row]), "duplicate", "a frame was sent twice", int(reading.line[row]),

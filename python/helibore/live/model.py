@@ -18,9 +18,12 @@ from dataclasses import replace
 import numpy as np
 import numpy.typing as npt
 
+from helibore import _core
 from helibore.base.angles import wrapped
+from helibore.base.errors import InputError
 from helibore.live import journal
-from helibore.live.clock import SECOND, ModelClock
+from helibore.live.cell_counts import CellCounts
+from helibore.live.clock import SECOND, ModelClock, utc
 from helibore.live.configuration import Configuration
 from helibore.live.depth import Rig
 from helibore.live.depth_limits import CONFIRMED_WITHIN, HeldSample
@@ -30,9 +33,11 @@ from helibore.live.layout import Layout
 from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.pass_log import PassLog
 from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
+from helibore.live.session_header import configuration_of
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
 from helibore.live.update import Update, joined
+from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
 Rows = npt.NDArray[np.void]
@@ -47,6 +52,8 @@ LATEST = 4e9
 """Seconds since 1970: a sample with a time later than this (2096), or earlier than its negative, is wrong."""
 LARGEST_TOOLFACE = 1e6
 """Degrees: a toolface with a larger absolute value is wrong."""
+MOST_SET_ASIDE = 10_000
+"""The most records whose numbers and reasons are kept."""
 LARGEST_RADIUS = 10.0
 """Metres: a larger radius from a host is wrong."""
 
@@ -62,16 +69,27 @@ class Model:
         The image rows and the survey stations.
     layouts
         The layout of each image whose layout is known.
-    records, wall_time
-        Number of records taken, and receive time of the last one, ns since 1970.
+    records, wall_time, next_sequence
+        Number of records taken, without session headers; receive time of the last one, ns since 1970; its number + 1.
     passes
         The log that decides the pass of each sample and lists the passes so far.
+    stretches
+        One for each change of the configuration: utc and record from which it applies, its text and its meaning.
     events, counts
         Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
     """
 
-    def __init__(self, configuration: Configuration) -> None:
+    STATE = (
+        "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
+        "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held", "_pending",
+        "_held_rows", "_next_row", "_session", "_meaning", "_deepest",
+    )  # fmt: skip
+
+    def __init__(self, configuration: Configuration, *, follows: bool = True) -> None:
         self.configuration = configuration
+        self.follows = follows  # the session headers; False: this configuration reads all records
+        self._meaning = configuration.meaning()
+        self.stretches: list[dict[str, str]] = []
         self.events = EventBook()
         self.counts: Counter[str] = Counter()
         self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
@@ -96,12 +114,37 @@ class Model:
         self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
         self._next_row = 0
         self._session = ""
-        latencies = [image.latency for image in self._image_list]
-        latencies += [source.caliper.latency for source in configuration.sources.values() if source.caliper]
-        self._longest_latency = int(max(latencies, default=0.0) * SECOND)
-        self._deepest = dict.fromkeys(self.layers, -np.inf)
+        self._longest_latency = 0
+        self._deepest: dict[tuple[str, int], float] = {}
         self.last_seen: dict[str, int] = {}
-        self.records = self.wall_time = 0
+        self.records = self.wall_time = self.next_sequence = 0
+        self.set_aside: dict[int, str] = {}
+        self._cell_counts: dict[str, dict[int, CellCounts]] = {name: {} for name in self.layers}
+        self._set_limits()
+
+    @property
+    def samples(self) -> dict[str, tuple[tuple[npt.NDArray[np.float64], ...], int]]:
+        """Columns of the samples of each layer that has samples, and a checksum of its vertices."""
+        states = {name: wall._state() for name, wall in self.layers.items() if wall.sample_count}
+        return {name: (state.sample_columns, _checksum(state)) for name, state in states.items()}
+
+    @samples.setter
+    def samples(self, samples: dict[str, tuple[tuple[npt.NDArray[np.float64], ...], int]]) -> None:
+        for name, (columns, checksum) in samples.items():
+            self.layers[name].append(*columns)
+            if _checksum(self.layers[name]._state()) != checksum:
+                raise InputError(f"layer {name}", "its samples give another wall than before")
+
+    @property
+    def image_rows(self) -> dict[str, tuple[int, str, npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
+        """Number of sectors, unit, depths and values of each image, in order of arrival."""
+        return {name: (rows.sectors, rows.unit, *rows.so_far()) for name, rows in self.images.items()}
+
+    @image_rows.setter
+    def image_rows(self, images: dict[str, tuple[int, str, npt.NDArray[np.float64], npt.NDArray[np.float64]]]) -> None:
+        for name, (sectors, unit, depth, values) in images.items():
+            self.images[name] = ImageRows(sectors, unit)
+            self.images[name].append(depth, values)
 
     @property
     def waiting(self) -> int:
@@ -112,7 +155,9 @@ class Model:
         """Read records in order; any grouping of the same records gives the same walls."""
         update = Update()
         if len(records):
-            self.records, self.wall_time = self.records + len(records), int(records["wall"][-1])
+            self.records += int(np.count_nonzero(records["kind"] != journal.OPENED))
+            self.wall_time = int(records["wall"][-1])
+            self.next_sequence = int(records["sequence"][-1]) + 1
         opened = np.flatnonzero(records["kind"] == journal.OPENED).tolist()
         for start, stop in zip([0, *opened], [*opened, len(records)], strict=True):
             if start in opened and start < stop:
@@ -122,22 +167,74 @@ class Model:
         update.events = self.events.take()
         return update
 
-    def report(self, wall: int, rule: str, text: str, source: str = "") -> None:
-        """Report an event that belongs to no record, at ``wall``, ns since 1970."""
-        self.events.report(Event(wall, source, 0, 0, -1, rule, text))
+    def report(self, wall: int, rule: str, text: str, source: str = "", *, recorded: bool = False) -> None:
+        """Report an event that belongs to no record, at ``wall``, ns since 1970; ``recorded``: as `EventBook`."""
+        self.events.report(Event(wall, source, 0, 0, -1, rule, text), recorded=recorded)
 
     def _open(self, record: np.void, payload: bytes) -> None:
-        session = ""
+        header: dict[str, str] = {}
         with self._set_aside(record, "session header"):
-            session = str(json.loads(payload or b"{}").get("session", ""))
+            header = json.loads(payload or b"{}")
+        session = str(header.get("session", ""))
         if session and session == self._session:
             return  # the same session goes on in a new segment
+        if self.follows and header.get("meaning", self._meaning) != self._meaning:
+            self._meaning = header["meaning"]
+            with self._set_aside(record, "session header"):
+                now = configuration_of(header)
+                if now.meaning() != self.configuration.meaning():
+                    self.reconfigure(now, utc(int(record["wall"])), int(record["sequence"]))
+                    self._report(record, "configuration", "another configuration applies from here on")
         self._session = session
         behind = self.clock.begin_session(int(record["wall"]), int(record["monotonic"]))
         if behind:
             self._report(
                 record, "clock", f"the wall clock is {behind / SECOND:.3f} s behind the last session: not followed"
             )
+
+    def reconfigure(self, configuration: Configuration, since: str, sequence: int) -> None:
+        """Read the records from here on with another configuration; walls, images and path go on.
+
+        Raises
+        ------
+        InputError
+            If the session header names a source or an image that cannot change so (``session_header.py`` checks it).
+        """
+        before, self.configuration = self.configuration, configuration
+        self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
+                               "meaning": configuration.meaning()})  # fmt: skip
+        for name, source in configuration.sources.items():
+            number = self.numbers.setdefault(name, len(self.numbers) + 1)
+            if number in self.readers and (before.sources.get(name), before.depth) == (source, configuration.depth):
+                continue
+            old, self.readers[number] = self.readers.get(number), reader_of(source, self.events, configuration.depth)
+            if old:
+                self.readers[number].go_on_from(old)
+        for number in self.readers:
+            self._held.setdefault(number, HeldSample(configuration.depth)).limits = configuration.depth
+        self.rig.use(configuration.passes, configuration.depth)
+        self.passes.meanings |= {
+            self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()
+        }
+        for image in [image for source in configuration.sources.values() for image in source.images]:
+            places = [place for place, one in enumerate(self._image_list) if one.name == image.name]
+            for place in places:
+                self._image_list[place] = image
+            if not places:
+                self._image_list.append(image)
+                self.images.setdefault(image.name, ImageRows(len(image.sectors), image.unit))
+            self.layouts[image.name] = image.layout
+        self._set_limits()
+
+    def _set_limits(self) -> None:
+        """Set what follows from the configuration and from all sources so far."""
+        latencies = [image.latency for image in self._image_list]
+        latencies += [one.caliper.latency for one in self.configuration.sources.values() if one.caliper]
+        self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
+        size, most = self.layers["main"].settings, self.configuration.samples.most
+        for counts in self._cell_counts.values():
+            for number in self.readers:
+                counts.setdefault(number, CellCounts(size.sectors, size.pitch)).set_most(most)
 
     def _report(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
         self.events.report(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
@@ -150,6 +247,8 @@ class Model:
         except Exception as error:
             self.counts["set aside"] += 1
             number, reason = int(record["sequence"]), f"{type(error).__name__}: {error}"
+            if len(self.set_aside) < MOST_SET_ASIDE:
+                self.set_aside[number] = f"{what}: {reason}"
             self._report(record, "aside", f"{what} of record {number}: {reason}: set aside", source)
 
     def _take_session(self, records: Rows, payloads: list[bytes], update: Update) -> None:
@@ -317,7 +416,9 @@ class Model:
         depth, kind, flags, ready = self.rig.place(rows["time"], rows["order"], rows["depth"], rows["offset"], now)
         flags = flags | rows["flags"]
         flags[self.configuration.depth.outside(depth)] |= Flag.RANGE
-        ready |= (rows["flags"] & int(NEVER_DRAWN)) != 0  # needs no depth
+        rejected = (rows["flags"] & int(NEVER_DRAWN)) != 0  # needs no depth; what is known of it depends on the packets
+        flags[rejected] = rows["flags"][rejected]
+        ready |= rejected
         new = ready & ((flags & ~rows["flags"] & Flag.RANGE) != 0)
         if new.any():
             shown = rows[new]
@@ -357,6 +458,7 @@ class Model:
             text = f"layer {name}: {len(rows)} samples: {str(failure) or type(failure).__name__}: set aside"
             self.passes.report(rows, np.arange(1), "aside", lambda _: text)
             self.counts["set aside"] += len(rows)
+            self.set_aside[int(numbers[0])] = text
             return
         for number in numbers:
             of = records == number
@@ -389,25 +491,45 @@ class Model:
             chosen = self._takes[name].chosen(kind, rows["number"])
             if not chosen.any():
                 continue
+            self._leave_out_crowded(name, rows, depth, chosen)
             drawn |= chosen
             columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
             self._append(name, rows[chosen], columns, update)
-            gaps += self._depth_gaps(name, depth[chosen], np.flatnonzero(chosen))
+            for source in np.unique(rows["source"][chosen]).tolist():  # of each, samples are in order of arrival
+                of = np.flatnonzero(chosen & (rows["source"] == source))
+                gaps += self._depth_gaps((name, source), depth[of], of)
         if gaps:
             self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
+    def _leave_out_crowded(
+        self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
+    ) -> None:
+        """Remove from ``chosen`` the samples of sources beyond the limit near a vertex; the host's are all kept."""
+        crowded = []
+        for source, counts in self._cell_counts[name].items():
+            of = np.flatnonzero(chosen & (rows["source"] == source))
+            if len(of) and not (kept := counts.take(depth[of], rows["toolface"][of])).all():
+                chosen[of[~kept]] = False
+                crowded.append(of[~kept])
+        if crowded:
+            left_out = np.concatenate(crowded)
+            self.counts["crowded"] += len(left_out)
+            most = self.configuration.samples.most
+            text = f"layer {name}: a vertex has {most} samples of this source: not drawn"
+            self.passes.report(rows, left_out, "crowded", lambda _: text)
+
     def _depth_gaps(
-        self, name: str, depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
+        self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) for each of ``rows`` after a gap in ``depth`` that is longer than samples can fill."""
+        """Return (row, text) for each of ``rows``, of a layer and source, after a gap that samples cannot fill."""
         limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
-        deepest = np.maximum.accumulate(np.concatenate([[self._deepest[name]], depth]))
+        deepest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], depth]))
         jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))
-        self._deepest[name] = float(deepest[-1])
+        self._deepest[of] = float(deepest[-1])
         return [
-            (int(rows[jump]), f"layer {name}: no samples from {deepest[jump]:.3f} m to {depth[jump]:.3f} m")
+            (int(rows[jump]), f"layer {of[0]}: no samples from {deepest[jump]:.3f} m to {depth[jump]:.3f} m")
             for jump in jumps.tolist()
         ]
 
@@ -423,3 +545,11 @@ class Model:
             values = np.array([held[row] for row in rows["row"][good].tolist()])
             start, stop = self.images[name].append(depth[good], values)
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+
+
+def _checksum(wall: WallState) -> int:
+    """Return a checksum of the values of all vertices."""
+    checksum = 0
+    for values in (wall.radius, wall.nearest, wall.support, wall.iterations):
+        checksum = _core.crc32c(values.data, checksum)
+    return checksum

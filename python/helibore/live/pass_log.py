@@ -66,8 +66,10 @@ class PassLog:
         Name and pass numbers of each source, by its number in the journal; a source without an entry sends none.
     """
 
+    STATE = ("latest", "_over")
+
     def __init__(self, meanings: dict[int, tuple[str, PassNumbers]], events: EventBook) -> None:
-        self._meanings, self._events = meanings, events
+        self.meanings, self._events = meanings, events
         self.latest: dict[int, Pass] = {}
         self._over: deque[Pass] = deque(maxlen=KEPT)
 
@@ -92,7 +94,7 @@ class PassLog:
         decided = kind.copy()
         found: list[tuple[Integers, str]] = []
         for who, said in np.unique(np.stack([source, number])[:, number != NO_NUMBER], axis=1).T.tolist():
-            meaning = self._meanings[who][1]
+            meaning = self.meanings[who][1]
             means = meaning.kind(said)
             if means is None:
                 continue
@@ -128,7 +130,7 @@ class PassLog:
         return Event(int(sample["wall"]), name, int(sample["connection"]), int(sample["line"]), -1, rule, text)
 
     def _name(self, source: int) -> str:
-        return self._meanings[source][0] if source in self._meanings else ""
+        return self.meanings[source][0] if source in self.meanings else ""
 
     def add(
         self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]

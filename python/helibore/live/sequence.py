@@ -8,6 +8,8 @@ whether it is a duplicate: two frames with the same number and different values 
 
 from __future__ import annotations
 
+import bisect
+
 import numpy as np
 import numpy.typing as npt
 
@@ -15,6 +17,7 @@ from helibore.live.events import Flag
 
 WRAP = 1 << 31
 LONGEST_GAP = 65536
+MOST_GAPS = 1024
 
 
 class SequenceWatch:
@@ -23,14 +26,16 @@ class SequenceWatch:
     Attributes
     ----------
     missing
-        Skipped numbers that may still arrive.
+        Ranges [start, stop) of skipped numbers that may still arrive: the latest MOST_GAPS, sorted.
     lost
         Count of the skipped numbers that have not arrived.
     """
 
+    STATE = ("last", "missing", "lost", "_repeated")
+
     def __init__(self) -> None:
         self.last: int | None = None
-        self.missing: set[int] = set()
+        self.missing: list[tuple[int, int]] = []
         self.lost = 0
         self._repeated: int | None = None
 
@@ -58,18 +63,27 @@ class SequenceWatch:
             self.last, self._repeated = number, None
             return 0, "", ""
         if number > last and number - last <= LONGEST_GAP:
-            self.missing.update(range(last + 1, number))
-            if len(self.missing) > LONGEST_GAP:
-                self.missing = set(sorted(self.missing)[-LONGEST_GAP:])
+            bisect.insort(self.missing, (last + 1, number))
+            del self.missing[:-MOST_GAPS]
             self.lost += number - last - 1
             self.last, self._repeated = number, None
             return Flag.GAP_BEFORE, "gap", f"sequence number {number} after {last}: {number - last - 1} missing"
-        if number in self.missing:
-            self.missing.discard(number)
+        if self._arrives(number):
             self.lost -= 1
             return Flag.LATE, "late", f"sequence number {number} after {last}: late"
         if number > last or number == (self._repeated if self._repeated is not None else number) + 1:
-            self.last, self._repeated, self.missing = number, None, set()
+            self.last, self._repeated, self.missing = number, None, []
             return Flag.GAP_BEFORE, "reset", f"sequence number {number} after {last}: the counter was reset"
         self._repeated = number
         return 0, "repeated", f"sequence number {number} after {last}: repeated"
+
+    def _arrives(self, number: int) -> bool:
+        """Remove ``number`` from the missing numbers; return whether it was one of them."""
+        at = bisect.bisect_right(self.missing, (number, WRAP)) - 1
+        if at < 0 or number >= self.missing[at][1]:
+            return False
+        start, stop = self.missing[at]
+        rest = [(start, number), (number + 1, stop)]
+        self.missing[at : at + 1] = [one for one in rest if one[0] < one[1]]
+        del self.missing[:-MOST_GAPS]
+        return True

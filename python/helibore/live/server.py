@@ -124,7 +124,8 @@ class Server:
         self._threads: list[threading.Thread] = []
         self.alarms = Alarms(live, self.states)
         self._drawing = self.thread("draw", self._draw)
-        self._own = [self._drawing, self.thread("sync", self._sync), self.thread("watch", self._watch)]
+        jobs = {"sync": self._sync, "watch": self._watch, "checkpoint": self._checkpoint}
+        self._own = [self._drawing, *(self.thread(name, run) for name, run in jobs.items())]
 
     def start(self) -> None:
         """Open listeners, then start the threads.
@@ -306,6 +307,16 @@ class Server:
                 if not failing:
                     self.live.report("disk", str(error))
                 failing = True
+
+    def _checkpoint(self) -> None:
+        """Write a checkpoint after each segment; report an error and try again after a minute."""
+        while not self._stop.wait(TICK):
+            try:
+                if self.live.checkpoint_due:
+                    self.live.checkpoint()
+            except OSError as error:
+                self.live.report("checkpoint", str(error))
+                self._stop.wait(LONGEST_WAIT)
 
     def _watch(self) -> None:
         """Report silence when it begins, and check the alarms."""

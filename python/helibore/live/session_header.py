@@ -1,9 +1,16 @@
-"""Session headers of a journal: the OPENED record of each session holds the configuration and its meaning."""
+"""Session headers of a journal: the OPENED record of each session holds the configuration and its meaning.
+
+    session 1   configuration A            the walls begin with A
+    session 2   configuration A            the same, also if defaults have changed between two versions of helibore
+    session 3   configuration B            from here on the records are read with B; the walls go on
+
+The meaning has all settings that affect the wall, with their defaults, so it says the same in a later version.
+"""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -13,13 +20,37 @@ from helibore.base.errors import InputError
 from helibore.live import journal as journals
 from helibore.live.checks import joined_place
 from helibore.live.configuration import Configuration, parse
-from helibore.live.journal import segments
+from helibore.live.journal import Segment, all_paths, number_of, segments
+
+Header = dict[str, Any]
+IMAGE_STAYS = ("name", "unit", "sectors", "layout")
 
 
-def _session_headers(folder: FilePath) -> Iterator[dict[str, str]]:
-    for segment in segments(folder):
-        for row in np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist():
-            yield json.loads(segment.payload(row))
+def _headers(segment: Segment) -> list[Header]:
+    rows = np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist()
+    return [header for row in rows if (header := json.loads(segment.payload(row))).get("meaning")]
+
+
+def _first(found: Iterable[Segment], place: int) -> Header | None:
+    return next((headers[place] for segment in found if (headers := _headers(segment))), None)
+
+
+def _from_the_end(folder: FilePath) -> Iterator[Segment]:
+    for path in reversed(all_paths(folder)):
+        yield next(segments(folder, number_of(path)))
+
+
+def configuration_of(header: Header) -> Configuration:
+    """Return the configuration of a session header, with the defaults of its time.
+
+    Raises
+    ------
+    InputError
+        If the header holds no configuration, or one that this version cannot read.
+    """
+    if not header.get("configuration"):
+        raise InputError("session header", "holds no configuration; give one")
+    return parse(header["configuration"]).with_meaning(header["meaning"])
 
 
 def recorded_configuration(folder: FilePath) -> Configuration:
@@ -30,27 +61,56 @@ def recorded_configuration(folder: FilePath) -> Configuration:
     InputError
         If the journal holds no configuration.
     """
-    for header in _session_headers(folder):
-        if header.get("configuration"):
-            return parse(header["configuration"])
-    raise InputError(str(folder), "holds no configuration; give one")
+    header = _first(segments(folder), 0)
+    if header is None or not header.get("configuration"):
+        raise InputError(str(folder), "holds no configuration; give one")
+    return configuration_of(header)
 
 
-def check_meaning(folder: FilePath, configuration: Configuration) -> None:
-    """Refuse to continue a journal that was begun with a configuration of another meaning.
+def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuration, Configuration]:
+    """Return the configuration with which a journal was begun, and the one with which it goes on.
+
+    If ``given`` changes no setting of the last session, the meaning of that session stays, whatever the defaults are
+    now. Otherwise ``given`` applies from now on.
 
     Raises
     ------
     InputError
-        If the meanings differ; the text names the first setting that differs.
+        If ``given`` changes what a journal cannot change; the text names the first such setting.
     """
-    header = next(_session_headers(folder), None)
-    if header is None:
-        return
-    begun, now = json.loads(header.get("meaning") or "null"), json.loads(configuration.meaning())
-    if begun != now:
+    last = _first(_from_the_end(folder), -1)
+    if last is None:
+        return given, given
+    if not last.get("configuration"):  # a program made it
+        _check(folder, json.loads(last["meaning"]), given)
+        return given, given
+    if parse(last["configuration"]).meaning() == given.meaning():
+        going_on = given.with_meaning(last["meaning"])
+    else:
+        _check(folder, json.loads(last["meaning"]), given)
+        wall = configuration_of(last).wall | {"bit_diameter": given.wall["bit_diameter"]}
+        going_on = given.model_copy(update={"wall": wall})
+    return recorded_configuration(folder), going_on
+
+
+def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> None:
+    """Refuse a change of the walls' settings, path, layers and images, and a source that is missing."""
+    now = json.loads(given.meaning())
+    before, after = _lasting(begun), _lasting(now)
+    after["sources"] = {name: of for name, of in after["sources"].items() if name in before["sources"]}
+    after["images"] = {name: of for name, of in after["images"].items() if name in before["images"]}
+    if before != after:
         rule = "was begun with another configuration: give the old one, or begin another journal"
-        raise InputError(str(folder), f"{rule}: {_difference(begun, now)}")
+        raise InputError(str(folder), f"{rule}: {_difference(before, after)}")
+
+
+def _lasting(meaning: dict[str, Any]) -> dict[str, Any]:
+    """Return the part of a meaning that a journal cannot change."""
+    images = {image["name"]: {key: image[key] if key != "sectors" else len(image[key]) for key in IMAGE_STAYS}
+              for source in meaning["sources"].values() for image in source["images"]}  # fmt: skip
+    wall = {key: value for key, value in meaning["wall"].items() if key not in ("bit_diameter", "threads")}
+    return {"wall": wall, "path": meaning["path"], "layers": meaning["layers"], "images": images,
+            "sources": {name: {"store": bool(of.get("store"))} for name, of in meaning["sources"].items()}}  # fmt: skip
 
 
 def _difference(begun: Any, now: Any, place: str = "") -> str:
@@ -59,9 +119,6 @@ def _difference(begun: Any, now: Any, place: str = "") -> str:
         for name in sorted(begun.keys() | now.keys(), key=lambda name: (name != "wall", name)):
             if begun.get(name) != now.get(name):
                 return _difference(begun.get(name), now.get(name), joined_place(place, name))
-    if isinstance(begun, list) and isinstance(now, list) and len(begun) == len(now):
-        at = next(index for index, pair in enumerate(zip(begun, now, strict=True)) if pair[0] != pair[1])
-        return _difference(begun[at], now[at], joined_place(place, at))
     return f"{place} = {_short(now)}, was {_short(begun)}"
 
 

@@ -24,7 +24,7 @@ from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
 from helibore.live import wits
 from helibore.live.address import Address, read_address
-from helibore.live.checks import Derived, Table, check, within
+from helibore.live.checks import Derived, Table, check, with_values, within
 from helibore.live.file_names import RULE, can_be_file
 from helibore.live.layout import LayoutTable
 from helibore.live.pass_rules import PassNumbers
@@ -354,6 +354,11 @@ class Source(Table):
         if number := self.items.pass_number:  # older journals have no such settings
             meaning |= {"pass_number": number, "pass_numbers": {"listed": list(self.pass_numbers.listed.items())}}
         return meaning
+
+    def with_meaning(self, recorded: dict[str, Any]) -> Source:
+        """Return this source with the values of a recorded meaning that follow from defaults."""
+        names = {"nulls", "limits", "caliper", "images"} & recorded.keys()
+        return self.model_copy(update={name: with_values(getattr(self, name), recorded[name]) for name in names})
 
 
 class WitsSource(Source):

@@ -17,6 +17,8 @@ from helibore.trajectory.survey import Path, Survey
 class Stations:
     """The stations of a growing survey; one at the depth of an earlier one replaces it."""
 
+    STATE = ("columns",)
+
     def __init__(self, path: PathTable, limits: DepthLimits) -> None:
         self._limits = limits
         self._settings: dict[str, Any] = path.model_dump(exclude={"stations"}) | {"head": tuple(path.head)}
@@ -44,10 +46,21 @@ class Stations:
         return moved, "".join(refused)
 
     @property
+    def columns(self) -> tuple[npt.NDArray[np.float64], ...]:
+        """Depth m, inclination and azimuth deg, shallowest first."""
+        return self._core.columns()
+
+    @columns.setter
+    def columns(self, columns: tuple[npt.NDArray[np.float64], ...]) -> None:
+        self._core = _core.Stations(**self._settings)
+        self._core.take(*columns)
+        self._survey = self._path = None
+
+    @property
     def survey(self) -> Survey | None:
         """The survey of all stations so far; None while there are fewer than two."""
         if self._survey is None and len(self) > 1:
-            self._survey = Survey(*self._core.columns())
+            self._survey = Survey(*self.columns)
         return self._survey
 
     @property
@@ -66,4 +79,4 @@ class Stations:
 
     def rows(self) -> npt.NDArray[np.float64]:
         """Return (n, 3): depth m, inclination and azimuth deg, shallowest first."""
-        return np.column_stack(self._core.columns())
+        return np.column_stack(self.columns)

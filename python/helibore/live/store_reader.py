@@ -39,6 +39,10 @@ class StoreReader(SourceReader):
         Index of the last row read, as (text, unit); the next query starts there. None before the first row.
     """
 
+    STATE = (
+        *SourceReader.STATE, "_frames", "last", "_last_key", "_nulls", "_bad_units", "_reported_jump", "_reported_index"
+    )  # fmt: skip
+
     def __init__(self, source: StoreSource, events: EventBook, limits: DepthLimits) -> None:
         super().__init__(source, events, limits)
         self._store = source
@@ -48,6 +52,12 @@ class StoreReader(SourceReader):
         self._nulls = source.nulls
         self._bad_units: set[tuple[str, str]] = set()
         self._reported_jump = self._reported_index = -np.inf
+
+    def go_on_from(self, before: SourceReader) -> None:
+        """Take over what was read, too."""
+        super().go_on_from(before)
+        if isinstance(before, StoreReader):
+            self.last, self._last_key, self._frames = before.last, before._last_key, before._frames
 
     def read(self, chunk: Chunk) -> list[Reading]:
         """Return the columns of the answers that ``chunk`` completes."""

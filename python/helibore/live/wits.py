@@ -94,6 +94,8 @@ class Parser:
         For a null that is not finite, or a limit that is too small.
     """
 
+    STATE = ("state",)
+
     def __init__(
         self,
         nulls: Sequence[float] = NULLS,
@@ -110,6 +112,15 @@ class Parser:
     def finish(self) -> Batch:
         """Return the frames that the end of the stream completes, and reset the parser; no line end is needed."""
         return Batch(*self._core.finish())
+
+    @property
+    def state(self) -> bytes:
+        """All that the parser holds; a parser of the same settings goes on from it."""
+        return self._core.state()
+
+    @state.setter
+    def state(self, state: bytes) -> None:
+        self._core.restore(state)
 
     @property
     def counts(self) -> dict[str, int]:

@@ -205,6 +205,8 @@ def framed(kind: str, state: str, body: bytes = b"") -> bytes:
 class Frames:
     """Splits the stored bytes into answers; the pieces may be cut anywhere."""
 
+    STATE = ("_held",)
+
     def __init__(self) -> None:
         self._held = bytearray()
 

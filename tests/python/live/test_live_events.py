@@ -33,7 +33,7 @@ def test_gaps_late_frames_repeats_and_duplicates():
         live.receive("mwd", FRAMES[number])
     assert rules(live) == ["gap", "late", "duplicate", "repeated", "late"]
     watch = live.model.readers[1].watches[5004]
-    assert (watch.last, watch.lost, watch.missing) == (6, 0, set())
+    assert (watch.last, watch.lost, watch.missing) == (6, 0, [])
     assert live.model.counts["flag DUPLICATE"] == 3
     in_order = Live(parse(SENT))
     for frame in FRAMES[:7]:

@@ -1,4 +1,4 @@
-"""kill -9 at random instants, of a bare journal and of a live wall under load.
+"""kill -9 at random instants, of a bare journal and of a live wall under load that rotates, checkpoints and archives.
 
     writer   ... append -> print | append -> print | append ->  X       what was printed was acknowledged
     reader   every record acknowledged is there, nothing else came between; the wall has the bits of the batch
@@ -28,6 +28,8 @@ START = """
 import hashlib, random, sys
 from helibore import Live
 from helibore.live.configuration import parse
+from helibore.live.archive import archive
+from helibore.live.checkpoint import paths
 from helibore.live.journal import Journal
 """
 JOURNAL = (
@@ -63,12 +65,19 @@ with Live(parse(sys.argv[3]), sys.argv[1]) as live:
     wall = live.wall
     print(done, hashlib.sha256(b"".join([wall.radius, wall.nearest, wall.support, wall.depth])).hexdigest(), flush=True)
     draw = random.Random(done)
+    live.journal._segment_bytes = 20_000
     with open(sys.argv[2], "rb") as stream:
         stream.seek(done)
         while part := stream.read(draw.choice([1, 37, 100, 1400])):
             live.receive("mwd", part)
             done += len(part)
             print(done, flush=True)
+            if live.checkpoint_due:
+                print("aim", flush=True)
+                live.checkpoint()
+                print("aim", flush=True)
+                if len(paths(live.journal.folder)) == 2:
+                    archive(live.journal.folder)
 """
 )
 
@@ -82,12 +91,18 @@ def kill(code: str, arguments: list[str], draw: random.Random) -> list[bytes]:
         time.sleep(draw.uniform(0.05, 0.4))
     else:
         lines.append(writer.stdout.readline())
-        time.sleep(draw.uniform(0.0, 0.05))
+        if code == WALL and draw.random() < 0.5:  # aim at a checkpoint or at the archive
+            while lines[-1] not in (b"aim\n", b""):
+                lines.append(writer.stdout.readline())
+            time.sleep(draw.uniform(0.0, 0.01))
+        else:
+            time.sleep(draw.uniform(0.0, 0.05))
     writer.send_signal(signal.SIGKILL)
+    lines = [line[:-1] for line in lines if line.endswith(b"\n")]
     lines += writer.stdout.read().split(b"\n")[:-1]  # behind the last line end nothing was acknowledged
     writer.stdout.close()
     assert writer.wait() == -signal.SIGKILL
-    return lines
+    return [line for line in lines if line != b"aim"]
 
 
 def added(folder: Path, first: int) -> tuple[int, list[bytes], list[bytes]]:
@@ -97,7 +112,7 @@ def added(folder: Path, first: int) -> tuple[int, list[bytes], list[bytes]]:
     for segment in segments(folder, first):
         before += own
         rows = np.flatnonzero(segment.records["kind"] == BYTES).tolist()
-        own, first = [segment.payload(row) for row in rows], int(segment.path.stem)
+        own, first = [segment.payload(row) for row in rows], segment.number
         assert segment.damage_texts() == [] or segment.damage[-1][1] == len(segment.text)
     return first, before, own
 
@@ -139,7 +154,7 @@ def bits(wall: hb.Wall) -> bytes:
 def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int]:
     """Kill a live wall; returns the bytes acknowledged, the bytes found and the samples drawn."""
     draw = random.Random(seed)
-    rows, stream = sent(200 * kills)
+    rows, stream = sent(500 * kills)
     (folder / "stream").write_bytes(stream)
     arguments = [str(folder / "j"), str(folder / "stream"), CONFIGURATION]
     acknowledged, found, first, checked, rebuilt = 0, 0, 1, 0, b""

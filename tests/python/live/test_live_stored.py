@@ -15,9 +15,21 @@ from live_wires import (
 )
 
 import helibore as hb
-from helibore import Live
-from helibore.live.configuration import parse
-from helibore.live.journal import Journal, JournalFullError, segments
+from helibore import Live, _core
+from helibore.live.configuration import Configuration, parse
+from helibore.live.depth_limits import DepthLimits
+from helibore.live.frozen_copy import frozen_copy
+from helibore.live.journal import (
+    BYTES,
+    HEADER,
+    MAGIC,
+    OPENED,
+    Journal,
+    JournalFullError,
+    header_of,
+    paths,
+    segments,
+)
 
 
 def test_the_host_pushes_samples_stations_and_images(tmp_path):
@@ -77,17 +89,128 @@ def test_what_the_disk_refuses_is_not_read(tmp_path, monkeypatch):
         assert live.wall.sample_count == 3
 
 
-def test_a_journal_is_not_continued_with_another_meaning(tmp_path):
+@pytest.mark.parametrize(
+    ("change", "names"),
+    [
+        (("sectors = 16\n", ""), "wall.sectors = not set, was 16"),
+        (("start_depth = 100.0", "start_depth = 101.0"), "wall.start_depth = 101.0, was 100.0"),
+        (("toolface_offset = 30.0", "toolface_offset = 31.0"), "images.GR.layout.offset = 31.0, was 30.0"),
+        (("count = 4", "count = 5"), "images.GR.sectors = 5, was 4"),
+        (("[source.mwd]", "[source.other]"), 'sources.mwd = not set, was {"store": false}'),
+        (('[source.mwd]', '[layers]\nmain = ["drill"]\n[source.mwd]'), 'layers.main = ["drill"], was ["drill", '
+         '"rescan", "unknown"]'),
+        (("[source.mwd]", "[path]\nextend = 5\n[source.mwd]"), "path.extend = 5.0, was 100.0"),
+    ],
+)  # fmt: skip
+def test_a_journal_is_not_continued_with_another_meaning(tmp_path, change, names):
     Live(parse(SENT), tmp_path).close()
-    for change, names in [
-        (("metric", "fps"), r"sources\.mwd\.caliper\.depth\[0\]\.scale = 0\.3048, was 1\.0$"),
-        (("bit_diameter = 0.216", "bit_diameter = 0.311"), r"wall\.bit_diameter = 0\.311, was 0\.216$"),
-        (("sectors = 16\n", ""), r"wall\.sectors = not set, was 16$"),
-        (("toolface_offset = 30.0", "toolface_offset = 31.0"), r"images\[0\]\.layout\.offset = 31\.0, was 30\.0$"),
-    ]:
-        with pytest.raises(ValueError, match=r"was begun with another configuration: .*: " + f".*{names}"):
-            Live(parse(SENT.replace(*change)), tmp_path)
+    with pytest.raises(ValueError, match="was begun") as error:
+        Live(parse(SENT.replace(*change)), tmp_path)
+    rule = "was begun with another configuration: give the old one, or begin another journal"
+    assert str(error.value) == f"{tmp_path}: {rule}: {names}"
     Live(parse(SENT.replace('"host"', '"tcp://127.0.0.1:9"')), tmp_path).close()
+
+
+CHANGES = [
+    ('units = "metric"', 'units = "fps"'),
+    ("bit_diameter = 0.216", "bit_diameter = 0.311"),
+    ("groups = 3, ", "groups = 3, offset = 4.0, toolface_offset = 90.0, "),
+    ("[source.mwd]", '[source.aaa]\naddress = "host"\nunits = "fps"\nitems = { activity = "0107" }\n[source.mwd]'),
+    ("[source.mwd]", "[depth]\njump = 50\n[passes]\non_bottom = 1\n[source.mwd]"),
+]
+
+
+@pytest.mark.parametrize("change", CHANGES)
+@pytest.mark.parametrize("checkpointed", [False, True])
+def test_a_changed_configuration_applies_from_its_session_on_in_the_same_wall(tmp_path, change, checkpointed):
+    """Each record is read with the configuration of its session; the wall goes on, also after restart and replay."""
+    clock, before, after = Clock(), parse(SENT), parse(SENT.replace(*change))
+    frames = [FRAMES[:60], FRAMES[60:130], FRAMES[130:]]
+    expected: list[np.ndarray] = []
+    for number, configuration in enumerate([before, after, after]):
+        with Live(configuration, tmp_path, clock=clock) as live:
+            for frame in frames[number]:
+                clock.step(1)
+                live.receive("mwd", frame, number + 1)
+            if checkpointed:
+                live.checkpoint()
+        with Live(configuration) as alone:
+            for frame in frames[number]:
+                alone.receive("mwd", frame)
+        columns = alone.wall.samples
+        expected.append(np.column_stack([columns.depth, columns.toolface, columns.radius]))
+        clock.step(60)
+    drawn = np.concatenate(expected)
+    replayed = Live.replay(tmp_path)
+    with Live(after, tmp_path, clock=clock) as again:
+        for one in (replayed, again):
+            kept = one.wall.samples
+            given = np.column_stack([kept.depth, kept.toolface, kept.radius])
+            assert np.array_equal(given[np.lexsort(given.T)], drawn[np.lexsort(drawn.T)])
+            assert one.model.events.counts["", "configuration"] == 1
+            assert [stretch["configuration"] for stretch in one.model.stretches] == [after.text]
+        assert same_bits(again.wall, replayed.wall)
+        assert again.configuration.meaning() == again.model.configuration.meaning()
+        assert frozen_copy(again).walls["main"].made_from == {"configuration": again.model.stretches}
+    Live(before, tmp_path, clock=clock).close() if change[0] != "[source.mwd]" else None
+
+
+def test_a_journal_keeps_the_defaults_it_was_written_with(tmp_path, monkeypatch):
+    """Defaults change between two versions: the journal goes on with its own, and a replay uses them too."""
+    with Live(parse(SENT), tmp_path) as live:
+        live.receive("mwd", FRAMES[0])
+    meaning = live.configuration.meaning()
+    later = {"jump": 7.0, "beyond_hole": 3.0}
+    monkeypatch.setattr(Configuration.model_fields["depth"], "default", DepthLimits(**later))
+    Configuration.model_rebuild(force=True)
+    assert parse(SENT).depth.jump == 7.0
+    for one in (Live(parse(SENT), tmp_path), Live.replay(tmp_path)):
+        assert one.configuration.meaning() == meaning
+        assert one.configuration.depth.jump == 100.0
+        assert not one.model.stretches
+        one.close()
+    monkeypatch.undo()
+    Configuration.model_rebuild(force=True)
+
+
+def test_a_journal_from_before_a_setting_existed_goes_on(tmp_path):
+    """It has the meaning that the setting had then: every sample is kept."""
+    older = json.loads(parse(SENT).meaning())
+    del older["samples"], older["depth"]
+    opening = {"session": "1", "meaning": json.dumps(older), "configuration": SENT}
+    with Journal(tmp_path, json.dumps(opening).encode()) as journal:
+        journal.append(1, 1, b"".join(FRAMES))
+    with Live(parse(SENT), tmp_path) as live:
+        assert live.configuration.samples.most == 0
+        assert live.wall.sample_count == 600
+        assert not live.model.stretches
+    assert same_bits(Live.replay(tmp_path).wall, live.wall)
+
+
+def test_a_journal_of_format_1_is_read_and_continued(tmp_path):
+    """Its second header is at 32 and its records begin at 64; the next segment has format 2."""
+    head = HEADER.pack(MAGIC, 1, 1, 0, 77, 0)[:-4]
+    header = head + _core.crc32c(head).to_bytes(4, "little")
+    older = json.loads(parse(SENT).meaning())
+    del older["samples"], older["depth"]
+    opening = json.dumps({"session": "1", "meaning": json.dumps(older), "configuration": SENT}).encode()
+    records = [(OPENED, 0, opening), *((BYTES, 1, frame) for frame in FRAMES[:100])]
+    sealed = [_core.journal_seal(number, 10**18 + number, number, source, source, kind, payload, 77) + payload
+              for number, (kind, source, payload) in enumerate(records)]  # fmt: skip
+    (tmp_path / "000001.hbj").write_bytes(header * 2 + b"".join(sealed) + sealed[-1][:50])
+    assert Live.replay(tmp_path).wall.sample_count == 300
+    with Live(parse(SENT), tmp_path) as live:
+        assert live.journal is not None
+        live.journal._segment_bytes = 20_000
+        assert live.journal.recovery.cut_bytes == 50
+        for frame in FRAMES[100:]:
+            live.receive("mwd", frame)
+        live.checkpoint()
+    assert [header_of(path).version for path in paths(tmp_path)] == [1, 2, 2]
+    with Live(parse(SENT), tmp_path) as again:
+        assert again.wall.sample_count == 600
+        assert same_bits(again.wall, live.wall)
+    assert same_bits(Live.replay(tmp_path).wall, live.wall)
 
 
 def test_damage_in_the_journal_is_told(tmp_path):

@@ -1,0 +1,245 @@
+"""``helibore journal``: check, list, replay, export and archive the journal of a live wall."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+if TYPE_CHECKING:
+    from helibore.live.live import Live
+
+FOLDER = click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
+CONFIGURATION = click.option(
+    "-c", "--configuration", type=click.Path(path_type=Path, dir_okay=False),
+    help="Read the journal with this configuration.  [the one in the journal]",
+)  # fmt: skip
+
+
+@click.group(short_help="Check, list, replay, export and archive a journal.")
+def journal() -> None:
+    """Work with the journal of a live wall. None of these commands changes a journal, except archive.
+
+    \b
+    helibore journal list well-7.journal
+    helibore journal verify well-7.journal
+    """
+
+
+@journal.command("list")
+@FOLDER
+def list_(folder: Path) -> None:
+    """List the sessions, segments and checkpoints of the journal in FOLDER.
+
+    \b
+    helibore journal list well-7.journal
+    """
+    from helibore.live import checkpoint
+    from helibore.live.clock import utc
+    from helibore.live.export import sessions
+    from helibore.live.journal import segments
+
+    begun = sessions(folder)
+    with _progress(folder) as step:
+        for segment in segments(folder):
+            step(segment)
+            records, lost = segment.records, sum(stop - start for start, stop in segment.damage)
+            times = (
+                f"{utc(int(records['wall'][0]))} to {utc(int(records['wall'][-1]))}" if len(records) else "no record"
+            )
+            damage = f", {lost:,} bytes damaged" if lost else ""
+            click.echo(f"{segment.path.name}: {len(segment.text):,} bytes, {len(records):,} records, {times}{damage}")
+    for number, (wall, text) in enumerate(begun, 1):
+        same = number > 1 and text == begun[number - 2][1]
+        click.echo(f"session {number}: {utc(wall)}{'' if same or number == 1 else ', with another configuration'}")
+    for path in checkpoint.paths(folder):
+        click.echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
+
+
+@journal.command()
+@FOLDER
+def verify(folder: Path) -> None:
+    """Check every record and checkpoint of the journal in FOLDER; end with exit code 2 if any is damaged.
+
+    \b
+    helibore journal verify well-7.journal && echo intact
+    """
+    from helibore.base.errors import InputError
+    from helibore.live import checkpoint
+    from helibore.live.journal import header_of, segments
+
+    lost = records = salt = 0
+    last = -1
+    with _progress(folder) as step:
+        for segment in segments(folder):
+            step(segment)
+            records += len(segment.records)
+            for text in segment.damage_texts():
+                click.echo(text)
+            lost += len(segment.damage)
+            numbers = segment.records["sequence"]
+            if len(numbers) and int(numbers[0]) > last + 1 and not segment.damage and last >= 0:
+                click.echo(f"{segment.path.name}: records {last + 1} to {int(numbers[0]) - 1} are missing before it")
+                lost += 1
+            last = int(numbers[-1]) if len(numbers) else last
+            header = header_of(segment.path)
+            salt = header.salt if header else salt
+    for path in checkpoint.paths(folder):
+        try:
+            checkpoint.read(path, salt)
+        except InputError as error:
+            click.echo(str(error))
+            lost += 1
+    if lost:
+        raise InputError(str(folder), f"{lost} places are damaged, {records:,} records are intact")
+    click.echo(f"{folder}: {records:,} records are intact")
+
+
+@journal.command()
+@FOLDER
+@CONFIGURATION
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False),
+              help="Write wall, mesh, logs, images and events here, as helibore live --snapshot does.")  # fmt: skip
+def replay(folder: Path, configuration: Path | None, output: Path | None) -> None:
+    """Build the wall again from the journal in FOLDER, with a corrected configuration if one is given.
+
+    \b
+    helibore journal replay well-7.journal -c corrected.toml -o corrected
+    """
+    from helibore.live.snapshot import snapshot
+
+    live = _replayed(folder, configuration)
+    for event in live.model.events.latest:
+        click.echo(str(event))
+    if output:
+        snapshot(live, output)
+    counts, where = live.model.counts, f"; written to {output}" if output else ""
+    click.echo(f"{counts['drawn']:,} samples drawn, {counts['not drawn']:,} not, {len(live.wall):,} vertices{where}")
+
+
+@journal.command()
+@FOLDER
+@CONFIGURATION
+@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False),
+              help="Write the bytes of each record, and of each damaged range, to a file here.")  # fmt: skip
+def quarantine(folder: Path, configuration: Path | None, output: Path | None) -> None:
+    """List the records of the journal in FOLDER that were set aside, and the damaged ranges.
+
+    \b
+    helibore journal quarantine well-7.journal -o set-aside
+    """
+    from helibore.base.atomic_file import write_whole
+    from helibore.live.clock import utc
+    from helibore.live.export import quarantine as set_aside
+    from helibore.live.journal import segments
+
+    found: dict[str, bytes] = {}
+    for one in set_aside(folder, _replayed(folder, configuration).model):
+        click.echo(f"record {one.sequence}: {utc(one.wall)} {one.source or 'helibore'} {one.kind}, "
+                   f"{len(one.payload):,} bytes: {one.reason}")  # fmt: skip
+        found[f"record-{one.sequence}.bin"] = one.payload
+    for segment in segments(folder):
+        for (start, stop), text in zip(segment.damage, segment.damage_texts(), strict=True):
+            click.echo(text)
+            found[f"{segment.number:06d}-{start}.bin"] = segment.text[start:stop]
+    for path in sorted(folder.glob("*.torn")):
+        click.echo(f"{path.name}: {path.stat().st_size:,} bytes were cut off at a restart")
+        found[path.name] = path.read_bytes()
+    if output:
+        output.mkdir(parents=True, exist_ok=True)
+        for name, content in found.items():
+            write_whole(output / name, lambda file, content=content: file.write(content))  # type: ignore[misc]
+    click.echo(f"{folder}: {len(found)} set aside" + (f"; written to {output}" if output and found else ""))
+
+
+@journal.command()
+@FOLDER
+@CONFIGURATION
+@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), required=True,
+              help="A .csv file: a row for each value. A .wits file: the bytes that one source sent.")  # fmt: skip
+@click.option("--source", help="Name of the source.  [csv: all; wits: the only one]")
+def export(folder: Path, configuration: Path | None, output: Path, source: str | None) -> None:
+    """Write what the journal in FOLDER holds to a file for other programs.
+
+    \b
+    helibore journal export well-7.journal -o well-7.csv
+    helibore journal export well-7.journal --source mwd -o mwd.wits
+    """
+    import io
+
+    from helibore.base.atomic_file import write_whole
+    from helibore.base.errors import InputError
+    from helibore.live.configuration import load
+    from helibore.live.export import export_bytes, export_csv, sources_of
+
+    sources = sources_of(folder, load(configuration) if configuration else None, source)
+    if output.suffix not in (".csv", ".wits"):
+        raise InputError(str(output), "must end in .csv or .wits")
+    if output.suffix == ".wits" and len(sources) > 1:
+        names = ", ".join(one.name for one in sources.values())
+        raise InputError("--source", f"must be one of {names}: a .wits file has one source")
+    counts = []
+
+    def write(file: Any) -> None:
+        with _progress(folder) as step:
+            if output.suffix == ".wits":
+                counts.append(export_bytes(folder, next(iter(sources)), file, step))
+            else:
+                text = io.TextIOWrapper(file, "utf-8", newline="", write_through=True)
+                counts.append(export_csv(folder, sources, text, step))
+                text.detach()
+
+    write_whole(output, write)
+    click.echo(f"{output}: {counts[0]:,} {'bytes' if output.suffix == '.wits' else 'rows'}")
+
+
+@journal.command()
+@FOLDER
+@click.option("--remove", is_flag=True, help="Delete the segments. A replay of the whole journal is then impossible.")
+def archive(folder: Path, remove: bool) -> None:
+    """Compress the old segments of the journal in FOLDER into its folder archive; it may be in use meanwhile.
+
+    A segment is old if both checkpoints contain all its records; the rest is never touched.
+
+    \b
+    helibore journal archive well-7.journal
+    """
+    from helibore.live.archive import archive as put_away
+
+    with _progress(folder) as step:
+        done = put_away(folder, remove=remove, report=step)
+    what = "removed" if remove else f"moved to {folder / 'archive'}"
+    click.echo(f"{len(done)} segments {what}" if done else f"{folder}: no segment is old")
+
+
+def _replayed(folder: Path, file: Path | None) -> Live:
+    from helibore.live.configuration import load
+    from helibore.live.live import Live
+
+    with _progress(folder) as step:
+        return Live.replay(folder, load(file) if file else None, report=step)
+
+
+@contextmanager
+def _progress(folder: Path) -> Iterator[Callable[[object], None]]:
+    """Show the segments that are done as a bar on stderr, on a terminal and after a second; yield its step."""
+    import sys
+    import time
+
+    from helibore.live.journal import all_paths
+
+    total, begun, done = len(all_paths(folder)), time.monotonic(), 0
+    shown = sys.stderr.isatty()
+
+    def step(_: object) -> None:
+        nonlocal done
+        done += 1
+        if shown and time.monotonic() - begun > 1:
+            click.echo(f"\r{done} of {total} segments", nl=False, err=True)
+
+    yield step
+    if shown and time.monotonic() - begun > 1:
+        click.echo("\r\x1b[K", nl=False, err=True)

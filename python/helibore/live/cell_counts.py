@@ -1,0 +1,69 @@
+"""A limit on the samples that a wall keeps of one source near each vertex, so that memory is bounded by the hole.
+
+a cell of the wall          | 4 3 | 8 1 |       two parts around the hole, four along it; each part keeps the first
+(one vertex, one quad)      | 0 2 | 5 5 |       ``most`` / 8 samples of each source, and later ones are counted only
+                            | . . | . . |
+"""
+
+from __future__ import annotations
+
+import numpy as np
+import numpy.typing as npt
+
+PARTS_AROUND, PARTS_ALONG = 2, 4
+CHUNK = 4096
+LARGEST = 65_535
+
+
+class CellCounts:
+    """Counts the samples of one source in each part of a cell, and chooses those that the wall keeps.
+
+    Parameters
+    ----------
+    sectors, pitch
+        As in `Wall`.
+    most
+        Samples of a cell that are kept; 0: all.
+    """
+
+    STATE = ("counted",)
+
+    def __init__(self, sectors: int, pitch: float, most: int = 0) -> None:
+        self._around, self._along = PARTS_AROUND * sectors, abs(pitch) / PARTS_ALONG
+        self.set_most(most)
+        self._counts: dict[int, npt.NDArray[np.uint16]] = {}
+
+    def set_most(self, most: int) -> None:
+        """Set how many samples of a cell are kept from now on."""
+        self._most = min(-(-most // (PARTS_AROUND * PARTS_ALONG)), LARGEST)
+
+    @property
+    def counted(self) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint16]]:
+        """Numbers of the chunks of parts that have samples (n,), and the counts of their parts (n, CHUNK)."""
+        chunks = np.array(list(self._counts), np.int64)
+        return chunks, np.array(list(self._counts.values()), np.uint16).reshape(-1, CHUNK)
+
+    @counted.setter
+    def counted(self, counted: tuple[npt.NDArray[np.int64], npt.NDArray[np.uint16]]) -> None:
+        self._counts = dict(zip(counted[0].tolist(), counted[1], strict=True))
+
+    def take(self, depth: npt.NDArray[np.float64], toolface: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+        """Return which samples, in order of arrival, are kept."""
+        if not self._most:
+            return np.ones(len(depth), bool)
+        part = np.floor(depth / self._along).astype(np.int64) * self._around
+        part += np.minimum(toolface * (self._around / 360.0), self._around - 1).astype(np.int64)
+        order = np.argsort(part, kind="stable")
+        parts, first, number = np.unique(part[order], return_index=True, return_counts=True)
+        before = np.empty(len(parts), np.int64)
+        chunks = parts // CHUNK
+        for chunk in np.unique(chunks).tolist():
+            counts = self._counts.setdefault(chunk, np.zeros(CHUNK, np.uint16))
+            of = chunks == chunk
+            at = parts[of] % CHUNK
+            before[of] = counts[at]
+            counts[at] = np.maximum(before[of], np.minimum(before[of] + number[of], self._most))
+        rank = np.arange(len(part)) - np.repeat(first - before, number)
+        kept = np.empty(len(part), bool)
+        kept[order] = rank < self._most
+        return kept

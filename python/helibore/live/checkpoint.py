@@ -1,0 +1,154 @@
+"""Checkpoints: the whole state of the model after some record, so that a restart reads only the records after it.
+
+    checkpoint-000000123456.zip        the number of the first record that it does not contain
+        state.json                     format, version, salt of the journal, configuration, state
+        0.npy, 1.npy ...               the arrays: samples of the walls, image rows, stations, pending rows ...
+
+A file is written whole (temporary file, fsync, rename, fsync of the folder), after a sync of all records that it
+contains. The last two are kept. If one is damaged or of another version, the one before it is used, or the whole
+journal. Each class with a state lists the names of its attributes in ``STATE``; no code is stored, as pickle would.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+import zipfile
+from collections import Counter, OrderedDict, deque
+from collections.abc import Iterator
+from dataclasses import is_dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+
+from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError
+from helibore.live.events import Event
+from helibore.live.layout import Layout
+from helibore.live.pass_log import Pass
+
+FORMAT, VERSION = "helibore checkpoint", 1
+KEPT = 2
+CONTENTS = "state.json"
+RECORDS: dict[str, type] = {"Event": Event, "Pass": Pass, "Layout": Layout}
+Arrays = list[Any]
+
+
+def paths(folder: Path) -> list[Path]:
+    """Return the checkpoints of a journal, the newest last."""
+    return sorted(path for path in folder.glob("checkpoint-*.zip") if path.stem[11:].isdigit())
+
+
+def position(path: Path) -> int:
+    """Return the number of the first record that a checkpoint does not contain."""
+    return int(path.stem[11:])
+
+
+def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Path:
+    """Write a checkpoint of a ``packed`` state, then delete all but the last two."""
+    contents, arrays = state
+    text = json.dumps({"format": FORMAT, "version": VERSION, **facts, "sequence": sequence, "state": contents})
+
+    def fill(file: BinaryIO) -> None:
+        with zipfile.ZipFile(file, "w", zipfile.ZIP_STORED) as archive:
+            archive.writestr(CONTENTS, text)
+            for number, array in enumerate(arrays):
+                with archive.open(f"{number}.npy", "w", force_zip64=True) as member:
+                    np.lib.format.write_array(member, array, allow_pickle=False)
+
+    path = folder / f"checkpoint-{sequence:012d}.zip"
+    write_whole(path, fill)
+    for old in paths(folder)[:-KEPT]:
+        old.unlink(missing_ok=True)
+    return path
+
+
+def read(path: Path, salt: int) -> tuple[dict[str, Any], Arrays]:
+    """Return the facts and the arrays of a checkpoint.
+
+    Raises
+    ------
+    InputError
+        If the file is damaged, of another version, or of another journal.
+    """
+    try:
+        with zipfile.ZipFile(path) as archive:
+            facts = json.loads(archive.read(CONTENTS))
+            if facts["format"] != FORMAT or facts["version"] != VERSION:
+                raise InputError(str(path), f"version {facts['version']}: this helibore reads version {VERSION}")
+            if facts["salt"] != salt or facts["sequence"] != position(path):
+                raise InputError(str(path), "belongs to another journal")
+            names = (f"{number}.npy" for number in range(len(archive.namelist()) - 1))
+            arrays = [np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False) for name in names]
+    except InputError:
+        raise
+    except (zipfile.BadZipFile, KeyError, TypeError, ValueError, EOFError, NotImplementedError, OSError) as error:
+        raise InputError(str(path), f"damaged: {type(error).__name__}: {error}") from error
+    return facts, arrays
+
+
+def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
+    """Yield the checkpoints that do not go beyond record ``stop``, the newest first; an error for a damaged one."""
+    for path in reversed(paths(folder)):
+        if position(path) > stop:
+            yield InputError(str(path), f"goes beyond the last record of the journal, {stop - 1}")
+            continue
+        try:
+            yield path, *read(path, salt)
+        except InputError as error:
+            yield error
+
+
+def packed(value: Any) -> tuple[Any, Arrays]:
+    """Return a value as JSON and arrays; an object is the attributes that its ``STATE`` names."""
+    arrays: Arrays = []
+    return _packed(value, arrays), arrays
+
+
+def _packed(value: Any, arrays: Arrays) -> Any:
+    if value is None or isinstance(value, (bool, int, float, str)):
+        return value
+    if isinstance(value, np.generic):
+        return value.item()
+    if isinstance(value, (np.ndarray, bytes, bytearray)):
+        is_array = isinstance(value, np.ndarray)
+        arrays.append(value if is_array else np.frombuffer(bytes(value), np.uint8))
+        return {"array" if is_array else "bytes": len(arrays) - 1}
+    if isinstance(value, dict):
+        return {"dict": [[_packed(key, arrays), _packed(of, arrays)] for key, of in value.items()]}
+    if isinstance(value, (list, tuple, set, deque)):
+        kind = "tuple" if isinstance(value, tuple) else "list"
+        return {kind: [_packed(one, arrays) for one in value]}
+    if is_dataclass(value) and type(value).__name__ in RECORDS:
+        fields = {name: _packed(getattr(value, name), arrays) for name in value.__dataclass_fields__}
+        return {"record": type(value).__name__, "fields": fields}
+    return {"state": {name: _packed(getattr(value, name), arrays) for name in value.STATE}}
+
+
+def unpack(value: Any, packed: Any, arrays: Arrays) -> Any:
+    """Return the value of ``packed``; an object with a ``STATE``, alone or in a dictionary, is restored in place."""
+    if not isinstance(packed, dict):
+        return packed
+    (kind, of), *more = packed.items()
+    if kind == "state":
+        for name, one in of.items():
+            setattr(value, name, unpack(getattr(value, name), one, arrays))
+        return value
+    if kind == "record":
+        return RECORDS[of](**{name: unpack(None, one, arrays) for name, one in more[0][1].items()})
+    if kind == "array":
+        return arrays[of]
+    if kind == "bytes":
+        return (bytearray if isinstance(value, bytearray) else bytes)(arrays[of].tobytes())
+    if kind == "dict":
+        known = value if isinstance(value, dict) else {}
+        items = {key: unpack(known.get(key), one, arrays)
+                 for key, one in ((unpack(None, key, arrays), one) for key, one in of)}  # fmt: skip
+        return type(value)(items) if isinstance(value, (Counter, OrderedDict)) else items
+    members = [unpack(None, one, arrays) for one in of]
+    if kind == "tuple":
+        return tuple(members)
+    if isinstance(value, deque):
+        return deque(members, maxlen=value.maxlen)
+    return set(members) if isinstance(value, set) else members

@@ -1,0 +1,174 @@
+"""``helibore journal``: what it prints, what it writes, and how it ends."""
+
+from __future__ import annotations
+
+import csv
+import gzip
+
+import numpy as np
+import pytest
+from click.testing import CliRunner
+from live_wires import FRAMES, SENT, Clock, same_bits, sent_rows
+
+import helibore as hb
+from helibore import Live
+from helibore.cli import cli
+from helibore.live import checkpoint, journal
+from helibore.live.configuration import parse
+
+
+def run(*arguments, code=0):
+    result = CliRunner().invoke(cli, ["journal", *map(str, arguments)])
+    assert result.exit_code == code, result.output
+    return result.output
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Two sessions of four segments and two checkpoints; one record in the last segment cannot be read."""
+    path, clock = tmp_path / "well.journal", Clock()
+    for part in range(2):
+        with Live(parse(SENT), path, clock=clock) as live:
+            assert live.journal is not None
+            live.journal._segment_bytes = 12_000
+            for frame in FRAMES[part * 100 : part * 100 + 100]:
+                clock.step(1)
+                live.receive("mwd", frame)
+            live.checkpoint()
+            live.append_stations([float(part)], [1.0], [2.0])
+            live.journal.append(0, 0, b"\0" * 23, journal.STATIONS)
+        clock.step(60)
+    return path
+
+
+def test_list_and_verify(folder):
+    lines = run("list", folder).splitlines()
+    segments, checkpoints = journal.paths(folder), checkpoint.paths(folder)
+    assert [line.partition(":")[0] for line in lines] == [
+        *(path.name for path in segments), "session 1", "session 2", *(path.name for path in checkpoints)
+    ]  # fmt: skip
+    assert lines[-3] == "session 2: 2023-11-14T22:16:00.000Z"
+    assert lines[0].startswith(f"000001.hbj: {segments[0].stat().st_size:,} bytes, ")
+    records = sum(len(segment.records) for segment in journal.segments(folder))
+    assert run("verify", folder) == f"{folder}: {records} records are intact\n"
+
+
+def test_verify_names_each_damage_and_ends_with_2(folder):
+    found = list(journal.segments(folder))
+    text = bytearray(found[1].text)
+    text[int(found[1].records["offset"][3])] ^= 1
+    found[1].path.write_bytes(text)
+    newest = checkpoint.paths(folder)[-1]
+    newest.write_bytes(newest.read_bytes()[:-30])
+    start = int(found[1].records["offset"][3]) - 48
+    stop = int(found[1].records["offset"][4]) - 48
+    records = sum(len(segment.records) for segment in found)
+    assert run("verify", folder, code=2).splitlines() == [
+        f"000002.hbj: bytes {start} to {stop} hold no intact record ({stop - start} bytes lost)",
+        f"{newest}: damaged: BadZipFile: File is not a zip file",
+        f"helibore: {folder}: 2 places are damaged, {records - 1} records are intact",
+    ]
+    journal.paths(folder)[2].unlink()
+    assert "are missing before it" in run("verify", folder, code=2)
+
+
+def test_replay_with_a_corrected_configuration(folder, tmp_path):
+    corrected = tmp_path / "corrected.toml"
+    corrected.write_text(
+        SENT.replace('order = ["toolface", "depth"', 'toolface_offset = 90.0, order = ["toolface", "depth"')
+    )
+    before = run("replay", folder)
+    assert before.splitlines()[-1] == f"600 samples drawn, 0 not, {len(Live.replay(folder).wall)} vertices"
+    assert "aside: what the host pushed of record" in before
+    run("replay", folder, "-c", corrected, "-o", tmp_path / "out")
+    toolface = hb.load(tmp_path / "out" / "main.wall").samples.toolface
+    expected = (sent_rows()[:, 0] + 90.0) % 360
+    assert np.allclose(np.sort(toolface), np.sort(expected))
+
+
+def test_quarantine_writes_what_was_set_aside(folder, tmp_path):
+    damaged = list(journal.segments(folder))[1]
+    text = bytearray(damaged.text)
+    text[int(damaged.records["offset"][3])] ^= 1
+    damaged.path.write_bytes(text)
+    (folder / "000001-5000.torn").write_bytes(b"torn")
+    output = run("quarantine", folder, "-o", tmp_path / "out").splitlines()
+    assert len(output) == 5
+    assert output[0].endswith("helibore stations, 23 bytes: what the host pushed: ValueError: buffer size must be a "
+                              "multiple of element size")  # fmt: skip
+    assert output[-2:] == ["000001-5000.torn: 4 bytes were cut off at a restart",
+                           f"{folder}: 4 set aside; written to {tmp_path / 'out'}"]  # fmt: skip
+    contents = sorted(path.read_bytes() for path in (tmp_path / "out").iterdir())
+    assert contents[:2] == [b"\0" * 23] * 2
+    assert contents[-1] == b"torn" or b"torn" in contents
+
+
+def test_export_csv_and_wits(folder, tmp_path):
+    assert run("export", folder, "-o", tmp_path / "all.csv") == f"{tmp_path / 'all.csv'}: {200 * 10 + 6:,} rows\n"
+    rows = list(csv.DictReader((tmp_path / "all.csv").read_text().splitlines()))
+    radii = [float(row["value"]) for row in rows if row["name"] in ("5012", "5015", "5018")]
+    assert np.allclose(radii, sent_rows()[:, 2] * 1000)
+    assert rows[1] == {"utc": "2023-11-14T22:13:21.000Z", "source": "mwd", "connection": "1", "line": "3",
+                       "name": "5010", "value": FRAMES[0].split(b"\r\n")[2][4:].decode()}  # fmt: skip
+    assert [row["value"] for row in rows if row["name"] == "inclination_deg"] == ["1", "1"]
+    run("export", folder, "-o", tmp_path / "mwd.wits")
+    assert (tmp_path / "mwd.wits").read_bytes() == b"".join(FRAMES)
+
+
+def test_archive_moves_only_what_both_checkpoints_contain(folder):
+    whole = Live.replay(folder)
+    limit = min(map(checkpoint.position, checkpoint.paths(folder)))
+    old = [segment.path.name for segment in journal.segments(folder) if segment.records["sequence"][-1] < limit]
+    before = {path.name: path.read_bytes() for path in journal.paths(folder)}
+    output = run("archive", folder)
+    moved = sorted(path.name[:-3] for path in (folder / "archive").iterdir())
+    assert output == f"{len(moved)} segments moved to {folder / 'archive'}\n"
+    assert 0 < len(moved) < len(before)
+    assert moved == old
+    assert all(gzip.decompress((folder / "archive" / f"{name}.gz").read_bytes()) == before[name] for name in moved)
+    assert same_bits(Live.replay(folder).wall, whole.wall)
+    assert run("archive", folder) == f"{folder}: no segment is old\n"
+    with Live(parse(SENT), folder) as again:
+        assert same_bits(again.wall, whole.wall)
+        assert again.model.next_sequence == whole.model.next_sequence + 1
+
+
+def test_archive_remove_leaves_a_journal_that_goes_on_and_a_replay_reports_what_is_missing(folder):
+    whole = Live.replay(folder)
+    assert run("archive", folder, "--remove") == "3 segments removed\n"
+    with Live(parse(SENT), folder) as again:
+        assert same_bits(again.wall, whole.wall)
+    assert "journal: segments 1 to 3 are missing" in run("replay", folder)
+
+
+@pytest.mark.parametrize(
+    ("arguments", "text"),
+    [
+        (("export", "FOLDER", "-o", "x.txt"), "helibore: x.txt: must end in .csv or .wits\n"),
+        (("export", "FOLDER", "-o", "x.csv", "--source", "rig"), "helibore: source = 'rig': must be one of mwd\n"),
+        (("list", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
+        (("verify", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
+        (("replay", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
+        (("archive", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
+        (("quarantine", "EMPTY"), "helibore: EMPTY: holds no journal (no file 000001.hbj)\n"),
+    ],
+)
+def test_errors_are_one_line(folder, tmp_path, arguments, text):
+    names = {"FOLDER": str(folder), "EMPTY": str(tmp_path)}
+    assert run(*(names.get(one, one) for one in arguments), code=2) == text.replace("EMPTY", str(tmp_path))
+
+
+def test_archiving_needs_two_good_checkpoints(folder):
+    older, newest = checkpoint.paths(folder)
+    newest.write_bytes(b"")
+    expected = f"helibore: {newest}: damaged: BadZipFile: File is not a zip file\n"
+    assert run("archive", folder, code=2) == expected
+    newest.unlink()
+    assert run("archive", folder, code=2) == f"helibore: {folder}: has 1 of the 2 checkpoints that archiving needs\n"
+    assert journal.paths(folder)[0].name == "000001.hbj"
+    assert older.exists()
+
+
+@pytest.mark.parametrize("verb", ["list", "verify", "replay", "quarantine", "export", "archive"])
+def test_help_has_an_example(verb):
+    assert f"  helibore journal {verb} well-7.journal" in run(verb, "--help")
