@@ -48,6 +48,9 @@ def with_values(value: Any, recorded: Any) -> Any:
     if is_dataclass(value) and not isinstance(value, type):
         names = {one.name for one in fields(value)} & recorded.keys()
         return replace(value, **{name: with_values(getattr(value, name), recorded[name]) for name in names})
+    if isinstance(value, dict):  # in the order of value: JSON has sorted keys
+        order = [*(key for key in value if key in recorded), *(key for key in recorded if key not in value)]
+        return {key: with_values(value.get(key), recorded[key]) for key in order}
     if isinstance(value, (list, tuple)) and len(value) == len(recorded):
         return type(value)(with_values(of, one) for of, one in zip(value, recorded, strict=True))
     return recorded

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import csv
-import json
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -17,6 +16,7 @@ from helibore.live.clock import utc
 from helibore.live.configuration import Configuration, parse
 from helibore.live.journal import Segment, segments
 from helibore.live.model import Model
+from helibore.live.session_header import headers
 from helibore.live.sources import Source, StoreSource
 
 KINDS = {
@@ -131,8 +131,7 @@ def sessions(folder: Path) -> list[tuple[int, str]]:
     """Return receive time (ns since 1970) and configuration of each session."""
     found, last = [], ""
     for segment in segments(folder):
-        for row in np.flatnonzero(segment.records["kind"] == journal.OPENED).tolist():
-            header = json.loads(segment.payload(row) or b"{}")
+        for row, header in headers(segment):
             if header.get("session", "") != last or not last:
                 found.append((int(segment.records["wall"][row]), str(header.get("configuration", ""))))
             last = header.get("session", "")

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Iterator
+from contextlib import suppress
 from pathlib import Path as FilePath
 from typing import Any
 
@@ -26,13 +27,22 @@ Header = dict[str, Any]
 IMAGE_STAYS = ("name", "unit", "sectors", "layout")
 
 
+def headers(segment: Segment) -> list[tuple[int, Header]]:
+    """Return (row, header) of each session header that can be read."""
+    found = []
+    for row in np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist():
+        with suppress(ValueError):
+            header = json.loads(segment.payload(row))
+            found += [(row, header)] if isinstance(header, dict) else []
+    return found
+
+
 def _headers(segment: Segment) -> list[Header]:
-    rows = np.flatnonzero(segment.records["kind"] == journals.OPENED).tolist()
-    return [header for row in rows if (header := json.loads(segment.payload(row))).get("meaning")]
+    return [header for _, header in headers(segment) if header.get("meaning")]
 
 
 def _first(found: Iterable[Segment], place: int) -> Header | None:
-    return next((headers[place] for segment in found if (headers := _headers(segment))), None)
+    return next((found_here[place] for segment in found if (found_here := _headers(segment))), None)
 
 
 def _from_the_end(folder: FilePath) -> Iterator[Segment]:
