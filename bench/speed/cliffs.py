@@ -121,28 +121,45 @@ def case(name: str, rounds: int) -> dict[str, Any]:
     }
 
 
-def turning_at_one_depth(samples: int = 1_200_000, appends: int = 300, batch: int = 1000) -> dict[str, Any]:
-    """Appends of 1,000 while the tool turns off bottom, after so many samples at that depth."""
+# Toolfaces of so many samples while the tool turns off bottom.
+TOOLFACES: dict[str, Callable[[np.random.Generator, int], Floats]] = {
+    "any toolface": lambda random, count: random.uniform(0, 360, count),
+    "whole degrees": lambda random, count: np.floor(random.uniform(0, 360, count)),
+    "four arms": lambda random, count: np.floor(random.uniform(0, 4, count)) * 90 + 11,
+}
+
+
+def turning_at_one_depth(
+    toolfaces: str, samples: int = 1_200_000, appends: int = 300, batch: int = 1000
+) -> dict[str, Any]:
+    """Appends of 1,000 while the tool turns off bottom, after so many samples at that depth, and while it drills on."""
     random = np.random.default_rng(5)
     wall = hb.Wall(bit_diameter=BIT_DIAMETER, sectors=SECTORS, pitch=PITCH, start_depth=0.0)
     wall.append(*hole(100_000, 20.0))
 
-    def some(count: int) -> Samples:
-        depth, toolface = np.full(count, 20.0), random.uniform(0, 360, count)
+    def some(count: int, low: float = 20.0, high: float = 20.0) -> Samples:
+        depth, toolface = np.sort(random.uniform(low, high, count)), TOOLFACES[toolfaces](random, count)
         return depth, toolface, _radius(depth, toolface)
+
+    def append(more: Samples) -> float:
+        start = time.perf_counter()
+        wall.append(*more)
+        return time.perf_counter() - start
 
     for _ in range(samples // 100_000):
         wall.append(*some(100_000))
-    seconds = []
-    for _ in range(appends):
-        more = some(batch)
-        start = time.perf_counter()
-        wall.append(*more)
-        seconds.append(time.perf_counter() - start)
-    p50, p99 = np.percentile(seconds, [50, 99]) * 1000
-    return {"case": f"append of 1,000 after {samples:,} at one depth", "p50 ms": p50, "p99 ms": p99}
+    turning = [append(some(batch)) for _ in range(appends)]
+    drilling = [append(some(batch, 20 + i * 0.05, 20.05 + i * 0.05)) for i in range(100)]
+    p50, p99 = np.percentile(turning, [50, 99]) * 1000
+    return {
+        "case": f"append of 1,000 after {samples:,} at one depth, {toolfaces}",
+        "p50 ms": p50,
+        "p99 ms": p99,
+        "drilling on, p50 ms": np.median(drilling) * 1000,
+        "drilling on, most ms": max(drilling) * 1000,
+    }
 
 
 def cases(rounds: int = 3) -> list[dict[str, Any]]:
     """All cases, and live appends at one depth."""
-    return [*(case(name, rounds) for name in CASES), turning_at_one_depth()]
+    return [*(case(name, rounds) for name in CASES), *map(turning_at_one_depth, TOOLFACES)]

@@ -137,15 +137,38 @@ Level level_of(const Chunk& chunk, Index first, Index last, int neighbors) {
 }  // namespace
 
 const Levels& Chunk::levels(int neighbors) const {
-    if (const Levels* found = levels_.load(std::memory_order_acquire)) return *found;
-    auto made = std::make_unique<Levels>();
-    for (Index first = 0, last = 0; first < count; first = last) {
-        while (last < count && depth()[last] == depth()[first]) ++last;
-        if (last - first >= Level::least) made->push_back(level_of(*this, first, last, neighbors));
+    return levels_.get([&] {
+        Levels levels;
+        for (Index first = 0, last = 0; first < count; first = last) {
+            while (last < count && depth()[last] == depth()[first]) ++last;
+            if (last - first >= Level::least) levels.push_back(level_of(*this, first, last, neighbors));
+        }
+        return levels;
+    });
+}
+
+Circle::Circle(const double* toolface, Index n) {
+    std::fill_n(next_, parts + 2, no_limit);
+    std::fill_n(previous_, parts + 2, -no_limit);
+    for (Index i = 0; i < n; ++i) {
+        const std::size_t at = part(toolface[i]);
+        next_[at] = std::min(next_[at], toolface[i]);
+        previous_[at + 1] = std::max(previous_[at + 1], toolface[i]);
     }
-    const Levels* other = nullptr;
-    if (levels_.compare_exchange_strong(other, made.get(), std::memory_order_acq_rel)) return *made.release();
-    return *other;
+    const double least = *std::min_element(next_, next_ + parts + 1);
+    const double greatest = *std::max_element(previous_, previous_ + parts + 2);
+    next_[parts + 1] = least + 360.0;
+    for (std::size_t i = parts + 1; i-- > 0;) next_[i] = std::min(next_[i], next_[i + 1]);
+    previous_[0] = greatest - 360.0;
+    for (std::size_t i = 1; i < parts + 2; ++i) previous_[i] = std::max(previous_[i], previous_[i - 1]);
+}
+
+double Circle::least_turn(double toolface) const {
+    const std::size_t at = part(toolface);
+    const double next = next_[at] >= toolface ? next_[at] : next_[at + 1];
+    const double previous = previous_[at + 1] <= toolface ? previous_[at + 1] : previous_[at];
+    if (next_[at] < toolface && toolface < previous_[at + 1]) return 0.0;  // some of its part lie on either side
+    return std::max(0.0, std::min(next - toolface, toolface - previous));
 }
 
 // A small batch that does not fit into the last chunk begins a chunk with room for more batches of its size, so a
@@ -194,8 +217,7 @@ Samples::Undo Samples::append(SortedBatch& batch) {
         undo.tail_count = chunks_.back()->count;
     }
     if (!chunks_.empty() && batch.chunks.front()->lies_behind(*chunks_.back())) {
-        chunks_.back()->forget_levels();
-        chunks_.back()->count += batch.count;
+        chunks_.back()->change_count(chunks_.back()->count + batch.count);
     } else {
         reserve(batch.chunks.size());
         chunks_.insert(chunks_.end(), batch.chunks.begin(), batch.chunks.end());
@@ -244,10 +266,7 @@ void Samples::reserve(std::size_t further) {
 void Samples::undo(Undo&& undo) noexcept {
     if (undo.inserted == 0) return;
     const auto at = chunks_.begin() + static_cast<std::ptrdiff_t>(undo.first);
-    if (!undo.replaced.empty()) {
-        undo.replaced.back()->forget_levels();
-        undo.replaced.back()->count = undo.tail_count;
-    }
+    if (!undo.replaced.empty()) undo.replaced.back()->change_count(undo.tail_count);
     const auto rest = chunks_.erase(at, at + static_cast<std::ptrdiff_t>(undo.inserted));
     chunks_.insert(rest, undo.replaced.begin(), undo.replaced.end());  // fits: the capacity never shrank
     count_ = undo.count;

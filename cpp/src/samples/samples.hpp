@@ -53,6 +53,45 @@ struct Level {
 };
 using Levels = std::vector<Level>;
 
+// The toolfaces of a chunk, for the turn from any other to the nearest of them: more than 0 only where an arm that does
+// not turn leaves most of the circle empty.
+class Circle {
+  public:
+    Circle(const double* toolface, Index n);
+    // Is at most the turn from `toolface` to the nearest.
+    double least_turn(double toolface) const;
+
+  private:
+    static constexpr std::size_t parts = 256;
+    static std::size_t part(double toolface) { return static_cast<std::size_t>(toolface * (parts / 360.0)); }
+
+    // The least toolface in a part or behind it, the greatest before a part; 360 degrees on, across the end.
+    double next_[parts + 2], previous_[parts + 2];
+};
+
+// What is found of a chunk when it is first asked for, by several threads at once perhaps.
+template <class T>
+class FoundOnce {
+  public:
+    FoundOnce() = default;
+    ~FoundOnce() { forget(); }
+    FoundOnce(const FoundOnce&) = delete;
+    FoundOnce& operator=(const FoundOnce&) = delete;
+
+    template <class Find>
+    const T& get(const Find& find) const {
+        if (const T* found = found_.load(std::memory_order_acquire)) return *found;
+        auto mine = std::make_unique<const T>(find());
+        const T* other = nullptr;
+        if (found_.compare_exchange_strong(other, mine.get(), std::memory_order_acq_rel)) return *mine.release();
+        return *other;
+    }
+    void forget() { delete found_.exchange(nullptr); }
+
+  private:
+    mutable std::atomic<const T*> found_ = nullptr;
+};
+
 class Chunk {
   public:
     static constexpr Index full = 4096;
@@ -65,9 +104,6 @@ class Chunk {
     // In memory that other chunks may share, with columns `stride` doubles apart.
     Chunk(Index capacity, Index stride, std::shared_ptr<double[]> columns)
         : columns_(std::move(columns)), capacity_(capacity), stride_(stride) {}
-    ~Chunk() { forget_levels(); }
-    Chunk(const Chunk&) = delete;
-    Chunk& operator=(const Chunk&) = delete;
 
     double* depth() { return columns_.get(); }
     double* toolface() { return columns_.get() + stride_; }
@@ -103,10 +139,15 @@ class Chunk {
             if (depth()[start] == depth()[start + step]) return true;
         return false;
     }
-    // The levels of all rows, found when they are first asked for; several threads may ask at once.
     const Levels& levels(int neighbors) const;
-    // For a chunk whose rows change.
-    void forget_levels() { delete levels_.exchange(nullptr); }
+    const Circle& circle() const {
+        return circle_.get([this] { return Circle(toolface(), count); });
+    }
+    void change_count(Index to) {
+        levels_.forget();
+        circle_.forget();
+        count = to;
+    }
 
     Index count = 0;
 
@@ -122,7 +163,8 @@ class Chunk {
 
     std::shared_ptr<double[]> columns_;
     Index capacity_, stride_;
-    mutable std::atomic<const Levels*> levels_ = nullptr;
+    FoundOnce<Levels> levels_;
+    FoundOnce<Circle> circle_;
 };
 
 using Chunks = std::vector<std::shared_ptr<Chunk>>;

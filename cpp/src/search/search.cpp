@@ -79,7 +79,7 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
         g.trial[i] = settings_.bit_diameter / 2.0;
         g.before[i] = g.least_trial[i] = kernel::boundless_square;
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
-        g.iterations[i] = g.reach_square[i] = 0.0;
+        g.iterations[i] = g.reach_square[i] = g.height_square[i] = g.least_turn[i] = 0.0;
         g.window_first[i] = g.window_last[i] = 0.0;
     }
     return g;
@@ -177,33 +177,82 @@ void Search::window_reach(const Samples& samples, const Windows& windows, const 
 
 void Search::search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const {
     if (scratch.half_height == 0.0) scratch.half_height = first_guess(samples);
-    double half_height = scratch.half_height;
-    for (;;) {
+    const bool by_turns = scratch.mean_height > 0.0;  // then the box is low and goes all around
+    const double half_height = by_turns ? std::sqrt(4.0 * scratch.mean_height) : scratch.half_height;
+    const Windows& windows = scratch.windows;
+    double area = 0.0;
+    for (double growth = 1.0;;) {
         double least_trial = no_limit;
         for (Index i = 0; i < lanes; ++i)
             if (g.active[i] > 0.0) least_trial = std::min(least_trial, g.trial[i]);
-        const double width = half_height / (least_trial * rules_.scale);
-        const double height = std::min(half_height, 1.001 * settings_.max_distance);
+        const double degree = least_trial * rules_.scale, width = by_turns ? 180.0 : growth * half_height / degree;
+        const double height = std::min(growth * half_height, 1.001 * settings_.max_distance);
         const double low = span.shallow - height, high = span.deep + height;
-        const bool all_depths = samples.size() == 0 || (low <= scratch.windows.shallow && high >= scratch.windows.deep);
+        const auto holds_all = [&](double above) {
+            return samples.size() == 0 ||
+                   (span.shallow - above <= windows.shallow && span.deep + above >= windows.deep);
+        };
         const double across = span.half_width + width + 1e-9;
         const kernel::Filter filter{across, g.center - across < 0.0 || g.center + across >= 360.0};
-        kernel::Box box{all_depths ? no_limit : height, across < 180.0 ? width : no_limit, across, 0.5 * (high - low),
+        kernel::Box box{holds_all(height) ? no_limit : height,
+                        across < 180.0 ? width : no_limit,
+                        no_limit,
+                        across,
+                        0.5 * (high - low),
                         false};
+        if (by_turns) {
+            const double far = std::min(growth * 1.3 * 180.0 * degree + height, 1.001 * settings_.max_distance);
+            if (!holds_all(far)) box.far = far;
+            find_turns(samples, span.shallow - far, span.deep + far, g);
+        }
         fetch_box(samples, low, high, filter, box, g, scratch);
-        const Index fewest = place_windows(scratch.windows, scratch.list, g);
+        const Index fewest = place_windows(windows, scratch.list, g);
         box.narrow = rules_.neighbors <= std::min<Index>(fewest, 8) && scratch.list.count <= kernel::narrow_capacity &&
                      across + span.half_width < 180.0;
+        area = 4.0 * box.along * std::min(across, 180.0) * degree;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;
-        if (verdict == kernel::Verdict::widen) half_height *= 1.5;
+        if (verdict == kernel::Verdict::widen) growth *= 1.5;
     }
     // The first box of the next group: if samples are spread evenly, few vertices need 2.4 times the mean area.
-    double mean = 0.0;
+    double mean = 0.0, mean_height = 0.0;
     for (const double square : g.reach_square) mean += std::min(square, rules_.max_square) / lanes;
-    if (mean < kernel::missing_square) {
-        scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
-        scratch.half_height = std::sqrt(2.4 * scratch.mean_square);
+    for (const double square : g.height_square) mean_height += std::min(square, rules_.max_square) / lanes;
+    if (!(mean < kernel::missing_square)) return;
+    scratch.mean_square = scratch.mean_square == 0.0 ? mean : 0.75 * scratch.mean_square + 0.25 * mean;
+    scratch.half_height = std::sqrt(2.4 * scratch.mean_square);
+    // Much more in the box than its neighbours take, and far away: the samples lie on few toolfaces.
+    const double even = rules_.neighbors * area / (std::numbers::pi * mean);
+    if (by_turns)
+        scratch.mean_height = mean_height < 0.5 * mean ? 0.5 * (scratch.mean_height + mean_height) : 0.0;
+    else if (!rules_.windowed && scratch.level_depth == no_limit &&
+             static_cast<double>(scratch.list.count) > 3.0 * even)
+        scratch.mean_height = mean_across(g, scratch.list) > 0.5 * mean ? mean : 0.0;
+}
+
+// The mean squared distance of the vertices from the toolfaces in the list.
+double Search::mean_across(const kernel::Group& g, const kernel::CandidateList& list) const {
+    double mean = 0.0;
+    for (Index lane = 0; lane < lanes; ++lane) {
+        double least = 180.0;
+        for (Index i = 0; i < list.count; ++i) {
+            const double turn = std::abs(list.rows[i].toolface - g.toolface[lane]);
+            least = std::min({least, turn, 360.0 - turn});
+        }
+        const double across = rules_.scale * g.trial[lane] * least;
+        mean += across * across / lanes;
+    }
+    return mean;
+}
+
+// The least turn from each vertex to a sample between two depths, or less, as far as whole chunks tell.
+void Search::find_turns(const Samples& samples, double low, double high, kernel::Group& g) const {
+    std::fill_n(g.least_turn, lanes, 180.0);
+    for (std::size_t i = samples.step_to(low, {}, stride).chunk; i < samples.chunks().size(); ++i) {
+        const Chunk& chunk = *samples.chunks()[i];
+        if (chunk.first_depth() > high) break;
+        for (Index lane = 0; lane < lanes; ++lane)
+            g.least_turn[lane] = std::min(g.least_turn[lane], chunk.circle().least_turn(g.toolface[lane]));
     }
 }
 

@@ -63,6 +63,7 @@ class Search {
         double least_trial = 0.0;  // that the levels in the list are good for
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
+        double mean_height = 0.0;  // squared, of the heights that they needed; 0: turns are not looked at
     };
 
     // Vertices [8 group, 8 group + 8) of the helix, those from vertex_count on left out.
@@ -102,6 +103,8 @@ class Search {
     void find_windows(const Samples& samples, const kernel::Group& g, Index used, Windows& windows) const;
     Index place_windows(const Windows& windows, const kernel::CandidateList& list, kernel::Group& g) const;
     void window_reach(const Samples& samples, const Windows& windows, const Span& span, GroupResult& result) const;
+    double mean_across(const kernel::Group& g, const kernel::CandidateList& list) const;
+    void find_turns(const Samples& samples, double low, double high, kernel::Group& g) const;
     double first_guess(const Samples& samples) const;
 
     Settings settings_;

@@ -196,6 +196,8 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     P current = trial, before = P::load(g.before), iterations = P::load(g.iterations);
     P selected_at = trial, rejected(boundless_square);
     P reach = P::load(g.reach_square), least_trial = P::load(g.least_trial);
+    P height_square = P::load(g.height_square);
+    const P least_turn = P::load(g.least_turn);
     Neighbours<P> neighbours;
     std::int32_t at[(max_neighbors + 1) * lanes];
     for (int i = 0; i < rules.neighbors * lanes; ++i) at[i] = list_capacity;
@@ -216,6 +218,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         iterations.store(g.iterations);
         reach.store(g.reach_square);
         least_trial.store(g.least_trial);
+        height_square.store(g.height_square);
         if (rules.range > 0.0) {  // kriging, of those that are done now and have neighbours
             const auto done = P::less(P(0.0), P::blend(active, P(0.0), P::min(P::load(g.active), P::load(g.support))));
             if (any(done)) P::blend(done, krige(g, list, rules, at, current).radius, P::load(g.radius)).store(g.radius);
@@ -255,11 +258,15 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         if (any(wanted)) continue;
         if (any(P::both(moved_since(trial), P::less_equal(at_least(discarded, trial), needed))))
             return stop(Verdict::refetch);
-        const P width = current * scale * P(box.width), height(box.height);
-        const P deep = P::min(next.farthest, P(rules.max_square));
+        const P width = current * scale * P(box.width), height(box.height), far(box.far);
+        const P deep = P::min(next.farthest, P(rules.max_square)) * P(slack);
+        const P across = current * scale * least_turn, highest = needed - across * across;
         if (any(P::both(active, P::less_equal(width * width, needed))) ||
-            any(P::both(active, P::less_equal(height * height, deep * P(slack)))))
+            any(P::both(active, P::less_equal(far * far, deep))) ||
+            any(P::both(active,
+                        P::both(P::less_equal(height * height, highest), P::less_equal(height * height, deep)))))
             return stop(Verdict::widen);
+        height_square = P::blend(active, P::max(height_square, highest), height_square);
 
         iterations = P::blend(active, iterations + P(1.0), iterations);
         reach = P::blend(active, P::max(reach, P::min(next.farthest, P(rules.reach_square))), reach);

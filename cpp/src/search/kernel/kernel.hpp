@@ -11,7 +11,8 @@
 //     |    .     .    :     .     .  |     every vertex of the group, c = metres a degree at its radius
 //     +------------------------------+
 //
-// A vertex is done when its farthest neighbour is nearer than that; otherwise the box grows.
+// A vertex is done when its farthest neighbour is nearer than that; otherwise the box grows. Where no sample lies
+// within `least_turn` of a vertex, samples above and below the box are at least hypot(h, c least_turn) away.
 #pragma once
 
 #include <cstdint>
@@ -93,14 +94,17 @@ struct Group {
     double nearest[lanes];
     double support[lanes];
     double iterations[lanes];
-    double reach_square[lanes];  // largest squared distance at which one more sample would have changed an estimate
-    double least_trial[lanes];   // the smallest radius that an estimate started from
-    double active[lanes];        // 1 while the lane is not done, else 0
+    double reach_square[lanes];   // largest squared distance at which one more sample would have changed an estimate
+    double least_trial[lanes];    // the smallest radius that an estimate started from
+    double least_turn[lanes];     // degrees; no sample within Box::far has a smaller one, as far as is known
+    double height_square[lanes];  // largest squared height h that an estimate needed
+    double active[lanes];         // 1 while the lane is not done, else 0
 };
 
 struct Box {
     double height;  // h, metres; infinity when all depths are in the list
     double width;   // w, degrees; infinity when all toolfaces are in the list
+    double far;     // metres above and below the group where least_turn holds
     // Half the extent of the list around the group's center and middle, for the error of the narrow columns. `narrow`:
     // may the narrow columns be used?
     double across, along;

@@ -229,7 +229,7 @@ class Nearest {
         }
         for (;;) {
             double farthest;
-            const double rejected = choose(g, lane, scale, first, n, nearest, limit, farthest, at);
+            const double rejected = choose(g, lane, scale, first, n, limit, farthest, at);
             // Floats err by less than `error` metres and 8 u; as find_neighbours_narrow, but across 180 degrees, too.
             constexpr double u = 1.0 / (1 << 24);
             const double error = scale * 12.0 * u * box_.across + 4.0 * u * box_.along;
@@ -277,13 +277,13 @@ class Nearest {
     }
 
     // The V nearest by exact keys among those whose float key is at most `limit`.
-    double choose(const Group& g, int lane, double scale, std::int64_t first, int n, float nearest, float limit,
-                  double& farthest, std::int32_t* at) {
+    double choose(const Group& g, int lane, double scale, std::int64_t first, int n, float limit, double& farthest,
+                  std::int32_t* at) {
         int m = 0, within = 0;
         for (int i = 0; i < n; i += 16)
             m += P::store_indices(passed(i, limit), static_cast<std::int32_t>(first) + i, passed_ + m);
         for (int i = m; i < m + lanes; ++i) passed_[i] = list_capacity;
-        P rejected(boundless_square);
+        P rejected(boundless_square), least(boundless_square), greatest(0.0);
         for (int i = 0; i < m; i += lanes) {
             P depth, toolface, radius;
             P::read([&](int j) -> const Candidate& { return list_.rows[passed_[i + j]]; }, depth, toolface, radius);
@@ -292,6 +292,8 @@ class Nearest {
             const P key = P::tag(across * across + along * along, P::load(list_.position + i));
             const auto reached = P::less_equal(on_wall(across, along * along, rules_), P(rules_.max_square));
             P::blend(reached, key, P(boundless_square)).store(exact_ + i);
+            least = P::min(least, key);
+            greatest = P::max(greatest, P::blend(reached, key, P(0.0)));
             rejected = P::min(rejected, P::blend(reached, P(boundless_square), key));
             within += __builtin_popcount(P::bits(reached));
         }
@@ -303,10 +305,11 @@ class Nearest {
             return count;
         };
         double cut = missing_square;
-        if (within > wanted)
-            cut = threshold<std::int64_t>(
-                static_cast<double>(nearest) + static_cast<double>(limit - nearest) * (wanted + 0.5) / m, 0.0,
-                missing_square, m, wanted, wanted, passing);
+        if (within > wanted) {
+            const double low = extreme(least, true) * (1.0 - 1e-15), high = extreme(greatest, false);
+            cut = threshold<std::int64_t>(low + (high - low) * (wanted + 0.5) / within, low, high, within, wanted,
+                                          wanted, passing);
+        }
         farthest = within > wanted ? cut : rules_.reach_square;
         for (int i = 0; i < m; i += lanes) {
             const P key = P::load(exact_ + i);
@@ -318,10 +321,15 @@ class Nearest {
             chosen += exact_[i] <= cut;
         }
         for (; chosen < wanted; ++chosen) at[chosen * lanes] = list_capacity;
-        double least[lanes];
-        rejected.store(least);
-        for (const double square : least) least[0] = square < least[0] ? square : least[0];
-        return least[0];
+        return extreme(rejected, true);
+    }
+
+    static double extreme(P of_lanes, bool least) {
+        double of[lanes];
+        of_lanes.store(of);
+        for (const double one : of)
+            if (least ? one < of[0] : one > of[0]) of[0] = one;
+        return of[0];
     }
 
     const CandidateList& list_;
