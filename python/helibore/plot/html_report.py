@@ -100,7 +100,7 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
     warned = "" if wall.basis == "azimuthal" else f'<p class="warning">{html.escape(BASIS_TEXT[wall.basis])}.</p>'
     parts = [
         ("summary", "Summary", warned + _summary(content)),
-        ("pictures", "Pictures", _pictures(wall, content, options)),
+        ("pictures", "Pictures", _pictures(content)),
         ("diameters", "Diameters and volumes", _diameters(content)),
         ("zones", "Zones", _zones(zones, content)),
         ("quality", "Data quality", _quality(content, messages)),
@@ -182,12 +182,12 @@ def _summary(content: Content) -> str:
     return pairs([*rows, ("Images", ", ".join(images) or "none")])
 
 
-def _pictures(wall: Wall, content: Content, options: dict[str, Any]) -> str:
-    from helibore.plot.log import pages
+def _pictures(content: Content) -> str:
+    from helibore.plot.log import pages_of
     from helibore.plot.paper import rendered
 
     figures = []
-    for at, figure in enumerate(pages(wall, PAPER, **options), 1):
+    for at, figure in enumerate(pages_of(content, PAPER), 1):
         words = f"Log of {content.drawing.title or 'the wall'}, part {at}: depth, caliper, images at 1:{content.scale}"
         width = figure.get_size_inches()[0] * MM
         picture = base64.b64encode(rendered([figure], ".png")).decode()

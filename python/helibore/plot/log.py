@@ -78,7 +78,11 @@ def pages(wall: Wall, paper: str | tuple[float, float] = "a4", **options: Any) -
     paper
         ``"a4"``, ``"a3"``, or width and height in millimetres. It is made wider where the tracks need it.
     """
-    content = content_of(wall, Drawing(**options))
+    return pages_of(content_of(wall, Drawing(**options)), paper)
+
+
+def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]:
+    """Draw content that is decided already: `pages`."""
     width, height = PAPERS[paper] if isinstance(paper, str) else paper
     width = max(width, _width(content))
     parts = _divided(content, height - 2 * MARGIN - FOOTER - HEAD)
