@@ -304,7 +304,8 @@ def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
     moved = 0.5 * (np.abs(np.append(np.nan, step)) ** 2 + np.abs(np.append(step, np.nan)) ** 2)
     known = np.isfinite(bend)
     bends, moves, noise = (
-        np.convolve(np.where(known, of, 0.0), np.ones(21), "same") for of in (bend, moved, np.square(deviation))
+        np.convolve(np.where(known, of, 0.0), np.ones(21))[10 : 10 + turns.size]  # "same" would be 21 for fewer turns
+        for of in (bend, moved, np.square(deviation))
     )
     fast: Mask = (bends > (2.0 * np.sin(np.radians(0.5 * _FASTEST_WHIRL))) ** 2 * moves) & (moves > 100.0 * noise)
     return fast
