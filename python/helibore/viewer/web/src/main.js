@@ -39,7 +39,7 @@ const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
 const SLOW = 40; // milliseconds of a picture
-const MOVING = 200; // milliseconds between two pictures that move
+const MOVING = 200; // milliseconds, besides the time to draw, between two pictures that move
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const seconds = () => performance.now() / 1000;
 
@@ -302,10 +302,10 @@ class App {
       look.imagePieces.map(({ tile, top, bottom }) => [tile.level.rings, tile.index, tile.version, top, bottom]), gpu.outside.position, gpu.outside.axes, gpu.head]);
     if (key === this.painted) return;
     const began = performance.now();
-    const coarse = gpu.cost > SLOW && began - this.paintedAt < MOVING && !this.glow.ranges.length && gpu.stats.pictures > 2;
+    const coarse = gpu.cost > SLOW && began - this.paintedAt < MOVING + 2 * gpu.cost && !this.glow.ranges.length && gpu.stats.pictures > 2;
     Object.assign(this, { painted: key, paintedAt: began });
     clearTimeout(this.sharpening);
-    this.sharpening = coarse ? setTimeout(() => Object.assign(this, { painted: '', sharpening: null, paintedAt: 0 }) && this.redraw(), MOVING) : null;
+    this.sharpening = coarse ? setTimeout(() => Object.assign(this, { painted: '', sharpening: null, paintedAt: 0 }) && this.redraw(), MOVING + Math.min(gpu.cost, 1000)) : null;
     gpu.draw(look, coarse);
     if (!coarse) gpu.whenDrawn(() => (gpu.cost = performance.now() - began));
   }
