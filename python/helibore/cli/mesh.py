@@ -197,7 +197,10 @@ def _error_lines(run: Run, threads: int | None) -> Lines:
     count = run.wall.sample_count
     if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or run.tune:
         return []
-    return [("error", f"{cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence}")]
+    try:
+        return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]
+    except InputError:  # no sample has another within reach
+        return []
 
 
 def _lines(run: Run, made: Surface | Volume, ends: tuple[float | None, float | None]) -> Lines:
