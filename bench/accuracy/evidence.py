@@ -114,6 +114,8 @@ def mean_ratio(cases: Iterable[Case], method: str) -> str:
     ratios = np.log([case.errors[method] / case.errors["default"] for case in cases if method in case.errors])
     if not ratios.size:
         return "-"
+    if ratios.size == 1:
+        return f"{np.exp(ratios[0]):.2f}"
     again = np.random.default_rng(1).choice(ratios, (2000, ratios.size)).mean(axis=1)
     low, high = np.exp(np.quantile(again, (0.025, 0.975)))
     return f"{np.exp(ratios.mean()):.2f} ({low:.2f} to {high:.2f}; worst {np.exp(ratios.max()):.2f})"
@@ -154,7 +156,7 @@ def page(cases: list[Case]) -> str:
     seeds = ", ".join(map(str, sorted({case.seed for case in usual})))
     return f"""# Evidence: how good the wall is, and how sure
 
-`./develop evidence` writes this page. Holes of known truth: {", ".join(HOLES)}; seeds {seeds}; {LENGTH:g} m;
+`./develop evidence` writes this page. Holes of known truth: {", ".join(HOLES)}; seed {seeds}; {LENGTH:g} m;
 bit {1e3 * BIT:g} mm; 64 sectors, pitch 0.1 m. Ratio = rms error of a method over that of the default settings;
 geometric mean, 95 % interval by bootstrap over cases, worst case. Methods of SciPy: 32 a turn and the first seed only.
 
