@@ -1,7 +1,9 @@
-"""Proofs of the live part that take minutes: ``python tests/slow/live.py kill|hostile|flips|truncations|disk``.
+"""Proofs of the live part that take minutes: ``python tests/slow/live.py kill|power|hostile|flips|truncations|disk``.
 
-kill      a live wall under load is killed at 200 random instants; every acknowledged byte is there, the recovered wall
-          has the bits of the wall rebuilt from its samples
+kill      a live wall under load is killed 300 times, half of them at a checkpoint or while segments are archived; every
+          acknowledged byte is there, the recovered wall has the bits of the wall rebuilt from its samples
+power     the power is cut 1,500 times, at any write, sync, rename or deletion; everything synced is there, the restart
+          has the bits of a replay of the whole journal
 hostile   100 MB without an end, a number of 10 million digits, binary noise, one-byte packets and 1,000 connections a
           second, over loopback; memory stays bounded and the good frame after each is drawn
 flips     2,000 bit flips of a journal, replayed: one record lost each time, reported, and nothing else changed
@@ -30,6 +32,7 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "python" / "live"))
 
 import live_wires
 import test_live_killed
+import test_live_power_cut
 from test_live_server import Running, frames, free_port, received, until
 
 from helibore import Live
@@ -38,14 +41,21 @@ from helibore.live.journal import RECORDS_START
 
 
 def kill() -> None:
-    """200 kills of a live wall, 200 of a journal."""
+    """300 kills of a live wall, 200 of a journal."""
     with tempfile.TemporaryDirectory() as folder:
-        acknowledged, found, samples = test_live_killed.kill_wall(Path(folder), 200, seed=11)
-        print(f"200 kills of a live wall: {acknowledged:,} bytes acknowledged, {found:,} found; each time the wall of")
+        acknowledged, found, samples = test_live_killed.kill_wall(Path(folder), 300, seed=11)
+        print(f"300 kills of a live wall: {acknowledged:,} bytes acknowledged, {found:,} found; each time the wall of")
         print(f"the journal, bit for bit, and at the end that of the batch of its {samples:,} samples")
     with tempfile.TemporaryDirectory() as folder:
         acknowledged, found = test_live_killed.kill_journal(Path(folder), 200, seed=12)
         print(f"200 kills of a journal: {acknowledged:,} records acknowledged, {found:,} found, none missing between")
+
+
+def power() -> None:
+    """1,500 power cuts."""
+    with tempfile.TemporaryDirectory() as folder:
+        synced, found = test_live_power_cut.power_cuts(Path(folder), 1500, seed=13)
+        print(f"1,500 power cuts: {synced:,} frames synced, {found:,} found, each synced one among them")
 
 
 def hostile() -> None:
@@ -172,4 +182,6 @@ def _send(port: int, stream: bytes) -> None:
 
 
 if __name__ == "__main__":
-    {"kill": kill, "hostile": hostile, "flips": flips, "truncations": truncations, "disk": disk}[sys.argv[1]]()
+    {"kill": kill, "power": power, "hostile": hostile, "flips": flips, "truncations": truncations, "disk": disk}[
+        sys.argv[1]
+    ]()
