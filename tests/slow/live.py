@@ -182,6 +182,5 @@ def _send(port: int, stream: bytes) -> None:
 
 
 if __name__ == "__main__":
-    {"kill": kill, "power": power, "hostile": hostile, "flips": flips, "truncations": truncations, "disk": disk}[
-        sys.argv[1]
-    ]()
+    commands = (kill, power, hostile, flips, truncations, disk)
+    {command.__name__: command for command in commands}[sys.argv[1]]()
