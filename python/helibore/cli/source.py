@@ -264,7 +264,7 @@ def _check_source(options: dict[str, Any]) -> None:
     if options["gauge"]:
         _refuse(of_calipers, ("absent",), "--gauge, which reads no caliper")
     elif options["average"] is not None:
-        _refuse(of_calipers, ("absent", "sets"), "--average, which names its channel")
+        _refuse(of_calipers, ("absent", "sets", "header_line"), "--average, which names its channel")
     elif ARCHIVE in endings:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
@@ -335,13 +335,14 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
                 calipers.append(opener.opened(file, choose, options["header_line"]))
     average = survey = track = None
     if options["average"] is not None:
+        line = options["header_line"]
         text, _, channel = options["average"].rpartition(":")
         if not text:
             raise click.UsageError(f"--average {options['average']}: must be FILE:CHANNEL")
-        names = set_names(opener.log(Path(text)), options["sets"]) if options["sets"] else [None]
+        names = set_names(opener.log(Path(text), line), options["sets"]) if options["sets"] else [None]
         if len(names) > 1:
             raise click.UsageError(f"--average: needs one set, not {len(names)}")
-        average = opener.opened(Path(text), partial(_average_roles, set_name=names[0], channel=channel))
+        average = opener.opened(Path(text), partial(_average_roles, set_name=names[0], channel=channel), line)
     if options["survey"] is not None:
         stations = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
         choose = partial(_roles, set_name=options["survey_set"], map_file=options["survey_map"], columns=stations)

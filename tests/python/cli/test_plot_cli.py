@@ -88,6 +88,25 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     assert "NO : One line a depth" in (tmp_path / "out.las").read_text()
 
 
+def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
+    rows = "".join(f"{2000 + 0.2 * k:.1f},{8.5 + 0.01 * k:.2f}\n" for k in range(60))
+    (tmp_path / "c.csv").write_text(f"Well A-1,logged 2026\nby,nobody\ndepth_m,cali_in\n{rows}")
+    arguments = [
+        "--average",
+        f"{tmp_path / 'c.csv'}:cali_in",
+        "--header-line",
+        3,
+        "--bit-diameter",
+        "8.5in",
+        "--dpi",
+        30,
+    ]
+    result = run_cli(*arguments, "-o", tmp_path / "log.png")
+    assert result.exit_code == 0, result.output
+    again = run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png")
+    assert "to the last bit" in again.output
+
+
 @pytest.mark.parametrize(
     ("options", "rule"),
     [
