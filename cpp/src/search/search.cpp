@@ -199,7 +199,8 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
                         no_limit,
                         across,
                         0.5 * (high - low),
-                        false};
+                        false,
+                        across + span.half_width >= 180.0};
         if (by_turns) {
             const double far = std::min(growth * 1.3 * 180.0 * degree + height, 1.001 * settings_.max_distance);
             if (!holds_all(far)) box.far = far;
@@ -208,7 +209,7 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
         fetch_box(samples, low, high, filter, box, g, scratch);
         const Index fewest = place_windows(windows, scratch.list, g);
         box.narrow = rules_.neighbors <= std::min<Index>(fewest, 8) && scratch.list.count <= kernel::narrow_capacity &&
-                     across + span.half_width < 180.0;
+                     !by_turns;
         area = 4.0 * box.along * std::min(across, 180.0) * degree;
         const kernel::Verdict verdict = functions_->estimate(g, scratch.list, rules_, box);
         if (verdict == kernel::Verdict::done) break;

@@ -89,13 +89,13 @@ inline void read_neighbours(const Group& g, const CandidateList& list, int neigh
 // for at least
 //
 //     (sqrt(k (1 - 2^-14)) - e)^2  >=  k (1 - 2^-13) - 2^14 e^2      as  2 e sqrt(k) <= 2^-14 k + 2^14 e^2
-template <class P, bool windowed>
+template <class P, bool windowed, bool wraps>
 inline P find_eight(const Group& g, P scale, const CandidateList& list, const Box& box, int neighbors,
                     std::int32_t* at) {
     using Narrow = typename P::Narrow;
     using Single = typename Narrow::Single;
     Narrow found_best[8];
-    const Narrow found_rejected = select_eight(NarrowEye<P, windowed>(g, scale, list), found_best);
+    const Narrow found_rejected = select_eight(NarrowEye<P, windowed, wraps>(g, scale, list), found_best);
     Single best[8], rejected = found_rejected.candidate(0);
     for (int j = 0; j < 8; ++j) best[j] = found_best[j].candidate(0);
     if constexpr (Narrow::candidates == 2) {
@@ -112,7 +112,7 @@ inline P find_eight(const Group& g, P scale, const CandidateList& list, const Bo
     sort_eight(best);
     for (int i = 0; i < neighbors; ++i) best[i].store_positions(at + i * lanes);
     constexpr double u = 1.0 / (1 << 24);
-    const P error = scale * P(8.0 * u * box.across) + P(4.0 * u * box.along);
+    const P error = scale * P((wraps ? 24.0 : 8.0) * u * box.across) + P(4.0 * u * box.along);
     return least * P(1.0 - 1.0 / (1 << 13)) - error * error * P(1 << 14);
 }
 
@@ -231,8 +231,10 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     for (;;) {
         if (any(wanted)) {
             if (narrow) {
-                rejected = rules.windowed ? find_eight<P, true>(g, current * scale, list, box, rules.neighbors, at)
-                                          : find_eight<P, false>(g, current * scale, list, box, rules.neighbors, at);
+                const auto find = rules.windowed
+                                      ? (box.wraps ? &find_eight<P, true, true> : &find_eight<P, true, false>)
+                                      : (box.wraps ? &find_eight<P, false, true> : &find_eight<P, false, false>);
+                rejected = find(g, current * scale, list, box, rules.neighbors, at);
                 selected_at = current;
             } else {
                 rejected = P::blend(wanted, nearest.find(g, current, P::bits(wanted), at), rejected);

@@ -109,6 +109,7 @@ struct Box {
     // may the narrow columns be used?
     double across, along;
     bool narrow;
+    bool wraps;  // may a vertex and a candidate be more than half a turn apart one way?
 };
 
 // Which samples go into the list: those within half_width of the group's center; any, if that is 180 or more.

@@ -78,9 +78,9 @@ struct Numbers {
 };
 inline constexpr Numbers numbers;
 
-// What the vertices see of a list that spans no more than half a turn: their squared distances in floats, tagged with
-// the position, to one or two candidates at a time.
-template <class P, bool windowed>
+// What the vertices see of a list: their squared distances in floats, tagged with the position, to one or two
+// candidates at a time. `wraps`: the list may span more than half a turn.
+template <class P, bool windowed, bool wraps>
 struct NarrowEye {
     using Pack = typename P::Narrow;
     static constexpr int candidates = Pack::candidates;
@@ -98,7 +98,12 @@ struct NarrowEye {
     }
 
     Pack key(std::int64_t i) const {
-        const Pack x = scale * (Pack::each_candidate(list.across + i) - across);
+        Pack turn = Pack::each_candidate(list.across + i) - across;
+        if constexpr (wraps) {
+            turn = Pack::max(turn, Pack(0.0f) - turn);
+            turn = Pack::min(turn, Pack(360.0f) - turn);
+        }
+        const Pack x = scale * turn;
         const Pack y = Pack::each_candidate(list.along + i) - along;
         Pack square = x * x + y * y;
         if constexpr (windowed) {  // outside the window: more than any real square
