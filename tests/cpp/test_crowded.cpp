@@ -32,7 +32,7 @@ Hole placed(std::size_t n, const Place& place) {
 }
 
 std::vector<Shape> shapes() {
-    const std::size_t n = 6000 / reduced;  // unreduced: more than a list of candidates holds
+    const std::size_t n = 1200 / reduced, crowd = 4500 / reduced;  // unreduced: more than a list of candidates holds
     return {{"four arms", placed(n,
                                  [](std::size_t i, double along, Hole& h) {
                                      h.depth[i] = 100.0 + 4.0 * along;
@@ -43,7 +43,7 @@ std::vector<Shape> shapes() {
                                    h.depth[i] = 100.0 + 4.0 * along;
                                    h.toolface[i] = 200.0;
                                })},
-            {"one depth", placed(n, [](std::size_t i, double, Hole& h) { h.depth[i] = 102.0; })},
+            {"one depth", placed(crowd, [](std::size_t i, double, Hole& h) { h.depth[i] = 102.0; })},
             {"few depths",
              placed(n, [](std::size_t i, double, Hole& h) { h.depth[i] = 100.0 + static_cast<double>(i % 5); })},
             {"all around", oval_hole(n / 4, 100.0, 4.0)},
