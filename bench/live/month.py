@@ -28,6 +28,8 @@ CONFIGURATION = """
 bit_diameter = 0.216
 start_depth = 1000.0
 threads = 1
+[samples]
+most = 64
 [source.rig]
 address = "host"
 units = "metric"

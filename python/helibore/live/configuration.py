@@ -72,9 +72,12 @@ class PathTable(Table):
 
 
 class SamplesTable(Table):
-    """The table ``samples``: the most samples of a source that a wall keeps near each vertex; 0: all."""
+    """The table ``samples``: the most samples of a source that a wall draws near each vertex; 0: all.
 
-    most: Annotated[int, within(0, 100_000)] = 64
+    With all, the live wall has the bits of the batch. A limit bounds memory where a tool turns at one depth for days.
+    """
+
+    most: Annotated[int, within(0, 100_000)] = 0
 
 
 class JournalTable(Table):

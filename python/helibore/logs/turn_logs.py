@@ -199,9 +199,9 @@ class Logs(Tabular):
 
     @property
     def shape_kept(self) -> float:
-        """The wall's mean out-of-roundness over the arms'; NaN for tools that see all around."""
+        """The wall's mean out-of-roundness over the arms'; NaN for round holes and for tools that see all around."""
         both = np.isfinite(self.wall_out_of_roundness) & np.isfinite(self.out_of_roundness)
-        if self.shape == "wall" or not both.any():
+        if self.shape == "wall" or not self.out_of_roundness[both].any():
             return math.nan
         return float(self.wall_out_of_roundness[both].mean() / self.out_of_roundness[both].mean())
 

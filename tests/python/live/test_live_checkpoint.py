@@ -264,7 +264,7 @@ def test_a_cell_keeps_the_first_samples_of_each_of_its_parts_in_any_grouping():
 
 def test_a_tool_that_turns_at_one_depth_does_not_fill_the_memory():
     """Ten times the samples in the same cells: the wall keeps as many as before, and reports the others."""
-    live, clock = Live(parse(SENT)), Clock()
+    live, clock = Live(parse(SENT + "[samples]\nmost = 64\n")), Clock()
     for number in range(2000):
         clock.step(1)
         angles = [(number * 3 + k) * 7.13 % 360 for k in range(3)]

@@ -179,3 +179,10 @@ def test_an_x_y_log_of_volve_keeps_the_ovality_of_its_arms() -> None:
     assert [of.mean() for of in logs.arm_diameter] == pytest.approx([x.mean(), y.mean()], rel=1e-4)
     assert summary.shape_kept < 0.7
     assert len(summary.warnings) == 2
+
+
+def test_a_round_hole_keeps_its_shape_without_a_warning_of_division() -> None:
+    logs = hb.reconstruct(four_arms(lambda depth, _: np.full(depth.size, 0.108)), bit_diameter=BIT).logs()
+    assert logs.shape == "arms"
+    assert np.isnan(logs.shape_kept)
+    assert len(logs.warnings()) == 1
