@@ -129,7 +129,7 @@ void fuzz(Input input) {
     for (std::size_t s = 0; s < shells.size(); ++s) {
         helibore::HelixRadii shell = helix;
         shell.radius = shells[s];
-        place(shell, *path, volume.shells[s], corners, 2);
+        if (refused([&] { place(shell, *path, volume.shells[s], corners, 2); })) return;
     }
     const std::vector<double> found = helibore::volumes(corners, cells, 1);
     require_rule(same_bits(found, helibore::volumes(corners, cells, 3)), "volumes on three threads");
