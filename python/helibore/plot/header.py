@@ -92,10 +92,10 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
     left = x + 5.2
     sheet.text(left, y, words, SMALL)
     if content.hatching:
-        left += 43.0
+        left += 46.0
         sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
         sheet.text(left + 5.2, y, content.hatching, SMALL)
-    left += 41.0 if content.hatching else 43.0
+    left += 41.0 if content.hatching else 46.0
     sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - 24.0 - left)
     made = f"helibore {__version__}" + (f", {page}" if page else "")
     sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)

@@ -172,12 +172,13 @@ def test_the_runs_that_are_kept_are_bounded():
     assert log.runs[-1].number == KEPT + 49
 
 
-def test_a_journal_of_before_goes_on_when_no_number_is_mapped(tmp_path):
+def test_a_journal_of_before_goes_on_whether_a_number_is_mapped_or_not(tmp_path):
     Live(parse(PLAIN), tmp_path).close()
     Live(parse(PLAIN + "[layers]\n"), tmp_path).close()
     assert "pass_number" not in json.dumps(json.loads(parse(PLAIN).meaning())["sources"])
-    with pytest.raises(ValueError, match="another configuration"):
-        Live(parse(NUMBERED), tmp_path)
+    with Live(parse(NUMBERED), tmp_path) as live:
+        numbered(live, 4)
+        assert 'pass_number = "0812"' in live.model.stretches[-1]["configuration"]
     assert parse(NUMBERED).meaning() != parse(LISTED).meaning()
 
 
