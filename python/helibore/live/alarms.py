@@ -49,6 +49,13 @@ def local(wall: int) -> datetime.datetime:
     return datetime.datetime.fromtimestamp(wall / 1e9, datetime.UTC).astimezone()
 
 
+class _NoRedirects(urllib.request.HTTPRedirectHandler):
+    """Makes a redirect an error: a redirected POST becomes a GET without the line."""
+
+    def redirect_request(self, *_: object) -> None:
+        return None
+
+
 @dataclass(frozen=True)
 class Alarm:
     """An alarm that has begun: rule, source ("": none), when it began (wall and monotonic, ns), and its cause."""
@@ -84,7 +91,7 @@ class Alarms:
     Raises
     ------
     InputError
-        If the environment variable of the webhook is not set.
+        If the environment variable of the webhook is not set, or holds no address.
     """
 
     def __init__(self, live: Live, states: Mapping[str, str]) -> None:
@@ -107,7 +114,9 @@ class Alarms:
         if address.startswith("env:"):
             if address[4:] not in os.environ:
                 raise InputError("alarms.webhook", "is not set in the environment", repr(address))
-            address = os.environ[address[4:]]
+            variable, address = address, os.environ[address[4:]]
+            if not address.startswith(("https://", "http://")):
+                raise InputError("alarms.webhook", "the variable must hold https://... or http://...", repr(variable))
         self._address = address
         self._ways = [
             way for way, wanted in ((self._command, self._limits.command), (self._webhook, address)) if wanted
@@ -284,7 +293,7 @@ class Alarms:
     def _webhook(self, line: bytes) -> None:
         request = urllib.request.Request(self._address, line, {"Content-Type": "application/json"}, method="POST")
         try:
-            urllib.request.urlopen(request, timeout=SECONDS).close()
+            urllib.request.build_opener(_NoRedirects).open(request, timeout=SECONDS).close()
         except urllib.error.HTTPError as error:
             error.close()
             raise

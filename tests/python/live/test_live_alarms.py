@@ -190,7 +190,13 @@ class Hook:
                 if answer is None:
                     hook.let.wait(60)
                 self.send_response(answer or 200)
+                if answer == 302:
+                    self.send_header("Location", "/elsewhere")
                 self.send_header("Content-Length", "0")
+                self.end_headers()
+
+            def do_GET(self):
+                self.send_response(200)
                 self.end_headers()
 
             def log_message(self, *_):
@@ -278,9 +284,10 @@ def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatc
     assert texts(live)["alarm_not_delivered"] == "command: TimeoutExpired"
 
 
-def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch):
+@pytest.mark.parametrize(("answer", "text"), [(500, "Internal Server Error"), (302, "Found")])
+def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch, answer, text):
     monkeypatch.setattr(module, "WAITS", (0.0, 0.01, 0.01))
-    with Hook(answer=500) as hook:
+    with Hook(answer) as hook:
         live, clock, alarms = alarmed(HOST + f'[alarms]\nwebhook = "{hook.url}"\n')
         alarms.start(thread)
         clock.step(61)
@@ -288,7 +295,7 @@ def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch):
         until(lambda: alarms.undelivered == 1)
         alarms.close()
     assert len(hook.lines) == 3
-    assert texts(live)["alarm_not_delivered"] == "webhook: Internal Server Error"
+    assert texts(live)["alarm_not_delivered"] == f"webhook: {text}"
 
 
 @pytest.mark.parametrize(
@@ -313,6 +320,13 @@ def test_a_webhook_whose_variable_is_not_set_is_an_error_at_the_start(monkeypatc
     monkeypatch.delenv("NO_SUCH", raising=False)
     with pytest.raises(ValueError, match=r"^alarms\.webhook = 'env:NO_SUCH': is not set in the environment$"):
         alarmed(HOST + '[alarms]\nwebhook = "env:NO_SUCH"\n')
+
+
+def test_a_webhook_whose_variable_holds_no_address_is_an_error_at_the_start(monkeypatch):
+    monkeypatch.setenv("HOOK", "hooks.example/s3cret")
+    rule = r"^alarms\.webhook = 'env:HOOK': the variable must hold https://\.\.\. or http://\.\.\.$"
+    with pytest.raises(ValueError, match=rule):
+        alarmed(HOST + '[alarms]\nwebhook = "env:HOOK"\n')
 
 
 def test_alarms_do_not_change_the_meaning():
