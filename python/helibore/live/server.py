@@ -237,7 +237,8 @@ class Server:
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:
         """Read one link to its end; return whether any bytes came."""
-        self.states[source.name] = f"connected to {link.peer}"
+        connected = f"connected to {link.peer}"
+        self.states[source.name] = "connecting" if isinstance(source, StoreSource) else connected  # until it answers
         came, write_at = False, time.monotonic()
         message, every = source.message or (b"", 0.0)
         try:
@@ -251,7 +252,7 @@ class Server:
                 if payload is None:
                     break
                 if payload:
-                    came = True
+                    came, self.states[source.name] = True, connected
                     self.last_received[source.name] = time.monotonic()
                     self._put(source, connection, payload, journals.BYTES)
         finally:

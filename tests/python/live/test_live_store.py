@@ -19,6 +19,7 @@ from helibore.live import server as server_module
 from helibore.live import store_reader, witsml
 from helibore.live.configuration import parse
 from helibore.live.redaction import Redactor
+from helibore.live.transport import Link
 
 pytest.importorskip("httpx2", reason="WITSML stores need httpx2")
 
@@ -69,6 +70,25 @@ def store(tmp_path):
 def _soon(monkeypatch):
     monkeypatch.setattr(server_module, "FIRST_WAIT", 0.02)
     monkeypatch.setattr(server_module, "LONGEST_WAIT", 0.05)
+
+
+def test_a_store_is_connected_once_it_answers(store, tmp_path):
+    """An alarm `lost` begins while the store cannot be reached, also between two tries."""
+    server, seen = Polled(store, tmp_path / "j").server, []
+
+    class Tried(Link):
+        peer = "https://store"
+
+        def read(self, _):
+            seen.append(server.states["store"])
+            if len(seen) > 1:
+                raise OSError("the store is down")
+            return b"WITSML log same 0\n"
+
+    with pytest.raises(OSError, match="down"):
+        server._read(server.live.configuration.sources["store"], Tried(), 1)
+    assert seen == ["connecting", "connected to https://store"]
+    server.live.close()
 
 
 def test_a_growing_log_and_trajectory_become_wall_path_and_image_and_replay_has_the_bits(store, tmp_path):
