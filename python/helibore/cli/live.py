@@ -101,7 +101,8 @@ def _window(well: str, port: int, access: Access) -> Window:
     from helibore.cli.live_view import Window
 
     window = Window(well, port=port, **vars(access))
-    click.echo(f"the wall is shown at {window.url}")
+    shown = window.url if sys.stdout.isatty() else window.url.partition("?")[0]  # no secret in the log of a service
+    click.echo(f"the wall is shown at {shown}")
     return window
 
 

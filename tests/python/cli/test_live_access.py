@@ -5,12 +5,14 @@ from __future__ import annotations
 import ssl
 import urllib.error
 import urllib.request
+from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
 from live_servers import Running, configured, frames, free_port
 
 from helibore.cli import cli
+from helibore.cli.live import _window
 from helibore.cli.live_metrics import Access, MetricsServer
 
 TOKEN = "a secret/47"
@@ -92,6 +94,12 @@ def test_the_page_over_https_asks_for_the_token(certified):
         assert asked(window.url, context=context)[0] == 200
         status, body = asked(window.url.partition("?")[0], context=context)
         assert (status, body[:24]) == (403, b"token: missing or wrong.")
+
+
+def test_the_token_is_printed_on_a_terminal_only(monkeypatch, capsys):
+    monkeypatch.setattr("helibore.cli.live_view.Window", lambda *_, **__: SimpleNamespace(url="https://x:1/?token=s3"))
+    _window("well", 0, Access(token="s3"))
+    assert capsys.readouterr().out == "the wall is shown at https://x:1/\n"
 
 
 @pytest.mark.parametrize(
