@@ -83,15 +83,19 @@ def read(path: Path, salt: int) -> tuple[dict[str, Any], Arrays]:
             arrays = [np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False) for name in names]
     except InputError:
         raise
-    except (zipfile.BadZipFile, KeyError, TypeError, ValueError, EOFError, NotImplementedError, OSError) as error:
+    except Exception as error:  # zipfile raises errors of many kinds
         raise InputError(str(path), f"damaged: {type(error).__name__}: {error}") from error
     return facts, arrays
 
 
 def usable(folder: Path, salt: int, stop: int) -> Iterator[tuple[Path, dict[str, Any], Arrays] | InputError]:
-    """Yield the checkpoints that do not go beyond record ``stop``, the newest first; an error for a damaged one."""
+    """Yield the checkpoints that do not go beyond record ``stop``, the newest first; an error for a damaged one.
+
+    One that goes beyond is renamed: other records get the numbers of the lost ones that it contains.
+    """
     for path in reversed(paths(folder)):
         if position(path) > stop:
+            path.replace(path.with_suffix(".beyond"))
             yield InputError(str(path), f"goes beyond the last record of the journal, {stop - 1}")
             continue
         try:

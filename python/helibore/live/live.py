@@ -102,7 +102,7 @@ class Live:
         if journal is not None and journals.paths(FilePath(journal)):
             begun, given = continued_with(FilePath(journal), given)
         self.configuration = given
-        self.model, self._begun = Model(begun), begun.meaning()
+        self.model, self._begun = Model(begun), begun
         self._lock = threading.Lock()
         self.clock = clock
         self._sequence = 0
@@ -111,6 +111,7 @@ class Live:
         self._pending_update = Update()
         self._logged: dict[tuple[str, str], float] = {}
         self._checkpointing, self._checkpointed_segment = threading.Lock(), 1
+        self._half_read = False  # reading a record failed: the model is not that of any record
         self.journal: Journal | None = None
         session = {"session": secrets.token_hex(8), "meaning": self.configuration.meaning(),
                    "configuration": self.configuration.text}  # fmt: skip
@@ -126,37 +127,45 @@ class Live:
             sync_interval=self.configuration.journal.sync_interval,
             clock=clock,
         )
-        for note in self.journal.recovery.notes:  # read_into reports the damage
-            self.report("journal", note)
-        self._restore(begun)
-        for update in read_into(self.model, FilePath(journal)):  # earlier sessions reported the other events
-            gather(self._pending_update.events, (event for event in update.events if event.rule in OF_RECOVERY))
+        try:
+            for note in self.journal.recovery.notes:  # read_into reports the damage
+                self.report("journal", note)
+            self._restore()
+            for update in read_into(self.model, FilePath(journal)):  # earlier sessions reported the other events
+                gather(self._pending_update.events, (event for event in update.events if event.rule in OF_RECOVERY))
+        except BaseException:
+            self.journal.close()  # unlocked for the next try
+            raise
         self.model.events.log = self._log
 
-    def _restore(self, begun: Configuration) -> None:
+    def _restore(self) -> None:
         """Restore the newest usable checkpoint; report each that is not usable."""
         assert self.journal is not None
+        for left in self.journal.folder.glob(".checkpoint-*.part"):  # of a process that was killed
+            left.unlink()
         for found in checkpoints.usable(
             self.journal.folder, self.journal.salt, self.journal.recovery.last_sequence + 1
         ):
-            error = found if isinstance(found, InputError) else self._restored(begun, *found)
+            error = found if isinstance(found, InputError) else self._restored(*found)
             if error is None:
                 return
             self.report("checkpoint", f"{error}: not used")
 
-    def _restored(
-        self, begun: Configuration, path: FilePath, facts: dict[str, Any], arrays: checkpoints.Arrays
-    ) -> InputError | None:
+    def _restored(self, path: FilePath, facts: dict[str, Any], arrays: checkpoints.Arrays) -> InputError | None:
         """Restore one checkpoint, or return why that is not possible."""
-        model = Model(begun)
+        begun = self._begun
         try:
-            if facts["meaning"] != begun.meaning():
+            if journals.number_of(journals.all_paths(path.parent)[0]) > 1 and facts.get("configuration"):
+                begun = configuration_of(facts)  # the segments that held it were removed
+            elif facts["meaning"] != begun.meaning():
                 raise InputError(str(path), "has another configuration")
+            model = Model(begun)
             for stretch in facts["stretches"]:
                 model.reconfigure(configuration_of(stretch), stretch["utc"], int(stretch["record"]))
             checkpoints.unpack(model, facts["state"], arrays)
         except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
             return InputError(str(path), f"cannot be restored: {error}")
+        self._begun = begun
         self._set_model(model)
         return None
 
@@ -171,7 +180,7 @@ class Live:
         Returns
         -------
         Path or None
-            The file in the journal's folder; None without a journal.
+            The file in the journal's folder; None without a journal, or if the reading of a record failed.
 
         Raises
         ------
@@ -183,8 +192,11 @@ class Live:
         with self._checkpointing:
             with self._lock:
                 segment, sequence = self.journal.segment, self.model.next_sequence
+                if self._half_read:
+                    return None
                 state = checkpoints.packed(self.model)
-                facts: dict[str, Any] = {"meaning": self._begun, "stretches": list(self.model.stretches)}
+                facts: dict[str, Any] = {"meaning": self._begun.meaning(), "configuration": self._begun.text,
+                                         "stretches": list(self.model.stretches)}  # fmt: skip
             self.journal.sync()  # a checkpoint must not contain records that a power cut can destroy
             facts = {"helibore": _core.__version__, "salt": self.journal.salt, **facts}
             path = checkpoints.write(self.journal.folder, sequence, facts, state)
@@ -194,7 +206,8 @@ class Live:
     @property
     def checkpoint_due(self) -> bool:
         """Whether a segment was completed since the last checkpoint."""
-        return self.journal is not None and self.journal.segment > self._checkpointed_segment
+        due = self.journal is not None and self.journal.segment > self._checkpointed_segment
+        return due and not self._half_read
 
     @classmethod
     def replay(
@@ -391,7 +404,11 @@ class Live:
             return self._take(*self._stamp(source, connection, payload, kind))
 
     def _take(self, records: Rows, payloads: list[bytes]) -> Update:
-        update = self.model.take(records, payloads)
+        try:
+            update = self.model.take(records, payloads)
+        except BaseException:
+            self._half_read = True
+            raise
         merge(self._pending_update, update)
         return update
 

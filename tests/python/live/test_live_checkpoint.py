@@ -207,6 +207,66 @@ def test_a_checkpoint_beyond_the_journal_is_not_used(tmp_path):
         assert same_bits(live.wall, whole.wall)
 
 
+def test_a_checkpoint_beyond_the_journal_is_not_used_when_new_records_have_its_numbers(tmp_path):
+    live = Live(parse(SENT), tmp_path)
+    assert live.journal is not None
+    for frame in FRAMES[:10]:
+        live.receive("mwd", frame)
+    path, stop = live.journal._path, live.journal._stop
+    live.receive("mwd", FRAMES[10])
+    live.checkpoint()
+    live.journal.close()
+    with path.open("r+b") as file:
+        file.truncate(stop)
+    for number in range(11, 14):
+        with Live(parse(SENT), tmp_path) as live:
+            live.receive("mwd", FRAMES[number], number)
+            assert live.wall.sample_count == 3 * number
+        assert same_bits(live.wall, Live.replay(tmp_path).wall)
+    assert [path.suffix for path in tmp_path.glob("checkpoint-*")] == [".beyond"]
+
+
+@pytest.mark.parametrize(("at", "value", "error"), [(8, 1, "RuntimeError"), (10, 8, "error")])
+def test_a_damaged_directory_of_a_checkpoint_stops_no_restart(tmp_path, at, value, error):
+    newest = played(tmp_path, 10)[-1]
+    text = bytearray(newest.read_bytes())
+    text[text.index(b"PK\1\2") + at] = value
+    newest.write_bytes(text)
+    with opened(tmp_path) as live:
+        (reported,) = [event.text for event in live.poll().events if event.rule == "checkpoint"]
+    assert f"{newest}: damaged: {error}: " in reported
+
+
+def test_a_model_whose_reading_failed_is_in_no_checkpoint(tmp_path, monkeypatch):
+    with Live(parse(SENT), tmp_path) as live:
+        assert live.journal is not None
+        live.receive("mwd", FRAMES[0])
+        live.journal._segment_bytes = 1
+        monkeypatch.setattr(live.model.rig, "settle", lambda: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            live.receive("mwd", FRAMES[1])
+        assert not live.checkpoint_due
+        assert live.checkpoint() is None
+    assert checkpoint.paths(tmp_path) == []
+    with Live(parse(SENT), tmp_path) as again:
+        assert again.wall.sample_count == 6
+
+
+def test_a_journal_whose_reading_failed_can_be_opened_again(tmp_path, monkeypatch):
+    with monkeypatch.context() as patch:
+        patch.setattr("helibore.live.live.read_into", lambda *_: 1 / 0)
+        with pytest.raises(ZeroDivisionError):
+            Live(parse(SENT), tmp_path)
+    Live(parse(SENT), tmp_path).close()
+
+
+def test_a_part_of_a_checkpoint_that_a_killed_process_left_is_deleted(tmp_path):
+    Live(parse(SENT), tmp_path).close()
+    (tmp_path / ".checkpoint-000000000012.zip.0123abcd.part").write_bytes(b"a part")
+    Live(parse(SENT), tmp_path).close()
+    assert not list(tmp_path.glob(".*"))
+
+
 def test_records_that_a_checkpoint_contains_are_not_read_again(tmp_path, monkeypatch):
     played(tmp_path)
     read = []
