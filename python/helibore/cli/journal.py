@@ -173,7 +173,8 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
     from helibore.base.atomic_file import write_whole
     from helibore.base.errors import InputError
     from helibore.live.configuration import load
-    from helibore.live.export import export_bytes, export_csv, sources_of
+    from helibore.live.export import export_bytes, export_csv
+    from helibore.live.session_header import sources_of
 
     sources = sources_of(folder, load(configuration) if configuration else None, source)
     if output.suffix not in (".csv", ".wits"):

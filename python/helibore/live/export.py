@@ -10,10 +10,8 @@ from typing import BinaryIO, TextIO
 
 import numpy as np
 
-from helibore.base.errors import InputError
 from helibore.live import journal, wits
 from helibore.live.clock import utc
-from helibore.live.configuration import Configuration, parse
 from helibore.live.journal import Segment, segments
 from helibore.live.model import Model
 from helibore.live.session_header import headers
@@ -39,24 +37,6 @@ class SetAside:
     kind: str
     reason: str
     payload: bytes
-
-
-def sources_of(folder: Path, configuration: Configuration | None, source: str | None) -> dict[int, Source]:
-    """Return the sources of all sessions by their number in the journal; only ``source``, if it is given.
-
-    Raises
-    ------
-    InputError
-        If the journal has no such source.
-    """
-    numbers, found = dict[str, int](), dict[int, Source]()
-    for one in [parse(text) for text in dict.fromkeys(text for _, text in sessions(folder) if text)] + [configuration]:
-        for name in sorted(one.sources if one else ()):  # as the model numbers them
-            assert one is not None
-            found[numbers.setdefault(name, len(numbers) + 1)] = one.sources[name]
-    if source is not None and source not in numbers:
-        raise InputError("source", f"must be one of {', '.join(numbers)}", repr(source))
-    return found if source is None else {numbers[source]: found[numbers[source]]}
 
 
 def export_bytes(folder: Path, number: int, file: BinaryIO, report: Report = lambda _: None) -> int:

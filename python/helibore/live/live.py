@@ -44,7 +44,7 @@ from helibore.live.journal import Journal, Segment, segment_of, segments
 from helibore.live.layout import given_layout
 from helibore.live.model import Model, Rows
 from helibore.live.pass_log import Pass
-from helibore.live.session_header import configuration_of, continued_with, recorded_configuration
+from helibore.live.session_header import configuration_of, continued_with, recorded_configuration, sources_of
 from helibore.live.update import Update, merge
 from helibore.trajectory.survey import Path, Survey
 from helibore.wall.wall import Wall
@@ -221,7 +221,9 @@ class Live:
         ``report`` gets each segment when it is read.
         """
         live = cls(configuration or recorded_configuration(FilePath(folder)))
-        live.model = Model(live.configuration, follows=configuration is None)
+        sources = sources_of(FilePath(folder), configuration) if configuration else {}
+        numbers = {source.name: number for number, source in sources.items()}
+        live.model = Model(live.configuration, follows=configuration is None, numbers=numbers)
         for _ in read_into(live.model, FilePath(folder), report):
             pass
         live.configuration = live.model.configuration

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 
@@ -85,7 +85,9 @@ class Model:
         "_held_rows", "_next_row", "_session", "_meaning", "_deepest",
     )  # fmt: skip
 
-    def __init__(self, configuration: Configuration, *, follows: bool = True) -> None:
+    def __init__(
+        self, configuration: Configuration, *, follows: bool = True, numbers: Mapping[str, int] | None = None
+    ) -> None:
         self.configuration = configuration
         self.follows = follows  # the session headers; False: this configuration reads all records
         self._meaning = configuration.meaning()
@@ -95,11 +97,11 @@ class Model:
         self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
         self.stations = Stations(configuration.path, configuration.depth)
         self.images: dict[str, ImageRows] = {}
+        self.numbers = dict(numbers or {name: number for number, name in enumerate(sorted(configuration.sources), 1)})
         self.readers = {
-            number: reader_of(configuration.sources[name], self.events, configuration.depth)
-            for number, name in enumerate(sorted(configuration.sources), 1)
+            self.numbers[name]: reader_of(source, self.events, configuration.depth)
+            for name, source in sorted(configuration.sources.items())
         }
-        self.numbers = {name: number for number, name in enumerate(sorted(configuration.sources), 1)}
         self.layouts = {image.name: image.layout for one in configuration.sources.values() for image in one.images}
         self._image_list = [image for source in configuration.sources.values() for image in source.images]
         for image in self._image_list:
@@ -108,8 +110,8 @@ class Model:
         self.rig = Rig(configuration.passes, configuration.depth)
         self._held = {number: HeldSample(configuration.depth) for number in self.readers}
         self._takes = {name: layer_of(names) for name, names in configuration.layers.items()}
-        numbers = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
-        self.passes = PassLog(numbers, self.events)
+        meanings = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
+        self.passes = PassLog(meanings, self.events)
         self._pending = np.empty(0, PENDING)
         self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
         self._next_row = 0
@@ -203,7 +205,7 @@ class Model:
         before, self.configuration = self.configuration, configuration
         self.stretches.append({"utc": since, "record": str(sequence), "configuration": configuration.text,
                                "meaning": configuration.meaning()})  # fmt: skip
-        for name, source in configuration.sources.items():
+        for name, source in sorted(configuration.sources.items()):
             number = self.numbers.setdefault(name, len(self.numbers) + 1)
             if number in self.readers and (before.sources.get(name), before.depth) == (source, configuration.depth):
                 continue

@@ -22,6 +22,7 @@ from helibore.live import journal as journals
 from helibore.live.checks import joined_place
 from helibore.live.configuration import Configuration, parse
 from helibore.live.journal import Segment, all_paths, number_of, segments
+from helibore.live.sources import Source
 
 Header = dict[str, Any]
 IMAGE_STAYS = ("name", "unit", "sectors", "layout")
@@ -75,6 +76,29 @@ def recorded_configuration(folder: FilePath) -> Configuration:
     if header is None or not header.get("configuration"):
         raise InputError(str(folder), "holds no configuration; give one")
     return configuration_of(header)
+
+
+def sources_of(folder: FilePath, last: Configuration | None, name: str | None = None) -> dict[int, Source]:
+    """Return the sources of all sessions by their number in the journal; only source ``name``, if it is given.
+
+    Each is as in ``last``, or else as in the last session that has it.
+
+    Raises
+    ------
+    InputError
+        If the journal has no such source, or if neither it nor ``last`` says which sources there are.
+    """
+    found = (header for segment in segments(folder) for _, header in headers(segment))
+    texts = dict.fromkeys(header["configuration"] for header in found if header.get("configuration"))
+    numbers, sources = dict[str, int](), dict[int, Source]()
+    for configuration in [*map(parse, texts), *([last] if last else [])]:
+        for key, source in sorted(configuration.sources.items()):  # as the model numbers them
+            sources[numbers.setdefault(key, len(numbers) + 1)] = source
+    if not sources:
+        raise InputError(str(folder), "holds no configuration; give one")
+    if name is not None and name not in numbers:
+        raise InputError("source", f"must be one of {', '.join(numbers)}", repr(name))
+    return sources if name is None else {numbers[name]: sources[numbers[name]]}
 
 
 def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuration, Configuration]:

@@ -30,6 +30,7 @@ from helibore.live.journal import (
     paths,
     segments,
 )
+from helibore.live.session_header import sources_of
 
 
 def test_the_host_pushes_samples_stations_and_images(tmp_path):
@@ -153,6 +154,19 @@ def test_a_changed_configuration_applies_from_its_session_on_in_the_same_wall(tm
         assert again.configuration.meaning() == again.model.configuration.meaning()
         assert frozen_copy(again).walls["main"].made_from == {"configuration": again.model.stretches}
     Live(before, tmp_path, clock=clock).close() if change[0] != "[source.mwd]" else None
+
+
+def test_a_replay_with_other_sources_reads_the_bytes_of_each_source_as_its_own(tmp_path):
+    more = SENT + "".join(f'[source.{name}]\naddress = "host"\nunits = "metric"\n' for name in ("zeta", "alpha"))
+    for number, text in enumerate((SENT, more)):
+        with Live(parse(text), tmp_path) as live:
+            live.receive("mwd", FRAMES[number], number + 1)
+            if text == more:
+                live.receive("alpha", FRAMES[2])
+    assert live.model.numbers == {"mwd": 1, "alpha": 2, "zeta": 3}
+    assert {number: one.name for number, one in sources_of(tmp_path, None).items()} == {1: "mwd", 2: "alpha", 3: "zeta"}
+    assert Live.replay(tmp_path, parse(more)).wall.sample_count == 6
+    assert Live.replay(tmp_path, parse(SENT.replace("source.mwd", "source.alpha"))).wall.sample_count == 3
 
 
 def test_a_journal_keeps_the_defaults_it_was_written_with(tmp_path, monkeypatch):
