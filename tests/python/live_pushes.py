@@ -1,4 +1,4 @@
-"""What a host pushes while a hole is drilled, as text for ``tests/consumer/live.cpp``, and what hb.Live tells of it."""
+"""What a host pushes while a hole is drilled, as text for ``tests/consumer/live.cpp``, and hb.Live's reports."""
 
 from __future__ import annotations
 
@@ -67,18 +67,18 @@ def pushes() -> list[Push]:
     return found
 
 
-def told_by_python(found: list[Push]) -> list[str]:
+def reported_by_python(found: list[Push]) -> list[str]:
     """What the program prints, from hb.Live."""
     live = hb.Live(parse(CONFIGURATION))
     lines = []
     for push in found:
         push.call(live)
-        news = live.poll()
-        ranges = news.changes["main"].ranges if news.changes else np.empty((0, 2))
-        lines += ["changed" + numbers(ranges), "quads" + numbers(news.quads("main", 16))]
-        lines.append("images" + "".join(f" {name} {start} {stop}" for name, (start, stop) in news.images.items()))
-        lines.append("path" + (numbers(np.array(news.path_from)) if news.path_from is not None else ""))
-        lines += [f"event {event.text}" for event in news.events if event.rule == "station"]
+        update = live.poll()
+        ranges = update.changes["main"].ranges if update.changes else np.empty((0, 2))
+        lines += ["changed" + numbers(ranges), "quads" + numbers(update.quads("main", 16))]
+        lines.append("images" + "".join(f" {name} {start} {stop}" for name, (start, stop) in update.images.items()))
+        lines.append("path" + (numbers(np.array(update.path_from)) if update.path_from is not None else ""))
+        lines += [f"event {event.text}" for event in update.events if event.rule == "station"]
     depth, values = live.images["GR"].arrays()
     wall, path = live.wall, live.path
     assert path is not None

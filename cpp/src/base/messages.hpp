@@ -46,8 +46,8 @@ inline InputError entry_error(const std::string& column, Index index, double val
     return {entry_name(column, index), rule, number_text(value)};
 }
 
-// Depths lie within this many metres of 0: beyond any hole, while squares of distances stay finite and depths are told
-// apart to 2 nanometres.
+// Depths lie within this many metres of 0: beyond any hole, while squares of distances stay finite and depths
+// stay apart to 2 nanometres.
 inline constexpr double largest_depth = 1e7;
 inline constexpr const char* depth_rule = "must lie in -10000000 to 10000000 m";
 

@@ -41,7 +41,7 @@ struct Level {
     std::size_t part(double of) const {
         return static_cast<std::size_t>(of * (static_cast<double>(starts.size() - 2) / 360.0));
     }
-    // Is there perhaps a toolface from low to high? Most often one look at memory tells.
+    // Is there perhaps a toolface from low to high? Most often one read of memory decides.
     bool any_between(double low, double high) const {
         return low < 0.0 || high >= 360.0 || starts[part(low)] < starts[part(high) + 1];
     }

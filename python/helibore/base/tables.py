@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import os
 import re
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
@@ -40,14 +41,14 @@ class LogColumn:
             raise InputError(self.mnemonic, "unit and description must be ASCII")
 
 
-class Tabular:
+class Tabular(ABC):
     """What `table` returns, for pandas and for all that reads Arrow: ``polars.DataFrame(logs)``, DuckDB."""
 
     __slots__ = ()
 
+    @abstractmethod
     def table(self) -> LogTable:
         """Return the numbers with mnemonics, units and facts."""
-        raise NotImplementedError
 
     def to_pandas(self) -> DataFrame:
         """Return `table` as a ``pandas.DataFrame``, one column a mnemonic; ``attrs`` holds ``units`` and ``facts``.

@@ -15,7 +15,7 @@ from helibore.files.reading import read_file
 def open(  # noqa: A001
     path: str | PathLike[str], nulls: Iterable[float] = NULLS, header_line: int | None = None
 ) -> LogFile:
-    """Open a log file of any format; its content tells the format, not its name.
+    """Open a log file of any format; its content decides the format, not its name.
 
     Parameters
     ----------

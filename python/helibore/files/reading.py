@@ -1,4 +1,4 @@
-"""Read a log file of any format; its content tells the format, its name does not."""
+"""Read a log file of any format; its content decides the format, its name does not."""
 
 from __future__ import annotations
 

@@ -114,7 +114,7 @@ def _webhook(address: str) -> str:
 
 
 class AlarmLimits(Table):
-    """The table ``alarms``: when an alarm begins, and who is told besides page, metrics and log.
+    """The table ``alarms``: when an alarm begins, and who receives it besides page, metrics and log.
 
     Seconds without a connection (``lost``), without a deeper or shallower bit while samples come (``standing``) and
     without a successful sync (``sync``) and of the wall clock (``clock``); gigabytes left (``disk_gb``); metres of the

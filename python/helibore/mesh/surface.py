@@ -109,7 +109,7 @@ class Surface(Mesh):
         color_map: str = "viridis",
         log: bool = False,
     ) -> None:
-        """Write the surface to a file, whole or not at all; the ending tells the format.
+        """Write the surface to a file, whole or not at all; the ending names the format.
 
         =======  ===============  ===========  =========================================================================
         ending   axes             numbers      holds

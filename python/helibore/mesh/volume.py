@@ -130,7 +130,7 @@ class Volume(Mesh):
         return _core.hexahedron_volumes(self.vertices, self.hexes, thread_count(threads))
 
     def save(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-        """Write the volume to a file, whole or not at all; the ending tells the format.
+        """Write the volume to a file, whole or not at all; the ending names the format.
 
         =======  ========================================================================================
         .vtu     VTK's XML for ParaView, PyVista, VisIt: hexahedra, float64, all attributes, uncompressed

@@ -5,7 +5,7 @@
 A cell is half a metre of depth and a sector of the hole. Two arms that see one cell are compared there. Arms that see
 other sectors are compared by the level of their depth and the shape that the hole keeps along the log, as far as both
 explain the walls of the cells: the deviation of the cells from them is found with the biases. So a tool that turns
-tells its arms from the shape of the hole; a tool that stays at one bearing does not.
+separates its arms from the shape of the hole; a tool that stays at one bearing does not.
 
 ``by_both`` is what an arm does in one pass alone: an arm that drifts from pass to pass, while another stays, is no
 shape of the hole. Biases are pulled to 0 as far as the samples do not decide (shrinkage). Their covariance is the
@@ -47,7 +47,7 @@ class Bias:
     passes, arms
         Their numbers, (p,) and (a,) int64, sorted.
     by_pass, by_arm
-        Their biases, (p,) and (a,) m; NaN for arms that cannot be told from the hole's shape, and for passes that
+        Their biases, (p,) and (a,) m; NaN for arms that cannot be separated from the hole's shape, and for passes that
         cannot be compared with another.
     by_both
         What each arm of each pass reads too much beside these, (p, a) m.
@@ -98,7 +98,7 @@ class Bias:
         return np.nan_to_num(self.table)[rows]
 
     def lines(self, names: Sequence[str]) -> list[str]:
-        """Return one sentence a pass, with the arms by ``names``, and what disagrees or cannot be told."""
+        """Return one sentence a pass, with the arms by ``names``, and what disagrees or is not known."""
         lines = []
         for row, number in enumerate(self.passes):
             arms = [
@@ -136,12 +136,12 @@ class Bias:
         return lines
 
     def warnings(self, names: Sequence[str]) -> list[str]:
-        """Return the disagreements, and a sentence for what cannot be told."""
+        """Return the disagreements, and a sentence for what is not known."""
         lines = self.disagreements(names)
         unknown = [names[arm] for arm in np.flatnonzero(np.isnan(self.by_arm)).tolist()]
         if unknown:
             lines.append(
-                f"the bias of {_few(unknown)} cannot be told from the hole's shape: the arms see other parts of "
+                f"the bias of {_few(unknown)} cannot be separated from the hole's shape: the arms see other parts of "
                 "the wall throughout, or the shape turns with the tool"
             )
         left = [
@@ -278,7 +278,7 @@ def _referred(
     steady = rms < _STEADY * most
     if most <= noise or not steady.any():
         steady[:] = True
-    told = np.full(arms.size, arms.size == 1)
+    separated = np.full(arms.size, arms.size == 1)
     known = np.zeros(count.size, dtype=bool)
     estimate, sigma = np.zeros((2, count.size))
     sizes = np.bincount(part, seen)
@@ -296,11 +296,11 @@ def _referred(
             sure = sure and held[held > 0].min() >= 0.5  # few passes do not show which arm drifts
             known |= mine & (sigma <= _KNOWN) & sure
             beside = np.unique(arm[mine & known & seen])
-            told[beside] |= beside.size > 1
+            separated[beside] |= beside.size > 1
     table, estimate, sigma = (of.reshape(shape) for of in (np.where(known, estimate, np.nan), estimate, sigma))
     weight = np.where(np.isfinite(table), samples + 1e-9, 0.0)
     rest = np.nan_to_num(table)
-    by_arm = np.where(told, (weight * rest).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-9), np.nan)
+    by_arm = np.where(separated, (weight * rest).sum(axis=0) / np.maximum(weight.sum(axis=0), 1e-9), np.nan)
     rest = np.where(weight > 0, rest - np.nan_to_num(by_arm), 0.0)
     by_pass = (weight * rest).sum(axis=1) / np.maximum(weight.sum(axis=1), 1e-9)
     by_both = np.where(weight > 0, rest - by_pass[:, None], 0.0)

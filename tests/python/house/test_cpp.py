@@ -70,10 +70,10 @@ def test_a_project_finds_the_package(consumer: Path) -> None:
 def test_a_host_in_cpp_has_the_bits_of_python(consumer: Path) -> None:
     """The same samples, stations and image rows pushed through helibore::Live and hb.Live: every number they tell."""
     pushes = live_pushes.pushes()
-    told = subprocess.run(
+    reported = subprocess.run(
         [consumer / "live"], input="".join(push.text for push in pushes), capture_output=True, text=True, check=True
     ).stdout
-    assert told.splitlines() == live_pushes.told_by_python(pushes)
+    assert reported.splitlines() == live_pushes.reported_by_python(pushes)
 
 
 def test_installed_headers(prefix: Path) -> None:

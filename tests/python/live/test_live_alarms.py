@@ -228,13 +228,13 @@ def test_a_line_of_json_goes_to_the_command_and_to_the_webhook(tmp_path, monkeyp
         alarms.check()
         until(lambda: len(hook.lines) == 2)
         alarms.close()
-    told = [json.loads(line) for line in (tmp_path / "lines").read_text().splitlines()]
-    assert told == hook.lines
-    assert [(line["alarm"], line["source"], line["state"]) for line in told] == [
+    lines = [json.loads(line) for line in (tmp_path / "lines").read_text().splitlines()]
+    assert lines == hook.lines
+    assert [(line["alarm"], line["source"], line["state"]) for line in lines] == [
         ("no_data", "mwd", "begins"), ("no_data", "mwd", "ends"),
     ]  # fmt: skip
-    assert told[0]["time"] == "2023-11-14T22:14:21.000Z"
-    assert told[0]["text"] == "nothing has come for 60 s"
+    assert lines[0]["time"] == "2023-11-14T22:14:21.000Z"
+    assert lines[0]["text"] == "nothing has come for 60 s"
     assert "alarm_not_delivered" not in texts(live)
 
 

@@ -269,9 +269,9 @@ def test_a_flood_holds_no_more_than_a_trickle():
     assert [event.newest.line for event in update.events[7::8]] == [50_000, 109_999]
     for _ in range(50):
         live.receive("mwd", b"!!\r\n" * 20)
-    news = live.poll().events
-    assert len(news) == 16
-    assert sum(event.count for event in news) == 71_000
+    events = live.poll().events
+    assert len(events) == 16
+    assert sum(event.count for event in events) == 71_000
     assert len(live.model.events.latest) == 2
 
 

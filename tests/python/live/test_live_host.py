@@ -31,14 +31,14 @@ def test_a_poll_tells_everything_since_the_last():
     copy, accepted, rows, events = np.empty(0), 0, 0, []
     while True:
         over = not pushing.is_alive()
-        news = live.poll()
-        events += news.events
-        rows = news.images.get("GR", (0, rows))[1]
-        if "main" in news.changes:
-            accepted += news.changes["main"].accepted
+        update = live.poll()
+        events += update.events
+        rows = update.images.get("GR", (0, rows))[1]
+        if "main" in update.changes:
+            accepted += update.changes["main"].accepted
             radius = live.wall.radius
             copy = np.concatenate([copy, np.full(len(radius) - len(copy), np.nan)])
-            for start, stop in news.changes["main"].ranges:
+            for start, stop in update.changes["main"].ranges:
                 copy[start:stop] = radius[start:stop]
         if over:
             break
@@ -223,7 +223,7 @@ def test_a_host_that_never_polls_holds_little(monkeypatch):
     for i in range(150):
         live.append_samples([100.0 + 4.0 * (i * 1237 % 3000)], [0.0], [0.11])
         live.append_stations([float("nan")], [0.0], [0.0])
-    news = live.poll()
-    assert len(news.changes["main"].ranges) == update_module.MOST_RANGES
-    assert news.changes["main"].accepted == 150
-    assert (len(news.events), sum(event.count for event in news.events if event.rule == "station")) == (8, 150)
+    update = live.poll()
+    assert len(update.changes["main"].ranges) == update_module.MOST_RANGES
+    assert update.changes["main"].accepted == 150
+    assert (len(update.events), sum(event.count for event in update.events if event.rule == "station")) == (8, 150)

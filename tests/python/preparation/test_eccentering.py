@@ -134,7 +134,7 @@ def test_half_circle_missing_sigma_covers(shape):
     tool = Simulated(4, missing="half circle", **shape)
     centres = tool.centres()
     assert tool.inside(centres) >= 0.99
-    assert np.median(np.hypot(centres.sigma_x, centres.sigma_y)) > 4e-3  # and it says how little half a circle tells
+    assert np.median(np.hypot(centres.sigma_x, centres.sigma_y)) > 4e-3  # and it says how little half a circle shows
 
 
 def test_one_sided_washout_with_half_of_the_samples_missing():
@@ -145,7 +145,7 @@ def test_one_sided_washout_with_half_of_the_samples_missing():
     assert tool.error(centres) < 2e-3
 
 
-def test_one_sided_washout_without_edges_is_told_by_sigma_and_left():
+def test_one_sided_washout_without_edges_is_shown_by_sigma_and_left():
     tool = Simulated(11, **BELL_WASHOUT)
     centres = tool.centres()
     assert tool.inside(centres) >= 0.97
@@ -172,7 +172,7 @@ def test_sigma_is_not_merely_wide():
     assert np.median(centres.sigma_x) < 0.1e-3
 
 
-def test_one_sided_washout_is_told_by_sigma():
+def test_one_sided_washout_is_shown_by_sigma():
     tool = Simulated(7, samples=128, missing="none", lobes=0.0, washout=0.03, washout_width=150, edge="box")
     assert tool.inside(tool.centres()) >= 0.99
 

@@ -103,7 +103,7 @@ def test_shifts_and_biases_of_a_known_wall(quantum):
     np.testing.assert_allclose(found.shift, shift - shift.mean(), atol=0.02)
     assert np.all(found.correlation[[0, 1]] > found.before[[0, 1]])
     held = find_shifts(depth, radius, passes, reference=9)
-    np.testing.assert_allclose(held.shift, shift - shift[2], atol=0.06)  # one pass tells less than four
+    np.testing.assert_allclose(held.shift, shift - shift[2], atol=0.06)  # one pass holds less than four
     assert held.shift[2] == 0.0
     bias = find_bias(depth + found.at(passes), looking, radius, passes, arms)
     np.testing.assert_allclose(bias.by_pass, by_pass - by_pass.mean(), atol=6e-5)
@@ -207,8 +207,8 @@ def test_an_arm_that_drifts_at_one_bearing_is_named_and_not_corrected():
     drifts, shape, left = bias.warnings(["X", "Y"])
     assert drifts.startswith("X drifts by 3.8")
     assert shape == (
-        "the bias of X and Y cannot be told from the hole's shape: the arms see other parts of the wall throughout, or "
-        "the shape turns with the tool"
+        "the bias of X and Y cannot be separated from the hole's shape: the arms see other parts of the wall "
+        "throughout, or the shape turns with the tool"
     )
     assert left == (
         "the bias of X of pass 11, X of pass 12, X of pass 13, X of pass 14, X of pass 15 and 3 more is not known to "
@@ -221,7 +221,7 @@ def test_an_arm_that_cannot_be_told_from_the_shape_is_nan_and_a_sentence():
     bias = find_bias(depth, toolface, radius, passes, arms)
     assert np.isnan(bias.by_arm).all()
     np.testing.assert_allclose(bias.at(passes, arms), 0.0, atol=1e-4)
-    assert bias.warnings(["X", "Y"])[-1].startswith("the bias of X and Y cannot be told from the hole's shape: ")
+    assert bias.warnings(["X", "Y"])[-1].startswith("the bias of X and Y cannot be separated from the hole's shape: ")
     alone = find_bias([1.0, 2.0], [0.0, 90.0], [0.1, 0.1], [1, 1], [0, 1])
     assert np.isnan(alone.by_arm).all()
     assert alone.lines(["X", "Y"])[0] == "pass 1, mm: X not known, Y not known"

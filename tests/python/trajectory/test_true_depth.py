@@ -1,4 +1,4 @@
-"""True depths in the depth track: what a survey tells, below sea level where the datum is known, and nothing else."""
+"""True depths in the depth track: what a survey gives, below sea level where the datum is known, and nothing else."""
 
 from __future__ import annotations
 

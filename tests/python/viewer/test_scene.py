@@ -148,7 +148,7 @@ def test_what_is_already_so_is_not_sent_again() -> None:
     assert woken == [1]
     scene.write(2990, Vertices(np.full(20, np.nan)), {})
     new = [(m.first, m.count, m.total) for m in page.drain() if m.level == 0]
-    assert new == [(2990, 20, 3010)], "a vertex without a radius is news where there was no vertex"
+    assert new == [(2990, 20, 3010)], "a vertex without a radius is new where there was no vertex"
 
 
 @settings(max_examples=25, deadline=None)

@@ -102,8 +102,8 @@ def test_a_page_is_greeted_and_gets_what_it_asks_for(client: TestClient, feed: A
         change = feed.wall.grow(1000)
         feed.feed.update(change)
         talk.say(subscribe={"tiles": [[1, 4]], "focus": 1, "mask": 1})
-        news = talk.until(lambda m: m.level == 0 and m.total == 41_000 and m.tile == 2)
-        assert news.first + news.count == 41_000 - 2 * 16384
+        update = talk.until(lambda m: m.level == 0 and m.total == 41_000 and m.tile == 2)
+        assert update.first + update.count == 41_000 - 2 * 16384
 
 
 def test_a_page_before_the_wall_is_told_what_the_sources_do_and_greeted_when_it_begins() -> None:
@@ -343,7 +343,7 @@ def test_a_message_too_long_ends_that_page_and_the_server_lives() -> None:
 
 
 def answers(socket: Any, said: str | bytes) -> None:
-    """Say it, then hear everything until the other side closes."""
+    """Say it, then read everything until the other side closes."""
     socket.send(said)
     while True:
         socket.recv(20)

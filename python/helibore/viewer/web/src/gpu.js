@@ -16,7 +16,7 @@ import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from
 
 const FIELD_OF_VIEW = 34;
 const NO_WALL = 0x9aa3aa;
-const MOST_PICKED = 254; // tiles told apart by the picking picture's alpha
+const MOST_PICKED = 254; // tiles that differ in the picking picture's alpha
 const PROGRAMS = {
   wall: [shaders.WALL_VERTEX, shaders.WALL_FRAGMENT],
   pick: [shaders.WALL_VERTEX, shaders.PICK_FRAGMENT],

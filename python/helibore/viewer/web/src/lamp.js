@@ -40,7 +40,7 @@ function behind(store, bitDepth) {
   return ahead > -0.05 ? `${Math.max(0, ahead).toFixed(1)} m behind bit` : `bit back ${(-ahead).toFixed(1)} m in the wall`;
 }
 
-// The cursor in words, for those who hear the page.
+// The cursor in words, for screen readers.
 export function spokenText({ view, read, zones }) {
   const values = Object.fromEntries(read);
   const zone = zoneAt(zones, view.cursor?.depth);
