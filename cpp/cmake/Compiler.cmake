@@ -3,18 +3,11 @@
 # compiler inline sqrt and vectorise comparisons.
 add_library(helibore_compiler INTERFACE)
 target_compile_features(helibore_compiler INTERFACE cxx_std_20)
-if(MSVC)
-  target_compile_options(helibore_compiler INTERFACE /W4 /permissive- /fp:precise)
-  if(HELIBORE_WARNINGS_AS_ERRORS)
-    target_compile_options(helibore_compiler INTERFACE /WX)
-  endif()
-else()
-  target_compile_options(helibore_compiler INTERFACE
-    -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast
-    -ffp-contract=off -fno-math-errno -fno-trapping-math)
-  if(HELIBORE_WARNINGS_AS_ERRORS)
-    target_compile_options(helibore_compiler INTERFACE -Werror)
-  endif()
+target_compile_options(helibore_compiler INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -Wdouble-promotion -Wold-style-cast
+  -ffp-contract=off -fno-math-errno -fno-trapping-math)
+if(HELIBORE_WARNINGS_AS_ERRORS)
+  target_compile_options(helibore_compiler INTERFACE -Werror)
 endif()
 if(HELIBORE_SANITIZE)
   target_compile_definitions(helibore_compiler INTERFACE HELIBORE_SMALL_TESTS)  # tests are smaller

@@ -20,6 +20,7 @@ else()
     file(ARCHIVE_EXTRACT INPUT "${glm_archive}" DESTINATION "${CMAKE_CURRENT_BINARY_DIR}")
   endif()
 endif()
-# A folder that the compiler searches anyway must not be named: -isystem /usr/include breaks cross builds and <cstdlib>.
-list(REMOVE_ITEM glm_headers ${CMAKE_CXX_IMPLICIT_INCLUDE_DIRECTORIES})
-target_include_directories(helibore_glm SYSTEM INTERFACE ${glm_headers})
+# Through a folder that holds nothing else: -isystem /usr/include would break cross builds and <cstdlib>.
+file(MAKE_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}/glm-only")
+file(CREATE_LINK "${glm_headers}/glm" "${CMAKE_CURRENT_BINARY_DIR}/glm-only/glm" SYMBOLIC)
+target_include_directories(helibore_glm SYSTEM INTERFACE "${CMAKE_CURRENT_BINARY_DIR}/glm-only")

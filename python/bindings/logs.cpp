@@ -10,9 +10,14 @@ namespace helibore::bindings {
 
 namespace {
 
-py::dict turn_columns(const Column& radius, int sectors, double start_toolface, Index window, int threads) {
-    const Turns turns{
-        .start_toolface = start_toolface, .sectors = sectors, .radius = span_of(radius), .window = window};
+py::dict turn_columns(const Column& radius, int sectors, double start_toolface, Index window, int threads, Index first,
+                      double reference) {
+    const Turns turns{.start_toolface = start_toolface,
+                      .sectors = sectors,
+                      .radius = span_of(radius),
+                      .window = window,
+                      .first = first,
+                      .reference = reference};
     TurnLogs logs;
     {
         const py::gil_scoped_release released;
@@ -43,13 +48,13 @@ py::dict turn_columns(const Column& radius, int sectors, double start_toolface, 
     return columns;
 }
 
-py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index>& helix, Index count,
+py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index, Index>& helix, Index count,
                                  const Column& depth, const Column& toolface, double reach, int threads) {
-    const auto& [start_depth, start_toolface, pitch, sectors] = helix;
+    const auto& [start_depth, start_toolface, pitch, sectors, first] = helix;
     std::vector<double> gaps;
     {
         const py::gil_scoped_release released;
-        gaps = helibore::angular_gaps({start_depth, start_toolface, pitch, sectors, count},
+        gaps = helibore::angular_gaps({start_depth, start_toolface, pitch, sectors, count, first},
                                       {span_of(depth), span_of(toolface)}, reach, threads);
     }
     return array_of(std::move(gaps));
@@ -59,7 +64,7 @@ py::array_t<double> angular_gaps(const std::tuple<double, double, double, Index>
 
 void register_logs(py::module_& m) {
     m.def("turn_columns", &turn_columns, py::arg("radius"), py::arg("sectors"), py::arg("start_toolface"),
-          py::arg("window"), py::arg("threads"));
+          py::arg("window"), py::arg("threads"), py::arg("first"), py::arg("reference"));
     m.def("angular_gaps", &angular_gaps, py::arg("helix"), py::arg("count"), py::arg("depth"), py::arg("toolface"),
           py::arg("reach"), py::arg("threads"));
 }

@@ -40,6 +40,8 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     take("start_depth", s.start_depth);
     take("stop_depth", s.stop_depth);
     take("start_toolface", s.start_toolface);
+    take("first_vertex", s.first_vertex);
+    take("stop_vertex", s.stop_vertex);
     take("neighbors", s.neighbors);
     take("window", s.window);
     take("power", s.power);
@@ -51,6 +53,7 @@ Settings settings_of(const py::dict& given, int threads, const std::string& inst
     std::optional<double> kriging_range;
     take("kriging_range", kriging_range);
     take("nugget", s.nugget);
+    take("sigma", s.sigma);
     take("direct", s.direct);
     take("most_vertices", s.most_vertices);
     s.max_distance = max_distance.value_or(std::numeric_limits<double>::infinity());
@@ -163,6 +166,14 @@ void register_wall(py::module_& m) {
             },
             py::arg("start"), py::arg("stop"))
         .def(
+            "reach",
+            [](const Wall& wall, Index start, Index stop) {
+                const py::gil_scoped_release released;
+                const Depths depths = wall.reach({start, stop});
+                return std::pair{depths.shallow, depths.deep};
+            },
+            py::arg("start"), py::arg("stop"))
+        .def(
             "interpolate_samples",
             [](const Wall& wall, const std::vector<Column>& channels, int threads) {
                 std::vector<std::span<const double>> spans;
@@ -177,6 +188,12 @@ void register_wall(py::module_& m) {
                 return arrays;
             },
             py::arg("channels"), py::arg("threads"))
+        .def("sums",
+             [](const Wall& wall) {
+                 std::array<std::vector<double>, 4> of = read_of(wall, &Wall::sums);
+                 return py::make_tuple(array_of(std::move(of[0])), array_of(std::move(of[1])),
+                                       array_of(std::move(of[2])), array_of(std::move(of[3])));
+             })
         .def("samples", [](const Wall& wall) {
             std::vector<std::vector<double>> columns;
             {
@@ -210,14 +227,23 @@ void register_wall(py::module_& m) {
                 const py::gil_scoped_release released;
                 of = estimate_at(columns, at, with, nuggets);
             }
-            py::list spread, by_nugget;
+            py::list by_nugget;
             for (auto& column : of.by_nugget) by_nugget.append(array_of(std::move(column)));
-            for (auto& column : of.spread) spread.append(array_of(std::move(column)));
             return py::make_tuple(array_of(std::move(of.radius)), array_of(std::move(of.nearest)),
                                   array_of(std::move(of.farthest)), array_of(std::move(of.square_weights)),
-                                  array_of(std::move(of.scatter)), spread, by_nugget);
+                                  array_of(std::move(of.scatter)), array_of(std::move(of.along)),
+                                  array_of(std::move(of.across)), by_nugget);
         },
         py::arg("samples"), py::arg("points"), py::arg("settings"), py::arg("threads"), py::arg("nuggets"));
+    m.def(
+        "sigma_of",
+        [](const std::array<Column, 4>& sums, const std::array<double, 6>& rule) {
+            const auto [noise, between, scatter_power, distance_power, stretch, reach] = rule;
+            return array_of(sigma_of({span_of(sums[0]), span_of(sums[1]), span_of(sums[2]), span_of(sums[3])},
+
+                                     {noise, between, scatter_power, distance_power, stretch, reach}));
+        },
+        py::arg("sums"), py::arg("rule"));
     m.def("instruction_set_in_use", [] { return std::string(instruction_set_in_use()); });
 }
 

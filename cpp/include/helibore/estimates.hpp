@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "helibore/settings.hpp"
+#include "helibore/uncertainty.hpp"
 #include "helibore/wall.hpp"
 
 namespace helibore {
@@ -19,22 +20,20 @@ struct PointColumns {
     std::span<const double> box_depth, box_turn;
 };
 
-inline constexpr std::array<double, 3> spread_scales = {1.0, 4.0, 16.0};
-
 // One value for each point; NaN where no sample is within max_distance.
 struct PointEstimates {
     std::vector<double> radius;
     std::vector<std::vector<double>> by_nugget;  // radii, for each of the nuggets asked for
-    std::vector<double> nearest;                 // distance on the wall to the nearest sample used, metres
-    std::vector<double> farthest;                // distance in the metric of angular_scale to the farthest, metres
-    std::vector<double> square_weights;          // sum of the squared weights
-    std::vector<double> scatter;  // mean square of the radii used about `radius`, by inverse distance, m^2
-    std::array<std::vector<double>, 3> spread;  // mean distance to them, likewise, in metrics of `spread_scales`
+    std::vector<double> nearest, farthest;       // distances of samples used, in the metric of angular_scale, metres
+    std::vector<double> square_weights, scatter, along, across;  // W, S, A and C of SigmaRule
 };
 
 // `samples` in canonical order. The helix, the window and `direct` of the settings do not count. Throws InputError on a
 // bad setting, and if columns differ in length. Kriging with several nuggets searches once.
 PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                            std::span<const double> nuggets = {});
+
+// The standard uncertainties of radii from their sums W, S, A and C: columns of equal length, NaN without neighbours.
+std::vector<double> sigma_of(const std::array<std::span<const double>, 4>& sums, const SigmaRule& rule);
 
 }  // namespace helibore

@@ -59,7 +59,7 @@ class Live {
     // Throws InputError on bad settings.
     explicit Live(const LiveSettings& settings);
 
-    // As Wall::append. If it throws InputError, it has taken no sample.
+    // As Wall::append. If it throws, it has taken no sample; the others likewise.
     Update append_samples(const SampleColumns& samples);
 
     // Stations in any order. A station replaces an earlier one at the same depth. A bad station is left out and
@@ -72,7 +72,7 @@ class Live {
     Update append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
                         const std::string& unit = {});
 
-    // Everything that changed since the last poll. After a call that threw std::bad_alloc, read everything anew.
+    // Everything that changed since the last poll. If memory was short, it may name more than changed, and lack events.
     Update poll();
 
     const Wall& wall() const { return wall_; }
@@ -92,7 +92,6 @@ class Live {
         std::string unit;
     };
 
-    Update report(Update update);
     const ArrivedRows& arrived(const std::string& name) const;
 
     mutable std::mutex lock_;

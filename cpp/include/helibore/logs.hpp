@@ -14,6 +14,7 @@
 // `smallest` and `largest`. The caller computes volumes, ratios and depths from these.
 #pragma once
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -27,6 +28,12 @@ struct Turns {
     int sectors = 64;                // K: vertices per turn, 3 or more
     std::span<const double> radius;  // metres; NaN: missing
     Index window = 11;               // turns that rugosity is measured over: odd, 3 or more
+
+    // Of a stretch of a wall: the number of its first turn, and what rugosity takes off all radii, metres; NaN: the
+    // first radius. Turns from a multiple of 256 on, half a window inside the stretch, have the bits of the whole
+    // wall's.
+    Index first = 0;
+    double reference = std::numeric_limits<double>::quiet_NaN();
 };
 
 // One value for each turn. Lengths in metres; directions 0 and 90 are toolfaces. Diameters go through the axis.
@@ -56,6 +63,7 @@ struct HelixVertices {
     double pitch = 0.1;
     Index sectors = 64;
     Index count = 0;
+    Index first = 0;  // number of vertex 0 on the whole helix
 };
 
 // Where samples lie, the depth rising, as Wall::samples has them. Borrowed.

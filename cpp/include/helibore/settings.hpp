@@ -25,18 +25,24 @@ struct Settings {
     double start_toolface = 0.0;             // toolface of vertex 0, degrees
     int neighbors = 8;                 // V: nearest samples a vertex is estimated from, 1 to 256; kriging: 1 to 64
     std::optional<Index> window = {};  // U: search only this many consecutive samples; none: all, exactly
-    double power = 1.0;                // weight = distance^-power
-    double max_distance = 1.0;         // metres; samples farther away are not used. no_limit: none
+    double power = 1.0;                // weight = distance^-power; above 0, at most 100
+    double max_distance = 1.0;         // metres, 1e-9 or more; samples farther away are not used. no_limit: none
     int max_iterations = 4;            // the most estimates per vertex
     double tolerance = 1e-6;           // metres; stop when the radius changes by no more
-    double angular_scale = 1.0;        // 1: true arc length; 2: as published (Energies 2021, 14, 291, Eq. 4)
+    double angular_scale = 1.0;        // 0.001 to 1000. 1: true arc length; 2: as published (Energies 2021, 14, 291)
     Estimator estimator = Estimator::inverse_distance;
     double kriging_range = 0.0;         // metres in the metric of angular_scale; kriging: must be set
     double nugget = 0.1;                // kriging: variance of the noise over that of the shape, at least 1e-6
+    bool sigma = false;                 // keeps with each vertex Wall::sums; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would give the wall more is refused: a wrong depth
     int threads = 1;                    // 1 or more; the result does not depend on it
     InstructionSet instruction_set = InstructionSet::automatic;
+
+    // The wall is a stretch of the helix: from one vertex, a multiple of `sectors`, up to but without the other, which
+    // stands in place of stop_depth. A stretch needs a start_depth.
+    Index first_vertex = 0;
+    std::optional<Index> stop_vertex = {};
 
     // Throws InputError that names the first setting that breaks its rule.
     void validate() const;

@@ -8,6 +8,7 @@
 // A batch is one append, live use is many. Several threads may use one Wall; it hands out copies only.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <span>
 #include <string_view>
@@ -50,6 +51,11 @@ struct Change {
     Index redundant = 0;        // samples dropped: equal to another in depth, time, toolface and radius
 };
 
+// Two depths, metres.
+struct Depths {
+    double shallow, deep;
+};
+
 class Wall {
   public:
     // Throws InputError on bad settings.
@@ -64,15 +70,22 @@ class Wall {
     // ("toolface[17] = nan: must be finite") or std::bad_alloc, and then the wall is unchanged.
     Change append(const SampleColumns& samples);
 
+    // Numbers of vertices, here and in a Change, count from vertex 0 of the helix: those of a stretch from
+    // first_vertex.
+
     Index size() const;          // vertices
     Index sample_count() const;  // samples kept
     Index settled() const;
-    double start_depth() const;  // depth of vertex 0; NaN while there is none
+    double start_depth() const;  // depth of the first vertex; NaN while there is none
 
     // Copies of a range of vertices, or of all, between two appends. Throws InputError if the range reaches beyond the
     // wall.
     VertexColumns vertices(Range range) const;
     VertexColumns vertices() const;
+
+    // The depths between which samples decide the values of a range of vertices. A wall of all samples between them has
+    // the same bits there, whatever samples lie beyond. Infinite where a vertex found too few samples, or no limit.
+    Depths reach(Range range) const;
 
     // Writes the radii of all vertices into the host's own memory. Returns size(), and writes nothing if `into` has
     // another length: the wall may have grown since the host asked for its size.
@@ -86,6 +99,10 @@ class Wall {
     std::vector<std::int32_t> support() const;
     std::vector<std::int32_t> iterations() const;
     std::vector<std::uint8_t> provisional() const;
+
+    // What the uncertainties of all radii are computed from: W, S, A and C of SigmaRule; NaN where the radius
+    // is. Throws InputError without Settings::sigma.
+    std::array<std::vector<double>, 4> sums() const;
 
     // Values measured with the samples, interpolated at the vertices by the neighbours and weights of the radius. Each
     // channel has one value for each sample, in the order of samples(), NaN for none, and gets one value for each

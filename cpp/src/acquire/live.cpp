@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <new>
 #include <numeric>
 #include <utility>
 
@@ -51,11 +52,11 @@ void join(Update& all, const Update& more) {
     } else if (more.change) {
         all.change = more.change;
     }
+    if (more.path_from) all.path_from = std::min(*more.path_from, all.path_from.value_or(*more.path_from));
     for (const auto& [name, rows] : more.images) {
         const auto [place, is_new] = all.images.try_emplace(name, rows);
         if (!is_new) place->second.stop = rows.stop;
     }
-    if (more.path_from) all.path_from = std::min(*more.path_from, all.path_from.value_or(*more.path_from));
     for (const std::string& text : more.events)
         if (all.events.size() < most_events) all.events.push_back(text);
 }
@@ -69,6 +70,7 @@ Settings with_a_start(const Settings& settings) {
 }  // namespace
 
 std::vector<Range> Update::quads(int sectors) const {
+    require_sectors(sectors);
     if (!change) return {};
     std::vector<Range> ranges = change->ranges;
     for (Range& range : ranges) range.start = std::max<Index>(range.start - sectors - 1, 0);
@@ -79,9 +81,20 @@ Live::Live(const LiveSettings& settings) : wall_(with_a_start(settings.wall)), s
 
 Update Live::append_samples(const SampleColumns& samples) {
     const std::lock_guard guard(lock_);
+    std::vector<Range> all(1);  // if there is no memory to list the ranges of several appends
     Update update;
     update.change = wall_.append(samples);
-    return report(std::move(update));
+    try {
+        join(pending_, update);
+    } catch (const std::bad_alloc&) {
+        all[0] = {0, wall_.size()};
+        Change& pending = pending_.change ? *pending_.change : pending_.change.emplace();
+        pending.ranges = std::move(all);
+        pending.settled = update.change->settled;
+        pending.accepted += update.change->accepted;
+        pending.redundant += update.change->redundant;
+    }
+    return update;
 }
 
 Update Live::append_stations(std::span<const double> depth, std::span<const double> inclination,
@@ -91,7 +104,11 @@ Update Live::append_stations(std::span<const double> depth, std::span<const doub
     Update update;
     update.path_from = taken.path_from;
     update.events = std::move(taken.refused);
-    return report(std::move(update));
+    try {
+        join(pending_, update);
+    } catch (const std::bad_alloc&) {  // the path is reported, and only events are lost
+    }
+    return update;
 }
 
 Update Live::append_image(const std::string& name, std::span<const double> depth, std::span<const double> values,
@@ -117,20 +134,16 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     try {
         rows.values.insert(rows.values.end(), values.begin(), values.end());
         rows.depth.insert(rows.depth.end(), depth.begin(), depth.end());
+        Update update;
+        update.images[name] = {start, static_cast<Index>(rows.depth.size())};
+        join(pending_, update);
+        return update;
     } catch (...) {
         rows.values.resize(had_values);
         rows.depth.resize(had);
         if (is_new) images_.erase(place);
         throw;
     }
-    Update update;
-    update.images[name] = {start, static_cast<Index>(rows.depth.size())};
-    return report(std::move(update));
-}
-
-Update Live::report(Update update) {
-    join(pending_, update);
-    return update;
 }
 
 Update Live::poll() {

@@ -18,7 +18,9 @@ namespace helibore::wits {
 
 namespace {
 
-constexpr std::size_t longest_delimiter = 5;  // "!!&&" and a carriage return
+constexpr std::size_t longest_delimiter = 5;     // "!!&&" and a carriage return
+constexpr Index code_length = 4;                 // RRII
+constexpr Index largest_count = Index{1} << 62;  // of bytes: sums do not overflow
 
 Index as_index(std::size_t n) {
     return static_cast<Index>(n);
@@ -104,6 +106,7 @@ void read_value(std::string_view text, std::span<const double> nulls, Item& item
 }  // namespace
 
 Parser::Parser(std::vector<double> nulls, Limits limits) : nulls_(std::move(nulls)), limits_(limits) {
+    const StandardArithmetic standard;
     for (std::size_t i = 0; i < nulls_.size(); ++i)
         if (!std::isfinite(nulls_[i]))
             throw InputError("nulls[" + std::to_string(i) + "]", "must be finite",
@@ -211,6 +214,7 @@ std::string Parser::state() const {
 }
 
 void Parser::restore(std::string_view bytes) {
+    const StandardArithmetic standard;
     State state{};
     const auto require = [](bool good) {
         if (!good) throw InputError("state", "is not the state of a parser");
@@ -219,15 +223,34 @@ void Parser::restore(std::string_view bytes) {
     std::memcpy(&state, bytes.data(), sizeof state);
     bytes.remove_prefix(sizeof state);
     const Index size = as_index(bytes.size());
-    require(state.held >= 0 && state.held <= size && state.items >= 0 && state.items <= size);
+    const auto within = [](Index value, Index most) { return value >= 0 && value <= most; };
+    const Counts& counts = state.counts;
+    require(within(state.held, size) && within(state.items, size / as_index(sizeof(Item))));
     require(size == state.held + state.items * as_index(sizeof(Item)));
-    require(state.line_start >= 0 && state.line_start <= state.held);
-    require(state.body_start >= 0 && state.body_start <= state.held);
-    require(state.place >= 0 && state.place <= static_cast<std::int32_t>(Place::dropped));
+    require(within(counts.bytes, largest_count) && state.held_base == counts.bytes - state.held);
+    for (const Index count : {state.held_base, counts.lines, counts.frames, counts.items, counts.nulls,
+                              counts.not_numbers, counts.stray_lines, state.frame_line, state.frame_lines})
+        require(within(count, counts.bytes));
+    for (const Index count : counts.events) require(within(count, counts.bytes));
+    require(within(state.line_start, state.held) && within(state.body_start, state.held));
+    require(within(state.place, static_cast<Index>(Place::dropped)));
+    const std::string_view held = bytes.substr(0, static_cast<std::size_t>(state.held));
+    if (static_cast<Place>(state.place) == Place::inside) {  // the text of the frame, whose line ends were read
+        require(held.starts_with("&&\n") ? state.body_start == 3 : held.starts_with("&&\r\n") && state.body_start == 4);
+        require(state.line_start >= state.body_start && held[static_cast<std::size_t>(state.line_start) - 1] == '\n');
+    } else {
+        require(state.items == 0);
+    }
     std::vector<Item> items(static_cast<std::size_t>(state.items));
     if (!items.empty()) std::memcpy(items.data(), bytes.data() + state.held, items.size() * sizeof(Item));
+    for (const Item& item : items) {
+        const Index start = state.held_base + state.body_start + code_length, stop = state.held_base + state.line_start;
+        require(item.offset >= start && item.offset <= stop && within(item.length, stop - item.offset));
+        require(item.frame == counts.frames && item.code >= 101 && item.code <= 9999);
+        require(item.flags == 0 ? std::isfinite(item.value) : item.flags <= not_a_number && std::isnan(item.value));
+    }
     const std::lock_guard guard(lock_);
-    held_.assign(bytes.substr(0, static_cast<std::size_t>(state.held)));
+    held_.assign(held);
     open_items_ = std::move(items);
     counts_ = state.counts;
     held_base_ = state.held_base;

@@ -4,22 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/trigonometry.hpp"
+
 namespace helibore {
 
 inline constexpr double degree = std::numbers::pi / 180.0;  // radians
 
-struct SineCosine {
-    double sine, cosine;
-};
-
 inline SineCosine sine_cosine(double degrees) {
     const double within = std::remainder(degrees, 90.0);                                       // exact, in [-45, 45]
     const double quarters = std::nearbyint((std::remainder(degrees, 360.0) - within) / 90.0);  // -2 to 2
-    const double s = std::sin(within * degree), c = std::cos(within * degree);
-    if (quarters == 0.0) return {s, c};
-    if (quarters == 1.0) return {c, -s};
-    if (quarters == -1.0) return {-c, s};
-    return {-s, -c};
+    return turned(sine_cosine_within(within * degree), static_cast<int>(quarters));
 }
 
 // The signed difference of two angles, in [-180, 180).

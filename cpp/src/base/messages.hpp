@@ -89,6 +89,22 @@ inline void require_depths(std::span<const double> depth) {
             throw entry_error("depth", static_cast<Index>(i), depth[i], depth_rule);
 }
 
+// No value lies below the one before; a NaN between two is refused, too.
+inline void require_order(const char* name, std::span<const double> values) {
+    for (std::size_t i = 1; i < values.size(); ++i) {
+        if (values[i] >= values[i - 1]) continue;
+        const auto at = static_cast<Index>(i);
+        throw entry_error(name, at, values[i], "must not be less than " + entry_text(name, at - 1, values[i - 1]));
+    }
+}
+
+inline constexpr Index largest_count = (Index{1} << 31) - 1;  // of vertices or quads
+
+inline void require_vertex_count(Index count) {
+    require(count >= 0, "count", count, "must not be negative");
+    require(count <= largest_count, "count", count, "must be at most 2147483647");
+}
+
 // "toolface has 2 values, depth has 3: must be equal"
 inline void require_length(const std::string& name, std::size_t size, std::size_t wanted, const char* other = "depth") {
     if (size == wanted) return;

@@ -1,9 +1,14 @@
 // Work shared out to threads, which are joined before the call returns. No exception crosses a thread.
 //
-//     caller   |-- part 0 --|-- part 2 --|-- part 3 --|    Each takes the next part when it has finished one, so a slow
-//     thread 1   |-- part 1 ----------|-- part 4 --|       core does not hold up the others.
+//     thread 0   |-- part 0 --|-- part 1 --|-- part 2 --|-- part 5 --|
+//     thread 1   |-- part 3 --------|-- part 4 ---------|
+//
+// Each thread begins with a stretch of its own, because parts that follow each other share much, and then helps the
+// others.
 //
 // Starting a thread takes as long as searching some five hundred vertices, so small work stays on the caller's thread.
+// The caller of large work only waits: Linux often starts a thread on the core of a busy caller that has just woken up,
+// where it gets no time until the work is done.
 #pragma once
 
 #include <algorithm>
@@ -33,31 +38,42 @@ void for_each_part(int threads, Index parts, const Job& job) {
         for (Index part = 0; part < parts; ++part) job(0, part);
         return;
     }
-    std::atomic<Index> next{0};
+    struct alignas(128) Stretch {
+        std::atomic<Index> next;
+        Index stop;
+    };
+    std::vector<Stretch> stretches(static_cast<std::size_t>(workers));
+    for (Index w = 0; w < workers; ++w) {
+        stretches[static_cast<std::size_t>(w)].next = parts * w / workers;
+        stretches[static_cast<std::size_t>(w)].stop = parts * (w + 1) / workers;
+    }
+    std::atomic<bool> failed{false};
     std::mutex lock;
     std::exception_ptr failure;
     const auto work = [&](int worker) {
         try {
-            for (Index part = next++; part < parts; part = next++) job(worker, part);
+            for (int s = 0; s < workers; ++s) {
+                Stretch& stretch = stretches[static_cast<std::size_t>((worker + s) % workers)];
+                for (Index part; !failed && (part = stretch.next++) < stretch.stop;) job(worker, part);
+            }
         } catch (...) {
-            next = parts;
+            failed = true;
             const std::scoped_lock held(lock);
             if (!failure) failure = std::current_exception();
         }
     };
-    {
-        std::vector<std::jthread> helpers;  // joined where this block ends
-        helpers.reserve(static_cast<std::size_t>(workers - 1));
-        try {
-            for (int worker = 1; worker < workers; ++worker)
-                helpers.emplace_back([&work, worker] {
-                    const StandardArithmetic standard;
-                    work(worker);
-                });
-        } catch (const std::system_error&) {  // the system grants no more threads: the others do the work
-        }
-        work(0);
+    std::vector<std::jthread> started;
+    started.reserve(static_cast<std::size_t>(workers));
+    try {
+        for (int worker = 0; worker < workers; ++worker)
+            started.emplace_back([&work, worker] {
+                const StandardArithmetic standard;
+                work(worker);
+            });
+    } catch (const std::system_error&) {  // the system grants no more threads: those that run do the work
+        if (started.empty()) work(0);
     }
+    started.clear();  // joins them
     if (failure) std::rethrow_exception(failure);
 }
 

@@ -68,13 +68,18 @@ void look_into(const Sectors& in, std::size_t s, double reach, const Off& off, L
     std::size_t next = in.starts[s], first = 0, left = 0;
     line.window.clear();
     for (const std::size_t row : line.open) {
+        while (first < line.window.size() && in.depth[line.window[first]] < line.depth[row] - reach) ++first;
+        if (first == line.window.size()) {  // skips the samples between rows far apart
+            const auto at = [&](std::size_t i) { return in.depth.begin() + static_cast<std::ptrdiff_t>(i); };
+            const auto found = std::lower_bound(at(next), at(in.starts[s + 1]), line.depth[row] - reach);
+            next = static_cast<std::size_t>(found - in.depth.begin());
+        }
         for (; next < in.starts[s + 1] && in.depth[next] <= line.depth[row] + reach; ++next) {
             while (line.window.size() > first && off(in.toolface[line.window.back()]) >= off(in.toolface[next])) {
                 line.window.pop_back();
             }
             line.window.push_back(next);
         }
-        while (first < line.window.size() && in.depth[line.window[first]] < line.depth[row] - reach) ++first;
         if (first < line.window.size()) {
             line.side[row] = off(in.toolface[line.window[first]]);
         } else {
@@ -109,13 +114,20 @@ std::vector<double> angular_gaps(const HelixVertices& vertices, const SamplePlac
     const StandardArithmetic standard;
     require(vertices.sectors >= 1, "sectors", vertices.sectors, "must be 1 or more");
     require(vertices.sectors <= 1000000, "sectors", vertices.sectors, "must be at most 1000000");
-    require(vertices.count >= 0, "count", vertices.count, "must not be negative");
+    require_vertex_count(vertices.count);
+    if (vertices.count > 0) {  // an empty wall has no start
+        require_depth("start_depth", vertices.start_depth);
+        require_pitch(vertices.pitch);
+    }
     require(std::isfinite(vertices.start_toolface), "start_toolface", vertices.start_toolface, "must be finite");
+    require(reach >= 0.0, "reach", reach, "must be 0 or above");
     require_threads(threads);
     require_length("toolface", samples.toolface.size(), samples.depth.size());
+    require_depths(samples.depth);
+    require_order("depth", samples.depth);
     require_finite("toolface", samples.toolface);
     const Index sectors = vertices.sectors;
-    const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors};
+    const Helix helix{vertices.start_depth, vertices.start_toolface, vertices.pitch, sectors, vertices.first};
     const Sectors in = sorted(samples, vertices.start_toolface, sectors);
     std::vector<double> gaps(static_cast<std::size_t>(vertices.count));
     for_each_part(threads, std::min(sectors, vertices.count), [&](int, Index number) {

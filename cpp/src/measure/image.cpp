@@ -83,12 +83,14 @@ void require_cells(const ImageRows& image, const QuadCentres& quads, int threads
         throw InputError("values has " + std::to_string(image.values.size()) + " values",
                          "must be " + std::to_string(image.depth.size()) + " rows of " + std::to_string(image.sectors));
     }
+    require_depths(image.depth);
+    require_order("depth", image.depth);
     if (quads.sector.empty()) throw InputError("sector", "must have at least one");
     for (std::size_t i = 0; i < quads.sector.size(); ++i) {
         require(std::abs(quads.sector[i]) <= 1e9, entry_name("sector", static_cast<Index>(i)), quads.sector[i],
                 "must lie in -1e9 to 1e9");
     }
-    require(quads.count >= 0, "count", quads.count, "must not be negative");
+    require_vertex_count(quads.count);
     if (quads.count > 0) {  // an empty wall has no start
         require_depth("start_depth", quads.start_depth);
         require_pitch(quads.pitch);
@@ -104,6 +106,9 @@ std::vector<double> cell_values(const ImageRows& image, std::span<const double> 
     require_cells(image, quads, threads);
     require_length("low", low.size(), image.depth.size());
     require_length("high", high.size(), image.depth.size());
+    require_finite("low", low);
+    require_order("low", low);
+    require_finite("high", high);
     const std::vector<Across> across = across_of(image, quads.sector);
     return fill(low, quads, threads, [&](Index row, Index column, double depth) {
         if (depth >= high[static_cast<std::size_t>(row)]) return missing;
@@ -115,6 +120,7 @@ std::vector<double> cell_values(const ImageRows& image, std::span<const double> 
 std::vector<double> linear_values(const ImageRows& image, double reach, const QuadCentres& quads, int threads) {
     const StandardArithmetic standard;
     require_cells(image, quads, threads);
+    require(reach >= 0.0, "reach", reach, "must be 0 or above");
     const std::vector<Across> across = across_of(image, quads.sector);
     const double* const depths = image.depth.data();
     const auto last = static_cast<Index>(image.depth.size()) - 1;

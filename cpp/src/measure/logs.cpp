@@ -84,7 +84,7 @@ void measure_diameters(const Round& round, Scratch& scratch, std::size_t turn, T
     logs.c1[turn] = across[greatest];
     logs.c2[turn] = across[quarter] + share * (across[quarter + (share > 0.0 ? 1 : 0)] - across[quarter]);
     const double toolface = round.start_toolface + static_cast<double>(greatest) * 360.0 / static_cast<double>(K);
-    const double axis = toolface - 180.0 * std::floor(toolface / 180.0);
+    const double within = std::fmod(toolface, 180.0), axis = within < 0.0 ? within + 180.0 : within + 0.0;
     logs.c1_toolface[turn] = axis < 180.0 ? axis : 0.0;  // a tiny negative toolface rounds up to 180
     logs.least_diameter[turn] = least;
     std::array<double, 4> at{};
@@ -260,8 +260,12 @@ TurnLogs turn_logs(const Turns& turns, int threads) {
     TurnLogs logs = sized(static_cast<std::size_t>(count));
     const Round round = round_of(turns);
     const auto first = std::ranges::find_if(turns.radius, [](double r) { return r == r; });
-    const double reference = first == turns.radius.end() ? 0.0 : *first;
-    for_each_range(threads, count, block, [&](int, const Range& range) {
+    const double reference = !std::isnan(turns.reference)  ? turns.reference
+                             : first == turns.radius.end() ? 0.0
+                                                           : *first;
+    const Index before = turns.first % block;  // blocks begin at the same turns in every stretch
+    for_each_range(threads, before + count, block, [&](int, const Range& whole) {
+        const Range range{std::max<Index>(whole.start - before, 0), whole.stop - before};
         Scratch scratch(round.sectors);
         for (Index turn = range.start; turn < range.stop; ++turn) {
             measure(turns, round, scratch, static_cast<std::size_t>(turn), logs);

@@ -1,6 +1,8 @@
-// The uniform helix: vertex k lies at toolface (start + k 360/K) mod 360 and depth start + k pitch/K.
+// The uniform helix: vertex k lies at toolface (start + k 360/K) mod 360 and depth start + k pitch/K. A stretch of it
+// starts at vertex `first`; inside the wall its vertices count from 0, and keep the bits of the whole helix.
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 #include "helibore/settings.hpp"
@@ -20,15 +22,18 @@ struct Helix {
     double start_toolface = 0.0;
     double pitch = 0.1;
     Index sectors = 64;
+    Index first = 0;  // of the whole helix, a multiple of `sectors`
 
-    double depth(Index k) const { return start_depth + static_cast<double>(k) * pitch / static_cast<double>(sectors); }
+    double depth(Index k) const {
+        return start_depth + static_cast<double>(first + k) * pitch / static_cast<double>(sectors);
+    }
     double toolface(Index k) const {
         return wrap_toolface(start_toolface + static_cast<double>(k % sectors) * 360.0 / static_cast<double>(sectors));
     }
-    // floor(K (stop - start) / pitch) + 1, or 0 if stop lies before start. A double, because it may exceed an Index.
+    // floor(K (stop - start) / pitch) + 1 less `first`, or 0 if stop lies before. A double: it may exceed an Index.
     double count(double stop_depth) const {
         const double turns = static_cast<double>(sectors) * (stop_depth - start_depth) / pitch;
-        return turns < 0.0 ? 0.0 : std::floor(turns) + 1.0;
+        return std::max(0.0, std::floor(turns) + 1.0 - static_cast<double>(first));
     }
     // +1 where the helix grows downwards, -1 where it grows upwards.
     double direction() const { return pitch > 0.0 ? 1.0 : -1.0; }

@@ -147,7 +147,7 @@ const Levels& Chunk::levels(int neighbors) const {
     });
 }
 
-Circle::Circle(const double* toolface, Index n) {
+ChunkToolfaces::ChunkToolfaces(const double* toolface, Index n) {
     std::fill_n(next_, parts + 2, no_limit);
     std::fill_n(previous_, parts + 2, -no_limit);
     for (Index i = 0; i < n; ++i) {
@@ -163,7 +163,7 @@ Circle::Circle(const double* toolface, Index n) {
     for (std::size_t i = 1; i < parts + 2; ++i) previous_[i] = std::max(previous_[i], previous_[i - 1]);
 }
 
-double Circle::least_turn(double toolface) const {
+double ChunkToolfaces::least_turn(double toolface) const {
     const std::size_t at = part(toolface);
     const double next = next_[at] >= toolface ? next_[at] : next_[at + 1];
     const double previous = previous_[at + 1] <= toolface ? previous_[at + 1] : previous_[at];

@@ -55,9 +55,9 @@ using Levels = std::vector<Level>;
 
 // The toolfaces of a chunk, for the turn from any other to the nearest of them: more than 0 only where an arm that does
 // not turn leaves most of the circle empty.
-class Circle {
+class ChunkToolfaces {
   public:
-    Circle(const double* toolface, Index n);
+    ChunkToolfaces(const double* toolface, Index n);
     // Is at most the turn from `toolface` to the nearest.
     double least_turn(double toolface) const;
 
@@ -140,8 +140,8 @@ class Chunk {
         return false;
     }
     const Levels& levels(int neighbors) const;
-    const Circle& circle() const {
-        return circle_.get([this] { return Circle(toolface(), count); });
+    const ChunkToolfaces& circle() const {
+        return circle_.get([this] { return ChunkToolfaces(toolface(), count); });
     }
     void change_count(Index to) {
         levels_.forget();
@@ -164,7 +164,7 @@ class Chunk {
     std::shared_ptr<double[]> columns_;
     Index capacity_, stride_;
     FoundOnce<Levels> levels_;
-    FoundOnce<Circle> circle_;
+    FoundOnce<ChunkToolfaces> circle_;
 };
 
 using Chunks = std::vector<std::shared_ptr<Chunk>>;

@@ -93,10 +93,10 @@ std::pair<double, double> depth_extent(const SampleColumns& c, int threads, cons
 
 // Which bucket a depth belongs to: a non-decreasing function of it.
 struct Buckets {
-    double least, scale;
+    double least, scale = 0.0;
     Index count;
 
-    Buckets(double low, double high, Index buckets) : least(low), scale(0.0), count(buckets) {
+    Buckets(double low, double high, Index buckets) : least(low), count(buckets) {
         if (high > low) scale = static_cast<double>(buckets) / (high - low);
         if (!(scale < 1e300)) scale = 0.0;
     }

@@ -12,6 +12,7 @@
 #include "helibore/error.hpp"
 #include "helibore/estimates.hpp"
 #include "search/kernel/instruction_set.hpp"
+#include "search/search.hpp"
 
 namespace helibore {
 namespace {
@@ -28,7 +29,14 @@ class PointEstimator {
   public:
     PointEstimator(const SampleColumns& samples, const PointColumns& points, const Settings& settings,
                    std::span<const double> nuggets)
-        : samples_(samples), points_(points), settings_(settings), nuggets_(nuggets) {}
+        : samples_(samples),
+          points_(points),
+          settings_(settings),
+          nuggets_(nuggets),
+          rules_(rules_of(settings)),
+          functions_(kernel::functions_for(settings.instruction_set)) {
+        rules_.sums = true;
+    }
     void group(std::size_t first, PointEstimates& out) const;
 
   private:
@@ -41,12 +49,13 @@ class PointEstimator {
                turn(sample, point) <= points_.box_turn[point];
     }
     void find(std::size_t point, double trial, std::vector<Neighbour>& found) const;
-    double weigh(const std::vector<Neighbour>& found, std::vector<double>& weight) const;
 
     const SampleColumns& samples_;
     const PointColumns& points_;
     const Settings& settings_;
     std::span<const double> nuggets_;
+    kernel::Rules rules_;
+    const kernel::Functions& functions_;
 };
 
 // The nearest samples, in canonical order.
@@ -84,106 +93,65 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
 }
 
-// Weights by inverse distance, which sum to 1, and the radius they give.
-double PointEstimator::weigh(const std::vector<Neighbour>& found, std::vector<double>& weight) const {
-    double least = no_limit, weights = 0.0, radius = 0.0;
-    for (const Neighbour& n : found) least = std::min(least, n.square);
-    weight.clear();
-    for (const Neighbour& n : found) {
-        const bool hit = least <= kernel::zero_square;
-        weight.push_back(hit ? static_cast<double>(n.square <= kernel::zero_square)
-                             : std::pow(std::sqrt(least / n.square), settings_.power));
-        weights += weight.back();
-    }
-    for (std::size_t i = 0; i < found.size(); ++i) {
-        weight[i] /= weights;
-        radius += weight[i] * samples_.radius[found[i].sample];
-    }
-    return radius;
-}
-
 // Points [first, first + lanes).
 void PointEstimator::group(std::size_t first, PointEstimates& out) const {
     const auto wanted = static_cast<std::size_t>(settings_.neighbors);
-    const std::size_t used = std::min(lanes, points_.depth.size() - first);
-    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const std::size_t used = std::min(lanes, points_.depth.size() - first), none = lanes * wanted;
     std::vector<Neighbour> found[lanes];
-    std::vector<double> weight[lanes];
+    std::vector<kernel::Candidate> rows(none + 1, {kernel::none_depth, 0.0, 0.0, 0});
+    std::vector<std::int32_t> at(none, static_cast<std::int32_t>(none));
+    const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0};
     kernel::Group g{};
     for (std::size_t lane = 0; lane < used; ++lane) {
-        const std::size_t point = first + lane;
-        double trial = points_.trial[point], radius = nan;
-        for (int i = 0; i < settings_.max_iterations && std::isfinite(trial); ++i) {
-            find(point, trial, found[lane]);
-            g.trial[lane] = trial;
-            if (found[lane].empty()) break;
-            radius = weigh(found[lane], weight[lane]);
-            if (std::abs(radius - trial) <= settings_.tolerance) break;
-            trial = radius;
-        }
-        out.radius[point] = found[lane].empty() ? nan : radius;
-        out.square_weights[point] = found[lane].empty() ? nan : 0.0;
-        for (const double w : weight[lane]) out.square_weights[point] += w * w;
+        g.depth[lane] = points_.depth[first + lane];
+        g.toolface[lane] = points_.toolface[first + lane];
+        g.trial[lane] = points_.trial[first + lane];
+        g.active[lane] = std::isfinite(g.trial[lane]) ? 1.0 : 0.0;
     }
-    if (settings_.estimator == Estimator::kriging) {
-        std::vector<kernel::Candidate> rows(lanes * wanted + 1, {kernel::none_depth, 0.0, 0.0, 0});
-        std::vector<std::int32_t> at(lanes * wanted, static_cast<std::int32_t>(lanes * wanted));
+    kernel::Rules simple = rules_;
+    simple.range = 0.0;
+    simple.sums = false;
+    for (int i = 0; i < settings_.max_iterations; ++i) {
+        if (i > 0)
+            for (std::size_t lane = 0; lane < used; ++lane) {
+                if (!(std::abs(g.radius[lane] - g.trial[lane]) > settings_.tolerance)) g.active[lane] = 0.0;
+                if (g.active[lane] > 0.0) g.trial[lane] = g.radius[lane];
+            }
         for (std::size_t lane = 0; lane < used; ++lane) {
-            g.depth[lane] = points_.depth[first + lane];
-            g.toolface[lane] = points_.toolface[first + lane];
-            for (std::size_t i = 0; i < found[lane].size(); ++i) {
-                const std::size_t sample = found[lane][i].sample, row = lane * wanted + i;
-                rows[row] = {samples_.depth[sample], samples_.toolface[sample], samples_.radius[sample], 0};
-                at[i * lanes + lane] = static_cast<std::int32_t>(row);
+            if (g.active[lane] == 0.0) continue;
+            find(first + lane, g.trial[lane], found[lane]);
+            if (found[lane].empty()) g.active[lane] = 0.0;
+            for (std::size_t n = 0; n < wanted; ++n) {
+                at[n * lanes + lane] = static_cast<std::int32_t>(n < found[lane].size() ? lane * wanted + n : none);
+                if (n >= found[lane].size()) continue;
+                const std::size_t sample = found[lane][n].sample;
+                rows[lane * wanted + n] = {samples_.depth[sample], samples_.toolface[sample], samples_.radius[sample],
+                                           0};
             }
         }
-        kernel::Rules rules{};
-        const double stretch = settings_.angular_scale * settings_.angular_scale;
-        rules.neighbors = settings_.neighbors;
-        rules.range = settings_.kriging_range;
-        rules.nugget = settings_.nugget;
-        rules.max_square = std::min(settings_.max_distance * settings_.max_distance, kernel::missing_square / 2);
-        rules.scale = settings_.angular_scale * std::numbers::pi / 180.0;
-        rules.unscale = 1.0 / stretch;
-        const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0};
-        double radius[lanes], squares[lanes];
-        kernel::functions_for(settings_.instruction_set).krige(g, list, rules, at.data(), radius, squares);
-        for (std::size_t k = 0; k < nuggets_.size(); ++k) {
-            kernel::Rules other = rules;
-            other.nugget = nuggets_[k];
-            double radii[lanes], ignored[lanes];
-            kernel::functions_for(settings_.instruction_set).krige(g, list, other, at.data(), radii, ignored);
-            for (std::size_t lane = 0; lane < used; ++lane)
-                out.by_nugget[k][first + lane] = found[lane].empty() ? nan : radii[lane];
-        }
-        for (std::size_t lane = 0; lane < used; ++lane) {
-            if (found[lane].empty()) continue;
-            out.radius[first + lane] = radius[lane];
-            out.square_weights[first + lane] = squares[lane];
-        }
+        functions_.estimate_from(g, list, simple, at.data());
     }
+    constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+    const auto put = [&](const double* values, std::vector<double>& into) {
+        for (std::size_t lane = 0; lane < used; ++lane) into[first + lane] = found[lane].empty() ? nan : values[lane];
+    };
+    simple.range = rules_.range;
+    for (std::size_t k = 0; k < nuggets_.size(); ++k) {
+        simple.nugget = nuggets_[k];
+        functions_.estimate_from(g, list, simple, at.data());
+        put(g.radius, out.by_nugget[k]);
+    }
+    functions_.estimate_from(g, list, rules_, at.data());
+    put(g.radius, out.radius);
+    put(g.sums.square_weights, out.square_weights);
+    put(g.sums.scatter, out.scatter);
+    put(g.sums.along, out.along);
+    put(g.sums.across, out.across);
     for (std::size_t lane = 0; lane < used; ++lane) {
-        const std::size_t point = first + lane;
-        const double degree = g.trial[lane] * std::numbers::pi / 180.0;
-        double farthest = found[lane].empty() ? nan : 0.0;
-        double nearest = found[lane].empty() ? nan : no_limit, scatter = found[lane].empty() ? nan : 0.0;
-        std::array<double, 3> spread{};
-        for (std::size_t i = 0; i < found[lane].size(); ++i) {
-            const std::size_t sample = found[lane][i].sample;
-            const double across = degree * turn(sample, point), along = samples_.depth[sample] - points_.depth[point];
-            const double off = samples_.radius[sample] - out.radius[point];
-            farthest = std::max(farthest, found[lane][i].square);
-            nearest = std::min(nearest, std::sqrt(across * across + along * along));
-            scatter += weight[lane][i] * off * off;
-            for (std::size_t s = 0; s < spread.size(); ++s) {
-                const double scaled = spread_scales[s] * across;
-                spread[s] += weight[lane][i] * std::sqrt(scaled * scaled + along * along);
-            }
-        }
-        out.nearest[point] = nearest;
-        out.farthest[point] = std::sqrt(farthest);
-        out.scatter[point] = scatter;
-        for (std::size_t s = 0; s < spread.size(); ++s) out.spread[s][point] = found[lane].empty() ? nan : spread[s];
+        const auto [least, greatest] = std::minmax_element(
+            found[lane].begin(), found[lane].end(), [](const auto& a, const auto& b) { return a.square < b.square; });
+        out.nearest[first + lane] = found[lane].empty() ? nan : std::sqrt(least->square);
+        out.farthest[first + lane] = found[lane].empty() ? nan : std::sqrt(greatest->square);
     }
 }
 
@@ -198,9 +166,16 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
                                    points.box_turn.size()};
     for (const std::size_t length : lengths)
         if (length != n) throw InputError("points", "columns must have equal lengths");
+    samples.validate(settings.threads);
+    require_order("depth", samples.depth);
+    require_finite("points.depth", points.depth);
+    require_finite("points.toolface", points.toolface);
+    for (std::size_t i = 0; i < nuggets.size(); ++i)
+        require(std::isfinite(nuggets[i]) && nuggets[i] >= 1e-6, entry_name("nuggets", static_cast<Index>(i)),
+                nuggets[i], "must be finite and at least 1e-6");
     PointEstimates out;
-    for (auto* column : {&out.radius, &out.nearest, &out.farthest, &out.square_weights, &out.scatter, &out.spread[0],
-                         &out.spread[1], &out.spread[2]})
+    for (auto* column :
+         {&out.radius, &out.nearest, &out.farthest, &out.square_weights, &out.scatter, &out.along, &out.across})
         column->resize(n);
     out.by_nugget.assign(nuggets.size(), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
     const PointEstimator estimator(samples, points, settings, nuggets);
@@ -210,6 +185,23 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
                        for (Index g = part.start; g < part.stop; ++g)
                            estimator.group(static_cast<std::size_t>(g) * lanes, out);
                    });
+    return out;
+}
+
+std::vector<double> sigma_of(const std::array<std::span<const double>, 4>& sums, const SigmaRule& rule) {
+    const std::size_t n = sums[0].size(), whole = n / lanes * lanes;
+    for (const auto& sum : sums)
+        if (sum.size() != n) throw InputError("sums", "columns must have equal lengths");
+    const StandardArithmetic standard;
+    const kernel::Functions& functions = kernel::functions_for(InstructionSet::automatic);
+    std::vector<double> out(n);
+    const double* from[] = {sums[0].data(), sums[1].data(), sums[2].data(), sums[3].data()};
+    functions.sigma(from, static_cast<std::int64_t>(whole), rule, out.data());
+    double rest[5][lanes] = {};  // the last few, and their results
+    for (std::size_t s = 0; s < sums.size(); ++s) std::copy_n(sums[s].data() + whole, n - whole, rest[s]);
+    const double* last[] = {rest[0], rest[1], rest[2], rest[3]};
+    functions.sigma(last, lanes, rule, rest[4]);
+    std::copy_n(rest[4], n - whole, out.data() + whole);
     return out;
 }
 

@@ -3,21 +3,34 @@
 //     value(vertex) = sum(w v) / sum(w)   over the neighbours that have a value, w = distance^-power at the last trial
 //     radius; the mean of two such values where the radius is the mean of two estimates
 //
+// By kriging, where the radius is: each channel from those neighbours of a vertex that have a value.
+//
 // Not part of the kernel: it runs on demand, once for all channels, not in every append.
 #include <algorithm>
 #include <bit>
 #include <cmath>
 #include <limits>
 
+#include "search/kernel/relative_weight.hpp"
 #include "search/search.hpp"
 
 namespace helibore {
+namespace {
+
+constexpr Index lanes = kernel::lanes;
+constexpr std::uint64_t low_bits = (std::uint64_t{1} << kernel::position_bits) - 1;  // of a key: the position
+
+}  // namespace
 
 void Search::interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                          std::span<const std::span<const double>> channels, std::span<double* const> out) const {
     const kernel::Group g = solve(samples, helix, group, vertex_count, scratch);
-    const Index used = std::min<Index>(kernel::lanes, vertex_count - group * kernel::lanes);
+    const Index used = std::min(lanes, vertex_count - group * lanes);
     std::vector<Neighbour> neighbours;
+    if (rules_.range > 0.0) {
+        for (std::size_t c = 0; c < channels.size(); ++c) krige(g, used, channels[c], scratch.list, neighbours, out[c]);
+        return;
+    }
     const auto value_of = [&](std::span<const double> channel) {
         double weights = 0.0, weighted = 0.0;
         for (const Neighbour& n : neighbours) {
@@ -41,9 +54,36 @@ void Search::interpolate(const Samples& samples, const Helix& helix, Index group
     }
 }
 
-// The neighbours of one vertex in canonical order, with their weights relative to the nearest.
-void Search::weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
-                   std::vector<Neighbour>& neighbours) const {
+// The values of a channel in place of the radii.
+void Search::krige(kernel::Group g, Index used, std::span<const double> channel, const kernel::CandidateList& list,
+                   std::vector<Neighbour>& neighbours, double* out) const {
+    const Index none = lanes * rules_.neighbors;
+    std::vector<kernel::Candidate> rows(static_cast<std::size_t>(none + 1), {kernel::none_depth, 0.0, 0.0, 0});
+    std::vector<std::int32_t> at(static_cast<std::size_t>(none), static_cast<std::int32_t>(none));
+    bool known[lanes] = {};
+    for (Index lane = 0; lane < used; ++lane) {
+        choose(g, lane, g.trial[lane], list, neighbours);
+        Index next = lane;
+        for (const Neighbour& n : neighbours) {
+            const double value = channel[static_cast<std::size_t>(n.rank)];
+            if (std::isnan(value)) continue;
+            kernel::Candidate& row = rows[static_cast<std::size_t>(next)] = list.rows[n.key & low_bits];
+            row.radius = value;
+            at[static_cast<std::size_t>(next)] = static_cast<std::int32_t>(next);
+            known[lane] = true;
+            next += lanes;
+        }
+    }
+    kernel::Rules rules = rules_;
+    rules.sums = false;
+    functions_->estimate_from(g, {rows.data(), nullptr, nullptr, nullptr, nullptr, 0}, rules, at.data());
+    for (Index lane = 0; lane < used; ++lane)
+        out[lane] = known[lane] ? g.radius[lane] : std::numeric_limits<double>::quiet_NaN();
+}
+
+// The neighbours of one vertex in canonical order.
+void Search::choose(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
+                    std::vector<Neighbour>& neighbours) const {
     neighbours.clear();
     const double scale = trial * rules_.scale;
     for (Index i = 0; i < list.count; ++i) {
@@ -54,9 +94,8 @@ void Search::weigh(const kernel::Group& g, Index lane, double trial, const kerne
         const double across = scale * std::min(turn, 360.0 - turn), along = c.depth - g.depth[lane];
         if (across * across * rules_.unscale + along * along > rules_.max_square) continue;
         const double square = across * across + along * along;
-        constexpr std::uint64_t low = (std::uint64_t{1} << kernel::position_bits) - 1;
-        neighbours.push_back(
-            {(std::bit_cast<std::uint64_t>(square) & ~low) | static_cast<std::uint64_t>(i), square, 0.0, c.rank});
+        const std::uint64_t key = std::bit_cast<std::uint64_t>(square) & ~low_bits;
+        neighbours.push_back({key | static_cast<std::uint64_t>(i), square, 0.0, c.rank});
     }
     const auto nearer = [](const Neighbour& a, const Neighbour& b) { return a.key < b.key; };
     const auto wanted = static_cast<std::size_t>(rules_.neighbors);
@@ -64,9 +103,15 @@ void Search::weigh(const kernel::Group& g, Index lane, double trial, const kerne
         std::nth_element(neighbours.begin(), neighbours.begin() + rules_.neighbors, neighbours.end(), nearer);
         neighbours.resize(wanted);
     }
-    if (neighbours.empty()) return;
     std::sort(neighbours.begin(), neighbours.end(),
               [](const Neighbour& a, const Neighbour& b) { return a.rank < b.rank; });
+}
+
+// Those of them with a weight, relative to the nearest.
+void Search::weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
+                   std::vector<Neighbour>& neighbours) const {
+    choose(g, lane, trial, list, neighbours);
+    if (neighbours.empty()) return;
     const double least = std::min_element(neighbours.begin(), neighbours.end(), [](const auto& a, const auto& b) {
                              return a.square < b.square;
                          })->square;
@@ -75,7 +120,7 @@ void Search::weigh(const kernel::Group& g, Index lane, double trial, const kerne
         if (hit)
             n.weight = n.square <= kernel::zero_square ? 1.0 : 0.0;
         else
-            n.weight = std::pow(least / n.square, 0.5 * rules_.power);
+            n.weight = kernel::relative_weight(least, n.square, rules_.power);
     }
     std::erase_if(neighbours, [](const Neighbour& n) { return n.weight == 0.0; });
 }

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "search/kernel/instruction_set.hpp"
@@ -45,21 +46,27 @@ void Search::Scratch::pad() {
     for (std::int64_t i = list.count; i % 16 != 0; ++i) list.rows[i] = {kernel::none_depth, 0.0, 0.0, 0};
 }
 
-Search::Search(const Settings& settings)
-    : settings_(settings), functions_(&kernel::functions_for(settings.instruction_set)) {
-    rules_.neighbors = settings.neighbors;
-    rules_.max_iterations = settings.max_iterations;
-    rules_.tolerance = settings.tolerance;
-    rules_.power = settings.power;
-    rules_.range = settings.estimator == Estimator::kriging ? settings.kriging_range : 0.0;
-    rules_.nugget = settings.nugget;
+kernel::Rules rules_of(const Settings& settings) {
+    kernel::Rules rules;
+    rules.neighbors = settings.neighbors;
+    rules.max_iterations = settings.max_iterations;
+    rules.tolerance = settings.tolerance;
+    rules.power = settings.power;
+    rules.range = settings.estimator == Estimator::kriging ? settings.kriging_range : 0.0;
+    rules.nugget = settings.nugget;
+    rules.sums = settings.sigma;
     const double stretch = settings.angular_scale * settings.angular_scale;
-    rules_.max_square = std::min(settings.max_distance * settings.max_distance, kernel::missing_square / 2);
-    rules_.reach_square = std::min(rules_.max_square * std::max(stretch, 1.0), kernel::missing_square / 2);
-    rules_.sure_square = rules_.max_square * std::min(stretch, 1.0) * (stretch == 1.0 ? 1.0 : 1.0 - 1e-12);
-    rules_.unscale = 1.0 / stretch;
-    rules_.scale = settings.angular_scale * std::numbers::pi / 180.0;
-    rules_.windowed = settings.window.has_value();
+    rules.max_square = std::min(settings.max_distance * settings.max_distance, kernel::missing_square / 2);
+    rules.reach_square = std::min(rules.max_square * std::max(stretch, 1.0), kernel::missing_square / 2);
+    rules.sure_square = rules.max_square * std::min(stretch, 1.0) * (stretch == 1.0 ? 1.0 : 1.0 - 1e-12);
+    rules.unscale = 1.0 / stretch;
+    rules.scale = settings.angular_scale * std::numbers::pi / 180.0;
+    rules.windowed = settings.window.has_value();
+    return rules;
+}
+
+Search::Search(const Settings& settings)
+    : settings_(settings), rules_(rules_of(settings)), functions_(&kernel::functions_for(settings.instruction_set)) {
     const Helix helix{0.0, settings.start_toolface, settings.pitch, settings.sectors};
     toolface_.resize(static_cast<std::size_t>(settings.sectors));
     for (Index k = 0; k < settings.sectors; ++k) toolface_[static_cast<std::size_t>(k)] = helix.toolface(k);
@@ -81,6 +88,8 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
         g.active[i] = k < vertex_count ? 1.0 : 0.0;
         g.iterations[i] = g.reach_square[i] = g.height_square[i] = g.least_turn[i] = 0.0;
         g.window_first[i] = g.window_last[i] = 0.0;
+        g.sums.square_weights[i] = g.sums.scatter[i] = g.sums.along[i] = g.sums.across[i] =
+            std::numeric_limits<double>::quiet_NaN();
     }
     return g;
 }
@@ -122,6 +131,7 @@ void Search::run(const Samples& samples, const Helix& helix, Index group, Index 
         result.least_trial = std::min(result.least_trial, g.least_trial[i]);
         reach = std::max(reach, std::min(g.reach_square[i], rules_.max_square));
     }
+    if (rules_.sums) result.sums = g.sums;
     const Span span(g, helix);
     if (rules_.windowed)
         window_reach(samples, scratch.windows, span, result);
@@ -316,13 +326,20 @@ void Search::gather_level(const Chunk& chunk, const Level& level, Index rank, co
     const auto wanted = static_cast<std::size_t>(rules_.neighbors);
     if (level.depth != scratch.level_depth) scratch.turns.assign(lanes * wanted, no_limit);
     scratch.level_depth = level.depth;
+    const auto turns_of = [&](Index lane) { return scratch.turns.data() + static_cast<std::size_t>(lane) * wanted; };
+    const auto limit_of = [&](Index lane) { return std::min(box.width, turns_of(lane)[wanted - 1] * (1.0 + 1e-9)); };
+    unsigned concerned = 0;  // a bit for each vertex; in a loop of its own, so that its reads of memory overlap
+    for (Index lane = 0; lane < lanes; ++lane)
+        concerned |= unsigned{level.any_between(g.toolface[lane] - limit_of(lane), g.toolface[lane] + limit_of(lane))}
+                     << lane;
+    if (concerned == 0) return;
     std::uint64_t listed[Chunk::full / 64] = {};  // a bit for each row
     const auto n = static_cast<std::ptrdiff_t>(level.row.size());
     for (Index lane = 0; lane < lanes; ++lane) {
-        double* turns = scratch.turns.data() + static_cast<std::size_t>(lane) * wanted;
+        if ((concerned >> lane & 1) == 0) continue;
+        double* turns = turns_of(lane);
         double& farthest = turns[wanted - 1];
-        const double before = farthest, toolface = g.toolface[lane], limit = std::min(box.width, before * (1.0 + 1e-9));
-        if (!level.any_between(toolface - limit, toolface + limit)) continue;
+        const double before = farthest, toolface = g.toolface[lane], limit = limit_of(lane);
         const double along = (level.depth - g.depth[lane]) / (scratch.least_trial * rules_.scale);
         const double tied = 0x1p-38 * along * along;
         // Lists an entry that lies on the given side; false if those behind it are of no use.

@@ -16,6 +16,8 @@
 
 namespace helibore {
 
+kernel::Rules rules_of(const Settings& settings);
+
 // The result of the search of a group.
 struct GroupResult {
     double radius[kernel::lanes];
@@ -26,6 +28,7 @@ struct GroupResult {
     double shallow, deep;
     // Nor does one whose squared distance from each vertex is above its `reach_square`, at the radius `least_trial`.
     double reach_square[kernel::lanes], least_trial;
+    kernel::Sums sums;  // with Settings::sigma only
 };
 
 class Search {
@@ -70,9 +73,9 @@ class Search {
     void run(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
              GroupResult& result) const;
 
-    // Means of values at the neighbours of each vertex of the group, by the weights of the radius. Each channel has one
-    // value for each sample in canonical order, NaN for none; results go to out[channel][vertex - 8 group], NaN if no
-    // neighbour has a value.
+    // Values at the vertices of the group, from the neighbours of each by the weights of the radius. Each channel has
+    // one value for each sample in canonical order, NaN for none; results go to out[channel][vertex - 8 group], NaN if
+    // no neighbour has a value.
     void interpolate(const Samples& samples, const Helix& helix, Index group, Index vertex_count, Scratch& scratch,
                      std::span<const std::span<const double>> channels, std::span<double* const> out) const;
 
@@ -91,6 +94,10 @@ class Search {
                         Scratch& scratch) const;
     void weigh(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
                std::vector<Neighbour>& neighbours) const;
+    void choose(const kernel::Group& g, Index lane, double trial, const kernel::CandidateList& list,
+                std::vector<Neighbour>& neighbours) const;
+    void krige(kernel::Group g, Index used, std::span<const double> channel, const kernel::CandidateList& list,
+               std::vector<Neighbour>& neighbours, double* out) const;
     kernel::Group start(const Helix& helix, Index group, Index vertex_count) const;
     void search_box(const Samples& samples, const Span& span, kernel::Group& g, Scratch& scratch) const;
     void fetch_box(const Samples& samples, double low, double high, const kernel::Filter& filter,

@@ -99,7 +99,7 @@ std::string place_of(const HelixRadii& radii, const VolumeLayout& layout, Index 
                    number_text(helix.depth(k));
         }
     }
-    throw InternalError("row " + std::to_string(row) + " belongs to no layer");
+    throw InputError("layers", "must place a hexahedron in every row: none in row " + std::to_string(row));
 }
 
 }  // namespace
@@ -111,6 +111,7 @@ void require_upright(const HelixRadii& radii, const VolumeLayout& layout, std::s
     const auto count = static_cast<Index>(hexahedra.size());
     require(count == layout.hexahedron_count, "hexahedra", count,
             "must be as many as the layout has: " + std::to_string(layout.hexahedron_count));
+    require_layers(radii, layout, hexahedra.size());
     require_corners(vertices, hexahedra, threads);
     const Index first =
         first_bad(count, threads, [&](std::size_t row) { return upright(Corners(vertices, hexahedra[row])); });

@@ -1,4 +1,4 @@
-// Checks of what a caller hands to the functions that fill a layout: the helix, and runs that fit the memory.
+// Checks of what a caller hands to the functions that fill a layout: the helix, and runs that fit it and the memory.
 #pragma once
 
 #include <cmath>
@@ -24,27 +24,59 @@ inline void require_helix(const HelixRadii& radii) {
             "must lie in -2^52 to 2^52");
 }
 
-struct Placed {
-    Range k;
-    Index shift;
-};
+inline Range vertices_of(const HelixRadii& radii) {
+    return {radii.first, radii.first + static_cast<Index>(radii.radius.size())};
+}
 
-// Throws InputError unless runs follow one another and their rows lie within the memory.
-template <class Run, class PlacedOf>
-void require_runs(const std::string& name, std::span<const Run> runs, const PlacedOf& placed_of, std::size_t size,
+inline const QuadRun& placed(const QuadRun& run) {
+    return run;
+}
+inline const QuadRun& placed(const HexahedronRun& run) {
+    return run.inner;
+}
+inline const VertexRun& placed(const VertexRun& run) {
+    return run;
+}
+
+// Throws InputError unless runs follow one another among the vertices of the helix and among the rows of the memory.
+template <class Run>
+void require_runs(const HelixRadii& radii, const std::string& name, std::span<const Run> runs, std::size_t size,
                   const char* memory) {
     const auto rows = static_cast<Index>(size);
+    const Range there = vertices_of(radii);
     for (std::size_t i = 0; i < runs.size(); ++i) {
-        const Placed run = placed_of(runs[i]);
-        const auto refuse = [&](const std::string& rule, const Range& shown) {
-            throw InputError(entry_name(name, static_cast<Index>(i)), rule, range_text(shown));
+        const auto& run = placed(runs[i]);
+        const auto refuse = [&](const std::string& rule) {
+            throw InputError(entry_name(name, static_cast<Index>(i)), rule, range_text(run.k));
         };
-        if (run.k.start < -2 * largest_index || run.k.stop > 2 * largest_index || run.k.start >= run.k.stop)
-            refuse("must not be empty and lie in -2^53 to 2^53", run.k);
-        if (i > 0 && run.k.start < placed_of(runs[i - 1]).k.stop)
-            refuse("must follow " + range_text(placed_of(runs[i - 1]).k), run.k);
+        if (run.k.start >= run.k.stop) refuse("must not be empty");
+        if (run.k.start < there.start || run.k.stop > there.stop)
+            refuse("must lie within the vertices " + range_text(there) + " of radius");
         if (run.shift < -run.k.start || run.shift > rows - run.k.stop)
-            refuse("must be placed within the " + std::to_string(rows) + " rows of " + memory, run.k);
+            refuse("must be placed within the " + std::to_string(rows) + " rows of " + memory);
+        if (i == 0) continue;
+        const auto& before = placed(runs[i - 1]);
+        if (run.k.start < before.k.stop || run.shift + run.k.start < before.shift + before.k.stop)
+            refuse("must follow " + range_text(before.k));
+    }
+}
+
+// Throws InputError unless the corners of the quads are numbers that a layout of these radii can have.
+inline void require_corners(const std::string& name, Index i, const QuadRun& run) {
+    for (const Index corner : {run.upper, run.lower})
+        if (corner < -2 * largest_index || corner > 2 * largest_index)
+            throw InputError(entry_name(name, i), "must have corners within 2^53 rows of k", range_text(run.k));
+}
+
+inline void require_layers(const HelixRadii& radii, const VolumeLayout& layout, std::size_t hexahedra) {
+    for (std::size_t i = 0; i < layout.layers.size(); ++i) {
+        const std::string name = entry_name("layers", static_cast<Index>(i));
+        const std::span<const HexahedronRun> runs(layout.layers[i]);
+        require_runs(radii, name, runs, hexahedra, "hexahedra");
+        for (std::size_t run = 0; run < runs.size(); ++run) {
+            require_corners(name, static_cast<Index>(run), runs[run].inner);
+            require_corners(name, static_cast<Index>(run), runs[run].outer);
+        }
     }
 }
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <new>
 #include <type_traits>
 #include <utility>
 
@@ -64,7 +65,7 @@ void require_growing(std::span<const double> depth, Index first) {
 }
 
 double sinc(double x) {
-    return std::abs(x) <= max_bend ? sine_ratio(x) : std::sin(x) / x;
+    return std::abs(x) <= max_bend ? sine_ratio(x) : sine_cosine_of_radians(x).sine / x;
 }
 
 struct Station {
@@ -83,8 +84,8 @@ Station station(const StationColumns& columns, std::size_t index) {
 double dogleg_between(const Station& above, const Station& below) {
     const double build = sine_cosine(0.5 * (below.inclination - above.inclination)).sine;
     const double turn = sine_cosine(0.5 * wrap_difference(below.azimuth - above.azimuth)).sine;
-    const double half_chord = std::hypot(build, std::sqrt(above.i.sine * below.i.sine) * turn);
-    return 2.0 * std::atan2(half_chord, 0.5 * glm::length(below.tangent + above.tangent));
+    const double half_chord = std::sqrt(build * build + above.i.sine * below.i.sine * (turn * turn));
+    return 2.0 * arc_tangent(half_chord, 0.5 * glm::length(below.tangent + above.tangent));
 }
 
 int segments_for(double bend) {
@@ -101,7 +102,7 @@ dvec3 append_arcs(std::vector<Arc>& arcs, const Station& above, const Station& b
     const double length = below.depth - above.depth;
     const dvec3 sum = above.tangent + below.tangent, difference = below.tangent - above.tangent;
     const double bend = dogleg_between(above, below);
-    if (glm::length(difference) == 0.0) {
+    if (bend == 0.0 || glm::length(difference) == 0.0) {
         arcs.push_back({above.depth, head, above.tangent, dvec3(0.0), 0.0});
         return head + length * above.tangent;
     }
@@ -110,13 +111,15 @@ dvec3 append_arcs(std::vector<Arc>& arcs, const Station& above, const Station& b
     const int count = segments_for(bend);
     for (int j = 0; j < count; ++j) {
         const double beyond = length * j / count, x = curvature * beyond;
-        const double half = 0.5 * bend, s = std::sin(x - half), c = std::cos(x - half);
-        const dvec3 chord = std::cos(0.5 * x - half) * m + std::sin(0.5 * x - half) * e;
+        const auto [s, c] = sine_cosine_of_radians(x - 0.5 * bend);
+        const SineCosine middle = sine_cosine_of_radians(0.5 * x - 0.5 * bend);
+        const dvec3 chord = middle.cosine * m + middle.sine * e;
         const dvec3 position = head + beyond * sinc(0.5 * x) * chord;
         arcs.push_back({above.depth + beyond, j == 0 ? head : position, j == 0 ? above.tangent : c * m + s * e,
                         c * e - s * m, curvature});
     }
-    return head + 0.5 * length * (std::tan(0.5 * bend) / (0.5 * bend)) * sum;
+    const SineCosine half = sine_cosine_of_radians(0.5 * bend);
+    return head + 0.5 * length * (half.sine / (half.cosine * (0.5 * bend))) * sum;
 }
 
 // Appends the cylinder curves of one course; returns where it ends.
@@ -234,6 +237,7 @@ void build_from(Segments& segments, const StationColumns& columns, std::size_t f
 }
 
 Segments segments_of(const Survey& survey, const PathSettings& settings) {
+    const StandardArithmetic standard;
     require_sane(settings);
     Segments segments;
     build_from(segments, columns_of(survey), 0, settings);
@@ -370,7 +374,7 @@ std::vector<double> Path::north_to_high_side(std::span<const double> depth) cons
         if (axes_of<Reference::high_side>(segment, p).square < least_reference_angle * least_reference_angle) {
             high_side.refuse_frame(depth[i], {Index(i)});
         }
-        const double angle = std::atan2(-p.tan_e, p.tan_d * p.tan_n) / degree;
+        const double angle = arc_tangent(-p.tan_e, p.tan_d * p.tan_n) / degree;
         const double positive = angle < 0.0 ? angle + 360.0 : angle + 0.0;  // + 0.0 turns -0 into 0
         degrees[i] = positive < 360.0 ? positive : 0.0;                     // -1e-20 + 360 rounds to 360
     });
@@ -402,19 +406,29 @@ Stations::Taken Stations::take(std::span<const double> depth, std::span<const do
     require_length("inclination", inclination.size(), depth.size());
     require_length("azimuth", azimuth.size(), depth.size());
     Taken taken;
-    for (std::size_t i = 0; i < depth.size(); ++i) {
-        std::string bad;
-        if (!(std::abs(depth[i]) <= largest_depth)) {
-            bad = std::string("depth ") + (std::isfinite(depth[i]) ? depth_rule : "must be finite");
-        } else {
-            try {
-                const auto from = take_one(depth[i], inclination[i], azimuth[i]);
-                if (from) taken.path_from = std::min(*from, taken.path_from.value_or(*from));
-            } catch (const InputError& error) {
-                bad = error.what();
+    std::vector<double> before[] = {depth_, inclination_, azimuth_};
+    try {
+        for (std::size_t i = 0; i < depth.size(); ++i) {
+            std::string bad;
+            if (!(std::abs(depth[i]) <= largest_depth)) {
+                bad = std::string("depth ") + (std::isfinite(depth[i]) ? depth_rule : "must be finite");
+            } else {
+                try {
+                    const auto from = take_one(depth[i], inclination[i], azimuth[i]);
+                    if (from) taken.path_from = std::min(*from, taken.path_from.value_or(*from));
+                } catch (const InputError& error) {
+                    bad = error.what();
+                }
             }
+            if (!bad.empty()) taken.refused.push_back("station at " + short_text(depth[i]) + " m: " + bad);
         }
-        if (!bad.empty()) taken.refused.push_back("station at " + short_text(depth[i]) + " m: " + bad);
+    } catch (const std::bad_alloc&) {  // all or nothing
+        depth_.swap(before[0]);
+        inclination_.swap(before[1]);
+        azimuth_.swap(before[2]);
+        built_ = 0;
+        path_.reset();
+        throw;
     }
     return taken;
 }

@@ -143,14 +143,7 @@ void place(const HelixRadii& radii, const Path& path, std::span<const VertexRun>
     const StandardArithmetic standard;
     require_helix(radii);
     require_threads(threads);
-    require_runs(
-        "runs", runs, [](const VertexRun& run) { return Placed{run.k, run.shift}; }, vertices.size(), "vertices");
-    const Range there{radii.first, radii.first + static_cast<Index>(radii.radius.size())};
-    for (std::size_t i = 0; i < runs.size(); ++i) {
-        if (runs[i].k.start >= there.start && runs[i].k.stop <= there.stop) continue;
-        throw InputError(entry_name("runs", static_cast<Index>(i)),
-                         "must lie within the vertices " + range_text(there) + " of radius", range_text(runs[i].k));
-    }
+    require_runs(radii, "runs", runs, vertices.size(), "vertices");
     if (runs.empty()) return;
     const Helix helix{radii.start_depth, radii.start_toolface, radii.pitch, radii.sectors};
     const Task task{helix, radii.first, radii.radius.data(), path.segments(), Toolfaces(helix)};

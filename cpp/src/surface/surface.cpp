@@ -167,7 +167,8 @@ void join(const HelixRadii& radii, const SurfaceLayout& layout, std::span<Quad> 
     require_helix(radii);
     require_threads(threads);
     const std::span<const QuadRun> runs(layout.quads);
-    require_runs("quads", runs, [](const QuadRun& run) { return Placed{run.k, run.shift}; }, quads.size(), "quads");
+    require_runs(radii, "quads", runs, quads.size(), "quads");
+    for (std::size_t i = 0; i < runs.size(); ++i) require_corners("quads", static_cast<Index>(i), runs[i]);
     const bool downwards = radii.pitch > 0.0;
     const auto range_of = [](const QuadRun& run) { return run.k; };
     fill_runs(runs, range_of, threads, [&](const QuadRun& run, const Range& within) {
@@ -183,12 +184,7 @@ void join(const HelixRadii& radii, const VolumeLayout& layout, std::span<Hexahed
     const StandardArithmetic standard;
     require_helix(radii);
     require_threads(threads);
-    for (std::size_t i = 0; i < layout.layers.size(); ++i) {
-        require_runs(
-            entry_name("layers", static_cast<Index>(i)), std::span<const HexahedronRun>(layout.layers[i]),
-            [](const HexahedronRun& run) { return Placed{run.inner.k, run.inner.shift}; }, hexahedra.size(),
-            "hexahedra");
-    }
+    require_layers(radii, layout, hexahedra.size());
     const bool downwards = radii.pitch > 0.0;
     const auto range_of = [](const HexahedronRun& run) { return run.inner.k; };
     for (const auto& layer : layout.layers) {

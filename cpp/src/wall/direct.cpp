@@ -19,7 +19,7 @@ double vertex_of(const Helix& helix, double depth, double toolface) {
     double sector = std::floor(wrap_toolface(toolface - helix.start_toolface) / 360.0 * sectors + 0.5);
     if (sector == sectors) sector = 0.0;
     const double first = helix.start_depth + sector * helix.pitch / sectors;
-    return std::floor((depth - first) / helix.pitch + 0.5) * sectors + sector;
+    return std::floor((depth - first) / helix.pitch + 0.5) * sectors + sector - static_cast<double>(helix.first);
 }
 
 }  // namespace

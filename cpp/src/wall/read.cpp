@@ -66,10 +66,16 @@ std::vector<std::uint8_t> Wall::State::provisional(Range range) const {
     return out;
 }
 
+Range Wall::State::local(Range range) const {
+    const Index first = settings.first_vertex;
+    if (range.start >= first && range.stop >= range.start && range.stop <= first + count)
+        return {range.start - first, range.stop - first};
+    const std::string all =
+        first == 0 ? std::to_string(count) + " vertices" : "vertices " + range_text({first, first + count});
+    throw InputError("range", "must lie within the wall's " + all, range_text(range));
+}
+
 VertexColumns Wall::State::read(Range range) const {
-    if (range.start < 0 || range.stop < range.start || range.stop > count)
-        throw InputError("range", "must lie within the wall's " + std::to_string(count) + " vertices",
-                         range_text(range));
     return {depth(range),   toolface(range),   radius(range),     nearest(range),
             support(range), iterations(range), provisional(range)};
 }
@@ -83,15 +89,28 @@ Index Wall::sample_count() const {
 }
 
 Index Wall::settled() const {
-    return locked(*state_, [](const State& s) { return s.settled; });
+    return locked(*state_, [](const State& s) { return s.settings.first_vertex + s.settled; });
 }
 
 double Wall::start_depth() const {
-    return locked(*state_, [](const State& s) { return s.helix.start_depth; });
+    return locked(*state_, [](const State& s) { return s.helix.depth(0); });
 }
 
 VertexColumns Wall::vertices(Range range) const {
-    return locked(*state_, [&](const State& s) { return s.read(range); });
+    return locked(*state_, [&](const State& s) { return s.read(s.local(range)); });
+}
+
+Depths Wall::reach(Range range) const {
+    return locked(*state_, [&](const State& s) {
+        const Range own = s.local(range);
+        Depths depths{no_limit, -no_limit};
+        for (Index g = own.start / lanes; g < groups_of(own.stop); ++g) {
+            const Vertices::Block& block = s.vertices.block(g / Vertices::groups_per_block);
+            const auto i = static_cast<std::size_t>(g % Vertices::groups_per_block);
+            depths = {std::min(depths.shallow, block.shallow[i]), std::max(depths.deep, block.deep[i])};
+        }
+        return depths;
+    });
 }
 
 VertexColumns Wall::vertices() const {
@@ -137,6 +156,15 @@ Index Wall::read_radius(std::span<double> into) const {
         });
         s.direct.show(s.all(), into.data());
         return s.count;
+    });
+}
+
+std::array<std::vector<double>, 4> Wall::sums() const {
+    return locked(*state_, [](const State& s) {
+        if (!s.settings.sigma) throw InputError("sigma", "must be set for the sums of the vertices");
+        std::array<std::vector<double>, 4> out;
+        for (std::size_t i = 0; i < out.size(); ++i) out[i] = s.vertices.sum(i, s.count);
+        return out;
     });
 }
 

@@ -32,17 +32,26 @@ void Settings::validate() const {
     if (start_depth) require_depth("start_depth", *start_depth);
     if (stop_depth) require_depth("stop_depth", *stop_depth);
     require(std::isfinite(start_toolface), "start_toolface", start_toolface, "must be finite");
+    require_within("first_vertex", first_vertex, 0, Index{1} << 40);
+    require(first_vertex % sectors == 0, "first_vertex", first_vertex, "must be a multiple of sectors");
+    require(first_vertex == 0 || start_depth, "first_vertex", first_vertex, "needs a start_depth");
+    if (stop_vertex) require_within("stop_vertex", *stop_vertex, first_vertex + 1, Index{1} << 40);
+    require(!stop_vertex || !stop_depth, "stop_vertex", stop_vertex.value_or(0), "must not stand beside a stop_depth");
     require_within("neighbors", neighbors, 1,
                    estimator == Estimator::kriging ? kernel::max_kriged : kernel::max_neighbors);
     if (window) require(*window >= 1, "window", *window, "must be at least 1");
     require_positive("power", power);
+    require(power <= 100.0, "power", power, "must be at most 100");  // so that no exponent of a weight overflows
     require(max_distance > 0.0, "max_distance", max_distance, "must be above 0");
+    require(max_distance >= 1e-9, "max_distance", max_distance, "must be at least 1e-9 m");  // its square is not 0
     require_within("max_iterations", max_iterations, 1, 255);
     require(tolerance >= 0.0, "tolerance", tolerance, "must be 0 or above");
     require_positive("angular_scale", angular_scale);
+    require(angular_scale >= 0.001 && angular_scale <= 1000.0, "angular_scale", angular_scale,
+            "must lie in 0.001 to 1000");
     if (estimator == Estimator::kriging) require_positive("kriging_range", kriging_range);
     require(std::isfinite(nugget) && nugget >= 1e-6, "nugget", nugget, "must be finite and at least 1e-6");
-    require_within("most_vertices", most_vertices, 1, (Index{1} << 31) - 1);
+    require_within("most_vertices", most_vertices, 1, largest_count);
     require_threads(threads);
 }
 

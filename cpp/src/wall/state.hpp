@@ -25,7 +25,7 @@ inline Index groups_of(Index vertices) {
 }
 
 struct Wall::State {
-    explicit State(const Settings& s) : settings(s), search((s.validate(), s)) {
+    explicit State(const Settings& s) : settings(s), search((s.validate(), s)), vertices(s.sigma) {
         if (s.start_depth) helix.start_depth = *s.start_depth;
         scratches.resize(static_cast<std::size_t>(s.threads));
     }
@@ -47,6 +47,7 @@ struct Wall::State {
 
     // Of a range of vertices; read.cpp.
     Range all() const { return {0, count}; }
+    Range local(Range range) const;  // of numbers on the whole helix
     VertexColumns read(Range range) const;
     std::vector<double> depth(Range range) const;
     std::vector<double> toolface(Range range) const;

@@ -23,12 +23,17 @@ class Vertices {
         std::array<double, block_size> reach_square;
         std::array<double, groups_per_block> shallow, deep, least_trial;  // GroupResult's, for each group
     };
+    // As kernel::Sums, of a block; with Settings::sigma only.
+    using Sums = std::array<std::array<double, block_size>, kernel::sum_count>;
+
+    explicit Vertices(bool with_sums) : with_sums_(with_sums) {}
 
     // Makes room for vertices [0, count); those below `kept` keep their values.
     void grow(Index count, Index kept) {
         const auto needed = static_cast<std::size_t>(blocks_of(count));
         if (needed > blocks_.capacity()) blocks_.reserve(std::max(needed, 2 * blocks_.capacity()));
-        while (blocks_.size() < needed) blocks_.push_back(std::unique_ptr<Block>(new Block));  // not zeroed
+        while (blocks_.size() < needed) blocks_.push_back(std::make_unique_for_overwrite<Block>());
+        while (with_sums_ && sums_.size() < needed) sums_.push_back(std::make_unique_for_overwrite<Sums>());
         hulls_.resize(static_cast<std::size_t>(blocks_of(kept)));  // drops those that a failed append measured
         hulls_.resize(needed);
     }
@@ -47,6 +52,13 @@ class Vertices {
         std::copy_n(result.support, n, to.support.begin() + first);
         std::copy_n(result.iterations, n, to.iterations.begin() + first);
         std::copy_n(result.reach_square, n, to.reach_square.begin() + first);
+        if (with_sums_) {
+            const double* from[] = {result.sums.square_weights, result.sums.scatter, result.sums.along,
+                                    result.sums.across};
+            for (std::size_t s = 0; s < kernel::sum_count; ++s)
+                std::copy_n(from[s], n,
+                            (*sums_[static_cast<std::size_t>(group / groups_per_block)])[s].begin() + first);
+        }
         to.shallow[static_cast<std::size_t>(g)] = result.shallow;
         to.deep[static_cast<std::size_t>(g)] = result.deep;
         to.least_trial[static_cast<std::size_t>(g)] = result.least_trial;
@@ -86,8 +98,21 @@ class Vertices {
         return out;
     }
 
+    // One of the sums of vertices [0, count).
+    std::vector<double> sum(std::size_t which, Index count) const {
+        std::vector<double> out;
+        out.reserve(static_cast<std::size_t>(count));
+        for (Index k = 0; k < count; k += block_size) {
+            const auto& from = (*sums_[static_cast<std::size_t>(k / block_size)])[which];
+            out.insert(out.end(), from.begin(), from.begin() + std::min(block_size, count - k));
+        }
+        return out;
+    }
+
   private:
+    bool with_sums_;
     std::vector<std::unique_ptr<Block>> blocks_;
+    std::vector<std::unique_ptr<Sums>> sums_;
     std::vector<Hull> hulls_;
 };
 

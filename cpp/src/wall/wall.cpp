@@ -64,13 +64,14 @@ Change Wall::State::append(const SampleColumns& columns) {
 Helix Wall::State::helix_now() const {
     const bool down = settings.pitch > 0.0;
     const double start = settings.start_depth.value_or(down ? samples.first_depth() : samples.last_depth());
-    return {start, settings.start_toolface, settings.pitch, settings.sectors};
+    return {start, settings.start_toolface, settings.pitch, settings.sectors, settings.first_vertex};
 }
 
 Index Wall::State::count_now(const Helix& next) const {
     const bool down = settings.pitch > 0.0;
     const double stop = settings.stop_depth.value_or(down ? samples.last_depth() : samples.first_depth());
-    const double vertices_needed = next.count(stop);
+    const double vertices_needed =
+        settings.stop_vertex ? static_cast<double>(*settings.stop_vertex - next.first) : next.count(stop);
     if (vertices_needed <= static_cast<double>(settings.most_vertices)) return static_cast<Index>(vertices_needed);
     // The error names the end that a sample sets; of two, the one farther from the median sample, the likelier mistake.
     const double median = samples.depth(samples.size() / 2), start = next.start_depth;
@@ -93,7 +94,7 @@ Change Wall::State::update(const SortedBatch& batch) {
     const Index kept = moved ? 0 : count;                                // vertices that may keep their values
     const Index open = !moved && advances(batch) ? settled / lanes : 0;  // the first group that can change
 
-    Vertices moved_vertices;
+    Vertices moved_vertices(settings.sigma);
     Vertices& into = moved ? moved_vertices : vertices;
     into.grow(new_count, kept);
     std::vector<Index> old = moved ? std::vector<Index>{} : touched_groups(batch, open);
@@ -256,7 +257,7 @@ Index Wall::State::settled_after(const Helix& on, const Vertices& of, Index from
         }
     }
     // An incomplete last group may gain vertices and then depend on more samples, unless the wall ends there.
-    return settings.stop_depth ? vertex_count : vertex_count / lanes * lanes;
+    return settings.stop_depth || settings.stop_vertex ? vertex_count : vertex_count / lanes * lanes;
 }
 
 Wall::Wall(const Settings& settings)
@@ -272,7 +273,11 @@ const Settings& Wall::settings() const {
     return state_->settings;
 }
 Change Wall::append(const SampleColumns& samples) {
-    return state_->append(samples);
+    Change change = state_->append(samples);
+    const Index first = settings().first_vertex;
+    for (Range& range : change.ranges) range = {range.start + first, range.stop + first};
+    change.settled += first;
+    return change;
 }
 
 }  // namespace helibore

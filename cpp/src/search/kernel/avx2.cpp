@@ -1,4 +1,6 @@
 // The innermost loops for AVX2; cpp/CMakeLists.txt compiles this file with -mavx2.
+#include <cstddef>
+
 #include "search/kernel/kernel.hpp"
 
 #ifdef __AVX2__

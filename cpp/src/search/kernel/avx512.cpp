@@ -1,4 +1,6 @@
 // The innermost loops for AVX-512; cpp/CMakeLists.txt compiles this file with -mavx512f and its kin.
+#include <cstddef>
+
 #include "search/kernel/kernel.hpp"
 
 #ifdef __AVX512F__

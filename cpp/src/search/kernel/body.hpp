@@ -116,7 +116,7 @@ Found extreme(const double* xs, const double* ys, std::size_t n, double x, doubl
 template <class P>
 constexpr Functions functions_of(const char* name) {
     return {name,       &all_within<P>, &order<P>,    &extreme<P, true>, &extreme<P, false>,
-            &gather<P>, &estimate<P>,   &nominate<P>, &krige_points<P>};
+            &gather<P>, &estimate<P>,   &nominate<P>, &estimate_from<P>, &sigma<P>};
 }
 
 }  // namespace

@@ -140,8 +140,9 @@ inline void products_of_others(const P* squares, P* weight) {
 // A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
 // where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
 // rounding could leave by an ulp.
-template <class P, int fixed>  // fixed: the number of neighbours where it is known to the compiler, else 0
-inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules) {
+template <class P, int fixed, bool keep = false>  // fixed: the number of neighbours where the compiler knows it, else 0
+inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules,
+                                    [[maybe_unused]] P* kept = nullptr) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
     constexpr auto room = static_cast<std::uint64_t>(fixed > 0 ? fixed : max_neighbors);
     P least(missing_square), farthest(0.0), squares[room], weight[room];
@@ -172,6 +173,7 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
             weighted = weighted + weight[i] * n.radius[i];
             low = P::min(low, n.radius[i]);
             high = P::max(high, n.radius[i]);
+            if constexpr (keep) kept[i] = weight[i];
         }
         support = P(static_cast<double>(neighbors));
         return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
@@ -185,8 +187,78 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
         support = support + P::blend(used(i), P(1.0), P(0.0));
         low = P::blend(used(i), P::min(low, n.radius[i]), low);
         high = P::blend(used(i), P::max(high, n.radius[i]), high);
+        if constexpr (keep) kept[i] = weight[i];
     }
     return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
+}
+
+// What follows once the neighbours are known, for the vertices of a mask: the radius by kriging, in place of that of
+// the iteration, and the sums. Of a vertex without a sample in reach the results mean nothing.
+template <class P, class Mask>
+__attribute__((noinline)) void complete(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at,
+                                        P trial, Mask done) {
+    const auto put = [&](P value, double* into) { P::blend(done, value, P::load(into)).store(into); };
+    P radius = P::load(g.radius), squares(0.0);
+    if (rules.range > 0.0) {
+        const Kriged<P> kriged = krige(g, list, rules, at, trial, rules.sums);
+        radius = kriged.radius;
+        squares = kriged.squares;
+        put(radius, g.radius);
+    }
+    if (!rules.sums) return;
+    Neighbours<P> n;
+    read_neighbours(g, list, rules.neighbors, at, n);
+    const P scale = trial * P(rules.scale);
+    if (rules.range == 0.0) {
+        P weight[max_neighbors], weights(0.0);
+        inverse_distance<P, 0, true>(n, scale, rules, weight);
+        for (int i = 0; i < rules.neighbors; ++i) {
+            weights = weights + weight[i];
+            squares = squares + weight[i] * weight[i];
+        }
+        squares = squares / (weights * weights);
+    }
+    P count(0.0), scatter(0.0), along(0.0), across(0.0);
+    for (int i = 0; i < rules.neighbors; ++i) {
+        const auto used = P::less_equal(on_wall(scale * n.turn[i], n.along[i], rules), P(rules.max_square));
+        const auto add = [&](P& sum, P value) { sum = P::blend(used, sum + value, sum); };
+        const P off = n.radius[i] - radius;
+        add(count, P(1.0));
+        add(scatter, off * off);
+        add(along, n.along[i]);
+        add(across, n.turn[i] * n.turn[i]);
+    }
+    const P degree = trial * P(metres_a_degree), part = P(1.0) / count;
+    put(squares, g.sums.square_weights);
+    put(scatter * part, g.sums.scatter);
+    put(along * part, g.sums.along);
+    put(across * part * (degree * degree), g.sums.across);
+}
+
+template <class P>
+void estimate_from(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at) {
+    const P trial = P::load(g.trial);
+    Neighbours<P> neighbours;
+    read_neighbours(g, list, rules.neighbors, at, neighbours);
+    inverse_distance<P, 0>(neighbours, trial * P(rules.scale), rules).radius.store(g.radius);
+    if (rules.range > 0.0 || rules.sums) complete(g, list, rules, at, trial, P::less_equal(trial, trial));
+}
+
+template <class P>
+void sigma(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma) {
+    const auto log2 = [](P x) {
+        P whole, rest;
+        log2_parts(P::max(x, P(rounding_square)), whole, rest);  // of NaN, max() returns the other
+        return whole + rest;
+    };
+    for (std::int64_t i = 0; i < n; i += lanes) {
+        const P along = P::load(sums[2] + i), across = P::load(sums[3] + i);
+        const P power = P(rule.scatter_power) * log2(P::load(sums[1] + i)) +
+                        P(rule.distance_power) * log2(along + P(rule.stretch) * across);
+        const P squares = P(rule.noise) * P::load(sums[0] + i) + P(rule.between) * exp2_of(power);
+        const auto near = P::less_equal(along + across, P(rule.reach * rule.reach));
+        P::blend(near, P::sqrt(squares), P(__builtin_nan(""))).store(sigma + i);
+    }
 }
 
 template <class P>
@@ -219,9 +291,9 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
         reach.store(g.reach_square);
         least_trial.store(g.least_trial);
         height_square.store(g.height_square);
-        if (rules.range > 0.0) {  // kriging, of those that are done now and have neighbours
+        if (rules.range > 0.0 || rules.sums) {  // of those that are done now and have neighbours
             const auto done = P::less(P(0.0), P::blend(active, P(0.0), P::min(P::load(g.active), P::load(g.support))));
-            if (any(done)) P::blend(done, krige(g, list, rules, at, current).radius, P::load(g.radius)).store(g.radius);
+            if (any(done)) complete(g, list, rules, at, current, done);
         }
         P::blend(active, P(1.0), P(0.0)).store(g.active);
         return verdict;

@@ -1,6 +1,10 @@
 // Chooses the compiled kernel at run time.
 #include "search/kernel/instruction_set.hpp"
 
+#ifdef __x86_64__
+#include <cpuid.h>
+#endif
+
 #include <array>
 #include <bit>
 
@@ -11,22 +15,34 @@ namespace helibore {
 namespace kernel {
 namespace {
 
+#ifdef __x86_64__
+// Whether the processor has the features (bits of EBX of leaf 7) and the system saves the registers (bits of XCR0).
+// __builtin_cpu_supports would do, but says 0 in libraries that Zig links.
+bool has(unsigned features, unsigned registers) {
+    unsigned a, b, c, d;
+    if (!__get_cpuid(1, &a, &b, &c, &d) || !(c & bit_OSXSAVE)) return false;
+    unsigned saved, high;
+    __asm__("xgetbv" : "=a"(saved), "=d"(high) : "c"(0));
+    if ((saved & registers) != registers || !__get_cpuid_count(7, 0, &a, &b, &c, &d)) return false;
+    return (b & features) == features;
+}
+
 bool has_avx2() {
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-    return __builtin_cpu_supports("avx2");
-#else
-    return false;
-#endif
+    return has(bit_AVX2, 0x6);
 }
 
 bool has_avx512() {
-#if defined(__x86_64__) && (defined(__GNUC__) || defined(__clang__))
-    return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-           __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw");
-#else
-    return false;
-#endif
+    return has(bit_AVX512F | bit_AVX512DQ | bit_AVX512BW | bit_AVX512VL, 0xe6);
 }
+#else
+bool has_avx2() {
+    return false;
+}
+
+bool has_avx512() {
+    return false;
+}
+#endif
 
 const Functions& demand(bool present, const Functions& functions, const char* name) {
     if (!present) throw InputError("instruction_set", "this processor does not have it", name);

@@ -17,6 +17,8 @@
 
 #include <cstdint>
 
+#include "helibore/uncertainty.hpp"
+
 namespace helibore::kernel {
 
 inline constexpr int lanes = 8;
@@ -39,6 +41,11 @@ inline constexpr double zero_square = 1e-40;
 // Squares larger than any real squared distance: no such candidate, no such limit.
 inline constexpr double missing_square = 1e300;
 inline constexpr double boundless_square = 1e301;
+
+// Squares of distances and of differences of radii below this are rounding (1e-9 m).
+inline constexpr double rounding_square = 1e-18;
+
+inline constexpr double metres_a_degree = 0.017453292519943295;  // on a circle of 1 m radius
 
 inline constexpr double none_depth = 1e150;  // squared: missing_square
 inline constexpr float narrow_none = 1e18f;  // squared: more than any real squared distance, and finite
@@ -73,12 +80,21 @@ struct Rules {
     double tolerance;
     double power;
     double range, nugget;  // of kriging; range 0: inverse distance
+    bool sums;             // are Group::sums wanted?
     // max_distance squared, on the wall; the greatest squared distance of a sample that near; a squared distance that
     // none beyond the limit is within. The three differ by angular_scale.
     double max_square, reach_square, sure_square;
     double scale;    // metres a degree at one metre of radius: angular_scale pi / 180
     double unscale;  // 1 / angular_scale^2
     bool windowed;
+};
+
+// What the uncertainty of a radius is computed from, for each vertex: the sum of the squared weights, and means over
+// the neighbours of squares: of their radius less the estimate, and of their distances along the hole and around it, on
+// the wall. NaN without neighbours.
+inline constexpr int sum_count = 4;
+struct Sums {
+    double square_weights[lanes], scatter[lanes], along[lanes], across[lanes];
 };
 
 struct Group {
@@ -99,6 +115,7 @@ struct Group {
     double least_turn[lanes];     // degrees; no sample within Box::far has a smaller one, as far as is known
     double height_square[lanes];  // largest squared height h that an estimate needed
     double active[lanes];         // 1 while the lane is not done, else 0
+    Sums sums;                    // of lanes that are done and have neighbours
 };
 
 struct Box {
@@ -149,10 +166,10 @@ struct Functions {
     // Marks in keep[position] the candidates that are among some lane's nearest, and lowers group.discarded to the
     // nearest of the others.
     void (*nominate)(Group& group, const CandidateList& list, const Rules& rules, const Box& box, unsigned char* keep);
-    // Kriges the group at its trial radii from the candidates at[0], at[lanes], ...: radii, and sums of squared
-    // weights.
-    void (*krige)(const Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at,
-                  double* radius, double* squares);
+    // Estimates the group once, at its trial radii, from the candidates at[0], at[lanes], ...: radii and sums.
+    void (*estimate_from)(Group& group, const CandidateList& list, const Rules& rules, const std::int32_t* at);
+    // The standard uncertainties of n vertices, a multiple of `lanes`, from their sums.
+    void (*sigma)(const double* const sums[sum_count], std::int64_t n, const SigmaRule& rule, double* sigma);
 };
 
 const Functions& plain();

@@ -113,13 +113,5 @@ __attribute__((noinline)) Kriged<P> krige(const Group& g, const CandidateList& l
                                  : solve_system(system, rules.neighbors, rules.nugget, trial, with_squares);
 }
 
-template <class P>
-void krige_points(const Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at, double* radius,
-                  double* squares) {
-    const Kriged<P> kriged = krige(g, list, rules, at, P::load(g.trial), true);
-    kriged.radius.store(radius);
-    kriged.squares.store(squares);
-}
-
 }  // namespace
 }  // namespace helibore::kernel

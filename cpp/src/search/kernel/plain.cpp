@@ -1,4 +1,6 @@
 // The innermost loops in plain C++.
+#include <cstddef>
+
 #include "search/kernel/body.hpp"
 #include "search/kernel/pack_plain.hpp"
 

@@ -1,0 +1,22 @@
+// The weight of one neighbour, for what is not part of the kernel.
+#pragma once
+
+#include <cmath>
+
+#include "search/kernel/estimate.hpp"
+#include "search/kernel/pack_plain.hpp"
+
+namespace helibore::kernel {
+
+// (d_min / d)^power of squared distances, in plain arithmetic.
+inline double relative_weight(double least, double square, double power) {
+    if (power == 1.0) return std::sqrt(least / square);
+    const PlainPack squares(square);
+    PlainPack weight;
+    relative_weights(&squares, PlainPack(least), 1, power, &weight);
+    double each[lanes];
+    weight.store(each);
+    return each[0];
+}
+
+}  // namespace helibore::kernel
