@@ -1,0 +1,241 @@
+/* The C interface: the wall of a hole for hosts in any language that calls C.
+
+       hb_settings settings = {sizeof settings};
+       int64_t wall = 0, vertices = 0;
+       hb_settings_init(&settings);
+       settings.bit_diameter = 0.216;
+       if (hb_wall_create(&settings, &wall) || hb_wall_append(wall, n, depth, toolface, radius, NULL, NULL))
+           puts(hb_last_error());
+
+   Every function but hb_version, hb_instruction_set and hb_last_error returns a status. A call that fails changes
+   nothing, and hb_last_error then has the text.
+
+   Handles are numbers above 0. A number is never used again, so a closed or wrong handle is an error; hb_close takes
+   each kind of handle. Any thread may use any handle; calls on one wall wait for each other.
+
+   Set the member `size` of a struct to its sizeof before a call. A library of another version, whose struct has other
+   members, then refuses the struct.
+
+   Arrays belong to the host and are not kept. `n` values each; NULL where n is 0. Where a call fills arrays whose
+   length the host does not know, it takes the room in *count and leaves there what it needs. If there is not enough
+   room, it returns HB_BUFFER_TOO_SMALL and fills nothing: call with 0 and NULL first, or with the room that you have.
+
+   Metres and degrees. NaN in an output: no value. Vertices, quads and toolfaces are those of wall.hpp and surface.hpp.
+   The host's floating-point state (traps, rounding) does not matter and stays as it is. Nothing is printed, called
+   back or left running. */
+#ifndef HELIBORE_H
+#define HELIBORE_H
+
+#include <stdint.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#ifdef _WIN32
+#define HB_CALL __cdecl
+#else
+#define HB_CALL
+#endif
+#if defined(_WIN32) && defined(HB_BUILD)
+#define HB_API __declspec(dllexport)
+#elif defined(_WIN32)
+#define HB_API __declspec(dllimport)
+#elif defined(__GNUC__)
+#define HB_API __attribute__((visibility("default")))
+#else
+#define HB_API
+#endif
+
+/* Status of a call. */
+#define HB_OK 0
+#define HB_INPUT 1            /* bad input: hb_last_error names place, value and rule */
+#define HB_NO_MEMORY 2        /* out of memory */
+#define HB_INTERNAL 3         /* a bug in helibore */
+#define HB_BUFFER_TOO_SMALL 4 /* *count says how much room is needed */
+
+HB_API const char* HB_CALL hb_version(void);         /* "0.1.0" */
+HB_API const char* HB_CALL hb_instruction_set(void); /* that searches use: "plain", "avx2" or "avx512" */
+
+/* The error of this thread's last call that returned a status, "" if that succeeded: "toolface[17] = nan: must be
+   finite". At most 1023 bytes of UTF-8, which the thread's next call overwrites. */
+HB_API const char* HB_CALL hb_last_error(void);
+
+HB_API int32_t HB_CALL hb_close(int64_t handle);
+
+/* --- settings.hpp and path.hpp explain each setting ------------------------------------------------------------- */
+
+#define HB_INVERSE_DISTANCE 0
+#define HB_KRIGING 1
+#define HB_AUTOMATIC 0
+#define HB_PLAIN 1
+#define HB_AVX2 2
+#define HB_AVX512 3
+
+typedef struct hb_settings {
+    uint32_t size;
+    int32_t sectors;
+    double bit_diameter; /* must be set */
+    double pitch;
+    double start_depth; /* NaN: the first sample; a live wall needs one */
+    double stop_depth;  /* NaN: the last sample */
+    double start_toolface;
+    int64_t window; /* 0: all samples */
+    int64_t most_vertices;
+    double power;
+    double max_distance; /* infinity: no limit */
+    double tolerance;
+    double angular_scale;
+    double kriging_range;
+    double nugget;
+    int32_t neighbors;
+    int32_t max_iterations;
+    int32_t estimator;
+    int32_t direct;
+    int32_t threads;
+    int32_t instruction_set;
+} hb_settings;
+
+#define HB_MINIMUM_CURVATURE 0
+#define HB_RADIUS_OF_CURVATURE 1
+#define HB_HIGH_SIDE 0
+#define HB_NORTH 1
+#define HB_PARALLEL_TRANSPORT 2
+
+typedef struct hb_path_settings {
+    uint32_t size;
+    int32_t method;
+    int32_t reference;
+    int32_t reserved; /* 0 */
+    double head_north;
+    double head_east;
+    double head_down;
+    double extend;
+} hb_path_settings;
+
+/* Fill in the defaults. */
+HB_API int32_t HB_CALL hb_settings_init(hb_settings* settings);
+HB_API int32_t HB_CALL hb_path_settings_init(hb_path_settings* settings);
+
+/* --- wall -------------------------------------------------------------------------------------------------------- */
+
+typedef struct hb_wall_state {
+    uint32_t size;
+    int32_t reserved;
+    int64_t vertices;
+    int64_t samples;
+    int64_t settled;    /* vertices below this no longer change while the hole only gets deeper */
+    double start_depth; /* of vertex 0; NaN while there is none */
+} hb_wall_state;
+
+typedef struct hb_change {
+    uint32_t size;
+    int32_t reserved;
+    int64_t ranges; /* what hb_ranges needs: ranges of vertices that are new or whose values changed */
+    int64_t settled;
+    int64_t accepted;  /* samples taken */
+    int64_t redundant; /* samples dropped: equal to another */
+} hb_change;
+
+HB_API int32_t HB_CALL hb_wall_create(const hb_settings* settings, int64_t* wall);
+
+/* n samples. time may be NULL: either all samples of a wall have a time or none has. change may be NULL. */
+HB_API int32_t HB_CALL hb_wall_append(int64_t wall, int64_t n, const double* depth, const double* toolface,
+                                      const double* radius, const double* time, hb_change* change);
+
+/* The vertices that this handle's last append or poll changed: *count ranges of start and stop, half-open. */
+HB_API int32_t HB_CALL hb_ranges(int64_t wall_or_live, int64_t* count, int64_t* start_stop);
+
+HB_API int32_t HB_CALL hb_wall_get(int64_t wall, hb_wall_state* state);
+
+#define HB_DEPTH 0
+#define HB_TOOLFACE 1
+#define HB_RADIUS 2
+#define HB_NEAREST 3
+#define HB_SUPPORT 4
+#define HB_ITERATIONS 5
+#define HB_PROVISIONAL 6
+#define HB_TIME 7 /* of samples only */
+
+/* One column of the vertices [start, stop): stop - start values. */
+HB_API int32_t HB_CALL hb_wall_read(int64_t wall, int32_t column, int64_t start, int64_t stop, double* values);
+
+/* One column of all samples kept, in canonical order: HB_DEPTH, HB_TOOLFACE, HB_RADIUS or HB_TIME. */
+HB_API int32_t HB_CALL hb_wall_samples(int64_t wall, int32_t column, int64_t* count, double* values);
+
+/* Values of n samples, in the order of hb_wall_samples, interpolated at the *count vertices. */
+HB_API int32_t HB_CALL hb_wall_interpolate(int64_t wall, int64_t n, const double* samples, int64_t* count,
+                                           double* values);
+
+/* The logs of each full turn, column after column in the order of logs.hpp: HB_LOG_COLUMNS times *turns values.
+   window: turns that rugosity is measured over, odd, 3 or more. */
+#define HB_LOG_COLUMNS 18
+HB_API int32_t HB_CALL hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* values);
+
+/* The vertices [start, stop) that have a radius, along a path (0: straight down): north, east, down of each; quads of
+   four rows each; for each row its vertex of the helix (vertex_index, may be NULL). */
+HB_API int32_t HB_CALL hb_wall_surface(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t* vertex_count,
+                                       double* vertices, int64_t* vertex_index, int64_t* quad_count, int64_t* quads);
+
+/* --- path -------------------------------------------------------------------------------------------------------- */
+
+HB_API int32_t HB_CALL hb_path_create(const hb_path_settings* settings, int64_t n, const double* depth,
+                                      const double* inclination, const double* azimuth, int64_t* path);
+
+/* At n depths: positions of three numbers, and frames of nine (towards toolface 0 and 90, tangent). Either may be
+   NULL. */
+HB_API int32_t HB_CALL hb_path_read(int64_t path, int64_t n, const double* depth, double* position, double* frame);
+
+/* --- a well while it is drilled ---------------------------------------------------------------------------------- */
+
+typedef struct hb_update {
+    uint32_t size;
+    int32_t reserved;
+    hb_change change; /* all 0 if no samples came; its size need not be set */
+    double path_from; /* the path changed below this depth; NaN: nowhere */
+    int64_t images;   /* images with new rows */
+    int64_t events;   /* stations that were left out: hb_live_event */
+} hb_update;
+
+HB_API int32_t HB_CALL hb_live_create(const hb_settings* settings, const hb_path_settings* path, int64_t* live);
+HB_API int32_t HB_CALL hb_live_append_samples(int64_t live, int64_t n, const double* depth, const double* toolface,
+                                              const double* radius, const double* time);
+HB_API int32_t HB_CALL hb_live_append_stations(int64_t live, int64_t n, const double* depth, const double* inclination,
+                                               const double* azimuth);
+
+/* n rows of `sectors` values. name and unit are UTF-8. */
+HB_API int32_t HB_CALL hb_live_append_image(int64_t live, const char* name, const char* unit, int64_t n,
+                                            int32_t sectors, const double* depth, const double* values);
+
+/* What changed since the last poll. hb_ranges then has the ranges. */
+HB_API int32_t HB_CALL hb_live_poll(int64_t live, hb_update* update);
+
+/* Event `index` of the last poll: *count bytes with the 0 at its end. */
+HB_API int32_t HB_CALL hb_live_event(int64_t live, int64_t index, int64_t* count, char* text);
+
+/* All rows of an image by depth: *rows depths, *rows times *sectors values. */
+HB_API int32_t HB_CALL hb_live_image(int64_t live, const char* name, int32_t* sectors, int64_t* rows, double* depth,
+                                     double* values);
+
+/* Handles of the wall, for reading only, and of the path as it is now. Both outlive the handle `live`. */
+HB_API int32_t HB_CALL hb_live_wall(int64_t live, int64_t* wall);
+HB_API int32_t HB_CALL hb_live_path(int64_t live, int64_t* path);
+
+/* --- WITS level 0 ------------------------------------------------------------------------------------------------ */
+
+HB_API int32_t HB_CALL hb_wits_create(int64_t* parser);
+
+/* Takes n bytes; n = 0 ends the stream. *items and *events: what the frames that they complete hold, and how many
+   rules of wits.hpp they break. */
+HB_API int32_t HB_CALL hb_wits_feed(int64_t parser, int64_t n, const char* bytes, int64_t* items, int64_t* events);
+
+/* The items of the last hb_wits_feed: number of the frame from 0, record and item as RRII, value (NaN where the text is
+   none), offset and length of its text in the stream. Each array may be NULL. */
+HB_API int32_t HB_CALL hb_wits_items(int64_t parser, int64_t* count, int64_t* frame, int32_t* code, double* value,
+                                     int64_t* offset, int32_t* length);
+
+#ifdef __cplusplus
+}
+#endif
+
+#endif

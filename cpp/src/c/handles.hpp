@@ -1,0 +1,125 @@
+// What stands behind the C interface: numbers for objects, and a status and a text for exceptions.
+//
+// The table of handles and each thread's text are the only state of the library that is not in a host's object. A
+// number is never used again, so that a closed handle is an error and no access to freed memory; a call in progress
+// keeps its object.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <unordered_map>
+#include <variant>
+#include <vector>
+
+#include "base/messages.hpp"
+#include "helibore/error.hpp"
+#include "helibore/helibore.h"
+#include "helibore/live.hpp"
+#include "helibore/wits.hpp"
+
+namespace helibore::c {
+
+struct WallHandle {
+    static constexpr const char* kind = "a wall";
+    std::shared_ptr<const Wall> read;
+    std::shared_ptr<Wall> append;  // none for the wall of a live well
+    std::mutex lock;
+    std::vector<Range> ranges;  // of the last append
+};
+
+struct PathHandle {
+    static constexpr const char* kind = "a path";
+    Path path;
+};
+
+struct LiveHandle {
+    static constexpr const char* kind = "a live well";
+    explicit LiveHandle(const LiveSettings& settings) : live(settings) {}
+    Live live;
+    std::mutex lock;
+    Update last;  // of the last poll
+};
+
+struct ParserHandle {
+    static constexpr const char* kind = "a WITS parser";
+    wits::Parser parser;
+    std::mutex lock;
+    wits::Batch last;  // of the last feed
+};
+
+using Object = std::variant<std::shared_ptr<WallHandle>, std::shared_ptr<PathHandle>, std::shared_ptr<LiveHandle>,
+                            std::shared_ptr<ParserHandle>>;
+
+class Handles {
+  public:
+    std::int64_t open(Object object);
+    void close(std::int64_t handle);
+    void close_all();
+    Object find(std::int64_t handle) const;  // throws InputError
+
+  private:
+    mutable std::mutex lock_;
+    std::unordered_map<std::int64_t, Object> objects_;
+    std::int64_t last_ = 0;
+};
+
+Handles& handles();
+
+template <class T>
+std::shared_ptr<T> find(const char* name, std::int64_t handle) {
+    const Object object = handles().find(handle);
+    if (const auto* found = std::get_if<std::shared_ptr<T>>(&object)) return *found;
+    throw InputError(name, std::string("must be the handle of ") + T::kind, std::to_string(handle));
+}
+
+// Not enough room for the output.
+struct BufferTooSmall : InputError {
+    using InputError::InputError;
+};
+
+// The status of the exception being handled, whose text hb_last_error returns.
+std::int32_t status_of_exception() noexcept;
+void clear_error() noexcept;
+
+// Runs the body of a function. No exception leaves it.
+template <class Body>
+std::int32_t guarded(const Body& body) noexcept {
+    try {
+        body();
+        clear_error();
+        return HB_OK;
+    } catch (...) {
+        return status_of_exception();
+    }
+}
+
+inline void require_pointer(const char* name, const void* pointer) {
+    if (!pointer) throw InputError(name, "must not be null");
+}
+
+// `size` values of a host's array, which may be null only if there are none.
+template <class T>
+std::span<T> array(const char* name, T* first, std::int64_t size) {
+    if (size > 0) require_pointer(name, first);
+    return {first, static_cast<std::size_t>(size)};
+}
+
+inline void require_count(std::int64_t n) {
+    if (n < 0) throw InputError("n", "must be 0 or more", std::to_string(n));
+}
+
+// Throws BufferTooSmall if one of the counts is less than what is needed. Writes what is needed.
+void require_room(std::initializer_list<std::int64_t*> counts, std::initializer_list<std::int64_t> needed);
+
+template <class Struct>
+void require_struct(const char* name, const Struct* given) {
+    require_pointer(name, given);
+    if (given->size == sizeof(Struct)) return;
+    throw InputError(std::string(name) + ".size",
+                     "must be " + std::to_string(sizeof(Struct)) + ", as in helibore.h of version " HELIBORE_VERSION,
+                     std::to_string(given->size));
+}
+
+}  // namespace helibore::c

@@ -1,0 +1,470 @@
+// The functions of helibore.h: each checks its pointers, calls the core and copies what it returns.
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#include <utility>
+
+#include "c/handles.hpp"
+#include "helibore/logs.hpp"
+#include "helibore/surface.hpp"
+
+namespace {
+
+using namespace helibore;
+using namespace helibore::c;
+
+constexpr double no_value = std::numeric_limits<double>::quiet_NaN();
+
+hb_settings to_c(const Settings& s) {
+    return {.size = sizeof(hb_settings),
+            .sectors = s.sectors,
+            .bit_diameter = s.bit_diameter,
+            .pitch = s.pitch,
+            .start_depth = s.start_depth.value_or(no_value),
+            .stop_depth = s.stop_depth.value_or(no_value),
+            .start_toolface = s.start_toolface,
+            .window = s.window.value_or(0),
+            .most_vertices = s.most_vertices,
+            .power = s.power,
+            .max_distance = s.max_distance,
+            .tolerance = s.tolerance,
+            .angular_scale = s.angular_scale,
+            .kriging_range = s.kriging_range,
+            .nugget = s.nugget,
+            .neighbors = s.neighbors,
+            .max_iterations = s.max_iterations,
+            .estimator = static_cast<std::int32_t>(s.estimator),
+            .direct = s.direct,
+            .threads = s.threads,
+            .instruction_set = static_cast<std::int32_t>(s.instruction_set)};
+}
+
+template <class Enum>
+Enum choice(const char* name, std::int32_t value, Enum last) {
+    const auto most = static_cast<Index>(last);
+    require(value >= 0 && value <= most, name, Index{value}, "must lie in 0 to " + std::to_string(most));
+    return static_cast<Enum>(value);
+}
+
+Settings settings_of(const hb_settings* given) {
+    require_struct("settings", given);
+    const hb_settings& s = *given;
+    const auto set = [](double value) { return std::isnan(value) ? std::optional<double>() : value; };
+    return {.bit_diameter = s.bit_diameter,
+            .sectors = s.sectors,
+            .pitch = s.pitch,
+            .start_depth = set(s.start_depth),
+            .stop_depth = set(s.stop_depth),
+            .start_toolface = s.start_toolface,
+            .neighbors = s.neighbors,
+            .window = s.window == 0 ? std::optional<Index>() : s.window,
+            .power = s.power,
+            .max_distance = s.max_distance,
+            .max_iterations = s.max_iterations,
+            .tolerance = s.tolerance,
+            .angular_scale = s.angular_scale,
+            .estimator = choice("estimator", s.estimator, Estimator::kriging),
+            .kriging_range = s.kriging_range,
+            .nugget = s.nugget,
+            .direct = s.direct != 0,
+            .most_vertices = s.most_vertices,
+            .threads = s.threads,
+            .instruction_set = choice("instruction_set", s.instruction_set, InstructionSet::avx512)};
+}
+
+PathSettings settings_of(const hb_path_settings* given) {
+    require_struct("settings", given);
+    return {.method = choice("method", given->method, Method::radius_of_curvature),
+            .reference = choice("reference", given->reference, Reference::parallel_transport),
+            .head = {given->head_north, given->head_east, given->head_down},
+            .extend = given->extend};
+}
+
+hb_change to_c(const Change& change) {
+    return {.size = sizeof(hb_change),
+            .reserved = 0,
+            .ranges = static_cast<Index>(change.ranges.size()),
+            .settled = change.settled,
+            .accepted = change.accepted,
+            .redundant = change.redundant};
+}
+
+std::span<const double> column(const char* name, const double* values, std::int64_t n) {
+    require_count(n);
+    return array(name, values, n);
+}
+
+SampleColumns samples_of(std::int64_t n, const double* depth, const double* toolface, const double* radius,
+                         const double* time) {
+    return {column("depth", depth, n), column("toolface", toolface, n), column("radius", radius, n),
+            time ? column("time", time, n) : std::span<const double>()};
+}
+
+template <class T, class Values>
+void copy_to(T* into, const Values& values) {
+    if (into) std::transform(values.begin(), values.end(), into, [](const auto& v) { return static_cast<T>(v); });
+}
+
+// Fills an array of *count values.
+template <class T, class Values>
+void fill(std::int64_t* count, const char* name, T* into, const Values& values) {
+    require_room({count}, {static_cast<Index>(values.size())});
+    copy_to(array(name, into, *count).data(), values);
+}
+
+template <class T>
+void open(std::int64_t* handle, std::shared_ptr<T> object) {
+    *handle = handles().open(std::move(object));
+}
+
+// The radii of some vertices and the helix that they are of, with one state of the wall behind them.
+struct WallRadii {
+    Settings settings;
+    std::vector<double> radius;
+    HelixRadii helix;
+
+    WallRadii(const Wall& wall, Range range) : settings(wall.settings()) {
+        double start;
+        do {  // a sample above all others moves the helix, unless the settings fix its start
+            start = wall.start_depth();
+            radius = wall.vertices(range).radius;
+        } while (std::bit_cast<std::uint64_t>(start) != std::bit_cast<std::uint64_t>(wall.start_depth()));
+        helix = {start, settings.start_toolface, settings.pitch, settings.sectors, range.start, radius};
+    }
+};
+
+}  // namespace
+
+const char* hb_version(void) {
+    return HELIBORE_VERSION;
+}
+
+const char* hb_instruction_set(void) {
+    return instruction_set_in_use().data();
+}
+
+int32_t hb_close(int64_t handle) {
+    return guarded([&] { handles().close(handle); });
+}
+
+int32_t hb_settings_init(hb_settings* settings) {
+    return guarded([&] {
+        require_struct("settings", settings);
+        *settings = to_c(Settings{});
+    });
+}
+
+int32_t hb_path_settings_init(hb_path_settings* settings) {
+    return guarded([&] {
+        require_struct("settings", settings);
+        *settings = {sizeof *settings, HB_MINIMUM_CURVATURE, HB_HIGH_SIDE, 0, 0.0, 0.0, 0.0, 0.0};
+    });
+}
+
+int32_t hb_wall_create(const hb_settings* settings, int64_t* wall) {
+    return guarded([&] {
+        require_pointer("wall", wall);
+        const auto handle = std::make_shared<WallHandle>();
+        handle->read = handle->append = std::make_shared<Wall>(settings_of(settings));
+        open(wall, handle);
+    });
+}
+
+int32_t hb_wall_append(int64_t wall, int64_t n, const double* depth, const double* toolface, const double* radius,
+                       const double* time, hb_change* change) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        if (change) require_struct("change", change);
+        if (!handle->append)
+            throw InputError("wall", "must not be the wall of a live well; use hb_live_append_samples",
+                             std::to_string(wall));
+        Change done = handle->append->append(samples_of(n, depth, toolface, radius, time));
+        if (change) *change = to_c(done);
+        const std::scoped_lock held(handle->lock);
+        handle->ranges = std::move(done.ranges);
+    });
+}
+
+int32_t hb_ranges(int64_t wall_or_live, int64_t* count, int64_t* start_stop) {
+    return guarded([&] {
+        const auto copy = [&](const std::vector<Range>& ranges) {
+            require_room({count}, {static_cast<Index>(ranges.size())});
+            const std::span<int64_t> into = array("start_stop", start_stop, 2 * *count);
+            if (!into.empty()) std::memcpy(into.data(), ranges.data(), into.size_bytes());
+        };
+        const Object object = handles().find(wall_or_live);
+        if (const auto* live = std::get_if<std::shared_ptr<LiveHandle>>(&object)) {
+            const std::scoped_lock held((*live)->lock);
+            copy((*live)->last.change ? (*live)->last.change->ranges : std::vector<Range>());
+        } else {
+            const auto wall = find<WallHandle>("wall_or_live", wall_or_live);
+            const std::scoped_lock held(wall->lock);
+            copy(wall->ranges);
+        }
+    });
+}
+
+int32_t hb_wall_get(int64_t wall, hb_wall_state* state) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        require_struct("state", state);
+        const Wall& w = *handle->read;
+        *state = {sizeof *state, 0, w.size(), w.sample_count(), w.settled(), w.start_depth()};
+    });
+}
+
+int32_t hb_wall_read(int64_t wall, int32_t column, int64_t start, int64_t stop, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        require(column >= HB_DEPTH && column <= HB_PROVISIONAL, "column", Index{column}, "must lie in 0 to 6");
+        const VertexColumns found = handle->read->vertices({start, stop});
+        array("values", values, stop - start);
+        switch (column) {
+            case HB_DEPTH:
+                return copy_to(values, found.depth);
+            case HB_TOOLFACE:
+                return copy_to(values, found.toolface);
+            case HB_RADIUS:
+                return copy_to(values, found.radius);
+            case HB_NEAREST:
+                return copy_to(values, found.nearest);
+            case HB_SUPPORT:
+                return copy_to(values, found.support);
+            case HB_ITERATIONS:
+                return copy_to(values, found.iterations);
+            default:
+                return copy_to(values, found.provisional);
+        }
+    });
+}
+
+int32_t hb_wall_samples(int64_t wall, int32_t column, int64_t* count, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        require((column >= HB_DEPTH && column <= HB_RADIUS) || column == HB_TIME, "column", Index{column},
+                "must be 0, 1, 2 or 7");
+        const auto samples = handle->read->samples();
+        const std::size_t at = column == HB_TIME ? 3 : static_cast<std::size_t>(column);
+        if (at >= samples.size()) throw InputError("column", "samples have no time", "7");
+        fill(count, "values", values, samples[at]);
+    });
+}
+
+int32_t hb_wall_interpolate(int64_t wall, int64_t n, const double* samples, int64_t* count, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const std::span<const double> channel = column("samples", samples, n);
+        require_room({count}, {handle->read->size()});
+        const auto found = handle->read->interpolate_samples(std::span(&channel, 1), handle->read->settings().threads);
+        fill(count, "values", values, found[0]);
+    });
+}
+
+int32_t hb_wall_logs(int64_t wall, int64_t window, int64_t* turns, double* values) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const WallRadii of(*handle->read, {0, handle->read->size()});
+        const TurnLogs logs =
+            turn_logs({of.settings.start_toolface, of.settings.sectors, of.radius, window}, of.settings.threads);
+        const std::vector<double>* const columns[] = {&logs.coverage,
+                                                      &logs.mean,
+                                                      &logs.mean_square,
+                                                      &logs.smallest,
+                                                      &logs.largest,
+                                                      &logs.c1,
+                                                      &logs.c1_toolface,
+                                                      &logs.c2,
+                                                      &logs.least_diameter,
+                                                      &logs.diameter_0,
+                                                      &logs.diameter_90,
+                                                      &logs.centre_0,
+                                                      &logs.centre_90,
+                                                      &logs.inscribed_diameter,
+                                                      &logs.inscribed_0,
+                                                      &logs.inscribed_90,
+                                                      &logs.enclosing_diameter,
+                                                      &logs.rugosity};
+        static_assert(std::size(columns) == HB_LOG_COLUMNS);
+        require_room({turns}, {static_cast<Index>(logs.mean.size())});
+        double* into = array("values", values, *turns).data();
+        for (const auto* column : columns) into = std::copy(column->begin(), column->end(), into);
+    });
+}
+
+int32_t hb_wall_surface(int64_t wall, int64_t path, int64_t start, int64_t stop, int64_t* vertex_count,
+                        double* vertices, int64_t* vertex_index, int64_t* quad_count, int64_t* quads) {
+    return guarded([&] {
+        const auto handle = find<WallHandle>("wall", wall);
+        const Path along = path == 0 ? Path() : find<PathHandle>("path", path)->path;
+        const WallRadii of(*handle->read, {start, stop});
+        const SurfaceLayout layout = surface_layout(of.helix);
+        require_room({vertex_count, quad_count}, {layout.vertex_count, layout.quad_count});
+        array("vertices", vertices, layout.vertex_count);
+        array("quads", quads, layout.quad_count);
+        static_assert(sizeof(Vector3) == 3 * sizeof(double) && sizeof(Quad) == 4 * sizeof(std::int64_t));
+        const auto rows = static_cast<std::size_t>(layout.vertex_count);
+        place(of.helix, along, layout.vertices, {reinterpret_cast<Vector3*>(vertices), rows}, of.settings.threads);
+        join(of.helix, layout, {reinterpret_cast<Quad*>(quads), static_cast<std::size_t>(layout.quad_count)},
+             of.settings.threads);
+        if (!vertex_index) return;
+        for (const VertexRun& run : layout.vertices)
+            for (Index k = run.k.start; k < run.k.stop; ++k) *vertex_index++ = k;
+    });
+}
+
+int32_t hb_path_create(const hb_path_settings* settings, int64_t n, const double* depth, const double* inclination,
+                       const double* azimuth, int64_t* path) {
+    return guarded([&] {
+        require_pointer("path", path);
+        const PathSettings how = settings_of(settings);
+        const Survey survey(column("depth", depth, n), column("inclination", inclination, n),
+                            column("azimuth", azimuth, n));
+        open(path, std::make_shared<PathHandle>(PathHandle{Path(survey, how)}));
+    });
+}
+
+int32_t hb_path_read(int64_t path, int64_t n, const double* depth, double* position, double* frame) {
+    return guarded([&] {
+        const auto handle = find<PathHandle>("path", path);
+        const std::span<const double> at = column("depth", depth, n);
+        const std::vector<Vector3> positions = position ? handle->path.position(at) : std::vector<Vector3>();
+        const std::vector<Frame> frames = frame ? handle->path.frame(at) : std::vector<Frame>();
+        static_assert(sizeof(Frame) == 9 * sizeof(double));
+        if (!positions.empty()) std::memcpy(position, positions.data(), positions.size() * sizeof(Vector3));
+        if (!frames.empty()) std::memcpy(frame, frames.data(), frames.size() * sizeof(Frame));
+    });
+}
+
+int32_t hb_live_create(const hb_settings* settings, const hb_path_settings* path, int64_t* live) {
+    return guarded([&] {
+        require_pointer("live", live);
+        open(live, std::make_shared<LiveHandle>(LiveSettings{settings_of(settings), settings_of(path)}));
+    });
+}
+
+int32_t hb_live_append_samples(int64_t live, int64_t n, const double* depth, const double* toolface,
+                               const double* radius, const double* time) {
+    return guarded(
+        [&] { find<LiveHandle>("live", live)->live.append_samples(samples_of(n, depth, toolface, radius, time)); });
+}
+
+int32_t hb_live_append_stations(int64_t live, int64_t n, const double* depth, const double* inclination,
+                                const double* azimuth) {
+    return guarded([&] {
+        find<LiveHandle>("live", live)
+            ->live.append_stations(column("depth", depth, n), column("inclination", inclination, n),
+                                   column("azimuth", azimuth, n));
+    });
+}
+
+int32_t hb_live_append_image(int64_t live, const char* name, const char* unit, int64_t n, int32_t sectors,
+                             const double* depth, const double* values) {
+    return guarded([&] {
+        const auto handle = find<LiveHandle>("live", live);
+        require_pointer("name", name);
+        require_pointer("unit", unit);
+        require(sectors >= 1 && sectors <= 1000000, "sectors", Index{sectors}, "must lie in 1 to 1000000");
+        const auto depths = column("depth", depth, n);
+        require(n <= std::numeric_limits<Index>::max() / sectors, "n", Index{n}, "must be less");
+        handle->live.append_image(name, depths, column("values", values, n * sectors), unit);
+    });
+}
+
+int32_t hb_live_poll(int64_t live, hb_update* update) {
+    return guarded([&] {
+        const auto handle = find<LiveHandle>("live", live);
+        require_struct("update", update);
+        const std::scoped_lock held(handle->lock);
+        handle->last = handle->live.poll();
+        const Update& last = handle->last;
+        *update = {.size = sizeof *update,
+                   .reserved = 0,
+                   .change = to_c(last.change.value_or(Change{})),
+                   .path_from = last.path_from.value_or(no_value),
+                   .images = static_cast<Index>(last.images.size()),
+                   .events = static_cast<Index>(last.events.size())};
+    });
+}
+
+int32_t hb_live_event(int64_t live, int64_t index, int64_t* count, char* text) {
+    return guarded([&] {
+        const auto handle = find<LiveHandle>("live", live);
+        const std::scoped_lock held(handle->lock);
+        const std::vector<std::string>& events = handle->last.events;
+        require(index >= 0 && index < static_cast<Index>(events.size()), "index", Index{index},
+                "must lie within the " + std::to_string(events.size()) + " events of the last poll");
+        const std::string& event = events[static_cast<std::size_t>(index)];
+        fill(count, "text", text, std::span(event.c_str(), event.size() + 1));
+    });
+}
+
+int32_t hb_live_image(int64_t live, const char* name, int32_t* sectors, int64_t* rows, double* depth, double* values) {
+    return guarded([&] {
+        const auto handle = find<LiveHandle>("live", live);
+        require_pointer("name", name);
+        require_pointer("sectors", sectors);
+        const ImageArrays image = handle->live.image(name);
+        *sectors = image.sectors;
+        require_room({rows}, {static_cast<Index>(image.depth.size())});
+        copy_to(array("depth", depth, *rows).data(), image.depth);
+        copy_to(array("values", values, *rows).data(), image.values);
+    });
+}
+
+int32_t hb_live_wall(int64_t live, int64_t* wall) {
+    return guarded([&] {
+        const auto handle = find<LiveHandle>("live", live);
+        require_pointer("wall", wall);
+        const auto reader = std::make_shared<WallHandle>();
+        reader->read = std::shared_ptr<const Wall>(handle, &handle->live.wall());
+        open(wall, reader);
+    });
+}
+
+int32_t hb_live_path(int64_t live, int64_t* path) {
+    return guarded([&] {
+        const auto handle = find<LiveHandle>("live", live);
+        require_pointer("path", path);
+        const std::optional<Path> found = handle->live.path();
+        if (!found) throw InputError("path", "needs two stations");
+        open(path, std::make_shared<PathHandle>(PathHandle{*found}));
+    });
+}
+
+int32_t hb_wits_create(int64_t* parser) {
+    return guarded([&] {
+        require_pointer("parser", parser);
+        open(parser, std::make_shared<ParserHandle>());
+    });
+}
+
+int32_t hb_wits_feed(int64_t parser, int64_t n, const char* bytes, int64_t* items, int64_t* events) {
+    return guarded([&] {
+        const auto handle = find<ParserHandle>("parser", parser);
+        require_count(n);
+        const std::span<const char> text = array("bytes", bytes, n);
+        const std::scoped_lock held(handle->lock);
+        handle->last = n == 0 ? handle->parser.finish() : handle->parser.feed({text.data(), text.size()});
+        if (items) *items = static_cast<Index>(handle->last.items.size());
+        if (events) *events = static_cast<Index>(handle->last.events.size());
+    });
+}
+
+int32_t hb_wits_items(int64_t parser, int64_t* count, int64_t* frame, int32_t* code, double* value, int64_t* offset,
+                      int32_t* length) {
+    return guarded([&] {
+        const auto handle = find<ParserHandle>("parser", parser);
+        const std::scoped_lock held(handle->lock);
+        const std::vector<wits::Item>& items = handle->last.items;
+        require_room({count}, {static_cast<Index>(items.size())});
+        for (std::size_t i = 0; i < items.size(); ++i) {
+            if (frame) frame[i] = items[i].frame;
+            if (code) code[i] = items[i].code;
+            if (value) value[i] = items[i].value;
+            if (offset) offset[i] = items[i].offset;
+            if (length) length[i] = items[i].length;
+        }
+    });
+}
