@@ -3,17 +3,25 @@
 
 #include <cfenv>
 
+#include "check.hpp"
+
+inline constexpr int trapped = FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW;
+
+inline void set_host_state(int rounding, bool traps) {
+    std::fesetround(rounding);
+#ifdef __GLIBC__
+    std::feclearexcept(FE_ALL_EXCEPT);
+    if (traps) feenableexcept(trapped);
+#else
+    static_cast<void>(traps);
+#endif
+}
+
 class HostState {
   public:
     HostState(int rounding, bool traps) {
         std::fegetenv(&before_);
-        std::fesetround(rounding);
-#ifdef __GLIBC__
-        std::feclearexcept(FE_ALL_EXCEPT);
-        if (traps) feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
-#else
-        static_cast<void>(traps);
-#endif
+        set_host_state(rounding, traps);
     }
     ~HostState() { std::fesetenv(&before_); }
     HostState(const HostState&) = delete;
@@ -22,3 +30,19 @@ class HostState {
   private:
     std::fenv_t before_;
 };
+
+inline constexpr int roundings[] = {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
+
+// Runs a test in every rounding of the host, with exceptions that trap: a call that is refused must not trap, and gives
+// the host's state back. The test itself must not divide by zero or compare NaNs by size.
+template <class Test>
+void in_every_host_state(const Test& test) {
+    for (const int rounding : roundings) {
+        const HostState state(rounding, true);
+        test();
+        CHECK(std::fegetround() == rounding);
+#ifdef __GLIBC__
+        CHECK(fegetexcept() == trapped);
+#endif
+    }
+}

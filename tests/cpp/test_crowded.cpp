@@ -2,8 +2,10 @@
 // Every instruction set, 1, 2 and 7 threads, every rounding of the host, traps, and any split give the bits of a batch
 // with plain instructions, and these are the estimates of a slow search of all samples.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 
 #include "check.hpp"
@@ -46,6 +48,8 @@ std::vector<Shape> shapes() {
             {"one depth", placed(crowd, [](std::size_t i, double, Hole& h) { h.depth[i] = 102.0; })},
             {"few depths",
              placed(n, [](std::size_t i, double, Hole& h) { h.depth[i] = 100.0 + static_cast<double>(i % 5); })},
+            {"fifty depths", placed(n, [](std::size_t i, double,
+                                          Hole& h) { h.depth[i] = 100.0 + 0.08 * static_cast<double>(i % 50); })},
             {"all around", oval_hole(n / 4, 100.0, 4.0)},
             {"sparse", oval_hole(80, 100.0, 4.0)},  // max_distance decides
             {"ties", placed(n / 4, [](std::size_t i, double, Hole& h) {
@@ -57,7 +61,7 @@ std::vector<Shape> shapes() {
 std::vector<Settings> settings() {
     const Settings common{
         .bit_diameter = 0.216, .sectors = 16, .pitch = 0.11, .start_depth = 100.0, .stop_depth = 104.0};
-    std::vector<Settings> all(9, common);
+    std::vector<Settings> all(13, common);
     all[1].neighbors = 32;
     all[2].window = 100;
     all[3].power = 0.7;
@@ -66,6 +70,37 @@ std::vector<Settings> settings() {
     all[6].max_distance = 0.05, all[6].pitch = -0.11, all[6].start_depth = 104.0, all[6].stop_depth = 100.0;
     all[7].angular_scale = 0.25, all[7].max_distance = 0.3, all[7].neighbors = 5, all[7].max_iterations = 15;
     all[8].estimator = helibore::Estimator::kriging, all[8].kriging_range = 0.5;
+    all[9].neighbors = 16, all[9].power = 0.5;
+    all[10].neighbors = 256, all[10].power = 3.3;
+    all[11].neighbors = 128, all[11].window = 1000;
+    all[12].neighbors = 64, all[12].power = 2.0, all[12].max_iterations = 20;
+    return all;
+}
+
+// Values that settings may have and nobody means.
+std::vector<Settings> extreme_settings() {
+    const Settings common{.bit_diameter = 0.216, .sectors = 5, .pitch = 0.5, .start_depth = 101.0, .stop_depth = 103.0};
+    std::vector<Settings> all;
+    const auto add = [&](const auto& set) {
+        all.push_back(common);
+        set(all.back());
+    };
+    constexpr double least = std::numeric_limits<double>::denorm_min(), most = std::numeric_limits<double>::max();
+    for (const double value : {least, 1e-300, 1e-155, 1e155, most}) {
+        add([&](Settings& s) { s.angular_scale = std::clamp(value, 0.001, 1000.0); });
+        add([&](Settings& s) { s.power = std::min(value, 100.0); });
+        add([&](Settings& s) { s.max_distance = std::max(value, 1e-9); });
+        add([&](Settings& s) { s.tolerance = value; });
+        add([&](Settings& s) {
+            s.estimator = helibore::Estimator::kriging, s.kriging_range = value, s.nugget = std::max(value, 1e-6);
+        });
+        add([&](Settings& s) { s.power = std::min(value, 100.0), s.max_distance = 0.02, s.neighbors = 20; });
+        add([&](Settings& s) { s.start_toolface = -value; });
+    }
+    add([](Settings& s) { s.window = std::numeric_limits<Index>::max(); });
+    add([](Settings& s) { s.bit_diameter = 0.001, s.neighbors = 1; });
+    add([](Settings& s) { s.bit_diameter = 4.0, s.pitch = 1e7; });
+    add([](Settings& s) { s.tolerance = helibore::no_limit, s.max_iterations = 255; });
     return all;
 }
 
@@ -152,7 +187,48 @@ void agrees_with_a_slow_search(const std::string& name, const Settings& s, const
     CHECK(wrong == 0);
 }
 
-void every_way_gives_the_same(const std::string& name, const Settings& plain, const Hole& hole) {
+// The samples by depth, as the bit meets them.
+Hole drilled(const Hole& hole, bool down) {
+    std::vector<std::size_t> order(hole.depth.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::ranges::stable_sort(order, [&](std::size_t a, std::size_t b) {
+        return down ? hole.depth[a] < hole.depth[b] : hole.depth[a] > hole.depth[b];
+    });
+    Hole sorted;
+    for (const std::size_t i : order) {
+        sorted.depth.push_back(hole.depth[i]);
+        sorted.toolface.push_back(hole.toolface[i]);
+        sorted.radius.push_back(hole.radius[i]);
+        sorted.time.push_back(hole.time[i]);
+    }
+    return sorted;
+}
+
+// A change names exactly the vertices that differ, and none that was settled.
+void append_in_parts(Wall& wall, const Hole& hole) {
+    const std::size_t part = hole.depth.size() / 6 + 1;
+    for (std::size_t at = 0; at < hole.depth.size(); at += part) {
+        const helibore::VertexColumns before = wall.vertices();
+        const Index settled = wall.settled();
+        const helibore::Change change = wall.append(hole.rows(at, std::min(part, hole.depth.size() - at)));
+        const helibore::VertexColumns after = wall.vertices();
+        const auto bits_of = [](double value) { return std::bit_cast<std::uint64_t>(value); };
+        std::vector<helibore::Range> differing;
+        for (std::size_t k = 0; k < after.radius.size(); ++k) {
+            const bool same = k < before.radius.size() && bits_of(before.radius[k]) == bits_of(after.radius[k]) &&
+                              bits_of(before.nearest[k]) == bits_of(after.nearest[k]) &&
+                              before.support[k] == after.support[k] && before.iterations[k] == after.iterations[k];
+            const auto here = static_cast<Index>(k);
+            if (same) continue;
+            if (differing.empty() || differing.back().stop != here) differing.push_back({here, here});
+            differing.back().stop = here + 1;
+        }
+        CHECK(change.ranges == differing);
+        CHECK(differing.empty() || differing[0].start >= settled);
+    }
+}
+
+void every_way_gives_the_same(const std::string& name, const Settings& plain, const Hole& hole, bool usual) {
     Wall expected(plain);
     expected.append(hole.all());
     const std::vector<std::uint64_t> wanted = bits(expected);
@@ -160,28 +236,26 @@ void every_way_gives_the_same(const std::string& name, const Settings& plain, co
         if (bits(wall) != wanted) fail(__FILE__, __LINE__, name + ": other bits with " + how);
     };
     for (const InstructionSet set : {InstructionSet::plain, InstructionSet::avx2, InstructionSet::avx512}) {
-        for (const int threads : {1, 2, 7}) {
-            Settings other = plain;
-            other.instruction_set = set;
-            other.threads = threads;
-            try {
-                Wall wall(other);
-                wall.append(hole.all());
-                check_same(wall, "instruction set " + std::to_string(static_cast<int>(set)) + ", threads " +
-                                     std::to_string(threads));
-            } catch (const helibore::InputError&) {  // not this processor
-            }
+        Settings other = plain;
+        other.instruction_set = set;
+        try {
+            Wall wall(other);
+            wall.append(hole.all());
+            check_same(wall, "instruction set " + std::to_string(static_cast<int>(set)));
+        } catch (const helibore::InputError&) {  // not this processor
         }
     }
     Settings automatic = plain;
     automatic.instruction_set = InstructionSet::automatic;
-    for (const int rounding : {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO}) {
-        Wall wall(automatic);
+    for (const int rounding : roundings) {
+        Settings threaded = automatic;
+        threaded.threads = rounding == FE_TONEAREST ? 7 : rounding == FE_UPWARD ? 2 : 1;
+        Wall wall(threaded);
         {
             const HostState state(rounding, true);
             wall.append(hole.all());
         }
-        check_same(wall, "rounding " + std::to_string(rounding));
+        check_same(wall, "rounding " + std::to_string(rounding) + ", threads " + std::to_string(threaded.threads));
     }
     Wall split(automatic);
     const std::size_t n = hole.depth.size(), third = n / 3;
@@ -190,17 +264,46 @@ void every_way_gives_the_same(const std::string& name, const Settings& plain, co
     for (std::size_t at = third; at < 2 * third; at += third / 4)
         split.append(hole.rows(at, std::min(third / 4, 2 * third - at)));
     check_same(split, "a split");
+    if (!usual) return;
+    Wall deeper(automatic);
+    append_in_parts(deeper, drilled(hole, plain.pitch > 0.0));
+    check_same(deeper, "appends down the hole");
     if (plain.estimator == helibore::Estimator::inverse_distance) agrees_with_a_slow_search(name, plain, expected);
+}
+
+// Enough vertices that threads share them: each begins its search elsewhere.
+void threads_share_the_work(const Shape& shape) {
+    Settings many{.bit_diameter = 0.216, .sectors = 64, .pitch = 0.02, .start_depth = 100.0};
+    many.stop_depth = reduced > 1 ? 101.3 : 104.0;
+    for (const int neighbors : {8, 64}) {
+        many.neighbors = neighbors;
+        many.power = neighbors == 8 ? 1.0 : 0.5;
+        std::vector<std::uint64_t> one;
+        for (const int threads : {1, 2, 7}) {
+            many.threads = threads;
+            Wall wall(many);
+            wall.append(shape.hole.all());
+            if (threads == 1) one = bits(wall);
+            if (bits(wall) != one)
+                fail(__FILE__, __LINE__, shape.name + std::string(": other bits on ") + std::to_string(threads));
+        }
+    }
 }
 
 }  // namespace
 
 int main() {
     for (const Shape& shape : shapes()) {
-        int number = 0;
-        for (Settings s : settings()) {
-            s.instruction_set = InstructionSet::plain;
-            every_way_gives_the_same(shape.name + std::string(", settings ") + std::to_string(number++), s, shape.hole);
+        threads_share_the_work(shape);
+        for (const bool usual : {true, false}) {
+            if (!usual && shape.name != std::string("one depth") && shape.name != std::string("all around")) continue;
+            int number = 0;
+            for (Settings s : usual ? settings() : extreme_settings()) {
+                s.instruction_set = InstructionSet::plain;
+                const std::string name =
+                    shape.name + std::string(usual ? ", settings " : ", extreme settings ") + std::to_string(number++);
+                every_way_gives_the_same(name, s, shape.hole, usual);
+            }
         }
     }
     return failures();

@@ -8,6 +8,7 @@
 #include "check.hpp"
 #include "helibore/error.hpp"
 #include "hole.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -80,21 +81,112 @@ void by_hand() {
     const PointEstimates found = estimate_at(samples, points, settings);
     CHECK(near(found.radius[0], (2.0 * 0.1 + 0.16) / 3.0));  // 0.1 and 0.2 m away, itself left out
     CHECK(near(found.nearest[0], 0.1) && near(found.farthest[0], 0.2) && near(found.square_weights[0], 5.0 / 9.0));
-    CHECK(near(found.scatter[0], (2.0 * 0.02 * 0.02 + 0.04 * 0.04) / 3.0));
-    for (const auto& spread : found.spread) CHECK(near(spread[0], (2.0 * 0.1 + 0.2) / 3.0));  // no turn to stretch
+    CHECK(near(found.scatter[0], (std::pow(0.1 - 0.12, 2) + std::pow(0.16 - 0.12, 2)) / 2.0));
+    CHECK(near(found.along[0], (0.1 * 0.1 + 0.2 * 0.2) / 2.0) && found.across[0] == 0.0);
     CHECK(found.radius[1] == 0.12 && found.nearest[1] == 0.0 && found.square_weights[1] == 1.0);
     for (const std::size_t none : {2u, 3u})
         CHECK(std::isnan(found.radius[none]) && std::isnan(found.nearest[none]) && std::isnan(found.scatter[none]));
-    Points uneven = points;
+}
+
+void refusals() {
+    const std::vector<double> two = {1.0, 2.0}, good_radius = {0.1, 0.1}, falling = {2.0, 1.0}, gap = {1.0, nan};
+    const std::vector<double> nuggets = {0.1, 0.0};
+    const std::span<const double> one = std::span(two).first(1);
+    const SampleColumns samples{two, two, good_radius};
+    const Settings settings{.bit_diameter = 0.2, .estimator = Estimator::kriging, .kriging_range = 0.5};
+    const Points points{{1.0}, {0.0}, {0.1}, {0.0}, {0.0}};
+    Points uneven = points, deep = points, turned = points;
     uneven.trial.pop_back();
+    deep.depth[0] = nan;
+    turned.toolface[0] = -nan;
     CHECK_THROWS(InputError, "points: columns must have equal lengths", estimate_at(samples, uneven, settings));
+    CHECK_THROWS(InputError, "points.depth[0] = nan: must be finite", estimate_at(samples, deep, settings));
+    CHECK_THROWS(InputError, "points.toolface[0] = nan: must be finite", estimate_at(samples, turned, settings));
     CHECK_THROWS(InputError, "bit_diameter = 0: must be finite and above 0", estimate_at(samples, points, {}));
+    CHECK_THROWS(InputError, "nuggets[1] = 0: must be finite and at least 1e-6",
+                 estimate_at(samples, points, settings, nuggets));
+    const auto of = [&](const SampleColumns& columns) { return estimate_at(columns, points, settings); };
+    CHECK_THROWS(InputError, "toolface has 1 values, depth has 2: must be equal", of({two, one, good_radius}));
+    CHECK_THROWS(InputError, "radius has 1 values, depth has 2: must be equal", of({two, two, one}));
+    CHECK_THROWS(InputError, "toolface[1] = nan: must be finite", of({two, gap, good_radius}));
+    CHECK_THROWS(InputError, "depth[1] = 1: must not be less than depth[0] = 2", of({falling, two, good_radius}));
+}
+
+// What a wall keeps with its vertices is what estimates at these points from the same trial radii give; on every
+// instruction set and in any split of the samples, to the last bit.
+void kept_sums() {
+    const Hole hole = oval_hole(700, 100.0, 4.0);
+    for (const Estimator estimator : {Estimator::inverse_distance, Estimator::kriging}) {
+        Settings settings{.bit_diameter = 0.216, .sectors = 16, .pitch = 0.2, .neighbors = 6, .max_distance = 0.08};
+        settings.max_iterations = 1;
+        settings.angular_scale = 2.0;
+        settings.estimator = estimator;
+        settings.kriging_range = estimator == Estimator::kriging ? 0.5 : 0.0;
+        settings.start_depth = 100.0;
+        settings.sigma = true;
+        Wall wall(settings);
+        wall.append(hole.all());
+        const VertexColumns v = wall.vertices();
+        const std::size_t n = v.radius.size();
+        const std::vector<double> none(n, -1.0);
+        const Points points{v.depth, v.toolface, std::vector<double>(n, 0.108), none, none};
+        const auto samples = wall.samples();
+        const PointEstimates found = estimate_at(columns_of(samples), points, settings);
+        const auto sums = wall.sums();
+        for (std::size_t k = 0; k < n; ++k) {
+            if (v.support[k] == 0) continue;
+            const double kept[] = {sums[0][k], sums[1][k], sums[2][k], sums[3][k]};
+            const double again[] = {found.square_weights[k], found.scatter[k], found.along[k], found.across[k]};
+            for (int i = 0; i < 4; ++i) CHECK(near(kept[i], again[i], 1e-12));
+        }
+        for (const InstructionSet set : {InstructionSet::plain, InstructionSet::avx2, InstructionSet::avx512}) {
+            Settings other = settings;
+            other.instruction_set = set;
+            other.threads = 3;
+            Wall split(other);
+            const std::size_t third = hole.depth.size() / 3;
+            split.append(hole.rows(2 * third, hole.depth.size() - 2 * third));
+            split.append(hole.rows(0, third));
+            split.append(hole.rows(third, third));
+            const auto same = split.sums();
+            for (std::size_t k = 0; k < n; ++k)
+                for (std::size_t i = 0; i < 4; ++i) CHECK(v.support[k] == 0 || near(same[i][k], sums[i][k], 0.0));
+        }
+    }
+}
+
+// sigma^2 = noise W + between S^a (A + stretch C)^b, for lengths that do and do not fill the last pack.
+void sigma_by_hand() {
+    for (const std::size_t n : {1u, 8u, 13u}) {
+        std::vector<double> columns[4];
+        for (std::size_t i = 0; i < n; ++i) {
+            const auto x = static_cast<double>(i + 1);
+            const double values[] = {0.3 / x, 1e-7 * x * x, i % 5 == 4 ? 0.05 : 1e-4 * x, 3e-5 / x};
+            for (int c = 0; c < 4; ++c) columns[c].push_back(i % 7 == 6 ? nan : values[c]);
+        }
+        const SigmaRule rule{2e-7, 5e-5, 0.7, 1.3, 16.0, 0.2};
+        const auto found = sigma_of({columns[0], columns[1], columns[2], columns[3]}, rule);
+        CHECK(found.size() == n);
+        for (std::size_t i = 0; i < n; ++i) {
+            const double between = std::pow(columns[1][i], 0.7) * std::pow(columns[2][i] + 16.0 * columns[3][i], 1.3);
+            const double sigma = std::sqrt(2e-7 * columns[0][i] + 5e-5 * between);
+            CHECK(i % 5 == 4 || i % 7 == 6 ? std::isnan(found[i]) : near(found[i] / sigma, 1.0, 1e-13));
+        }
+        columns[3].push_back(0.0);
+        CHECK_THROWS(InputError, "sums: columns must have equal lengths",
+                     sigma_of({columns[0], columns[1], columns[2], columns[3]}, rule));
+    }
+    Wall plain({.bit_diameter = 0.2});
+    CHECK_THROWS(InputError, "sigma: must be set for the sums of the vertices", plain.sums());
 }
 
 }  // namespace
 
 int main() {
     at_vertices();
+    kept_sums();
+    sigma_by_hand();
     by_hand();
+    in_every_host_state(refusals);
     return failures();
 }

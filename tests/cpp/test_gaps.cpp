@@ -7,6 +7,7 @@
 #include "helibore/error.hpp"
 #include "helibore/logs.hpp"
 #include "hole.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -70,6 +71,16 @@ void refusals() {
     CHECK_THROWS(InputError, "count = -1: must not be negative", angular_gaps({.count = -1}, good, 1.0));
     CHECK_THROWS(InputError, "start_toolface = inf: must be finite",
                  angular_gaps({.start_toolface = infinity}, good, 1.0));
+    CHECK_THROWS(InputError, "count = 1099511627776: must be at most 2147483647",
+                 angular_gaps({.count = Index{1} << 40}, good, 1.0));
+    CHECK_THROWS(InputError, "start_depth = inf: must be finite",
+                 angular_gaps({.start_depth = infinity, .count = 1}, good, 1.0));
+    CHECK_THROWS(InputError, "pitch = 0: must be finite and not 0",
+                 angular_gaps({.pitch = 0.0, .count = 1}, good, 1.0));
+    CHECK_THROWS(InputError, "reach = -1: must be 0 or above", angular_gaps({}, good, -1.0));
+    CHECK_THROWS(InputError, "depth[1] = inf: must be finite", angular_gaps({}, {bad, two}, 1.0));
+    const std::vector<double> falling = {2.0, 1.0};
+    CHECK_THROWS(InputError, "depth[1] = 1: must not be less than depth[0] = 2", angular_gaps({}, {falling, two}, 1.0));
     CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", angular_gaps({}, good, 1.0, 0));
     CHECK_THROWS(InputError, "toolface has 1 values, depth has 2: must be equal",
                  angular_gaps({}, {two, std::span(two).first(1)}, 1.0));
@@ -81,6 +92,6 @@ void refusals() {
 int main() {
     loops();
     by_hand();
-    refusals();
+    in_every_host_state(refusals);
     return failures();
 }

@@ -4,14 +4,21 @@
 #include <limits>
 
 #include "check.hpp"
+#include "helibore/estimates.hpp"
 #include "helibore/image.hpp"
+#include "helibore/live.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/surface.hpp"
 #include "helibore/wits.hpp"
 #include "hole.hpp"
+#include "host.hpp"
 
 #ifdef __SSE2__
 #include <xmmintrin.h>
+#endif
+#ifdef __unix__
+#include <sys/wait.h>
+#include <unistd.h>
 #endif
 
 namespace {
@@ -19,7 +26,8 @@ namespace {
 using Result = std::vector<std::uint64_t>;
 
 // All that computes, in the host's state: a wall in two appends with samples exactly on vertices (distance 0) and a
-// gap, values at its vertices, its surface, a volume, logs, an image, a path, and a parser.
+// gap, values at its vertices, estimates at points, angular gaps, its surface, a volume, logs, an image, a path, a live
+// well, and a parser.
 Result work(int threads, const Hole& hole) {
     helibore::Wall wall({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .power = 0.7, .threads = threads});
     hole.all().validate(threads);
@@ -35,6 +43,24 @@ Result work(int threads, const Hole& hole) {
     const std::span<const double> channel(samples[2]);
     add(wall.interpolate_samples(std::span(&channel, 1), threads)[0]);
 
+    const std::vector<double> depths = wall.depth(), toolfaces = wall.toolface();
+    std::vector<double> trial = wall.radius();
+    const std::vector<double> box(trial.size(), 0.02), nuggets = {0.5};
+    trial[7] = std::numeric_limits<double>::quiet_NaN();
+    const helibore::Settings kriging{
+        .bit_diameter = 0.216, .estimator = helibore::Estimator::kriging, .kriging_range = 0.4, .threads = threads};
+    const helibore::PointEstimates estimates = helibore::estimate_at(
+        {samples[0], samples[1], samples[2]}, {depths, toolfaces, trial, box, box}, kriging, nuggets);
+    for (const auto* column :
+         {&estimates.radius, &estimates.by_nugget[0], &estimates.square_weights, &estimates.scatter, &estimates.along})
+        add(*column);
+    const helibore::HelixVertices vertices_of_wall{
+        .start_depth = wall.start_depth(), .pitch = 0.05, .sectors = 48, .count = wall.size()};
+    add(helibore::angular_gaps(vertices_of_wall, {samples[0], samples[1]}, 0.1, threads));
+    helibore::Live live({.wall = {.bit_diameter = 0.216, .start_depth = 100.0, .direct = true, .threads = threads}});
+    live.append_samples(hole.rows(0, 500));
+    add(live.wall().radius());
+
     radius = wall.radius();
     radius[5000] = std::numeric_limits<double>::quiet_NaN();
     std::vector<double> beyond;
@@ -45,6 +71,8 @@ Result work(int threads, const Hole& hole) {
     add(survey.dogleg());
     helibore::Stations stations({.method = helibore::Method::radius_of_curvature});
     CHECK(stations.take(depth, inclination, azimuth).refused.empty());
+    CHECK(live.append_stations(depth, inclination, azimuth).events.empty());
+    for (const auto& position : live.path()->position(depth)) add(position);
     for (const helibore::Path& path : {helibore::Path(survey), *stations.path()}) {
         const helibore::Surface surface = helibore::surface_of(helix, path, threads);
         for (const auto& vertex : surface.vertices) add(vertex);
@@ -92,19 +120,36 @@ int host_state() {
 #endif
 
 template <class Set>
-void under(const char* name, const Result& expected, const Hole& hole, const Set& set) {
-    for (const int threads : {1, 3}) {
-        std::fenv_t normal;
-        std::fegetenv(&normal);
-        set();
-        const auto as_set = host_state();
-        const Result result = work(threads, hole);
-        const bool restored = host_state() == as_set;
-        std::fesetenv(&normal);
-        if (!restored) fail(__FILE__, __LINE__, std::string("state not given back: ") + name);
-        if (result != expected) fail(__FILE__, __LINE__, std::string("other bits: ") + name);
-    }
+void under(const std::string& name, const Result& expected, int threads, const Hole& hole, const Set& set) {
+    std::fenv_t normal;
+    std::fegetenv(&normal);
+    set();
+    const auto as_set = host_state();
+    const Result result = work(threads, hole);
+    const bool restored = host_state() == as_set;
+    std::fesetenv(&normal);
+    if (!restored) fail(__FILE__, __LINE__, "state not given back: " + name);
+    if (result != expected) fail(__FILE__, __LINE__, "other bits: " + name);
 }
+
+// A process that forks between two calls: the child's wall goes on with the same bits.
+#ifdef __unix__
+void after_a_fork(const Hole& hole) {
+    const helibore::Settings settings{.bit_diameter = 0.216, .threads = 2};
+    helibore::Wall expected(settings), wall(settings);
+    expected.append(hole.all());
+    wall.append(hole.rows(0, 1000));
+    const pid_t child = fork();
+    if (child == 0) {
+        wall.append(hole.rows(1000, hole.depth.size() - 1000));
+        _exit(bits(wall) == bits(expected) ? 0 : 1);
+    }
+    int status = -1;
+    CHECK(waitpid(child, &status, 0) == child && status == 0);
+    wall.append(hole.rows(1000, hole.depth.size() - 1000));
+    CHECK(bits(wall) == bits(expected));
+}
+#endif
 
 }  // namespace
 
@@ -115,17 +160,18 @@ int main() {
         hole.toolface[i] = i % 2 == 0 ? 0.0 : 1e-300;
     }
     const Result expected = work(1, hole);
-    under("as the system starts", expected, hole, [] {});
-    under("rounding upwards", expected, hole, [] { std::fesetround(FE_UPWARD); });
-    under("rounding towards zero", expected, hole, [] { std::fesetround(FE_TOWARDZERO); });
+    int threads = 1;
+    for (const int rounding : roundings) {
+        threads = threads == 7 ? 2 : 7;
+        under("rounding " + std::to_string(rounding) + " with exceptions that trap", expected, threads, hole,
+              [&] { set_host_state(rounding, true); });
+    }
+    under("rounding upwards", expected, 1, hole, [&] { set_host_state(FE_UPWARD, false); });
 #ifdef __SSE2__
-    under("subnormals flushed", expected, hole, [] { _mm_setcsr(_mm_getcsr() | 0x8040); });
+    under("subnormals flushed", expected, 3, hole, [] { _mm_setcsr(_mm_getcsr() | 0x8040); });
 #endif
-#ifdef __GLIBC__
-    under("exceptions that trap", expected, hole, [] {
-        std::feclearexcept(FE_ALL_EXCEPT);
-        feenableexcept(FE_DIVBYZERO | FE_INVALID | FE_OVERFLOW);
-    });
+#ifdef __unix__
+    after_a_fork(hole);
 #endif
     return failures();
 }

@@ -6,6 +6,7 @@
 
 #include "check.hpp"
 #include "helibore/error.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -87,6 +88,15 @@ void refusals() {
                  linear_values(image, 1.0, with([&](QuadCentres& q) { q.sector = sector; })));
     CHECK_THROWS(InputError, "count = -1: must not be negative",
                  linear_values(image, 1.0, with([](QuadCentres& q) { q.count = -1; })));
+    CHECK_THROWS(InputError, "count = 1099511627776: must be at most 2147483647",
+                 linear_values(image, 1.0, with([](QuadCentres& q) { q.count = Index{1} << 40; })));
+    CHECK_THROWS(InputError, "reach = nan: must be 0 or above", linear_values(image, nan, good));
+    const std::vector<double> falling = {10.0, 11.0, 9.0}, infinite = {10.0, 11.0, -nan};
+    CHECK_THROWS(InputError, "depth[2] = 9: must not be less than depth[1] = 11",
+                 linear_values({falling, values, 3}, 1.0, good));
+    CHECK_THROWS(InputError, "depth[2] = nan: must be finite", linear_values({infinite, values, 3}, 1.0, good));
+    CHECK_THROWS(InputError, "low[2] = 9: must not be less than low[1] = 11", cell_values(image, falling, depth, good));
+    CHECK_THROWS(InputError, "high[2] = nan: must be finite", cell_values(image, depth, infinite, good));
     CHECK_THROWS(InputError, "threads = 0: must lie in 1 to 1024", linear_values(image, 1.0, good, 0));
     CHECK_THROWS(InputError, "start_depth = nan: must be finite",
                  linear_values(image, 1.0, with([](QuadCentres& q) { q.start_depth = nan; })));
@@ -105,6 +115,6 @@ int main() {
     cells();
     lines();
     turns();
-    refusals();
+    in_every_host_state(refusals);
     return failures();
 }

@@ -9,6 +9,7 @@
 #include "helibore/image.hpp"
 #include "helibore/live.hpp"
 #include "hole.hpp"
+#include "host.hpp"
 
 using helibore::Index;
 using helibore::InputError;
@@ -156,6 +157,7 @@ void refusals() {
     live.append_image("GR", one, two);
     CHECK_THROWS(InputError, "values has 1 sectors: image 'GR' has 2", live.append_image("GR", one, one));
     CHECK_THROWS(InputError, "image 'X': is not there", live.image("X"));
+    CHECK_THROWS(InputError, "sectors = 2: must be 3 or more", Update{}.quads(2));
     CHECK(live.wall().sample_count() == 0 && live.image("GR").depth.size() == 1);
 }
 
@@ -167,6 +169,6 @@ int main() {
     an_update_is_bounded();
     stations();
     image_rows();
-    refusals();
+    in_every_host_state(refusals);
     return failures();
 }

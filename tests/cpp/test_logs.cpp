@@ -6,8 +6,11 @@
 #include "check.hpp"
 #include "helibore/error.hpp"
 #include "helibore/logs.hpp"
+#include "host.hpp"
 
 namespace {
+
+using helibore::turn_logs;
 
 // Turns of a circle of radius R whose centre lies e from the axis, towards toolface 0.
 std::vector<double> circle(double R, double e, int sectors, int turns) {
@@ -23,10 +26,27 @@ bool near(double a, double b) {
     return std::abs(a - b) < 1e-9;
 }
 
+void refusals() {
+    std::vector<double> radius(64 * 150, 0.12);
+    CHECK(turn_logs({.sectors = 3, .radius = {}}).mean.empty());
+    CHECK_THROWS(helibore::InputError, "sectors = 2: must be 3 or more", turn_logs({.sectors = 2, .radius = radius}));
+    CHECK_THROWS(helibore::InputError, "window = 4: must be odd and 3 or more",
+                 turn_logs({.radius = radius, .window = 4}));
+    CHECK_THROWS(helibore::InputError, "threads = 2147483647: must lie in 1 to 1024",
+                 turn_logs({.radius = radius}, 2147483647));
+    CHECK_THROWS(helibore::InputError, "sectors = 2000000000: must be at most 1000000",
+                 turn_logs({.sectors = 2000000000, .radius = radius}));
+    CHECK_THROWS(helibore::InputError, "start_toolface = inf: must be finite",
+                 turn_logs({.start_toolface = std::numeric_limits<double>::infinity(), .radius = radius}));
+    CHECK(turn_logs({.radius = radius, .window = std::numeric_limits<helibore::Index>::max()}).mean.size() == 150);
+    radius[3] = 1e155;
+    CHECK_THROWS(helibore::InputError, "radius[3] = 1e+155: must lie in 1e-50 to 1e50 m, or be nan",
+                 turn_logs({.radius = radius}));
+}
+
 }  // namespace
 
 int main() {
-    using helibore::turn_logs;
     std::vector<double> radius = circle(0.12, 0.01, 32, 300);
     radius[5 * 32 + 7] = std::numeric_limits<double>::quiet_NaN();
     radius.push_back(0.12);  // fills no turn
@@ -42,20 +62,10 @@ int main() {
 
     const helibore::TurnLogs seven = turn_logs({.sectors = 32, .radius = radius, .window = 5}, 7);
     CHECK(seven.inscribed_diameter[299] == logs.inscribed_diameter[299] && seven.rugosity[297] == logs.rugosity[297]);
-
-    CHECK(turn_logs({.sectors = 3, .radius = {}}).mean.empty());
-    CHECK_THROWS(helibore::InputError, "sectors = 2: must be 3 or more", turn_logs({.sectors = 2, .radius = radius}));
-    CHECK_THROWS(helibore::InputError, "window = 4: must be odd and 3 or more",
-                 turn_logs({.radius = radius, .window = 4}));
-    CHECK_THROWS(helibore::InputError, "threads = 2147483647: must lie in 1 to 1024",
-                 turn_logs({.radius = radius}, 2147483647));
-    CHECK_THROWS(helibore::InputError, "sectors = 2000000000: must be at most 1000000",
-                 turn_logs({.sectors = 2000000000, .radius = radius}));
-    CHECK_THROWS(helibore::InputError, "start_toolface = inf: must be finite",
-                 turn_logs({.start_toolface = std::numeric_limits<double>::infinity(), .radius = radius}));
-    CHECK(turn_logs({.radius = radius, .window = std::numeric_limits<helibore::Index>::max()}).mean.size() == 150);
-    radius[3] = 1e155;
-    CHECK_THROWS(helibore::InputError, "radius[3] = 1e+155: must lie in 1e-50 to 1e50 m, or be nan",
-                 turn_logs({.radius = radius}));
+    for (const double start : {1e300, -1e17, -1e-20, 360.0}) {
+        const double toolface = turn_logs({.start_toolface = start, .sectors = 32, .radius = radius}).c1_toolface[0];
+        CHECK(toolface >= 0.0 && toolface < 180.0);
+    }
+    in_every_host_state(refusals);
     return failures();
 }

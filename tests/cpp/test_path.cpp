@@ -6,8 +6,10 @@
 #include <limits>
 #include <numbers>
 
+#include "base/trigonometry.hpp"
 #include "check.hpp"
 #include "helibore/error.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -28,6 +30,25 @@ void published_vector() {
     CHECK(near(arc[0], 27.21833, 1e-5) && near(arc[1], 19.45077, 1e-5) && near(arc[2], 94.01234, 1e-5));
     const Vector3 curve = Path(survey, {.method = Method::radius_of_curvature}).position(bottom)[0];
     CHECK(near(curve[0], 28.5811, 1e-4) && near(curve[1], 18.2082, 1e-4) && near(curve[2], 93.8500, 1e-4));
+}
+
+// Against the library's functions of long double, in halves of a unit in the last place.
+void sines_and_arc_tangents() {
+    const auto within = [](double found, long double exact, double units) {
+        return std::abs(static_cast<double>(found - exact)) <= units * 0x1p-53 * std::max(std::abs(found), 1e-300);
+    };
+    for (int i = -4000; i <= 4000; ++i) {
+        const double x = i * 0.0015703125;  // to 2 pi, also beside multiples of pi / 2
+        const SineCosine of = sine_cosine_of_radians(x);
+        CHECK(within(of.sine, std::sin(static_cast<long double>(x)), 2.0));
+        CHECK(within(of.cosine, std::cos(static_cast<long double>(x)), 2.0));
+        const double y = i % 3 == 0 ? std::ldexp(x, -40) : x, z = 1.0 - 0.25 * x;
+        CHECK(within(arc_tangent(y, z), std::atan2(static_cast<long double>(y), z), 3.0));
+    }
+    CHECK(arc_tangent(0.0, 0.0) == 0.0 && arc_tangent(1.0, 0.0) == 0.5 * std::numbers::pi);
+    CHECK(arc_tangent(0.0, -1.0) == std::numbers::pi && arc_tangent(-1.0, 0.0) == -0.5 * std::numbers::pi);
+    const SineCosine half = sine_cosine_of_radians(0.5 * std::numbers::pi);
+    CHECK(half.sine == 1.0 && near(half.cosine, 6.123233995736766e-17, 1e-25));
 }
 
 // From straight down to level north: a quarter of a circle of radius R, by both methods.
@@ -197,10 +218,11 @@ void stations() {
 }  // namespace
 
 int main() {
+    sines_and_arc_tangents();
     published_vector();
     quarter_of_a_circle();
     frames();
-    bad_surveys_and_depths();
+    in_every_host_state(bad_surveys_and_depths);
     stations();
     return failures();
 }

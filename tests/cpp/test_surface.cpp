@@ -7,6 +7,7 @@
 
 #include "check.hpp"
 #include "helibore/error.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -145,7 +146,22 @@ void refusals() {
     CHECK_THROWS(InputError, "runs[0] = [0, 4): must be placed within the 40 rows of vertices",
                  place_runs({{{0, 4}, -1}}));
     CHECK_THROWS(InputError, "runs[1] = [3, 6): must follow [0, 4)", place_runs({{{0, 4}, 0}, {{3, 6}, 0}}));
-    CHECK_THROWS(InputError, "runs[0] = [4, 4): must not be empty and lie in -2^53 to 2^53", place_runs({{{4, 4}, 0}}));
+    CHECK_THROWS(InputError, "runs[1] = [4, 8): must follow [0, 4)", place_runs({{{0, 4}, 0}, {{4, 8}, -4}}));
+    CHECK_THROWS(InputError, "runs[0] = [4, 4): must not be empty", place_runs({{{4, 4}, 0}}));
+    constexpr Index most = std::numeric_limits<Index>::max();
+    const auto join_run = [&](QuadRun run) {
+        SurfaceLayout other = layout;
+        other.quads = {run};
+        join(good, other, quads);
+    };
+    CHECK_THROWS(InputError, "quads[0] = [0, 41): must lie within the vertices [0, 40) of radius",
+                 join_run({{0, 41}, 0, 0, 0}));
+    CHECK_THROWS(InputError, "quads[0] = [0, 9223372036854775807): must lie within the vertices [0, 40) of radius",
+                 join_run({{0, most}, -most, 0, 0}));
+    CHECK_THROWS(InputError, "quads[0] = [0, 9): must have corners within 2^53 rows of k",
+                 join_run({{0, 9}, 0, most, 0}));
+    CHECK_THROWS(InputError, "quads[0] = [0, 9): must have corners within 2^53 rows of k",
+                 join_run({{0, 9}, 0, 0, -most}));
     for (const int threads : {0, 2000000000}) {
         const std::string text = "threads = " + std::to_string(threads) + ": must lie in 1 to 1024";
         CHECK_THROWS(InputError, text, place(good, {}, layout.vertices, vertices, threads));
@@ -191,6 +207,18 @@ void refusals() {
                  "shells[0] at vertex 2, depth 100.00833333333334: folds over itself; the path bends or turns more "
                  "sharply there than the shell is thick",
                  require_upright(shells.helix, shells.layout, shells.vertices, cells));
+    VolumeLayout other = shells.layout;
+    other.layers.clear();
+    CHECK_THROWS(InputError, "layers: must place a hexahedron in every row: none in row 2",
+                 require_upright(shells.helix, other, shells.vertices, cells));
+    other.layers = {{{{{0, 1}, most, 0, 0}, {{0, 1}, most, 0, 0}}}};
+    CHECK_THROWS(
+        InputError,
+        "layers[0][0] = [0, 1): must be placed within the " + std::to_string(cells.size()) + " rows of hexahedra",
+        require_upright(shells.helix, other, shells.vertices, cells));
+    other.layers = {{{{{0, 1}, 0, 0, 0}, {{0, 1}, 0, -most, 0}}}};
+    CHECK_THROWS(InputError, "layers[0][0] = [0, 1): must have corners within 2^53 rows of k",
+                 join(shells.helix, other, cells));
 }
 
 }  // namespace
@@ -198,6 +226,6 @@ void refusals() {
 int main() {
     volumes_and_orientation();
     quads_around_a_gap();
-    refusals();
+    in_every_host_state(refusals);
     return failures();
 }

@@ -10,6 +10,7 @@
 #include "helibore/error.hpp"
 #include "helibore/surface.hpp"
 #include "hole.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -73,6 +74,16 @@ void refuses_settings() {
     CHECK_THROWS(InputError, "bit_diameter = 1e-200: must be at least 0.001 m", Wall({.bit_diameter = 1e-200}));
     CHECK_THROWS(InputError, "stop_depth = 1e+155: must lie in -10000000 to 10000000 m",
                  Wall({.bit_diameter = 0.2, .stop_depth = 1e155}));
+    for (const double power : {1e300, 101.0})
+        CHECK_THROWS(InputError, "power = " + std::string(power == 101.0 ? "101" : "1e+300") + ": must be at most 100",
+                     Wall({.bit_diameter = 0.2, .power = power}));
+    CHECK_THROWS(InputError, "power = nan: must be finite and above 0", Wall({.bit_diameter = 0.2, .power = nan}));
+    CHECK_THROWS(InputError, "max_distance = 1e-200: must be at least 1e-9 m",
+                 Wall({.bit_diameter = 0.2, .max_distance = 1e-200}));
+    CHECK_THROWS(InputError, "angular_scale = 1e-155: must lie in 0.001 to 1000",
+                 Wall({.bit_diameter = 0.2, .angular_scale = 1e-155}));
+    CHECK_THROWS(InputError, "angular_scale = 1001: must lie in 0.001 to 1000",
+                 Wall({.bit_diameter = 0.2, .angular_scale = 1001.0}));
     CHECK_THROWS(InputError, "most_vertices = 0: must lie in 1 to 2147483647",
                  Wall({.bit_diameter = 0.2, .most_vertices = 0}));
 }
@@ -145,9 +156,9 @@ void shares() {
 int main() {
     reconstructs();
     splits_and_moves();
-    refuses_settings();
-    refuses_samples();
-    refuses_too_many_vertices();
+    in_every_host_state(refuses_settings);
+    in_every_host_state(refuses_samples);
+    in_every_host_state(refuses_too_many_vertices);
     shares();
     return failures();
 }

@@ -8,6 +8,7 @@
 
 #include "check.hpp"
 #include "helibore/error.hpp"
+#include "host.hpp"
 
 using namespace helibore;
 
@@ -167,6 +168,56 @@ void a_new_stream() {
     CHECK(parser.finish().events.empty() && parser.counts().frames == 1);
 }
 
+// A parser that takes over the state of another at any byte goes on with the same frames.
+void states() {
+    const std::string stream = "stray\n&&\r\n01081.5\r\n0109x\r\n0110-9999\r\n!!\r\n" + std::string(40, 'x') +
+                               "\n!!&&\n01082\n" + std::string(90, '1') + "\n!!\n&&\n01083\n0109";
+    for (const wits::Limits& limits : {wits::Limits{}, small}) {
+        wits::Parser one({}, limits);
+        for (std::size_t at = 0; at < stream.size(); ++at) {
+            one.feed(stream.substr(at, 1));
+            wits::Parser same_state({}, limits), other({}, limits);
+            other.feed(stream);  // whatever it held before
+            other.restore(one.state());
+            same_state.restore(one.state());
+            CHECK(other.state() == one.state());
+            const wits::Batch rest = other.feed(stream.substr(at + 1));
+            CHECK(same(rest.items, same_state.feed(stream.substr(at + 1)).items));
+            CHECK(other.counts().frames == (limits.items == 3 ? 1 : 2) && other.finish().events.size() == 1);
+        }
+    }
+}
+
+// Whatever bytes: refused, or a parser that can go on.
+void broken_states() {
+    wits::Parser parser;
+    parser.feed("&&\n01081.5\n0109x\n011");
+    const std::string good = parser.state();
+    const char* text = "state: is not the state of a parser";
+    CHECK_THROWS(InputError, text, parser.restore(""));
+    CHECK_THROWS(InputError, text, parser.restore(std::string_view(good).substr(1)));
+    CHECK_THROWS(InputError, text, parser.restore(good + "x"));
+    int refused = 0;
+    for (std::size_t at = 0; at < good.size(); ++at)
+        for (const char flip : {'\x01', '\x40', '\x80', '\xff'}) {
+            std::string bad = good;
+            bad[at] = static_cast<char>(bad[at] ^ flip);
+            wits::Parser other;
+            try {
+                other.restore(bad);
+            } catch (const InputError&) {
+                ++refused;
+                continue;
+            }
+            const wits::Batch batch = other.feed("011\n!!\n&&\n01083\n!!\n");
+            for (const wits::Item& item : batch.items)
+                CHECK(item.offset >= batch.base &&
+                      item.offset + item.length <= batch.base + static_cast<Index>(batch.text.size()));
+            other.finish();
+        }
+    CHECK(refused > 500 && parser.state() == good);
+}
+
 void refusals() {
     const double infinity = std::numeric_limits<double>::infinity();
     CHECK_THROWS(InputError, "nulls[1] = nan: must be finite", wits::Parser({1.0, nan}));
@@ -184,6 +235,8 @@ int main() {
     numbers();
     rules();
     a_new_stream();
-    refusals();
+    states();
+    broken_states();
+    in_every_host_state(refusals);
     return failures();
 }

@@ -2,18 +2,54 @@
 // random bytes from seeds. Both take the same options:
 //
 //     fuzz_wall -runs=2000 -seed=1            so many inputs
-//     fuzz_wall -max_total_time=600           so many seconds, here of processor time
+//     fuzz_wall --seconds=600                 so many seconds of processor time
 //     fuzz_wall crash-...                     the inputs in these files; a failure writes such a file
+#include <ctime>
+#include <limits>
+
 #include "input.hpp"
+
+namespace {
+
+unsigned long long number = 0;  // of inputs
+double most_seconds = std::numeric_limits<double>::infinity();
+
+double processor_seconds() {
+    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
+}
+
+void print_effort() {
+    std::printf("%llu inputs, %.0f s of processor time\n", number, processor_seconds());
+    std::fflush(stdout);
+}
+
+std::optional<std::string> value_of(const char* argument, std::string_view name) {
+    if (!std::string_view(argument).starts_with(name)) return std::nullopt;
+    return argument + name.size();
+}
+
+}  // namespace
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t size) {
     fuzz(Input(bytes, size));
+    ++number;
+#ifdef HELIBORE_LIBFUZZER
+    if (processor_seconds() >= most_seconds) {  // libFuzzer itself knows only the clock on the wall
+        print_effort();
+        std::_Exit(0);
+    }
+#endif
     return 0;
 }
 
-#ifndef HELIBORE_LIBFUZZER
+#ifdef HELIBORE_LIBFUZZER
+extern "C" int LLVMFuzzerInitialize(const int* count, char* const* const* arguments) {
+    for (int i = 1; i < *count; ++i)
+        if (const auto seconds = value_of((*arguments)[i], "--seconds=")) most_seconds = std::stod(*seconds);
+    return 0;
+}
+#else
 #include <csignal>
-#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -31,7 +67,7 @@ extern "C" const char* __ubsan_default_options() {
 namespace {
 
 std::vector<std::uint8_t> current;
-unsigned long long seed = 1, number = 0;
+unsigned long long seed = 1;
 
 void write_input(int) {
     char name[64];
@@ -58,33 +94,23 @@ void make_input() {
     }
 }
 
-double processor_seconds() {
-    return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
-
 }  // namespace
 
 int main(int count, char** arguments) {
     unsigned long long runs = std::numeric_limits<unsigned long long>::max();
-    double seconds = std::numeric_limits<double>::infinity();
     std::signal(SIGABRT, write_input);
     std::signal(SIGSEGV, write_input);
     std::signal(SIGFPE, write_input);
     bool files = false;
     for (int i = 1; i < count; ++i) {
-        const std::string argument = arguments[i];
-        const auto value = [&](const char* name) -> std::optional<std::string> {
-            if (!argument.starts_with(name)) return std::nullopt;
-            return argument.substr(std::strlen(name));
-        };
-        if (const auto runs_text = value("-runs=")) {
+        if (const auto runs_text = value_of(arguments[i], "-runs=")) {
             runs = std::stoull(*runs_text);
-        } else if (const auto seed_text = value("-seed=")) {
+        } else if (const auto seed_text = value_of(arguments[i], "-seed=")) {
             seed = std::stoull(*seed_text);
-        } else if (const auto time_text = value("-max_total_time=")) {
-            seconds = std::stod(*time_text);
+        } else if (const auto seconds = value_of(arguments[i], "--seconds=")) {
+            most_seconds = std::stod(*seconds);
         } else {
-            std::ifstream file(argument, std::ios::binary);
+            std::ifstream file(arguments[i], std::ios::binary);
             if (!file) {
                 std::fprintf(stderr, "%s: cannot be read\n", arguments[i]);
                 return 2;
@@ -94,10 +120,10 @@ int main(int count, char** arguments) {
             files = true;
         }
     }
-    for (; !files && number < runs && processor_seconds() < seconds; ++number) {
+    while (!files && number < runs && processor_seconds() < most_seconds) {
         make_input();
         LLVMFuzzerTestOneInput(current.data(), current.size());
     }
-    std::printf("%llu inputs, %.0f s of processor time\n", number, processor_seconds());
+    print_effort();
 }
 #endif

@@ -42,8 +42,11 @@ void fuzz(Input input) {
                                       .sector = sector};
     const double reach = input.mostly_of({0.2, 0.0, 10.0});
     std::vector<double> cells, linear;
-    if (refused([&] { cells = cell_values(image, low, high, quads, 1); })) return;
-    linear = linear_values(image, reach, quads, 1);
+    if (refused([&] {
+            cells = cell_values(image, low, high, quads, 1);
+            linear = linear_values(image, reach, quads, 1);
+        }))
+        return;
     require_rule(same_bits(cells, cell_values(image, low, high, quads, 3)), "cells on three threads");
     require_rule(same_bits(linear, linear_values(image, reach, quads, 3)), "linear values on three threads");
     if (!rising) return;

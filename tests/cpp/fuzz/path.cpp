@@ -46,7 +46,8 @@ void require_geometry(const Path& path, const std::vector<double>& depth) {
         if (i == 0) continue;
         const Vector3 &a = position[i - 1], &b = position[i];
         const double chord = std::hypot(b[0] - a[0], b[1] - a[1], b[2] - a[2]), along = depth[i] - depth[i - 1];
-        require_rule(chord <= along * (1.0 + 1e-9) + 1e-6, "a chord is no longer than the path");
+        const double rounding = 1e-15 * (std::abs(a[0]) + std::abs(a[1]) + std::abs(a[2]));  // of a head far away
+        require_rule(chord <= along * (1.0 + 1e-9) + 1e-6 + rounding, "a chord is no longer than the path");
     }
     std::vector<helibore::Frame> frames;
     if (refused([&] { frames = path.frame(depth); })) {

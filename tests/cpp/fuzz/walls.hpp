@@ -33,6 +33,11 @@ inline WallInput wall_input(Input& input) {
     s.max_iterations = input.one_in(64) ? input.one_of({0, 256, 255}) : input.between(1, 20);
     s.tolerance = input.mostly_of({1e-6, 0.0, 1e-3, 1.0});
     s.angular_scale = input.mostly_of({1.0, 2.0, 0.25, 32.0, 0.01});
+    if (input.one_in(6)) {
+        s.estimator = helibore::Estimator::kriging;
+        s.kriging_range = input.mostly_of({0.5, 1e-3, 100.0});
+        s.nugget = input.mostly_of({0.1, 1e-6, 1e6});
+    }
     s.direct = input.one_in(4);
     s.most_vertices = input.one_of<helibore::Index>({400, 60, 3000, 1});
     s.threads = input.between(1, 3);
@@ -109,7 +114,6 @@ inline helibore::Wall plain_wall(helibore::Settings settings, const helibore::Sa
 }
 
 inline HostState host_state(std::size_t which) {
-    constexpr int roundings[] = {FE_TONEAREST, FE_UPWARD, FE_DOWNWARD, FE_TOWARDZERO};
     return {roundings[which % 4], which >= 4};
 }
 

@@ -41,7 +41,14 @@ Read read(std::string_view text, std::size_t longest, const wits::Limits& limits
     for (std::size_t at = 0; at < text.size();) {
         const std::size_t chunk =
             longest == 0 ? text.size() : 1 + static_cast<std::size_t>(uniform() * static_cast<double>(longest));
-        all.add(parser.feed(text.substr(at, chunk)));
+        if (at % 5 == 4) {  // another parser goes on
+            wits::Parser next({nulls[0], nulls[1]}, limits);
+            next.restore(parser.state());
+            all.add(next.feed(text.substr(at, chunk)));
+            parser.restore(next.state());
+        } else {
+            all.add(parser.feed(text.substr(at, chunk)));
+        }
         at = std::min(at + chunk, text.size());
         const auto held = static_cast<Index>(at) - static_cast<Index>(all.text.size());
         require_rule(held <= limits.frame + limits.line + 16, "the parser holds one frame and one line at most");
@@ -146,6 +153,21 @@ std::string stream_of(Input& input) {
     return text;
 }
 
+// A damaged state is refused, or the parser goes on and returns items within the text.
+void require_safe_state(Input& input, const std::string& text) {
+    wits::Parser parser({nulls[0], nulls[1]});
+    parser.feed(text);
+    std::string state = parser.state();
+    for (std::size_t n = 1 + input.below(3); n > 0; --n)
+        state[input.below(65536) % state.size()] = input.one_of({'\0', '\x7f', '\xff', '1', '\n'});
+    if (refused([&] { parser.restore(state); })) return;
+    for (const wits::Batch& batch : {parser.feed("&&\n01081\n!!\n"), parser.finish()})
+        for (const wits::Item& item : batch.items)
+            require_rule(item.offset >= batch.base &&
+                             item.offset + item.length <= batch.base + static_cast<Index>(batch.text.size()),
+                         "an item lies within the text");
+}
+
 }  // namespace
 
 void fuzz(Input input) {
@@ -161,4 +183,5 @@ void fuzz(Input input) {
         }
         require_values(whole);
     }
+    require_safe_state(input, text);
 }

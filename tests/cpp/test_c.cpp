@@ -1,0 +1,489 @@
+// The C interface: the numbers of the C++ interface; a status and an exact text for every kind of bad input, in any
+// order of calls and from any thread; memory that ends at any point.
+#include <atomic>
+#include <cmath>
+#include <cstring>
+#include <functional>
+#include <limits>
+#include <new>
+#include <thread>
+
+#include "check.hpp"
+#include "every_allocation.hpp"
+#include "helibore/helibore.h"
+#include "helibore/live.hpp"
+#include "helibore/logs.hpp"
+#include "helibore/surface.hpp"
+#include "hole.hpp"
+#include "host.hpp"
+
+namespace {
+
+std::atomic<long> until_failure{-1};  // allocations left before one fails; negative: none does
+
+}  // namespace
+
+void* allocate(std::size_t bytes, std::size_t alignment) {
+    if (until_failure >= 0 && until_failure-- == 0) throw std::bad_alloc();
+    const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
+    void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
+    if (memory == nullptr) throw std::bad_alloc();
+    return memory;
+}
+
+namespace {
+
+constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+using Bits = std::vector<std::uint64_t>;
+
+const double station_depth[] = {0.0, 60.0, 140.0}, inclination[] = {0.0, 12.0, 40.0}, azimuth[] = {30.0, 30.0, 75.0};
+
+void add(Bits& bits, std::span<const double> values) {
+    for (const double value : values) bits.push_back(std::isnan(value) ? 0 : std::bit_cast<std::uint64_t>(value));
+}
+
+template <class T>
+T sized() {
+    T made = {};
+    made.size = sizeof made;
+    return made;
+}
+
+hb_settings settings_of(double bit_diameter = 0.216) {
+    auto settings = sized<hb_settings>();
+    CHECK(hb_settings_init(&settings) == HB_OK);
+    settings.bit_diameter = bit_diameter;
+    settings.sectors = 48;
+    settings.pitch = 0.05;
+    settings.start_depth = 100.0;
+    return settings;
+}
+
+hb_path_settings path_settings() {
+    auto settings = sized<hb_path_settings>();
+    CHECK(hb_path_settings_init(&settings) == HB_OK);
+    settings.reference = HB_PARALLEL_TRANSPORT;
+    return settings;
+}
+
+std::int64_t new_wall() {
+    const hb_settings settings = settings_of();
+    std::int64_t wall = 0;
+    CHECK(hb_wall_create(&settings, &wall) == HB_OK);
+    return wall;
+}
+
+std::int64_t new_path() {
+    const hb_path_settings settings = path_settings();
+    std::int64_t path = 0;
+    CHECK(hb_path_create(&settings, 3, station_depth, inclination, azimuth, &path) == HB_OK);
+    return path;
+}
+
+int32_t append(std::int64_t wall, const helibore::SampleColumns& rows, hb_change* change = nullptr) {
+    return hb_wall_append(wall, std::ssize(rows.depth), rows.depth.data(), rows.toolface.data(), rows.radius.data(),
+                          rows.time.data(), change);
+}
+
+// All that a wall's handle gives, bit for bit.
+Bits read_c(std::int64_t wall, std::int64_t path) {
+    auto state = sized<hb_wall_state>();
+    CHECK(hb_wall_get(wall, &state) == HB_OK);
+    Bits bits = {static_cast<std::uint64_t>(state.vertices), static_cast<std::uint64_t>(state.samples),
+                 static_cast<std::uint64_t>(state.settled)};
+    add(bits, {&state.start_depth, 1});
+    std::vector<double> values(static_cast<std::size_t>(state.vertices));
+    for (std::int32_t column = HB_DEPTH; column <= HB_PROVISIONAL; ++column) {
+        CHECK(hb_wall_read(wall, column, 0, state.vertices, values.data()) == HB_OK);
+        add(bits, values);
+    }
+    std::vector<double> samples(static_cast<std::size_t>(state.samples));
+    for (const std::int32_t column : {HB_DEPTH, HB_TOOLFACE, HB_RADIUS, HB_TIME}) {
+        std::int64_t count = state.samples;
+        CHECK(hb_wall_samples(wall, column, &count, samples.data()) == HB_OK && count == state.samples);
+        add(bits, samples);
+    }
+    std::int64_t count = state.vertices;
+    CHECK(hb_wall_interpolate(wall, state.samples, samples.data(), &count, values.data()) == HB_OK);
+    add(bits, values);
+    std::int64_t turns = 0;
+    CHECK(hb_wall_logs(wall, 5, &turns, nullptr) == HB_BUFFER_TOO_SMALL && turns == state.vertices / 48);
+    std::vector<double> logs(static_cast<std::size_t>(turns * HB_LOG_COLUMNS));
+    CHECK(hb_wall_logs(wall, 5, &turns, logs.data()) == HB_OK);
+    add(bits, logs);
+    std::int64_t rows = 0, quad_count = 0;
+    CHECK(hb_wall_surface(wall, path, 10, state.vertices, &rows, nullptr, nullptr, &quad_count, nullptr) ==
+          HB_BUFFER_TOO_SMALL);
+    std::vector<double> vertices(static_cast<std::size_t>(3 * rows));
+    std::vector<std::int64_t> index(static_cast<std::size_t>(rows)), quads(static_cast<std::size_t>(4 * quad_count));
+    CHECK(hb_wall_surface(wall, path, 10, state.vertices, &rows, vertices.data(), index.data(), &quad_count,
+                          quads.data()) == HB_OK);
+    add(bits, vertices);
+    bits.insert(bits.end(), index.begin(), index.end());
+    bits.insert(bits.end(), quads.begin(), quads.end());
+    return bits;
+}
+
+helibore::Path cpp_path() {
+    return helibore::Path(helibore::Survey(station_depth, inclination, azimuth),
+                          {.reference = helibore::Reference::parallel_transport});
+}
+
+// The same from C++.
+Bits read_cpp(const helibore::Wall& wall) {
+    const helibore::VertexColumns v = wall.vertices();
+    Bits bits = {static_cast<std::uint64_t>(wall.size()), static_cast<std::uint64_t>(wall.sample_count()),
+                 static_cast<std::uint64_t>(wall.settled())};
+    const double start = wall.start_depth();
+    add(bits, {&start, 1});
+    for (const auto* column : {&v.depth, &v.toolface, &v.radius, &v.nearest}) add(bits, *column);
+    for (const auto* column : {&v.support, &v.iterations})
+        add(bits, {std::vector<double>(column->begin(), column->end())});
+    add(bits, {std::vector<double>(v.provisional.begin(), v.provisional.end())});
+    const auto samples = wall.samples();
+    for (const auto& column : samples) add(bits, column);
+    const std::span<const double> time(samples[3]);
+    add(bits, wall.interpolate_samples({&time, 1})[0]);
+    const helibore::TurnLogs logs = helibore::turn_logs({.sectors = 48, .radius = v.radius, .window = 5});
+    for (const auto* column :
+         {&logs.coverage, &logs.mean, &logs.mean_square, &logs.smallest, &logs.largest, &logs.c1, &logs.c1_toolface,
+          &logs.c2, &logs.least_diameter, &logs.diameter_0, &logs.diameter_90, &logs.centre_0, &logs.centre_90,
+          &logs.inscribed_diameter, &logs.inscribed_0, &logs.inscribed_90, &logs.enclosing_diameter, &logs.rugosity})
+        add(bits, *column);
+    const helibore::Surface surface = helibore::surface_of(
+        {.start_depth = start, .pitch = 0.05, .sectors = 48, .first = 10, .radius = std::span(v.radius).subspan(10)},
+        cpp_path());
+    for (const auto& vertex : surface.vertices) add(bits, vertex);
+    bits.insert(bits.end(), surface.vertex_index.begin(), surface.vertex_index.end());
+    for (const auto& quad : surface.quads) bits.insert(bits.end(), quad.begin(), quad.end());
+    return bits;
+}
+
+const Hole hole = oval_hole(4000, 100.0, 12.0);
+
+void same_numbers_as_cpp() {
+    helibore::Wall expected({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0});
+    const std::int64_t wall = new_wall(), path = new_path();
+    for (const std::size_t first : {0u, 2000u}) {
+        const helibore::Change change = expected.append(hole.rows(first, 2000));
+        auto same = sized<hb_change>();
+        CHECK(append(wall, hole.rows(first, 2000), &same) == HB_OK);
+        CHECK(same.settled == change.settled && same.accepted == 2000 && same.redundant == 0);
+        std::vector<helibore::Range> ranges(static_cast<std::size_t>(same.ranges));
+        std::int64_t count = same.ranges;
+        CHECK(hb_ranges(wall, &count, &ranges.data()->start) == HB_OK && ranges == change.ranges);
+    }
+    const Bits bits = read_cpp(expected);
+    CHECK(read_c(wall, path) == bits);
+    const double at[] = {10.0, 77.0};
+    double position[6], frame[18];
+    CHECK(hb_path_read(path, 2, at, position, frame) == HB_OK);
+    CHECK(std::memcmp(position, cpp_path().position(at).data(), sizeof position) == 0);
+    CHECK(std::memcmp(frame, cpp_path().frame(at).data(), sizeof frame) == 0);
+    {
+        const HostState host(FE_UPWARD, true);
+        CHECK(read_c(wall, path) == bits);
+    }
+    CHECK(hb_close(wall) == HB_OK && hb_close(path) == HB_OK);
+}
+
+std::int64_t new_live() {
+    const hb_settings settings = settings_of();
+    hb_path_settings path = path_settings();
+    path.extend = 100.0;
+    std::int64_t live = 0;
+    CHECK(hb_live_create(&settings, &path, &live) == HB_OK);
+    return live;
+}
+
+void live() {
+    const std::int64_t live = new_live();
+    const double bad_depth[] = {0.0, 60.0, 140.0, 150.0}, bad[] = {0.0, 12.0, 40.0, 190.0}, none[] = {30, 30, 75, 0};
+    const double rows[] = {101.0, 100.5}, values[] = {1.0, 2.0, 3.0, 4.0};
+    CHECK(hb_live_append_samples(live, 4000, hole.depth.data(), hole.toolface.data(), hole.radius.data(),
+                                 hole.time.data()) == HB_OK);
+    CHECK(hb_live_append_stations(live, 4, bad_depth, bad, none) == HB_OK);
+    CHECK(hb_live_append_image(live, "GR", "gAPI", 2, 2, rows, values) == HB_OK);
+    auto update = sized<hb_update>();
+    CHECK(hb_live_poll(live, &update) == HB_OK);
+    CHECK(update.change.accepted == 4000 && update.change.ranges == 1 && update.events == 1 && update.images == 1);
+    CHECK(update.path_from == 0.0);
+    std::int64_t range[2], count = 1;
+    CHECK(hb_ranges(live, &count, range) == HB_OK && count == 1 && range[0] == 0);
+    char text[99];
+    count = sizeof text;
+    CHECK(hb_live_event(live, 0, &count, text) == HB_OK);
+    CHECK(std::string(text) == "station at 150 m: inclination[3] = 190: must lie in 0 to 180 degrees");
+    CHECK(count == std::ssize(std::string(text)) + 1);
+    double depth[2], found[4];
+    std::int32_t sectors = 0;
+    count = 2;
+    CHECK(hb_live_image(live, "GR", &sectors, &count, depth, found) == HB_OK && sectors == 2 && count == 2);
+    CHECK(depth[0] == 100.5 && found[0] == 3.0 && found[3] == 2.0);
+    std::int64_t wall = 0, path = 0;
+    CHECK(hb_live_wall(live, &wall) == HB_OK && hb_live_path(live, &path) == HB_OK);
+    CHECK(hb_close(live) == HB_OK);  // the others stay
+    helibore::Wall expected({.bit_diameter = 0.216, .sectors = 48, .pitch = 0.05, .start_depth = 100.0});
+    expected.append(hole.all());
+    CHECK(read_c(wall, path) == read_cpp(expected));
+    CHECK(append(wall, hole.all()) == HB_INPUT);
+    CHECK(hb_last_error() ==
+          "wall = " + std::to_string(wall) + ": must not be the wall of a live well; use hb_live_append_samples");
+    CHECK(hb_close(wall) == HB_OK && hb_close(path) == HB_OK);
+}
+
+void wits() {
+    std::int64_t parser = 0, items = 0, events = 0;
+    CHECK(hb_wits_create(&parser) == HB_OK);
+    const std::string text = "&&\r\n01083650.40\r\n0109-9999\r\n!!\r\nstray\r\n";
+    CHECK(hb_wits_feed(parser, 20, text.data(), &items, &events) == HB_OK && items == 0 && events == 0);
+    CHECK(hb_wits_feed(parser, std::ssize(text) - 20, text.data() + 20, &items, &events) == HB_OK);
+    CHECK(items == 2 && events == 1);
+    std::int64_t frame[2], offset[2], count = 2;
+    std::int32_t code[2], length[2];
+    double value[2];
+    CHECK(hb_wits_items(parser, &count, frame, code, value, offset, length) == HB_OK && count == 2);
+    CHECK(code[0] == 108 && value[0] == 3650.4 && text.substr(std::size_t(offset[0]), 7) == "3650.40");
+    CHECK(code[1] == 109 && std::isnan(value[1]) && frame[1] == 0 && length[1] == 5);
+    CHECK(hb_wits_feed(parser, 0, nullptr, &items, &events) == HB_OK && items == 0);
+    CHECK(hb_close(parser) == HB_OK);
+}
+
+void refused(int line, std::int32_t status, std::int32_t wanted, const std::string& text) {
+    if (status != wanted || hb_last_error() != text)
+        fail(__FILE__, line, std::to_string(status) + " " + hb_last_error() + "\n  instead of " + text);
+}
+#define REFUSED(call, text) refused(__LINE__, call, HB_INPUT, text)
+
+void bad_input() {
+    hb_settings settings = settings_of();
+    std::int64_t wall = new_wall(), none = 0;
+    const std::int64_t path = new_path(), live = new_live();
+    const std::string number = std::to_string(wall), of_path = std::to_string(path);
+    const double good[] = {101.0, 102.0}, bad[] = {0.0, nan}, one[] = {0.1, 0.1};
+    double out[9] = {};
+    std::int64_t count = 0;
+    std::int32_t sectors = 0;
+
+    // null pointers, negative and wrong lengths
+    REFUSED(hb_settings_init(nullptr), "settings: must not be null");
+    REFUSED(hb_wall_create(nullptr, &none), "settings: must not be null");
+    REFUSED(hb_wall_create(&settings, nullptr), "wall: must not be null");
+    REFUSED(hb_wall_append(wall, 2, nullptr, good, one, nullptr, nullptr), "depth: must not be null");
+    REFUSED(hb_wall_append(wall, -1, good, good, one, nullptr, nullptr), "n = -1: must be 0 or more");
+    REFUSED(hb_wall_get(wall, nullptr), "state: must not be null");
+    REFUSED(hb_wall_samples(wall, HB_DEPTH, nullptr, out), "count: must not be null");
+    REFUSED(hb_path_create(nullptr, 0, nullptr, nullptr, nullptr, &none), "settings: must not be null");
+    REFUSED(hb_path_read(path, 1, nullptr, out, nullptr), "depth: must not be null");
+    REFUSED(hb_live_append_image(live, nullptr, "", 0, 1, nullptr, nullptr), "name: must not be null");
+    REFUSED(hb_live_append_image(live, "a", "", 2, 0, good, good), "sectors = 0: must lie in 1 to 1000000");
+    REFUSED(hb_live_append_image(live, "a", "", std::numeric_limits<std::int64_t>::max(), 9, good, good),
+            "n = 9223372036854775807: must be less");
+    REFUSED(hb_live_image(live, "x", nullptr, &count, out, out), "sectors: must not be null");
+    REFUSED(hb_wits_create(nullptr), "parser: must not be null");
+
+    // structs of another version
+    settings.size = 12;
+    REFUSED(hb_wall_create(&settings, &none), "settings.size = 12: must be " + std::to_string(sizeof settings) +
+                                                  ", as in helibore.h of version " + hb_version());
+    settings = settings_of();
+    hb_change change = {};
+    REFUSED(hb_wall_append(wall, 0, nullptr, nullptr, nullptr, nullptr, &change),
+            "change.size = 0: must be " + std::to_string(sizeof change) + ", as in helibore.h of version 0.1.0");
+
+    // handles: none, of another kind, closed
+    REFUSED(hb_close(0), "handle = 0: is not open");
+    REFUSED(hb_wall_get(path, nullptr), "wall = " + of_path + ": must be the handle of a wall");
+    REFUSED(hb_path_read(wall, 0, nullptr, nullptr, nullptr), "path = " + number + ": must be the handle of a path");
+    REFUSED(hb_live_poll(wall, nullptr), "live = " + number + ": must be the handle of a live well");
+    REFUSED(hb_wits_feed(wall, 0, nullptr, nullptr, nullptr),
+            "parser = " + number + ": must be the handle of a WITS parser");
+    REFUSED(hb_ranges(path, &count, nullptr), "wall_or_live = " + of_path + ": must be the handle of a wall");
+
+    // values, also while exceptions trap
+    const HostState host(FE_TONEAREST, true);
+    settings.bit_diameter = nan;
+    REFUSED(hb_wall_create(&settings, &none), "bit_diameter = nan: must be finite and above 0");
+    settings = settings_of();
+    settings.estimator = 7;
+    REFUSED(hb_wall_create(&settings, &none), "estimator = 7: must lie in 0 to 1");
+    settings = settings_of();
+    settings.start_depth = nan;
+    auto how = path_settings();
+    REFUSED(hb_live_create(&settings, &how, &none),
+            "start_depth: must be set: the vertices of a live wall keep their numbers");
+    how.extend = std::numeric_limits<double>::infinity();
+    REFUSED(hb_path_create(&how, 2, good, one, one, &none), "extend = inf: must be finite and not negative");
+    REFUSED(hb_wall_append(wall, 2, good, bad, one, nullptr, nullptr), "toolface[1] = nan: must be finite");
+    REFUSED(hb_wall_read(wall, HB_RADIUS, 0, 1, out), "range = [0, 1): must lie within the wall's 0 vertices");
+    REFUSED(hb_wall_read(wall, 7, 0, 0, out), "column = 7: must lie in 0 to 6");
+    REFUSED(hb_wall_samples(wall, 3, &count, out), "column = 3: must be 0, 1, 2 or 7");
+    REFUSED(hb_wall_logs(wall, 4, &count, out), "window = 4: must be odd and 3 or more");
+    REFUSED(hb_wall_surface(wall, 99999, 0, 0, &count, out, nullptr, &count, nullptr), "handle = 99999: is not open");
+    REFUSED(hb_path_read(path, 2, bad, out, nullptr), "depth[1] = nan: must be finite");
+    REFUSED(hb_live_path(live, &none), "path: needs two stations");
+    REFUSED(hb_live_image(live, "GR", &sectors, &count, out, out), "image 'GR': is not there");
+    REFUSED(hb_live_append_image(live, "GR", "", 2, 1, bad, good), "depth[1] = nan: must be finite");
+    REFUSED(hb_live_event(live, 0, &count, nullptr), "index = 0: must lie within the 0 events of the last poll");
+    CHECK(hb_wall_append(wall, 2, good, one, one, nullptr, nullptr) == HB_OK && std::string(hb_last_error()).empty());
+    count = 1;
+    refused(__LINE__, hb_wall_samples(wall, HB_DEPTH, &count, out), HB_BUFFER_TOO_SMALL,
+            "count = 1: must be at least 2");
+    CHECK(count == 2);
+    REFUSED(hb_wall_samples(wall, HB_TIME, &count, out), "column = 7: samples have no time");
+    count = 9999;
+    REFUSED(hb_wall_interpolate(wall, 1, one, &count, out),
+            "channel 0 has 1 values, the wall 2 samples: must be equal");
+
+    for (const std::int64_t handle : {wall, path, live}) CHECK(hb_close(handle) == HB_OK);
+    for (const std::int64_t handle : {wall, path, live})
+        REFUSED(hb_close(handle), "handle = " + std::to_string(handle) + ": is not open");
+    REFUSED(hb_wall_append(wall, 2, good, one, one, nullptr, nullptr), "handle = " + number + ": is not open");
+    CHECK(none == 0);
+    CHECK(new_wall() > wall);  // no number comes again; this wall stays open, which is no leak either
+}
+
+// One wall, appended to, read and closed at any moment by four threads; each has its own text.
+void threads() {
+    std::atomic<std::int64_t> wall = new_wall();
+    const auto work = [&](std::size_t thread) {
+        for (std::size_t i = 0; i < 40 / (reduced > 1 ? 4 : 1); ++i) {
+            const std::int64_t now = wall;
+            auto state = sized<hb_wall_state>();
+            const auto open = [&](std::int32_t status) {
+                CHECK(status == HB_OK || hb_last_error() == "handle = " + std::to_string(now) + ": is not open");
+                return status == HB_OK;
+            };
+            if (!open(append(now, hole.rows(i * 100 + thread * 20, 20)))) continue;
+            if (!open(hb_wall_get(now, &state))) continue;
+            std::vector<double> radius(static_cast<std::size_t>(state.vertices));
+            open(hb_wall_read(now, HB_RADIUS, 0, state.vertices, radius.data()));
+            if (i % 8 == 7 && thread == 0) {
+                wall = new_wall();
+                CHECK(hb_close(now) == HB_OK);
+            }
+        }
+    };
+    std::vector<std::jthread> helpers;
+    for (std::size_t thread = 0; thread < 4; ++thread) helpers.emplace_back(work, thread);
+    helpers.clear();
+    CHECK(hb_close(wall) == HB_OK);
+}
+
+// Fails each allocation of `call` in turn. What `read` then finds is what it found before; the call that succeeds gives
+// what it gives without failures. Sanitizers find what leaks.
+void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
+               const std::function<std::int32_t(std::int64_t)>& call, const std::function<Bits(std::int64_t)>& read) {
+    const std::int64_t untouched = prepare();
+    const Bits before = read(untouched);
+    CHECK(call(untouched) == HB_OK);
+    const Bits after = read(untouched);
+    CHECK(hb_close(untouched) == HB_OK);
+    for (long n = 0;; ++n) {
+        const std::int64_t handle = prepare();
+        until_failure = n;
+        const std::int32_t status = call(handle);
+        until_failure = -1;
+        if (status != HB_OK) {
+            if (status != HB_NO_MEMORY || std::string(hb_last_error()) != "out of memory" || read(handle) != before)
+                fail(__FILE__, __LINE__, std::string(name) + " at allocation " + std::to_string(n));
+            CHECK(call(handle) == HB_OK);
+        }
+        if (read(handle) != after)
+            fail(__FILE__, __LINE__, std::string(name) + " after allocation " + std::to_string(n));
+        CHECK(hb_close(handle) == HB_OK);
+        if (status == HB_OK) return CHECK(n > 0);
+    }
+}
+
+[[maybe_unused]] void memory_ends_anywhere() {
+    const Hole small = oval_hole(300, 100.0, 1.5);
+    const std::int64_t path = new_path();
+    const auto filled = [&] {
+        const std::int64_t wall = new_wall();
+        CHECK(append(wall, small.rows(0, 200)) == HB_OK);
+        return wall;
+    };
+    const auto filled_live = [&] {
+        const std::int64_t live = new_live();
+        const helibore::SampleColumns rows = small.rows(0, 200);
+        CHECK(hb_live_append_samples(live, 200, rows.depth.data(), rows.toolface.data(), rows.radius.data(),
+                                     rows.time.data()) == HB_OK);
+        CHECK(hb_live_append_stations(live, 2, station_depth, inclination, azimuth) == HB_OK);
+        auto update = sized<hb_update>();
+        CHECK(hb_live_poll(live, &update) == HB_OK);
+        return live;
+    };
+    const auto read = [&](std::int64_t wall) { return read_c(wall, path); };
+    const auto read_live = [&](std::int64_t live) {
+        std::int64_t wall = 0, along = 0, rows = 9;
+        std::int32_t sectors = 0;
+        double depth[9] = {}, values[9] = {};
+        CHECK(hb_live_wall(live, &wall) == HB_OK && hb_live_path(live, &along) == HB_OK);
+        Bits bits = read_c(wall, along);
+        if (hb_live_image(live, "GR", &sectors, &rows, depth, values) == HB_OK) add(bits, values);
+        CHECK(hb_close(wall) == HB_OK && hb_close(along) == HB_OK);
+        return bits;
+    };
+    const auto create = [&](std::int64_t) {
+        const hb_settings settings = settings_of();
+        std::int64_t made = 0;
+        const std::int32_t status = hb_wall_create(&settings, &made);
+        if (status == HB_OK) CHECK(hb_close(made) == HB_OK);
+        return status;
+    };
+    fail_each("create", filled, create, read);
+    fail_each("append", filled, [&](std::int64_t wall) { return append(wall, small.rows(200, 100)); }, read);
+    fail_each(
+        "read", filled,
+        [&](std::int64_t wall) {
+            double values[20];
+            return hb_wall_read(wall, HB_RADIUS, 0, 20, values);
+        },
+        read);
+    fail_each(
+        "logs", filled,
+        [&](std::int64_t wall) {
+            static double values[HB_LOG_COLUMNS * 99];
+            std::int64_t turns = 99;
+            return hb_wall_logs(wall, 5, &turns, values);
+        },
+        read);
+    fail_each(
+        "samples", filled_live,
+        [&](std::int64_t live) {
+            const helibore::SampleColumns rows = small.rows(200, 100);
+            return hb_live_append_samples(live, 100, rows.depth.data(), rows.toolface.data(), rows.radius.data(),
+                                          rows.time.data());
+        },
+        read_live);
+    fail_each(
+        "stations", filled_live,
+        [&](std::int64_t live) {
+            return hb_live_append_stations(live, 1, station_depth + 2, inclination + 2, azimuth + 2);
+        },
+        read_live);
+    fail_each(
+        "image", filled_live,
+        [&](std::int64_t live) {
+            const double depth[] = {1.0}, values[] = {2.0, 3.0};
+            return hb_live_append_image(live, "GR", "gAPI", 1, 2, depth, values);
+        },
+        read_live);
+    CHECK(hb_close(path) == HB_OK);
+}
+
+}  // namespace
+
+int main() {
+    CHECK(std::string(hb_version()) == "0.1.0" && hb_instruction_set() == helibore::instruction_set_in_use());
+    same_numbers_as_cpp();
+    live();
+    wits();
+    bad_input();
+    threads();
+#ifndef __SANITIZE_THREAD__
+    memory_ends_anywhere();
+#endif
+    return failures();
+}
