@@ -25,6 +25,7 @@ if TYPE_CHECKING:  # the same names as below
     from helibore.preparation.prepare import Preparation as Preparation
     from helibore.preparation.prepare import prepare as prepare
     from helibore.runs.reconstruct import reconstruct as reconstruct
+    from helibore.runs.reprocess import reprocess as reprocess
     from helibore.samples.caliper import Caliper as Caliper
     from helibore.trajectory.survey import Path as Path
     from helibore.trajectory.survey import Survey as Survey
@@ -48,6 +49,7 @@ __getattr__, _, __all__ = lazy_loader.attach(
         "mesh.volume": ["Volume"],
         "preparation.prepare": ["Preparation", "prepare"],
         "runs.reconstruct": ["reconstruct"],
+        "runs.reprocess": ["reprocess"],
         "samples.caliper": ["Caliper"],
         "trajectory.survey": ["Path", "Survey"],
         "viewer": ["view"],

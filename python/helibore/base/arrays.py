@@ -43,11 +43,13 @@ def column(name: str, values: npt.ArrayLike, length: int | None = None, like: st
         array = np.asarray(values)
         if array.dtype.kind not in "fiu" and array.size:
             raise TypeError
-        array = np.require(array, np.float64, ["C_CONTIGUOUS", "ALIGNED", "ENSUREARRAY"])
+        array = np.asarray(array, np.float64, "C")
     except (TypeError, ValueError) as error:
         raise InputError(name, "must be numbers") from error
-    if np.ndim(values) != 1:
-        raise InputError(name, f"must be one-dimensional, not {np.ndim(values)}-dimensional")
+    if array.ndim != 1:
+        raise InputError(name, f"must be one-dimensional, not {array.ndim}-dimensional")
+    if not array.flags.aligned:
+        array = array.copy()
     if length is not None and array.size != length:
         raise InputError(f"{name} has {array.size} values, {like} has {length}", "must be equal")
     return array

@@ -39,6 +39,9 @@ MISSING: tuple[int, int, int] = _rgb(_DEFINITION["missing"])
 ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["zones"].items()}
 """Colours of the kinds of zones on a light ground; the page takes the second of each in dark mode."""
 
+PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
+"""The same of the classes of picks."""
+
 
 @dataclass(frozen=True)
 class ColorMap:

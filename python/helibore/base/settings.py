@@ -11,7 +11,7 @@ import numpy as np
 
 from helibore.base.errors import InputError
 
-_OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance", "kriging_range")
+_OPTIONAL = ("start_depth", "stop_depth", "window", "max_distance", "kriging_range", "stop_vertex")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,20 +30,24 @@ class Settings:
         Depths of the ends of the helix, metres, within 1e7 of 0; None: the first and the last sample along it.
     start_toolface
         Toolface of vertex 0, degrees.
+    first_vertex, stop_vertex
+        The wall is a stretch of the helix, from one vertex, a multiple of ``sectors``, up to but without the other,
+        which stands in place of ``stop_depth``; None: to the last sample. ``start_depth`` must be given. The stretch
+        has the bits of the whole wall if it has all samples within `Wall.reach`.
     neighbors
         V, the nearest samples a vertex is estimated from; 1 to 256, with kriging 1 to 64. None: 8, with kriging 16.
     window
         U: search only this many consecutive samples around the vertex's depth, as published; None: search all, exactly.
     power
-        Weights are distance^-power.
+        Weights are distance^-power; above 0, at most 100.
     max_distance
-        Metres; samples farther away are not used; None: no limit.
+        Metres, 1e-9 or more; samples farther away are not used; None: no limit.
     max_iterations, tolerance
         The estimate is repeated with the new radius until it moves by at most ``tolerance`` metres or this often.
     angular_scale
-        1: distances around the hole are true arc lengths; 2: twice that, as in the published Eq. 4. Above 1, more
-        neighbours lie above and below than around: 4 halves the error of many holes, whose shape changes little with
-        depth (``bench/accuracy/angular_scale.py``).
+        0.001 to 1000. 1: distances around the hole are true arc lengths; 2: twice that, as in the published Eq. 4.
+        Above 1, more neighbours lie above and below than around: 4 halves the error of many holes, whose shape changes
+        little with depth (``bench/accuracy/angular_scale.py``).
     estimator
         'inverse-distance', the published method; or 'kriging': ordinary kriging of the neighbours that the last
         estimate by inverse distance used, at its trial radius. Kriging weighs neighbours by how alike two radii are at
@@ -55,6 +59,9 @@ class Settings:
         times the median distance of the 16th nearest sample; a live wall must be given it.
     nugget
         Variance of the noise over the variance of the shape, for kriging; at least 1e-6.
+    sigma
+        Keep with each vertex, while it is estimated, what `Wall.sigma` is computed from: it then need not estimate all
+        vertices again. Radii do not depend on it.
     gap_reach, largest_gap
         A part of the turn counts as measured where the angle between the nearest samples on its two sides, within
         ``gap_reach`` metres of depth, is at most ``largest_gap`` degrees. Radii do not depend on these.
@@ -83,7 +90,10 @@ class Settings:
     estimator: str = "inverse-distance"
     kriging_range: float | None = None
     nugget: float = 0.1
+    sigma: bool = False
     direct: bool = False
+    first_vertex: int = 0
+    stop_vertex: int | None = None
     gap_reach: float = 0.5
     largest_gap: float = 60.0
     most_vertices: int = 100_000_000
@@ -106,11 +116,11 @@ def _checked(name: str, value: Any) -> float | int | bool | str:
         if value not in ("inverse-distance", "kriging"):
             raise InputError(name, "must be 'inverse-distance' or 'kriging'", repr(value))
         return str(value)
-    if name == "direct":
+    if name in ("direct", "sigma"):
         if not isinstance(value, bool | np.bool_):
             raise InputError(name, "must be True or False", repr(value))
         return bool(value)
-    whole = name in ("sectors", "neighbors", "max_iterations", "window", "most_vertices")
+    whole = name in ("sectors", "neighbors", "max_iterations", "window", "most_vertices", "first_vertex", "stop_vertex")
     try:
         made = operator.index(value) if whole else float(value)
     except (TypeError, ValueError):

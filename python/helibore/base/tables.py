@@ -2,7 +2,9 @@
 
     table = wall.logs().table()          table["DEQ"].values, table["DEQ"].unit, table.facts["bit diameter"]
 
-Writers of log files take this table. Missing values are NaN.
+Writers of log files take this table. Missing values are NaN. Polars, DuckDB, pandas and pyarrow read a table as an
+Arrow stream, by the Arrow PyCapsule interface (https://arrow.apache.org/docs/format/CDataInterface/). nanoarrow makes
+the stream: it takes 1 MB, pyarrow 100 MB.
 """
 
 from __future__ import annotations
@@ -17,7 +19,6 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 
 from helibore.base.arrays import Floats, column
-from helibore.base.arrow import arrow_stream
 from helibore.base.errors import InputError, MissingExtraError
 
 if TYPE_CHECKING:
@@ -68,8 +69,18 @@ class Tabular(ABC):
         return frame
 
     def __arrow_c_stream__(self, requested_schema: object = None) -> object:
-        """Return the Arrow stream of `table`: float64 columns, null where missing."""
-        return arrow_stream({of.mnemonic: (of.unit, of.values) for of in self.table()}, requested_schema)
+        """Return the Arrow stream of `table`: float64 columns with their units as metadata, null where missing."""
+        import nanoarrow as arrow
+        from nanoarrow.c_array_stream import CArrayStream
+
+        table, fields, arrays = self.table(), {}, []
+        for of in table:
+            fields[of.mnemonic] = arrow.Schema(arrow.float64(), metadata={"unit": of.unit} if of.unit else None)
+            there = ~np.isnan(of.values)  # a missing value is null, so that means leave it out
+            validity = None if there.all() else np.packbits(there, bitorder="little")
+            arrays.append(arrow.c_array_from_buffers(fields[of.mnemonic], table.rows, [validity, of.values.copy()]))
+        batch = arrow.c_array_from_buffers(arrow.struct(fields), table.rows, [None], children=arrays)
+        return CArrayStream.from_c_arrays([batch], batch.schema).__arrow_c_stream__(requested_schema)
 
     def __array__(self, *_: Any, **__: Any) -> NoReturn:
         """Refuse ``pandas.DataFrame(table)``, which would make rows of the names and units."""
@@ -100,7 +111,6 @@ class LogTable(Tabular):
             self._columns[one.mnemonic] = one
 
     def table(self) -> LogTable:
-        """Return this table."""
         return self
 
     def save(self, filename: str | os.PathLike[str]) -> None:
@@ -109,12 +119,10 @@ class LogTable(Tabular):
 
     @property
     def rows(self) -> int:
-        """Number of rows."""
         return int(self.depth.values.size)
 
     @property
     def depth(self) -> LogColumn:
-        """The first column."""
         return next(iter(self._columns.values()))
 
     def __getitem__(self, mnemonic: str) -> LogColumn:

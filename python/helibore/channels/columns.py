@@ -116,6 +116,14 @@ def column(log_set: RawSet, role: Role) -> Floats:
     return values if factor == 1.0 else values * factor
 
 
+def depths(log_set: RawSet, roles: RoleMap) -> tuple[Role, Floats]:
+    """Return the depth channel and its values in metres; values that cannot be depths are an error."""
+    role = needed(log_set, roles, "depth")
+    values = column(log_set, role)
+    plausibility.depths(log_set, role, values)
+    return role, values
+
+
 def needed(log_set: RawSet, roles: RoleMap, role: str) -> Role:
     """Return the channel that has a role, or raise an InputError that says how to name one."""
     found = roles.one(role)
@@ -143,9 +151,10 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         If a column or its unit is missing, a unit is wrong, degrees look like radians, or depth does not grow.
     """
     roles = roles or guess(log_set)
-    at, inclined, turned = (needed(log_set, roles, role) for role in ("depth", "inclination", "azimuth"))
-    depth, inclination, azimuth = (column(log_set, role) for role in (at, inclined, turned))
-    plausibility.depths(log_set, at, depth)
+    (at, depth), inclined, turned = depths(log_set, roles), *(
+        needed(log_set, roles, role) for role in ("inclination", "azimuth")
+    )  # fmt: skip
+    inclination, azimuth = column(log_set, inclined), column(log_set, turned)
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
     if rows.size < depth.size:
@@ -177,8 +186,7 @@ def image(log_set: RawSet, name: str, roles: RoleMap | None = None) -> RawSector
     if len(channel.shape) != 2:
         images = [each.channel for each in roles.all("image", "radius-image")]
         raise log_set.input_error(f"has no sectors; the images are {', '.join(images) or 'none'}", column=name)
-    named = needed(log_set, roles, "depth")
-    depth = column(log_set, named)
+    named, depth = depths(log_set, roles)
     rows = np.flatnonzero(np.isfinite(depth))
     if not rows.size:
         raise log_set.input_error("has no value", column=named.channel)

@@ -1,25 +1,25 @@
-"""The header of a log, what hole it is of: company, well, field ..., from the headers of the files it is made from."""
+"""The header of a log: company, well, field and more, as the files that the log is made from state them."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
 
 NAMES = {
-    "company": ("COMP", "COMPANY", "OPERATOR"),
-    "well": ("WELL", "WELL_NAME", "UWI"),
-    "field": ("FLD", "FIELD", "FIELD_NAME"),
-    "location": ("LOC", "LOCATION"),
+    "company": ("COMP", "COMPANY", "CN", "OPERATOR"),
+    "well": ("WELL", "WELL_NAME", "WN", "NAMEWELL", "UWI"),
+    "field": ("FLD", "FIELD", "FIELD_NAME", "FN"),
+    "location": ("LOC", "LOCATION", "FL"),
     "date": ("DATE", "LOG_DATE", "LOGDATE"),
-    "datum": ("DATUM", "PDAT", "EREF", "ELEVATION"),
-    "bit": ("BS", "BIT", "BITSIZE"),
+    "datum": ("DATUM", "PDAT", "LMF", "DREF", "EREF", "EKB", "ELEVATION"),
+    "bit": ("BS", "BIT", "BITSIZE", "BIT_SIZE"),
     "mud": ("MUD", "DFT", "MUD_TYPE"),
-    "remarks": ("REM", "REMARKS", "COMMENT"),
+    "remarks": ("REM", "REMARKS", "COMMENT", "R1"),
 }
 """Entries of a header, and the names that files have for them, in upper case."""
 
 
 def log_header(headers: Iterable[Mapping[str, str]]) -> dict[str, str]:
-    """Return the entries that the headers of files hold, the first that is not empty of each."""
+    """Return every entry of a log header that a file states; if several files state one, the first of them counts."""
     found: dict[str, str] = {}
     for header in headers:
         upper = {name.upper(): " ".join(str(text).split()) for name, text in header.items()}

@@ -11,8 +11,8 @@ from pathlib import Path
 
 from helibore.base.errors import InputError
 from helibore.channels import columns
+from helibore.channels.channel_readings import readings
 from helibore.channels.columns import RawSectorImage
-from helibore.channels.readings import readings
 from helibore.channels.roles import RoleMap
 from helibore.files.raw_set import Channel, RawSet
 from helibore.preparation.conditioning import Echo

@@ -26,6 +26,9 @@ LARGE_BITS = (16.0, 17.5)
 RADIUS_RANGE = (0.02, 1.0)
 """Metres: no borehole has a median radius outside this range, so the unit is wrong."""
 
+LIKELY_NULLS = (-999.0, -9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 9999.0, 99999.0, 999999.0, 999.25, 9999.25)
+"""Numbers that files without a declaration mean no value by."""
+
 FEW = 5
 """Fewer values than this are not checked for likely mistakes."""
 
@@ -54,7 +57,13 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
         likely = f" (would fit {' or '.join(fits)})" if fits else ""
         rule = f"median {median:.3g} m after reading {role.unit}: no {role.role} of a borehole{likely}"
         raise log_set.input_error(rule, column=role.channel)
-    if role.role == "diameter" or (bit_diameter is None and (role.confirmed or found.size < FEW)):
+    if role.role == "diameter":
+        if bit_diameter is not None and not role.confirmed and abs(2.0 * median / bit_diameter - 1.0) < 0.25:
+            rule = f"median {median:.3g}: looks like a radius, where a diameter is expected: the bit's diameter is"
+            how = f'{bit_diameter:.3g} m; state role = "radius" in a map, or --radius {role.channel}'
+            raise log_set.input_error(f"{rule} {how}", column=role.channel)
+        return
+    if bit_diameter is None and (role.confirmed or found.size < FEW):
         return
     if _looks_like_diameter(median, bit_diameter):
         how = f', or give the bit diameter or confirm role = "{role.role}" there'
@@ -78,8 +87,24 @@ def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
 
 
 def depths(log_set: RawSet, role: Role, values: Floats) -> None:
-    """Refuse measured depths, in metres, if all are negative: they would make a mirror image of the hole."""
+    """Refuse measured depths, in metres, if all are negative, which would make a mirror image of the hole.
+
+    A number that many files mean no value by, far from all other depths, is refused, too.
+    """
     found = present(values)
+    raw = log_set.numbers(role.channel)
+    for odd in (np.nanmin(raw), np.nanmax(raw)) if found.size else ():
+        others = raw[np.isfinite(raw) & (raw != odd)]
+        if odd not in LIKELY_NULLS or not others.size:
+            continue
+        low, high = others.min(), others.max()
+        if not 2.0 * low - high - 100.0 <= odd <= 2.0 * high - low + 100.0:
+            count = np.count_nonzero(raw == odd)
+            rule = (
+                f"{odd:g} {role.unit} in {count:,} rows, the others lie between {low:g} and {high:g} {role.unit}: a "
+                f"number that means no value? --absent {odd:g} says so"
+            )
+            raise log_set.input_error(rule, int(np.argmax(raw == odd)), role.channel)
     if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
         return
     rule = (

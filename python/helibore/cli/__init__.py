@@ -2,6 +2,7 @@
 
     exit code 0   done
               2   the input, the options or the disk: one line on stderr that names the place, the value and the rule
+              3   ``reprocess``: some wells failed, and the others are done
               1   an error in helibore itself: a traceback
 
 Each verb turns its options into calls of the library and prints the result.
@@ -20,9 +21,10 @@ import click
 from helibore._core import __version__
 from helibore.base.errors import MissingExtraError
 
-VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "simulate", "view")
+VERBS = ("demo", "inspect", "journal", "live", "logs", "mesh", "plot", "reconstruct", "report", "reprocess",
+         "simulate", "view")  # fmt: skip
 MODULES = {"reconstruct": "mesh", "report": "plot"}
-"""The module of a verb, if it is not of the same name."""
+"""The verb in whose module another verb is, ``mesh_command`` for example."""
 
 
 class BadInput(click.ClickException):
@@ -31,7 +33,6 @@ class BadInput(click.ClickException):
     exit_code = 2
 
     def show(self, file: IO[Any] | None = None) -> None:
-        """Write the line to stderr."""
         click.echo(f"helibore: {' '.join(self.message.split())}", file=file, err=True)
 
 
@@ -56,24 +57,21 @@ class Verbs(click.Group):
     """The verbs, loaded late."""
 
     def list_commands(self, ctx: click.Context) -> list[str]:  # noqa: ARG002
-        """Return the names of all verbs."""
         return list(VERBS)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:  # noqa: ARG002
         """Load one verb; None if there is no such verb."""
         if cmd_name not in VERBS:
             return None
-        module = importlib.import_module(f"helibore.cli.{MODULES.get(cmd_name, cmd_name)}")
+        module = importlib.import_module(f"helibore.cli.{MODULES.get(cmd_name, cmd_name)}_command")
         command: click.Command = getattr(module, cmd_name)
         return command
 
     def make_context(self, *args: Any, **extra: Any) -> click.Context:
-        """Parse the options before the verb."""
         with _one_line_errors():
             return super().make_context(*args, **extra)
 
     def invoke(self, ctx: click.Context) -> Any:
-        """Parse the verb's options and run it."""
         with _one_line_errors():
             return super().invoke(ctx)
 

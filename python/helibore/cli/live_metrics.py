@@ -5,9 +5,9 @@ from __future__ import annotations
 import hmac
 import http.server
 import os
+import queue
 import socket
 import ssl
-import threading
 import time
 from contextlib import suppress
 from dataclasses import dataclass
@@ -39,6 +39,8 @@ class Access:
     key: str | None = None
 
     def __post_init__(self) -> None:
+        if self.token == "":
+            raise InputError("token", "must not be empty")
         if not self.token and not (self.host in ("localhost", "::1") or self.host.startswith("127.")):
             raise InputError(f"host {self.host}", "is open to other machines, so it needs a token")
         if self.key and not self.certificate:
@@ -63,13 +65,12 @@ class Access:
         return not wanted or any(hmac.compare_digest(one.encode(), wanted) for one in given)
 
 
-class MetricsServer(http.server.ThreadingHTTPServer):
+class MetricsServer(http.server.HTTPServer):
     """Serves /metrics to a few connections at a time, each for a few seconds at most.
 
-    It keeps a descriptor in reserve, so that it still answers when the process has no other one left.
+    Its threads start with it, and it keeps a descriptor in reserve: so it still answers when the process can have no
+    other thread and no other descriptor.
     """
-
-    daemon_threads = True
 
     def __init__(self, server: Server, port: int, access: Access) -> None:
         class Pages(http.server.BaseHTTPRequestHandler):
@@ -93,13 +94,21 @@ class MetricsServer(http.server.ThreadingHTTPServer):
                 """Print nothing."""
 
         self.address_family = socket.AF_INET6 if ":" in access.host else socket.AF_INET
-        super().__init__((access.host, port), Pages)
+        try:
+            super().__init__((access.host, port), Pages)
+        except OSError as error:
+            raise OSError(error.errno, f"{access.host} port {port} for metrics: {error.strerror}") from error
         if context := access.context():
             self.socket = context.wrap_socket(self.socket, server_side=True, do_handshake_on_connect=False)
-        self._free = threading.BoundedSemaphore(CONNECTIONS)
+        self._asked: queue.Queue[Any] = queue.Queue()
+        self._since: dict[Any, float] = {}  # the connections that are answered, and since when
         self._reserve = os.open(os.devnull, os.O_RDONLY)
         metrics(server)  # loads its library
-        server.thread("metrics", self.serve_forever).start()
+        for name, run in (
+            ("metrics", self.serve_forever),
+            *((f"metrics {n}", self._answer) for n in range(CONNECTIONS)),
+        ):
+            server.thread(name, run).start()
 
     def get_request(self) -> Any:
         try:
@@ -113,35 +122,38 @@ class MetricsServer(http.server.ThreadingHTTPServer):
             return super().get_request()
 
     def process_request(self, request: Any, client_address: Any) -> None:
-        if self._free.acquire(blocking=False):
-            super().process_request(request, client_address)
-        else:
+        """Pass a connection to a thread; refuse it if all are busy."""
+        if len(self._since) >= CONNECTIONS:
             self.shutdown_request(request)
+            return
+        self._since[request] = time.monotonic()
+        self._asked.put((request, client_address))
 
-    def process_request_thread(self, request: Any, client_address: Any) -> None:
-        late = threading.Timer(SECONDS, self._hang_up, (request,))
-        late.daemon = True
-        try:
-            late.start()
-            super().process_request_thread(request, client_address)
-        finally:
-            late.cancel()
-            self._free.release()
+    def _answer(self) -> None:
+        while (asked := self._asked.get()) is not None:
+            request, address = asked
+            with suppress(Exception):  # a client may leave or be slow
+                self.finish_request(request, address)
+            self.shutdown_request(request)
+            del self._since[request]
             if self._reserve < 0:
                 with suppress(OSError):
                     self._reserve = os.open(os.devnull, os.O_RDONLY)
 
-    @staticmethod
-    def _hang_up(request: Any) -> None:
-        with suppress(OSError):
-            request.shutdown(socket.SHUT_RDWR)
+    def service_actions(self) -> None:
+        """End the connections that take too long."""
+        for request, since in list(self._since.items()):
+            if time.monotonic() - since > SECONDS:
+                with suppress(OSError):
+                    request.shutdown(socket.SHUT_RDWR)
 
     def handle_error(self, *_: object) -> None:
         """Ignore errors of a request: a client may leave or be slow."""
 
     def close(self) -> None:
-        """Stop serving."""
         self.shutdown()
+        for _ in range(CONNECTIONS):
+            self._asked.put(None)
         self.server_close()
         if self._reserve >= 0:
             os.close(self._reserve)

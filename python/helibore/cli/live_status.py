@@ -18,6 +18,7 @@ from helibore.live.wits import RULE_NAMES
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
+    from helibore.live.journal import Journal
     from helibore.live.server import Server
 
 PARSED = ("bytes", "frames", "items", "nulls", "not_numbers", *RULE_NAMES)
@@ -74,7 +75,7 @@ def metrics(server: Server) -> str:
     vertices = [((name,), float(len(wall))) for name, wall in live.layers.items()]
     family("wall_vertices", "gauge", "Vertices of each layer.", vertices, "layer")
     if live.journal:
-        family("journal_bytes_left", "gauge", "Bytes left on the journal's disk.", [((), live.journal.bytes_left)])
+        family("journal_bytes_left", "gauge", "Bytes left on the journal's disk.", [((), bytes_left(live.journal))])
     family("queue_records", "gauge", "Records stored and not yet drawn.", [((), server.queued)])
     latency, bounds = server.latency, [f"{bound:g}" for bound in server.latency.BOUNDS] + ["+Inf"]
     buckets = list(zip(bounds, itertools.accumulate(latency.counts), strict=True))
@@ -97,6 +98,14 @@ def source_ages(server: Server) -> dict[str, float | None]:
     return {name: now - last[name] if name in last else None for name in server.states}
 
 
+def bytes_left(journal: Journal) -> float:
+    """Return the bytes left on the disk of a journal; NaN if its folder is gone."""
+    try:
+        return float(journal.bytes_left)
+    except OSError:
+        return float("nan")
+
+
 class Page:
     """The status page; a rate is the average since the page was last drawn."""
 
@@ -111,7 +120,6 @@ class Page:
         return (value - before) / (now - at) if now > at else 0.0
 
     def draw(self) -> RenderableType:
-        """Return the page."""
         from rich.console import Group
         from rich.panel import Panel
         from rich.text import Text
@@ -167,7 +175,6 @@ class Page:
             "latency", f"{1e3 * latency.quantile(0.5):.1f} ms", "p99", f"{1e3 * latency.quantile(0.99):.1f} ms"
         )
         if server.live.journal:
-            table.add_row(
-                "journal", str(server.live.journal.folder), "left", f"{server.live.journal.bytes_left / 1e9:,.1f} GB"
-            )
+            left = bytes_left(server.live.journal) / 1e9
+            table.add_row("journal", str(server.live.journal.folder), "left", f"{left:,.1f} GB")
         return table

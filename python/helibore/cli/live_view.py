@@ -36,35 +36,16 @@ IMAGES_SECONDS = 1.0
 
 
 class Window:
-    """A page that shows a live wall; it is served at once.
+    """A page that shows a live wall; it is served at once, at the address ``url``.
 
-    Parameters
-    ----------
-    well
-        Name of the well on the page.
-    host, port, token, certificate, key
-        As for `PageServer`. Port 0: a free port.
-
-    Attributes
-    ----------
-    url : str
-        Address of the page, with the scheme.
-
-    Raises
-    ------
-    ModuleNotFoundError
-        Without the extra ``view``; the text names it.
-    ValueError
-        If the package was built without the page.
-    OSError
-        If the port is taken; the text names it.
+    ``well`` is the name on the page; the other arguments and the errors are those of `PageServer` and `check_page`.
     """
 
     def __init__(
         self, well: str = "", *, host: str = "127.0.0.1", port: int = 0, token: str | None = None,
         certificate: str | None = None, key: str | None = None,
     ) -> None:  # fmt: skip
-        from helibore.cli.view import check_page
+        from helibore.cli.view_command import check_page
         from helibore.viewer.page_server import PageServer
         from helibore.viewer.scene import Scene
 

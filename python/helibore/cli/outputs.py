@@ -12,11 +12,14 @@ from click.core import ParameterSource
 from helibore.base.errors import InputError
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
-from helibore.cli.source import SECTIONS, opt
+from helibore.cli.wall_options import SECTIONS, opt
 
 if TYPE_CHECKING:
+    from helibore.cli.terminal import Terminal
     from helibore.runs.run import Run
+    from helibore.wall.wall import Wall
 
+SIGMA = opt("--sigma", "Standard uncertainty of the radius, as the attribute 'sigma'.", is_flag=True)
 QUIET = opt("-q --quiet", "Print nothing but errors.", is_flag=True)
 
 NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "help")
@@ -26,6 +29,15 @@ NOT_RECORDED = ("source", "output", "centres", "zones", "breakouts", "quiet", "h
 def OUTPUT(help: str) -> tuple[str, dict[str, Any]]:  # noqa: A002, N802
     """Return the option of the file to write."""
     return opt("-o --output", help, type=FILE, required=True)
+
+
+def add_sigma(wall: Wall, terminal: Terminal) -> None:
+    """Give a wall its uncertainty as an attribute, for meshes and the viewer."""
+    from helibore.wall.interpolation import on_quads
+
+    with terminal.stage("sigma", "Leaving samples out"):
+        wall.attributes["sigma"] = on_quads(wall.sigma, wall.settings.sectors)
+        wall.attributes.units["sigma"] = "m"
 
 
 def check_file(file: Path, endings: Sequence[str]) -> None:
@@ -77,24 +89,26 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     """Return a value as TOML has it."""
+    if isinstance(value, Path):
+        return str(value.resolve())
     return [_plain(each) for each in value] if isinstance(value, tuple | list) else value
 
 
 def save_lines(run: Run, output: Path, verb: str, options: dict[str, Any], more: Sequence[Path] = ()) -> Lines:
     """Write the settings of an output; say what was written, and whether a repeated run gave the same bytes."""
     from helibore.runs.run import save_settings
-    from helibore.runs.settings import settings_file
+    from helibore.runs.run_settings import settings_file
 
     before, context = run.settings, click.get_current_context()
     recorded = {name: _plain(options[name]) for name in _own(context) if options[name] not in (None, (), False)}
-    images_added = bool(options["image"])
+    added = not all(one.blake2b for one in before.inputs)
     after = save_settings(run, output, verb, recorded)
     files = ", ".join(f"{file} ({file.stat().st_size / 1e6:,.2f} MB)" for file in (output, *more))
     lines = [("wrote", f"{files}, {settings_file(output).name}")]
     if before.output is None or after.output is None:
         return lines
     earlier = before.output
-    if (before.verb, before.options) != (verb, recorded) or images_added or earlier.file.suffix != output.suffix:
+    if (before.verb, before.options) != (verb, recorded) or added or earlier.file.suffix != output.suffix:
         text = f"the wall of {earlier.file.name}; its bytes are not compared with those of another kind of output"
     elif earlier.blake2b == after.output.blake2b:
         text = "to the last bit"

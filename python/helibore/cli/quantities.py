@@ -26,7 +26,6 @@ class Quantity(Parameter[float | None]):
         self.kind, self.name, self.none, self.largest = kind, kind, none, largest
 
     def convert(self, value: str | float, param: click.Parameter | None, ctx: click.Context | None) -> float | None:
-        """Read the text of an option."""
         if self.none and str(value).lower() == "none":
             return None
         try:
@@ -47,7 +46,6 @@ class Parsed(Parameter[Any]):
         self.name, self.rule, self.parse = name, rule, parse
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
-        """Read the text of an option."""
         if not isinstance(value, str):
             return value
         try:
@@ -66,7 +64,16 @@ def _lift(text: str) -> tuple[float, float]:
     return float(depth), float(length)
 
 
+def split_pair(option: str, text: str, form: str = "NAME=...") -> tuple[str, str]:
+    """Split NAME=VALUE at its last equals sign; a usage error states the form of the option."""
+    name, equals, value = text.rpartition("=")
+    if not (name and equals and value):
+        raise click.UsageError(f"--{option} {text}: must be {form}")
+    return name, value
+
+
 FILE = click.Path(path_type=Path)
+FOLDER = click.Path(path_type=Path, file_okay=False)
 LENGTH = Quantity(units.LENGTH)
 LENGTH_OR_NONE = Quantity(units.LENGTH, none=True)
 ANGLE = Quantity(units.ANGLE)

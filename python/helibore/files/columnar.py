@@ -18,8 +18,8 @@ import numpy as np
 
 from helibore.base.errors import MissingExtraError
 from helibore.files.headings import describe
+from helibore.files.input_file import InputFile, refuse_zip_bomb
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
-from helibore.files.source import Source, refuse_zip_bomb
 
 OWN_UNITS = {
     "depth": "m", "toolface": "deg", "radius": "m", "diameter": "m", "time": "s", "inclination": "deg",
@@ -28,7 +28,7 @@ OWN_UNITS = {
 """Units of columns that have the names of helibore's own arrays (``np.savez(depth=caliper.depth, ...)``)."""
 
 
-def read_parquet(source: Source) -> RawFile:
+def read_parquet(source: InputFile) -> RawFile:
     """Open a Parquet file; each column is read at its first use."""
     try:
         import pyarrow as pa
@@ -36,7 +36,7 @@ def read_parquet(source: Source) -> RawFile:
     except ImportError as error:
         raise MissingExtraError("pyarrow", "parquet") from error
     try:
-        file = parquet.ParquetFile(source.path)
+        file = parquet.ParquetFile(source.path, page_checksum_verification=True)
         schema, rows = file.schema_arrow, file.metadata.num_rows
         names = unique(list(schema.names))
     except (pa.ArrowException, OSError, UnicodeDecodeError) as error:
@@ -45,6 +45,8 @@ def read_parquet(source: Source) -> RawFile:
         raise source.error("Parquet without rows" if names else "Parquet without columns")
     channels = []
     remarks = []
+    stated = [(key.decode(errors="replace"), text) for key, text in (schema.metadata or {}).items()]
+    header = {key: text.decode(errors="replace") for key, text in stated if key not in ("ARROW:schema", "pandas")}
     for position, name in enumerate(names):
         kind = schema.field(position).type
         load = _parquet_loader(source, file, schema.names[position])
@@ -56,15 +58,15 @@ def read_parquet(source: Source) -> RawFile:
         if pa.types.is_nested(kind):
             remarks.append(f"{name}: a {kind} is not read")
             continue
-        stated = schema.field(position).metadata or {}
-        unit = (stated.get(b"unit") or stated.get(b"uom") or b"").decode("utf-8", "replace")
+        own = schema.field(position).metadata or {}
+        unit = (own.get(b"unit") or own.get(b"uom") or b"").decode("utf-8", "replace")
         unit = unit or describe(name) or own_unit(name, remarks)
         is_text = not number and not pa.types.is_null(kind)
         channels.append(Channel(name, unit, "", load, source.nulls, None, shape, is_text, nan_is_missing=False))
-    return RawFile("parquet", [RawSet(source.path, "table", channels, rows, None, {}, remarks)], file.close)
+    return RawFile("parquet", [RawSet(source.path, "table", channels, rows, None, header, remarks)], file.close)
 
 
-def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]:
+def _parquet_loader(source: InputFile, file: Any, name: str) -> Callable[[], Array]:
     def load() -> Array:
         import pyarrow as pa
 
@@ -73,9 +75,7 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
         except (pa.ArrowException, OSError, ValueError) as error:
             raise source.error(f"damaged Parquet ({str(error).splitlines()[0]})", column=name) from error
         if not pa.types.is_nested(column.type):
-            values: Array = column.to_numpy(zero_copy_only=False)
-            empty = bool(column.null_count) and values.dtype.kind == "f"
-            return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
+            return parquet_values(column)
         lengths = set(column.value_lengths().to_pylist()) if not pa.types.is_fixed_size_list(column.type) else {None}
         if len(lengths) != 1 or column.null_count:
             raise source.error(f"lists of {len(lengths)} different lengths: must be one", column=name)
@@ -84,12 +84,19 @@ def _parquet_loader(source: Source, file: Any, name: str) -> Callable[[], Array]
     return load
 
 
-def read_npz(source: Source) -> RawFile:
+def parquet_values(column: Any) -> Array:
+    """Return a ``pyarrow.Array`` of numbers; a mask marks empty cells of floats."""
+    values: Array = column.to_numpy(zero_copy_only=False)
+    empty = bool(column.null_count) and values.dtype.kind == "f"
+    return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
+
+
+def read_npz(source: InputFile) -> RawFile:
     """Read all arrays of an NPZ archive. Pickled arrays are refused."""
     refuse_zip_bomb(source)
     try:
-        archive = np.load(source.path, allow_pickle=False)
-        arrays = {name: archive[name] for name in archive.files}
+        with np.load(source.path, allow_pickle=False) as archive:
+            arrays = {name: archive[name] for name in archive.files}
     except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
         raise source.error(f"damaged archive of arrays ({error})") from error
     shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]

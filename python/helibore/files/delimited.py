@@ -24,9 +24,9 @@ import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.files.headings import describe, is_number, is_units_row
+from helibore.files.input_file import LINE_LIMIT, InputFile, decode
 from helibore.files.number_rows import NULL_TEXTS, read_rows, split_cells
 from helibore.files.raw_set import EXACT, Array, Channel, RawFile, RawSet, unique
-from helibore.files.source import LINE_LIMIT, Source, decode
 
 DELIMITERS = (",", "\t", ";", "|")
 BLANKS = tuple(" " * count for count in range(1, 17))
@@ -37,12 +37,14 @@ HEADING_LINES = 500
 NO_HEADER = "numbers, so there is no header"
 """Part of the remark on a table without a header."""
 
+COMMENT = "comment: "
+
 FEWEST_SECTORS = 4
 """The least number of columns that can form an image."""
 
 
 @dataclass
-class Layout:
+class TableLayout:
     """Describe the layout of a table: column names, units, number of lines above the rows, and delimiter."""
 
     delimiter: str
@@ -52,7 +54,7 @@ class Layout:
     remarks: list[str] = field(default_factory=list)
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a delimited table."""
     head, remark, whole = _head_text(source)
     layout = find_layout(source, head)
@@ -73,10 +75,12 @@ def read(source: Source) -> RawFile:
         unit = layout.units[position] if layout.units else describe(layout.names[position])
         channels.append(Channel(name, unit, "", values, source.nulls, nan_is_missing=False))
     rows = len(columns[0])
-    return RawFile("csv", [RawSet(source.path, "table", channels, rows, None, {}, layout.remarks, line_of)])
+    comments = [remark.removeprefix(COMMENT).partition(":") for remark in layout.remarks if remark.startswith(COMMENT)]
+    header = {name.strip(): text.strip() for name, colon, text in comments if colon}
+    return RawFile("csv", [RawSet(source.path, "table", channels, rows, None, header, layout.remarks, line_of)])
 
 
-def _head_text(source: Source) -> tuple[str, str, bool]:
+def _head_text(source: InputFile) -> tuple[str, str, bool]:
     """Return the whole lines of the first 2 MiB, the remark on the encoding, and whether this is the whole file."""
     with source.stream() as stream:
         head = stream.read(2 * LINE_LIMIT)
@@ -91,7 +95,7 @@ def _head_text(source: Source) -> tuple[str, str, bool]:
     return *decode(source.path, head), not more
 
 
-def find_layout(source: Source, head: str) -> Layout:
+def find_layout(source: InputFile, head: str) -> TableLayout:
     """Find delimiter, header and units row in the first lines of a table. Raise an InputError if there are none."""
     remarks = []
     lines = head.split("\n", HEADING_LINES)[:HEADING_LINES]
@@ -103,7 +107,7 @@ def find_layout(source: Source, head: str) -> Layout:
             raise InputError(f"{source.path.name}: header_line", rule, str(header_line))
     while header_line is None and start < len(lines) and lines[start].lstrip()[:1] in ("", "#"):
         if comment := lines[start].strip(" #\t"):
-            remarks.append(f"comment: {comment}")
+            remarks.append(f"{COMMENT}{comment}")
         start += 1
     rows = [line for line in lines[start:] if line.strip()]
     if not rows:
@@ -121,21 +125,21 @@ def find_layout(source: Source, head: str) -> Layout:
     if len(second) == len(names) and is_units_row(second):
         units = [cell.strip("()[] ") for cell in second]
         skip = lines.index(rows[1], skip) + 1
-    return Layout(delimiter, names, units, skip, remarks)
+    return TableLayout(delimiter, names, units, skip, remarks)
 
 
-def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> Layout:
+def _without_header(lines: list[str], start: int, delimiter: str, width: int, remarks: list[str]) -> TableLayout:
     """Name the columns of a table without a header: by the last comment line if it fits, else by number."""
     for line in reversed(lines[:start]):
         names = [cell.strip() for cell in split_cells(line.strip().lstrip("#"), delimiter)]
         if len(names) == width and width > 1 and all(names):
-            remarks = [remark for remark in remarks if remark != f"comment: {line.strip(' #')}"]
-            return Layout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
+            remarks = [remark for remark in remarks if remark != f"{COMMENT}{line.strip(' #')}"]
+            return TableLayout(delimiter, names, None, start, [*remarks, "the header is a comment line"])
     remarks = [*remarks, f"line {start + 1}: {NO_HEADER}: columns are named by their number"]
-    return Layout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
+    return TableLayout(delimiter, [f"column {number}" for number in range(1, width + 1)], None, start, remarks)
 
 
-def _delimiter(source: Source, rows: list[str], line: int) -> str:
+def _delimiter(source: InputFile, rows: list[str], line: int) -> str:
     """Return the delimiter that splits each of the first rows into the same number of cells, at least two."""
     sample = rows[:20]
     widths = {mark: [len(split_cells(row, mark)) for row in sample] for mark in DELIMITERS}
@@ -157,7 +161,7 @@ def _delimiter(source: Source, rows: list[str], line: int) -> str:
     raise source.error("not a table: no comma, tab, semicolon or | separates columns", line)
 
 
-def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> list[Array] | None:
+def _by_pyarrow(source: InputFile, layout: TableLayout, head: str, encoding: str) -> list[Array] | None:
     """Read the columns with pyarrow; return None if pyarrow is not installed or refuses the table.
 
     The first 2 MiB decide the types of the columns, so that they do not depend on how pyarrow cuts the table.
@@ -189,7 +193,7 @@ def _by_pyarrow(source: Source, layout: Layout, head: str, encoding: str) -> lis
     ]
 
 
-def _rows(csv: Any, content: Any, layout: Layout, skip: int, types: dict[str, Any] | None = None) -> Any:
+def _rows(csv: Any, content: Any, layout: TableLayout, skip: int, types: dict[str, Any] | None = None) -> Any:
     """Read the rows below the first ``skip`` lines. Columns get numbers, since pyarrow refuses repeated names."""
     numbered = [str(position) for position in range(len(layout.names))]
     return csv.read_csv(
@@ -212,7 +216,9 @@ def _copied(pa: ModuleType, text: bytes) -> Any:
     return pa.BufferReader(memory.getvalue())
 
 
-def _unpacked(pa: ModuleType, csv: Any, source: Source, layout: Layout, encoding: str, types: dict[str, Any]) -> Any:
+def _unpacked(
+    pa: ModuleType, csv: Any, source: InputFile, layout: TableLayout, encoding: str, types: dict[str, Any]
+) -> Any:
     """Read a table that must be unpacked or decoded: this thread prepares a piece while another parses the last one."""
     parts: list[Future[Any]] = []
     with ThreadPoolExecutor(1) as beside:
@@ -238,7 +244,7 @@ def _column_type(pa: ModuleType, column: Any) -> Any:
     return pa.string()
 
 
-def _line_finder(source: Source, layout: Layout) -> Callable[[int], int]:
+def _line_finder(source: InputFile, layout: TableLayout) -> Callable[[int], int]:
     """Return a function that gives the line of a row. It reads the file to count lines: only errors call it."""
 
     def line_of(row: int) -> int:

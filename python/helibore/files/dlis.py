@@ -11,18 +11,19 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack, contextmanager, suppress
 from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from helibore.base.errors import InputError, MissingExtraError
+from helibore.files.headings import is_number
+from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
-from helibore.files.source import Source
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a DLIS file; the rows of a frame are read when they are first used."""
     try:
         from dlisio import dlis
@@ -33,9 +34,9 @@ def read(source: Source) -> RawFile:
         logical_files = opened.enter_context(dlis.load(str(source.path)))
         for number, logical in enumerate(logical_files):
             label = f"{number}/" if len(logical_files) > 1 else ""
-            frames = list(logical.frames)
+            frames, parameters = list(logical.frames), _parameters(logical)
             for name, frame in zip(unique([text_of(frame.name) for frame in frames]), frames, strict=True):
-                readers.append(partial(_frame, source, label + name, frame))
+                readers.append(partial(_frame, source, label + name, frame, parameters))
         sets = [one for one in readable_sets(readers) if one.rows]
         if not sets:
             raise source.error("DLIS without a frame that has rows")
@@ -46,7 +47,7 @@ def read(source: Source) -> RawFile:
 
 
 @contextmanager
-def damage_named(source: Source, what: str = "") -> Iterator[None]:
+def damage_named(source: InputFile, what: str = "") -> Iterator[None]:
     """Turn the errors of dlisio's C++ core (RuntimeError, ValueError, OSError, EOFError) into one InputError."""
     try:
         yield
@@ -74,7 +75,18 @@ def text_of(value: Any) -> str:
     return "" if value is None else str(value)
 
 
-def _frame(source: Source, name: str, frame: Any) -> RawSet:
+def _parameters(logical: Any) -> dict[str, str]:
+    """Return the parameters of a logical file by name, a number with its unit; one that is damaged is left out."""
+    found = {}
+    for parameter in logical.parameters:
+        with suppress(Exception):  # a damaged parameter does not keep the frames from being read
+            values = [text_of(value).strip() for value in np.ravel(parameter.values).tolist()]
+            unit = text_of(parameter.attic["VALUES"].units) if values and is_number(values[0]) else ""
+            found[text_of(parameter.name)] = " ".join([*filter(None, values), unit]).strip()
+    return found
+
+
+def _frame(source: InputFile, name: str, frame: Any, parameters: dict[str, str]) -> RawSet:
     """Return the set of one frame: its channels are read now, its rows at their first use."""
     with damage_named(source, f"frame {name}"):
         dtype = frame.dtype()
@@ -83,7 +95,7 @@ def _frame(source: Source, name: str, frame: Any) -> RawSet:
         stated = {"index_type": frame.index_type, "direction": frame.direction, "spacing": frame.spacing}
         for origin in frame.logicalfile.origins[:1]:
             stated |= {"well": origin.well_name, "field": origin.field_name, "company": origin.company}
-        header = {key: text_of(value) for key, value in stated.items() if value not in (None, "")}
+        header = parameters | {key: text_of(value) for key, value in stated.items() if value not in (None, "")}
 
     @cache
     def rows() -> Array:

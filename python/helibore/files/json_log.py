@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from helibore.files.headings import describe
+from helibore.files.input_file import InputFile, decode, read_exactly
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, readable_sets, unique
-from helibore.files.source import Source, decode, read_exactly
 
 SIZE_LIMIT = 1 << 28
 """Largest JSON text (bytes) that is read: the parser holds all of it, some ten times over."""
@@ -32,7 +32,7 @@ WELL_UNITS = {"MD": "depth_unit", "TVD": "depth_unit", "N": "surface_unit", "E":
 """The key of a standard well's header that states the unit of a column."""
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a JSON well log or a file of standard wells."""
     collecting = gc.isenabled()
     gc.disable()  # repeated scans of the tree of lists take a third of the time of a large log
@@ -43,7 +43,7 @@ def read(source: Source) -> RawFile:
             gc.enable()
 
 
-def _read(source: Source) -> RawFile:
+def _read(source: InputFile) -> RawFile:
     tree = _parse(source)
     if isinstance(tree, dict) and isinstance(tree.get("wells"), dict):
         wells = tree["wells"].items()
@@ -56,7 +56,7 @@ def _read(source: Source) -> RawFile:
     return RawFile("JSON Well Log Format", readable_sets(readers))
 
 
-def _parse(source: Source) -> Any:
+def _parse(source: InputFile) -> Any:
     content = b""
     if source.path.stat().st_size <= SIZE_LIMIT:
         with source.stream() as stream:
@@ -73,7 +73,7 @@ def _parse(source: Source) -> Any:
         raise source.error(f"not sensible JSON ({type(error).__name__})") from error
 
 
-def _log(source: Source, name: str, log: dict[str, Any]) -> RawSet:
+def _log(source: InputFile, name: str, log: dict[str, Any]) -> RawSet:
     """Return the set of one log: turn rows of cells into columns."""
     curves, rows = log["curves"], log["data"]
     if not isinstance(curves, list) or not curves or not all(isinstance(c, dict) and c.get("name") for c in curves):
@@ -104,7 +104,7 @@ def _log(source: Source, name: str, log: dict[str, Any]) -> RawSet:
 NUMBERS = {int, float, type(None)}
 
 
-def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[Any] | Array) -> Array:
+def _column(source: InputFile, name: str, curve: dict[str, Any], cells: Sequence[Any] | Array) -> Array:
     """Return one curve as an array, null as NaN. Raise an error that names the row of a cell of the wrong type."""
     if isinstance(cells, np.ndarray):
         return cells
@@ -125,7 +125,7 @@ def _column(source: Source, name: str, curve: dict[str, Any], cells: Sequence[An
     return np.array(["" if cell is None else str(cell) for cell in cells], dtype=np.str_)
 
 
-def _array_column(source: Source, name: str, size: int, cells: Sequence[Any]) -> Array:
+def _array_column(source: InputFile, name: str, size: int, cells: Sequence[Any]) -> Array:
     stated = sum(len(cell) for cell in cells if isinstance(cell, list))
     if size * len(cells) > EMPTY_FREE + EMPTY_RATIO * stated:
         rule = f"{len(cells)} rows hold {stated} values: more than {EMPTY_RATIO} empty ones to each"
@@ -142,14 +142,14 @@ def _array_column(source: Source, name: str, size: int, cells: Sequence[Any]) ->
     return _floats(source, name, flat).reshape(len(cells), size)
 
 
-def _floats(source: Source, name: str, cells: Sequence[Any]) -> Array:
+def _floats(source: InputFile, name: str, cells: Sequence[Any]) -> Array:
     try:
         return np.array(cells, dtype=np.float64)
     except OverflowError as error:
         raise source.error("holds a whole number too large for a float", column=name) from error
 
 
-def _well(source: Source, name: str, well: Any) -> RawSet:
+def _well(source: InputFile, name: str, well: Any) -> RawSet:
     """Return the set of one standard well: equally long lists of numbers by name, and a header with the units."""
     if not isinstance(well, dict) or not isinstance(well.get("header", {}), dict):
         raise source.error(f"well {name!r}: must be an object of columns")

@@ -21,19 +21,22 @@ import numpy as np
 from helibore.base import units
 from helibore.base.errors import MissingExtraError
 from helibore.files.headings import is_number
+from helibore.files.input_file import InputFile
 from helibore.files.number_rows import read_rows
 from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
-from helibore.files.source import Source
 
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
+INDEX = ("STRT", "STOP", "STEP", "NULL")
+"""Numbers of the index and the rows; other numbers of a header keep their unit."""
+
 # One angle of an array member: {AF10.4;0deg} or {AF10.4; 2.5 deg}.
 SPACING = re.compile(r"^\s*(?P<value>[+-]?[\d.]+(?:[eE][+-]?\d+)?)\s*(?P<unit>\S*)\s*$")
 
 
 @dataclass
-class Section:
+class LasSection:
     """One section: its title without the tilde, the number of the title's line, and the lines below it."""
 
     title: str
@@ -47,7 +50,7 @@ class Section:
 
 
 @dataclass
-class Curve:
+class LasCurve:
     """One line of a definition section."""
 
     name: str
@@ -56,7 +59,7 @@ class Curve:
     axis: SectorAxis | None = None
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a LAS file of version 2 or 3."""
     text, remark = source.text()
     sections = find_sections(source, text)
@@ -72,12 +75,12 @@ def read(source: Source) -> RawFile:
     return RawFile(f"LAS {number}", read_sets(source, sections, version, remarks))
 
 
-def find_sections(source: Source, text: str) -> list[Section]:
+def find_sections(source: InputFile, text: str) -> list[LasSection]:
     """Split the text at the lines that start with ~. Comments are kept, because errors name line numbers."""
-    sections: list[Section] = []
+    sections: list[LasSection] = []
     for number, line in enumerate(text.split("\n"), 1):
         if line.startswith("~") or (line.lstrip().startswith("~") and line.lstrip()[1:2].isalpha()):
-            sections.append(Section(line.strip()[1:], number))
+            sections.append(LasSection(line.strip()[1:], number))
         elif sections:
             sections[-1].lines.append(line)
     if len(sections) < 2:
@@ -85,7 +88,7 @@ def find_sections(source: Source, text: str) -> list[Section]:
     return sections
 
 
-def _section(source: Source, sections: list[Section], letter: str) -> Section:
+def _section(source: InputFile, sections: list[LasSection], letter: str) -> LasSection:
     for section in sections:
         if section.kind.startswith(letter):
             return section
@@ -93,35 +96,41 @@ def _section(source: Source, sections: list[Section], letter: str) -> Section:
     raise source.error(f"truncated or damaged: no ~{name} section")
 
 
-def _items(section: Section) -> dict[str, str]:
-    """Return the values of a header section by mnemonic, from lines of the form MNEM.UNIT VALUE : DESCRIPTION."""
+def _items(section: LasSection, units: bool = False) -> dict[str, str]:
+    """Return the values of a header section by mnemonic, from lines of the form MNEM.UNIT VALUE : DESCRIPTION.
+
+    With ``units``, a number is followed by its unit.
+    """
     values: dict[str, str] = {}
     for line in section.lines:
         match = ITEM.match(line)
         if match and not line.lstrip().startswith("#"):
-            values.setdefault(match["name"].upper(), match["rest"].rpartition(":")[0].strip() or match["rest"].strip())
+            value = match["rest"].rpartition(":")[0].strip() or match["rest"].strip()
+            values.setdefault(match["name"].upper(), _with_unit(match["unit"] if units else "", value))
     return values
 
 
-def _las2(source: Source, sections: list[Section], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
+def _las2(source: InputFile, sections: list[LasSection], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
     """Return the one set of a LAS 2 file: lasio reads the header, ``number_rows`` the rows."""
     data = _section(source, sections, "A")
     if data is not sections[-1]:
         last = sections[-1]
         remarks.append(f"line {last.line}: ~{last.kind} follows the data section; its lines are not rows")
     header = _lasio_header(source, sections, data)
-    curves = [Curve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in header.curves]
+    curves = [LasCurve(c.original_mnemonic.strip(), _unit_and_value(c)[0], c.descr or "") for c in header.curves]
     _name_curves(curves, remarks)
     if not curves:
         raise source.error("the ~Curve section defines no curve", _section(source, sections, "C").line)
     wrapped = version.get("WRAP", "NO").upper().startswith("Y")
     units_of, well = ({item.mnemonic: _unit_and_value(item)[part] for item in header.well} for part in (0, 1))
+    stated = {item.mnemonic: _with_unit(*_unit_and_value(item)) for item in (*header.params, *header.well)}
     log_set = _set(source, "log", data, curves, None, well, remarks, wrapped)
     _check_range(log_set, well, units_of)
+    log_set.header = stated | {name: well[name] for name in INDEX if name in well}
     return [log_set]
 
 
-def _name_curves(curves: list[Curve], remarks: list[str]) -> None:
+def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
     """Name the curves that have no name, and number those of one name."""
     for number, curve in enumerate(curves, 1):
         if not curve.name:
@@ -131,7 +140,7 @@ def _name_curves(curves: list[Curve], remarks: list[str]) -> None:
         curve.name = name
 
 
-def _lasio_header(source: Source, sections: list[Section], data: Section) -> Any:
+def _lasio_header(source: InputFile, sections: list[LasSection], data: LasSection) -> Any:
     try:
         import lasio
     except ImportError as error:
@@ -155,6 +164,10 @@ def _unit_and_value(item: Any) -> tuple[str, str]:
     return unit, value
 
 
+def _with_unit(unit: str, value: str) -> str:
+    return f"{value} {unit}" if unit and is_number(value) else value
+
+
 def _null(text: str | None) -> tuple[float, ...]:
     try:
         return (float(text),) if text else ()
@@ -162,9 +175,14 @@ def _null(text: str | None) -> tuple[float, ...]:
         return ()
 
 
-def _las3(source: Source, sections: list[Section], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
+def _las3(source: InputFile, sections: list[LasSection], version: dict[str, str], remarks: list[str]) -> list[RawSet]:
     """Return one set for each data section of a LAS 3 file that holds rows."""
     well = _items(_section(source, sections, "W"))
+    stated: dict[str, str] = {}
+    for section in sections:
+        if section.kind.startswith("W") or "PARAMETER" in section.kind:
+            stated |= _items(section, units=True)
+    stated |= {name: well[name] for name in INDEX if name in well}
     delimiter = {"": None, "SPACE": None, "COMMA": ",", "TAB": "\t"}.get(version.get("DLM", "").upper(), "?")
     if delimiter == "?":
         place = f"line {sections[0].line}: DLM"
@@ -177,15 +195,15 @@ def _las3(source: Source, sections: list[Section], version: dict[str, str], rema
     if not tables:
         raise source.error("truncated: no data section (~Log_Data or ~ASCII)", sections[-1].line)
 
-    def read_table(section: Section) -> RawSet:
+    def read_table(section: LasSection) -> RawSet:
         own_remarks = list(remarks)
         curves = _curves(source, _definition(source, sections, section), own_remarks)
-        return _set(source, section.kind.title(), section, curves, delimiter, dict(well), own_remarks)
+        return _set(source, section.kind.title(), section, curves, delimiter, dict(stated), own_remarks)
 
     return readable_sets(partial(read_table, section) for section in tables)
 
 
-def _definition(source: Source, sections: list[Section], data: Section) -> Section:
+def _definition(source: InputFile, sections: list[LasSection], data: LasSection) -> LasSection:
     """Return the section that defines the columns of ``data``: named after its ``|``, else of the same stem."""
     named = data.title.partition("|")[2].strip().upper()
     stem = data.kind.replace("_DATA", "_DEFINITION")
@@ -197,9 +215,9 @@ def _definition(source: Source, sections: list[Section], data: Section) -> Secti
     raise source.error(f"~{data.kind}: no section ~{wanted[0].title()} defines its columns", data.line)
 
 
-def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]:
+def _curves(source: InputFile, section: LasSection, remarks: list[str]) -> list[LasCurve]:
     """Return the columns of a definition section; members of an array are named ``NAME[1]`` and have an angle."""
-    curves: list[Curve] = []
+    curves: list[LasCurve] = []
     for number, line in enumerate(section.lines, section.line + 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
@@ -208,7 +226,7 @@ def _curves(source: Source, section: Section, remarks: list[str]) -> list[Curve]
             raise source.error(f"{line.strip()[:40]!r}: must read NAME.UNIT : DESCRIPTION", number)
         form = FORMAT.search(match["rest"])
         described = FORMAT.sub("", match["rest"]).partition("|")[0].partition(":")[2]
-        curves.append(Curve(match["name"], match["unit"], described, _axis(form["format"]) if form else None))
+        curves.append(LasCurve(match["name"], match["unit"], described, _axis(form["format"]) if form else None))
     if not curves:
         raise source.error(f"~{section.kind} defines no column", section.line)
     _name_curves(curves, remarks)
@@ -225,7 +243,7 @@ def _axis(form: str) -> SectorAxis | None:
 
 
 def _set(
-    source: Source, name: str, data: Section, curves: list[Curve], delimiter: str | None, well: dict[str, str],
+    source: InputFile, name: str, data: LasSection, curves: list[LasCurve], delimiter: str | None, well: dict[str, str],
     remarks: list[str], wrapped: bool = False,
 ) -> RawSet:  # fmt: skip
     """Read the rows of a data section."""

@@ -10,11 +10,11 @@ from typing import Any
 
 from helibore.base.errors import MissingExtraError
 from helibore.files.dlis import damage_named, dlisio_warnings, text_of
+from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets
-from helibore.files.source import Source
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a LIS file; all its rows are read."""
     try:
         from dlisio import lis
@@ -34,7 +34,7 @@ def read(source: Source) -> RawFile:
     return RawFile("LIS", sets)
 
 
-def _pass(source: Source, name: str, logical: Any, spec: Any) -> RawSet:
+def _pass(source: InputFile, name: str, logical: Any, spec: Any) -> RawSet:
     from dlisio import lis
 
     with damage_named(source, f"log {name}"):

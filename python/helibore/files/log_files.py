@@ -161,7 +161,6 @@ def _csv(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
 
 def _parquet(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
     import pyarrow
-    from pyarrow import parquet
 
     arrays = [pyarrow.array(column.values, from_pandas=True) for column in table]  # NaN becomes null
     fields = [
@@ -170,7 +169,14 @@ def _parquet(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO],
     ]
     schema = pyarrow.schema(fields, metadata={**header, **table.facts})
     rows = pyarrow.Table.from_arrays(arrays, schema=schema)
-    return lambda file: parquet.write_table(rows, file)
+    return lambda file: write_parquet(rows, file)
+
+
+def write_parquet(table: Any, file: BinaryIO) -> None:
+    """Write a ``pyarrow.Table`` with a checksum a page: without, a flipped bit gives wrong values in silence."""
+    from pyarrow import parquet
+
+    parquet.write_table(table, file, write_page_checksum=True)
 
 
 def _dlis(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], object]:
@@ -207,8 +213,10 @@ def _dlis_file(dliswriter: Any, table: LogTable, header: Mapping[str, str]) -> A
     logical = file.add_logical_file()
     known = {"well_name": header.get("well"), "company": header.get("company"), "field_name": header.get("field")}
     logical.add_origin("ORIGIN", file_set_number=1, creation_time=None, product="helibore", **known)
-    for name, text in table.facts.items():
-        logical.add_parameter(_mnemonic(name), long_name=name, values=[text])
+    facts = {LAS_WELL[name]: (name, text) for name, text in header.items() if name not in ("well", "company", "field")}
+    facts |= {_mnemonic(name): (name, text) for name, text in table.facts.items()}
+    for mnemonic, (name, text) in facts.items():
+        logical.add_parameter(mnemonic, long_name=name, values=[text])
     channels = []
     for of in table:
         values = np.where(np.isnan(of.values), NULL, of.values) if table.rows else np.array([NULL])

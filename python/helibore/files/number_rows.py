@@ -19,8 +19,8 @@ from pathlib import Path
 import numpy as np
 
 from helibore.files.headings import to_float
+from helibore.files.input_file import file_error
 from helibore.files.raw_set import EXACT, Array
-from helibore.files.source import file_error
 
 NULL_TEXTS = (
     "", "-", "--", "null", "NULL", "Null", "(null)", "(NULL)", "n/a", "N/A", "#N/A", "na", "NA", "None", "none",

@@ -22,7 +22,7 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
 from helibore.files.headings import to_float
-from helibore.files.source import file_error
+from helibore.files.input_file import file_error
 
 Array = npt.NDArray[Any]
 
@@ -213,6 +213,12 @@ class RawSet:
             return self._columns[name]
         except KeyError:
             raise KeyError(f"{self.path.name}: no channel {name!r}; it holds {', '.join(self.names)}") from None
+
+    def channel(self, name: str) -> Channel:
+        """Return a channel as ``log_set[name]`` does, or raise an InputError that lists the channels."""
+        if name not in self:
+            raise InputError(self.path.name, f"no channel {name!r}; it holds {', '.join(self.names)}")
+        return self[name]
 
     def __contains__(self, name: object) -> bool:
         return name in self._columns

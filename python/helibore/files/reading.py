@@ -6,12 +6,12 @@ from importlib import import_module
 from pathlib import Path
 
 from helibore.base.errors import InputError
+from helibore.files.input_file import InputFile, find_format
 from helibore.files.raw_set import RawFile
-from helibore.files.source import Source, find_format
 
 READERS = {
     "csv": ("delimited", "read"), "xlsx": ("spreadsheet", "read"), "las": ("las", "read"), "dlis": ("dlis", "read"),
-    "lis": ("lis", "read"), "json": ("json_log", "read"), "witsml": ("witsml", "read"),
+    "lis": ("lis", "read"), "json": ("json_log", "read"), "witsml": ("witsml_log", "read"),
     "parquet": ("columnar", "read_parquet"), "npz": ("columnar", "read_npz"),
 }  # fmt: skip
 """The file and the function that read a format; a file is imported when it is needed."""
@@ -21,7 +21,7 @@ def read_file(path: Path, nulls: tuple[float, ...], header_line: int | None = No
     """Return the sets of a file; ``header_line`` is for tables."""
     if path.is_dir():
         raise IsADirectoryError(f"{path}: is a directory")
-    source = Source(path, nulls, header_line)
+    source = InputFile(path, nulls, header_line)
     name = find_format(source)
     if header_line is not None and name not in ("csv", "xlsx"):
         raise InputError(f"{path.name}: header_line", f"is for tables, and this is {name}", str(header_line))

@@ -12,15 +12,15 @@ from typing import Any
 
 from helibore.base.errors import InputError, MissingExtraError
 from helibore.files.headings import describe, is_number, is_units_row
+from helibore.files.input_file import InputFile, refuse_zip_bomb
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
-from helibore.files.source import Source, refuse_zip_bomb
 
 HEADING_ROWS = 500
 """The header must stand within this many rows."""
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a workbook; ``source.header_line`` is the row of the column names in every sheet, counted from 1."""
     try:
         import python_calamine
@@ -37,7 +37,7 @@ def read(source: Source) -> RawFile:
     return RawFile("xlsx", readable_sets(partial(_sheet, source, name, rows) for name, rows in sheets.items()))
 
 
-def _sheet(source: Source, name: str, sheet: list[list[Any]]) -> RawSet:
+def _sheet(source: InputFile, name: str, sheet: list[list[Any]]) -> RawSet:
     rows, header = [[_text(cell) for cell in row] for row in sheet], source.header_line
     start = _find_header(rows) if header is None else header - 1
     if start is None or not 0 <= start < len(rows) or not any(rows[start]):

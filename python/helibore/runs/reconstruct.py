@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 from helibore.base.errors import InputError
 from helibore.samples.caliper import Caliper
-from helibore.wall import reconstruct as samples_to_wall
 from helibore.wall.interpolation import on_quads
-from helibore.wall.wall import Wall
+from helibore.wall.wall import Wall, wall_of
 
 if TYPE_CHECKING:
     from helibore.preparation.prepare import Preparation, Prepared, Track
@@ -83,9 +82,9 @@ def reconstruct(
     for name, given in (("preparation", preparation), ("track", track)):
         if given is not None:
             raise InputError(name, f"is for readings; a {type(samples).__name__} is prepared")
-    wall = samples_to_wall.reconstruct(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
+    wall = wall_of(caliper, bit_diameter=bit_diameter, path=path, threads=threads, **settings)
     if earlier is not None:
-        compare(wall, samples_to_wall.reconstruct(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
+        compare(wall, wall_of(earlier, bit_diameter=bit_diameter, threads=threads, **settings))
     return wall
 
 

@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import AbstractContextManager, contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
@@ -25,19 +25,20 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
-from helibore.channels.columns import column, needed
+from helibore.channels.channel_readings import note, readings
+from helibore.channels.columns import column, depths, needed
 from helibore.channels.depth_remarks import depth_remarks
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.opening import open as open_file
-from helibore.channels.readings import note, readings
-from helibore.channels.roles import RoleMap
+from helibore.channels.role_map import read_map
+from helibore.channels.roles import RoleMap, guess
 from helibore.images.sector_image import SectorImage
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
-from helibore.runs import settings as settings_files
+from helibore.runs import run_settings
 from helibore.runs.reconstruct import reconstruct
-from helibore.runs.settings import ImageInput, Input, Output, RunSettings
+from helibore.runs.run_settings import ImageInput, Input, Output, RunSettings
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
 from helibore.trajectory.survey import Path as WellPath
 from helibore.trajectory.survey import Survey
@@ -54,82 +55,56 @@ def checksum(path: str | os.PathLike[str]) -> str:
         return hashlib.file_digest(file, lambda: hashlib.blake2b(digest_size=32)).hexdigest()
 
 
-@dataclass(frozen=True)
-class Opened:
-    """A set of an open file, and the roles of its channels."""
-
-    file: Path
-    format: str
-    log: LogSet
-    roles: RoleMap
-    header_line: int | None = None
-
-    def input(self) -> Input:
-        """Return it as the settings record it; `save_settings` fills in the checksum."""
-        used = tuple(role for role in self.roles if role.role != "none")
-        return Input(self.file, "", self.log.name, used, self.header_line)
-
-    def line(self) -> str:
-        """Describe what was read in one sentence."""
-        named = f"set {self.log.name!r}, " if self.log.name not in ("table", "arrays") else ""
-        return f"{self.file.name}: {self.format}, {named}{self.log.rows:,} rows"
-
-
-class Opener:
-    """Opens the files of a run: each is parsed once, and hashed once, in a thread, while it is parsed.
+class OpenFiles:
+    """The log files of a run: each is parsed once, and hashed once, in a thread, while it is parsed.
 
     The hash reads the bytes that the parser brings into memory (the page cache), so that the disk is read once.
+    ``header_lines`` holds the line of a table's column names, for the files where it was given.
     """
 
-    def __init__(self, nulls: tuple[float, ...]) -> None:
-        self._nulls = nulls
+    def __init__(self, nulls: tuple[float, ...], header_lines: Mapping[Path, int] | None = None) -> None:
+        self._nulls, self.header_lines = nulls, dict(header_lines or {})
         self._pool = ThreadPoolExecutor(1, "checksums")
         self._sums: dict[Path, Future[str]] = {}
         self._logs: dict[Path, LogFile] = {}
 
-    def start_checksum(self, file: Path) -> None:
-        """Hash a file, unless that has begun."""
+    def checksum(self, file: Path) -> Future[str]:
+        """Return the checksum of a file, which is computed in a thread from the first call on."""
         if file not in self._sums:
             self._sums[file] = self._pool.submit(checksum, file)
+        return self._sums[file]
 
-    def checksum(self, file: Path) -> str:
-        """Return the checksum of a file when it is known."""
-        self.start_checksum(file)
-        return self._sums[file].result()
-
-    def log(self, file: Path, header_line: int | None = None) -> LogFile:
-        """Return an open file; ``header_line`` is the line of a table's column names."""
+    def log(self, file: Path) -> LogFile:
+        """Return an open file."""
         if file not in self._logs:
-            self.start_checksum(file)
-            self._logs[file] = open_file(file, self._nulls, header_line)
+            self.checksum(file)
+            self._logs[file] = open_file(file, self._nulls, self.header_lines.get(file))
         return self._logs[file]
+
+    def input(
+        self, file: Path, set_name: str | None = None, map_file: Path | None = None,
+        change: Callable[[LogSet, RoleMap], RoleMap] = lambda _, roles: roles,
+    ) -> Input:  # fmt: skip
+        """Open a set of a file; its roles are guessed, a map overrules the guess, and ``change`` overrules both."""
+        log = self.log(file)
+        alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
+        roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
+        log_set = log.set(roles.set_name)
+        return Input(file, "", log_set.name, tuple(change(log_set, roles)))
+
+    def log_set(self, one: Input) -> LogSet:
+        """Return the set of a file that the settings name."""
+        return self.log(one.file).set(one.set)
 
     def headers(self) -> list[dict[str, str]]:
         """Return the headers of the sets of all files that are open, in the order they were opened."""
         return [each.header for log in self._logs.values() for each in log.sets]
 
-    def opened(self, file: Path, choose: Callable[[LogFile], RoleMap], header_line: int | None = None) -> Opened:
-        """Open a set of a file; ``choose`` says which set and which roles."""
-        log = self.log(file, header_line)
-        roles = choose(log)
-        return Opened(file, log.format, log.set(roles.set_name), roles, header_line)
-
-
-@dataclass(frozen=True)
-class Files:
-    """The open files of a run, by their names in `RunSettings`."""
-
-    caliper: tuple[Opened, ...] = ()
-    average: Opened | None = None
-    track: Opened | None = None
-    survey: Opened | None = None
-
-    def inputs(self) -> dict[str, Any]:
-        """Return the files as fields of `RunSettings`."""
-        alone = {name: getattr(self, name) for name in ("average", "track", "survey")}
-        return {"caliper": tuple(each.input() for each in self.caliper)} | {
-            name: found.input() for name, found in alone.items() if found is not None
-        }
+    def description(self, one: Input) -> str:
+        """Describe what was read of a file in one sentence."""
+        log = self.log_set(one)
+        named = f"set {log.name!r}, " if log.name not in ("table", "arrays") else ""
+        return f"{one.file.name}: {self.log(one.file).format}, {named}{log.rows:,} rows"
 
 
 @dataclass
@@ -137,8 +112,7 @@ class Run:
     """A run: its settings, its files, and the wall."""
 
     settings: RunSettings  # ``save_settings`` fills in the checksums
-    files: Files
-    opener: Opener
+    files: OpenFiles
     tune: bool = False  # whether `make_wall` replaces the settings of the wall by those that `helibore.tune` finds
     # (label, sentence) for what was read, left out and corrected, in order
     messages: list[tuple[str, str]] = field(default_factory=list)
@@ -177,91 +151,92 @@ def repeat(settings: RunSettings | str | os.PathLike[str], threads: int | None =
     If an input has changed, an InputError names it and both checksums.
     """
     if not isinstance(settings, RunSettings):
-        settings = settings_files.read_settings(settings)
+        settings = run_settings.read_settings(settings)
     return make_wall(reopen(settings), threads)
 
 
 def reopen(settings: RunSettings) -> Run:
     """Open the files that settings name, if they are unchanged."""
-    opener = Opener(settings.nulls)
+    files = OpenFiles(settings.nulls, {one.file: one.header_line for one in settings.inputs if one.header_line})
     for each in settings.inputs:
-        opener.start_checksum(each.file)
+        files.checksum(each.file)
     for each in settings.inputs:
-        now = opener.checksum(each.file)
+        now = files.checksum(each.file).result()
         if now != each.blake2b:
             rule = f"its BLAKE2b is {now}, the settings have {each.blake2b}; only the same file repeats it"
             raise InputError(str(each.file), f"has changed since the run: {rule}")
-
-    def again(one: Input) -> Opened:
-        def known_roles(file: LogFile) -> RoleMap:
-            log = file.set(one.set)
+    for one in settings.inputs:
+        if isinstance(one, Input):
             for role in one.channel:
-                if role.channel not in log:
-                    raise InputError(log.path.name, f"no channel {role.channel!r}; it holds {', '.join(log.names)}")
-            return one.roles
-
-        return opener.opened(one.file, known_roles, one.header_line)
-
-    alone = {name: again(one) for name in ("average", "track", "survey") if (one := getattr(settings, name))}
-    return Run(settings, Files(tuple(map(again, settings.caliper)), **alone), opener)
+                files.log_set(one).channel(role.channel)
+    return Run(settings, files)
 
 
 def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nullcontext()) -> Run:
     """Read the files of a run and build its wall, with its path and its images."""
-    settings = run.settings
+    settings, wall = run.settings, run.settings.wall
     for each in settings.inputs:
-        run.opener.start_checksum(each.file)
+        run.files.checksum(each.file)
     with stage("read", f"Reading {', '.join(one.file.name for one in settings.inputs) or 'nothing'}"):
-        if run.files.survey is not None:
-            how: Any = settings.path
-            run.survey = run.files.survey.log.survey(run.files.survey.roles)
-            run.path = run.survey.path(how.method, how.reference or "high-side", how.head, how.extend)
+        read_path(run)
         if settings.archive is not None:
             run.built = load(settings.archive.file)
             if run.path is not None and run.built.path is not None:
                 raise InputError("survey", f"{settings.archive.file.name} has a path of its own")
             run.path = run.path or run.built.path
             run.messages.append(("wall", f"{settings.archive.file.name}: archive of a wall"))
-        bit = settings.wall.bit_diameter if settings.wall and settings.wall.bit_diameter > 0 else None
-        track = _track(run.files.track) if run.files.track is not None else None
+        bit = wall.bit_diameter if wall and wall.bit_diameter > 0 else None
+        track = _track(run.files.log_set(settings.track), settings.track.roles) if settings.track else None
         run.readings = tuple(
-            readings(each.log, each.roles, bit, settings.echo, track is not None) for each in run.files.caliper
+            readings(run.files.log_set(each), each.roles, bit, settings.echo, track is not None)
+            for each in settings.caliper
         )
         run.messages += [*_read_lines(run), *_survey_lines(run)]
         images = [_read_image(run, one) for one in settings.image]
-        name, caliper = ("", None) if settings.caliper or settings.archive else _read_round(run, images)
+        unshaped = _read_round(run, wall, images) if wall and not settings.caliper else None
     with stage("rebuild", "Rebuilding the wall"):
-        if settings.wall is not None:
+        if wall is not None:
             made: Caliper | Prepared
-            if caliper is not None:
+            if unshaped is not None:
+                name, caliper = unshaped
                 made = caliper
-                _check_interval(name, caliper.depth, settings.wall)
             else:
                 made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
                 complete = not any(found.missing for found in run.readings)
-                run.messages += run.prepared.report or ([("dropped", "nothing")] if complete else [])
-                _check_interval(run.readings[0].name, run.prepared.caliper.depth, settings.wall)
+                run.messages += made.report or ([("dropped", "nothing")] if complete else [])
+                name, caliper = run.readings[0].name, made.caliper
+            _check_interval(name, caliper.depth, wall)
             if run.tune:
-                settings = _tune(run, made if isinstance(made, Caliper) else made.caliper, threads)
-            run.built = reconstruct(made, threads=threads, **vars(settings.wall))
-            made_from = [one for one in (*settings.caliper, settings.average) if one is not None]
+                wall = _tune(run, wall, caliper, threads)
+            run.built = reconstruct(made, threads=threads, **vars(wall))
+            made_from = [one.file for one in (*settings.caliper, settings.average) if one is not None]
             if made_from:
-                sums = [{"name": one.file.name, "blake2b": run.opener.checksum(one.file)} for one in made_from]
+                sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]
                 run.built.made_from = {"files": sums}
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run
 
 
-def _tune(run: Run, caliper: Caliper, threads: int | None) -> RunSettings:
-    """Give the run the settings of its wall that `helibore.tune` finds."""
+def read_path(run: Run) -> None:
+    """Read the survey of a run, if it has one."""
+    survey = run.settings.survey
+    if survey is not None:
+        how: Any = run.settings.path
+        run.survey = run.files.log_set(survey).survey(survey.roles)
+        run.path = run.survey.path(how.method, how.reference or "high-side", how.head, how.extend)
+
+
+def _tune(run: Run, wall: Settings, caliper: Caliper, threads: int | None) -> Settings:
+    """Return the settings of the wall that `helibore.tune` finds, and give them to the run."""
     from helibore.wall.tune import TUNED, tune
 
-    fixed = {name: value for name, value in vars(run.settings.wall).items() if name not in TUNED}
+    usual = {"max_distance": Settings.max_distance}  # not chosen by anyone
+    fixed = {name: of for name, of in vars(wall).items() if name not in TUNED and usual.get(name) != of}
     tuning = tune(caliper, threads=threads, **fixed)
     run.messages.append(("tuned", tuning.sentence))
     run.settings = replace(run.settings, wall=tuning.settings)
-    return run.settings
+    return tuning.settings
 
 
 def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
@@ -278,13 +253,12 @@ def add_images(wall: Wall, images: list[SectorImage]) -> list[tuple[str, str]]:
     return messages
 
 
-def _track(file: Opened) -> Track:
+def _track(log: LogSet, roles: RoleMap) -> Track:
     """Return depth and toolface by time."""
-    when = column(file.log, needed(file.log, file.roles, "time"))
-    depth = column(file.log, needed(file.log, file.roles, "depth"))
-    role = file.roles.one("toolface")
+    when, depth = (column(log, needed(log, roles, name)) for name in ("time", "depth"))
+    role = roles.one("toolface")
     known = np.isfinite(when)
-    turning = TimeSeries(when[known], column(file.log, role)[known], angle=True) if role else None
+    turning = TimeSeries(when[known], column(log, role)[known], angle=True) if role else None
     return Track(TimeSeries(when[known], depth[known]), turning)
 
 
@@ -295,25 +269,19 @@ def _read_image(run: Run, one: ImageInput) -> SectorImage:
     if reference not in ("north", "high-side"):
         rule = f"the wall counts toolfaces from {reference}, but no image does: end it with :north or :high-side"
         raise InputError(f"image {one.name}", rule)
-    opened, origin = run.opener.log(one.file), cast(Any, one.origin)
-    try:
-        image = opened.image(one.name).sector_image(origin, reference)
-    except KeyError as error:
-        names = ", ".join(opened.set().names)
-        raise InputError(one.file.name, f"no channel {one.name!r}; it holds {names}") from error
+    log, origin = run.files.log(one.file).set(), cast(Any, one.origin)
+    log.channel(one.name)
+    image = log.image(one.name).sector_image(origin, reference)
     size = f"{image.depth.size:,} rows x {image.sectors} sectors, {image.missing:,} values missing"
     assumed = "" if stated else ", as nothing says otherwise (:north or --reference north would)"
     run.messages.append(("image", f"{one.file.name}:{one.name}: {size}, from {reference}{assumed}"))
     return image
 
 
-def _read_round(run: Run, images: list[SectorImage]) -> tuple[str, Caliper]:
+def _read_round(run: Run, wall: Settings, images: list[SectorImage]) -> tuple[str, Caliper]:
     """Return the name and samples of a caliper without directions: an average caliper, or a gauge hole."""
-    wall, file = run.settings.wall, run.files.average
-    if wall is None:
-        raise RuntimeError("a round hole without settings; this is a bug in helibore")
-    if file is not None:
-        return _read_average(run, file)
+    if run.settings.average is not None:
+        return _read_average(run, run.settings.average)
     run.messages.insert(0, ("wall", "gauge hole: not measured"))
     top, bottom = interval(wall)
     if not np.isfinite([top, bottom]).all() and not images:
@@ -323,22 +291,24 @@ def _read_round(run: Run, images: list[SectorImage]) -> tuple[str, Caliper]:
     return "gauge hole", Caliper.gauge(top, bottom, wall.bit_diameter)
 
 
-def _read_average(run: Run, file: Opened) -> tuple[str, Caliper]:
+def _read_average(run: Run, one: Input) -> tuple[str, Caliper]:
     """Return the name and samples of an average caliper; rows without a diameter are left out and counted."""
-    role, at = needed(file.log, file.roles, "mean-diameter"), needed(file.log, file.roles, "depth")
-    depth, size = column(file.log, at), column(file.log, role)
+    log = run.files.log_set(one)
+    role, (at, depth) = needed(log, one.roles, "mean-diameter"), depths(log, one.roles)
+    size = column(log, role)
     there = np.isfinite(depth) & np.isfinite(size)
     usable = there & (size > 0) & (size <= 2 * LARGEST_RADIUS)
     if not usable.any():
-        place = f"{file.file.name}, column {role.channel}"
+        place = f"{one.file.name}, column {role.channel}"
         raise InputError(place, f"no row has a depth and the diameter of a hole, in {role.unit}")
     text = f"{role.channel} is the diameter, in {role.unit}; {at.channel} is the depth"
-    lines = [("caliper", f"{file.file.name}: {file.log.rows:,} rows; {text}")]
-    for count, what in (((~there).sum(), "without a depth or diameter"), ((there & ~usable).sum(), "too large")):
+    lines = [("caliper", f"{one.file.name}: {log.rows:,} rows; {text}")]
+    absent, odd = (~there).sum(), (there & ~usable).sum()
+    for count, what in ((absent, "without a depth or diameter"), (odd, "no diameter of a hole")):
         if count:
             lines.append(("dropped", f"{count:,} rows: {what}"))
     run.messages[:0] = lines
-    return f"{file.file.name}:{role.channel}", Caliper.from_average(depth[usable], size[usable])
+    return f"{one.file.name}:{role.channel}", Caliper.from_average(depth[usable], size[usable])
 
 
 def _check_interval(name: str, depth: Floats, settings: Settings) -> None:
@@ -365,7 +335,7 @@ def placing(run: Run) -> Iterator[None]:
     try:
         yield
     except ValueError as error:
-        path, depth, survey = run.wall.path, run.wall.depth, run.files.survey
+        path, depth, survey = run.wall.path, run.wall.depth, run.settings.survey
         if survey is None or path is None or not depth.size:
             raise
         if path.start_depth <= depth.min() and depth.max() <= path.stop_depth:
@@ -379,25 +349,30 @@ def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) ->
     """Write the settings that repeat ``output`` beside it, with the checksums of what was read and of the output."""
 
     def known(one: Any) -> Any:
-        return None if one is None else replace(one, blake2b=run.opener.checksum(one.file))
+        blake2b, line = run.files.checksum(one.file).result(), run.files.header_lines.get(one.file)
+        return replace(one, blake2b=blake2b, header_line=line)
+
+    def used(one: Input | None) -> Any:
+        return one and replace(known(one), channel=tuple(role for role in one.channel if role.role != "none"))
 
     settings = run.settings
     run.settings = replace(
         settings, verb=verb, options=options, output=Output(output, checksum(output)),
-        caliper=tuple(map(known, settings.caliper)), image=tuple(map(known, settings.image)),
-        **{name: known(getattr(settings, name)) for name in ("average", "archive", "track", "survey")},
+        caliper=tuple(map(used, settings.caliper)), image=tuple(map(known, settings.image)),
+        scalar=tuple(map(known, settings.scalar)),
+        **{name: used(getattr(settings, name)) for name in ("average", "archive", "track", "survey")},
     )  # fmt: skip
-    settings_files.write_settings(settings_files.settings_file(output), run.settings)
+    run_settings.write_settings(run_settings.settings_file(output), run.settings)
     return run.settings
 
 
 def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
     """Describe what was read from the caliper files, and the role of each channel; equal roles of several sets once."""
     before: tuple[str, ...] = ()
-    for each, found in zip(run.files.caliper, run.readings, strict=True):
-        yield "caliper", each.line()
-        notes = found.notes if found.notes != before else ()
-        for sentence in (*each.log.remarks, *notes, *depth_remarks(each.log, each.roles)):
+    for each, found in zip(run.settings.caliper, run.readings, strict=True):
+        yield "caliper", run.files.description(each)
+        log, notes = run.files.log_set(each), found.notes if found.notes != before else ()
+        for sentence in (*log.remarks, *notes, *depth_remarks(log, each.roles)):
             yield "", sentence
         before = found.notes
         for name, count in found.missing.items():
@@ -406,25 +381,26 @@ def _read_lines(run: Run) -> Iterator[tuple[str, str]]:
 
 def _survey_lines(run: Run) -> Iterator[tuple[str, str]]:
     """Describe what was read from the survey and from the track."""
-    for label, file, roles in (
-        ("survey", run.files.survey, ("depth", "inclination", "azimuth")),
-        ("track", run.files.track, ("time", "depth", "toolface")),
+    for label, one, roles in (
+        ("survey", run.settings.survey, ("depth", "inclination", "azimuth")),
+        ("track", run.settings.track, ("time", "depth", "toolface")),
     ):
-        if file is None:
+        if one is None:
             continue
-        yield label, file.line()
-        for sentence in (*file.log.remarks, *(note(role) for role in file.roles.all(*roles))):
+        log = run.files.log_set(one)
+        yield label, run.files.description(one)
+        for sentence in (*log.remarks, *(note(role) for role in one.roles.all(*roles))):
             yield "", sentence
         if label == "survey" and run.survey is not None:
-            yield from (("", sentence) for sentence in _first_station(file, run.survey, run.settings.path.head))
+            yield from _first_station(log, one.roles, run.survey, run.settings.path.head)
 
 
-def _first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> Iterator[str]:
+def _first_station(log: LogSet, roles: RoleMap, survey: Survey, head: tuple[float, ...]) -> Iterator[tuple[str, str]]:
     """Say what positions and TVD count from, if no head is given and the first station is not the origin."""
     top = float(survey.depth[0])
-    row = int(np.flatnonzero(column(file.log, needed(file.log, file.roles, "depth")) == top)[0])
-    found = [file.roles.one(name) for name in ("north", "east", "tvd")]
-    stated = [float(column(file.log, role)[row]) for role in found if role is not None and role.unit]
+    row = int(np.flatnonzero(column(log, needed(log, roles, "depth")) == top)[0])
+    found = [roles.one(name) for name in ("north", "east", "tvd")]
+    stated = [float(column(log, role)[row]) for role in found if role is not None and role.unit]
     known = len(stated) == 3 and bool(np.isfinite(stated).all())
     if any(head) or (np.abs(stated).max() if known else top) <= 0.001:
         return
@@ -432,4 +408,4 @@ def _first_station(file: Opened, survey: Survey, head: tuple[float, ...]) -> Ite
     if known:
         north, east, down = (f"{value:.10g}" for value in stated)
         place = f"the file has it at north {north}, east {east}, down {down} m; --head {north} {east} {down} takes that"
-    yield f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"
+    yield "", f"positions and TVD count from the first station, at {top:g} m, as from (0, 0, 0); {place}"

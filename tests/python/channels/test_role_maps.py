@@ -90,7 +90,7 @@ def test_a_map_of_strange_names_is_ready_to_edit(tmp_path: Path) -> None:
 
 
 def test_inspect_tells_what_would_be_refused(tmp_path: Path) -> None:
-    from helibore.cli.inspect import inspect
+    from helibore.cli.inspect_command import inspect
 
     path = tmp_path / "r.csv"
     path.write_text("md_m,tf_deg,radius_m\n" + "".join(f"{n},{n % 6}.2,0.108\n" for n in range(40)))
@@ -124,7 +124,7 @@ def test_quoted_names_survive() -> None:
 
 def test_inspect(tmp_path: Path) -> None:
     pytest.importorskip("pyarrow")
-    from helibore.cli.inspect import inspect
+    from helibore.cli.inspect_command import inspect
 
     path = xy_file(tmp_path)
     shown = CliRunner().invoke(inspect, [str(path)], env={"COLUMNS": "160"})

@@ -19,7 +19,7 @@ from locations import SHARED
 
 import helibore
 from helibore.cli import VERBS, cli
-from helibore.cli.mesh import ENDINGS
+from helibore.cli.mesh_command import ENDINGS
 from helibore.simulation.tool import Hole, simulate
 
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
@@ -231,16 +231,8 @@ def test_header_lines_are_options_and_settings(folder: Path, tmp_path: Path) -> 
     )
     (tmp_path / "c.csv").write_text(caliper)
     (tmp_path / "s.csv").write_text(survey)
-    options = [
-        "--header-line",
-        "2",
-        "--survey",
-        tmp_path / "s.csv",
-        "--survey-header-line",
-        "3",
-        "--bit-diameter",
-        "216mm",
-    ]
+    options = ["--header-line", "2", "--survey", tmp_path / "s.csv", "--header-line", f"{tmp_path / 's.csv'}=3",
+               "--bit-diameter", "216mm"]  # fmt: skip
     made, again = tmp_path / "w.vtu", tmp_path / "again.vtu"
     assert run("reconstruct", tmp_path / "c.csv", *options, "-o", made).exit_code == 0
     assert run("reconstruct", "--from-settings", f"{made}.toml", "-o", again).exit_code == 0
@@ -250,6 +242,43 @@ def test_header_lines_are_options_and_settings(folder: Path, tmp_path: Path) -> 
     refused = run("inspect", tmp_path / "c.csv", "--header-line", "999")
     rule = "must be the line of the column names, within the first 500"
     assert (refused.exit_code, refused.stderr) == (2, f"helibore: c.csv: header_line = 999: {rule}\n")
+
+
+@pytest.mark.parametrize(
+    ("given", "rule"),
+    [
+        ("x", "--header-line x: must be LINE or FILE=LINE"),
+        ("s.csv=x", "--header-line s.csv=x: must be LINE or FILE=LINE"),
+        ("other.csv=3", "--header-line other.csv=3: no option reads the file other.csv"),
+        ("0", "caliper.csv: header_line = 0: must be the line of the column names, within the first 500"),
+    ],
+)
+def test_header_lines_that_are_refused(folder: Path, tmp_path: Path, given: str, rule: str) -> None:
+    result = run("reconstruct", folder / "caliper.csv", "--header-line", given, "--bit-diameter", "216mm", "-o",
+                 tmp_path / "w.vtu")  # fmt: skip
+    assert result.exit_code == 2
+    assert " ".join(result.stderr.split()).removeprefix("helibore: ").partition(" (see ")[0] == rule
+
+
+def test_header_lines_of_a_track_and_an_image(tmp_path: Path) -> None:
+    seconds = range(40)
+    (tmp_path / "c.csv").write_text("time_s,r_m\n" + "".join(f"{k},0.108\n" for k in seconds))
+    track = "".join(f"{k},{1000 + 0.1 * k},{30 * k % 360}\n" for k in seconds)
+    (tmp_path / "t.csv").write_text("run 1,by me,\n1,2,3\ntime_s,md_m,tf_deg\n" + track)
+    cells = "".join(f"{1000 + 0.1 * k},1,2,3,4\n" for k in seconds)
+    (tmp_path / "i.csv").write_text("run 1,,,,\n1,2,3,4,5\nmd_m,GR1_gapi,GR2_gapi,GR3_gapi,GR4_gapi\n" + cells)
+    options = ["--track", tmp_path / "t.csv", "--header-line", f"{tmp_path / 't.csv'}=3", "--bit-diameter", "216mm"]
+    options += ["--image", f"{tmp_path / 'i.csv'}:GR:edge", "--header-line", f"{tmp_path / 'i.csv'}=3"]
+    made, again = tmp_path / "w.vtu", tmp_path / "again.vtu"
+    result = run("reconstruct", tmp_path / "c.csv", *options, "-o", made)
+    assert result.exit_code == 0, result.output
+    assert (tmp_path / "w.vtu.toml").read_text().count("header_line = 3") == 2
+    assert run("reconstruct", "--from-settings", f"{made}.toml", "-o", again).exit_code == 0
+    assert again.read_bytes() == made.read_bytes()
+    gauge = ["--gauge", "--bit-diameter", "216mm", *options[-4:], "--header-line", "3", "-o", tmp_path / "g.vtu"]
+    refused = run("reconstruct", *gauge)
+    rule = "helibore: --header-line 3: must be FILE=LINE, as no SOURCE is a table"
+    assert (refused.exit_code, " ".join(refused.stderr.split()).partition(" (see ")[0]) == (2, rule)
 
 
 def test_path_must_cover_the_wall(folder: Path, tmp_path: Path) -> None:

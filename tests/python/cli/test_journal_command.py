@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+import shutil
 
 import numpy as np
 import pytest
@@ -24,10 +25,10 @@ def run(*arguments, code=0):
     return result.output
 
 
-@pytest.fixture
-def folder(tmp_path):
+@pytest.fixture(scope="module")
+def written(tmp_path_factory):
     """Two sessions of four segments and two checkpoints; one record in the last segment cannot be read."""
-    path, clock = tmp_path / "well.journal", Clock()
+    path, clock = tmp_path_factory.mktemp("written") / "well.journal", Clock()
     for part in range(2):
         with Live(parse(SENT), path, clock=clock) as live:
             assert live.journal is not None
@@ -40,6 +41,12 @@ def folder(tmp_path):
             live.journal.append(0, 0, b"\0" * 23, journal.STATIONS)
         clock.step(60)
     return path
+
+
+@pytest.fixture
+def folder(written, tmp_path):
+    """A copy of the journal."""
+    return shutil.copytree(written, tmp_path / "well.journal")
 
 
 def test_list_and_verify(folder):
@@ -85,6 +92,19 @@ def test_replay_with_a_corrected_configuration(folder, tmp_path):
     toolface = hb.load(tmp_path / "out" / "main.wall").samples.toolface
     expected = (sent_rows()[:, 0] + 90.0) % 360
     assert np.allclose(np.sort(toolface), np.sort(expected))
+
+
+def test_a_recorded_configuration_that_cannot_be_read_stops_no_replay_with_another(folder, tmp_path, monkeypatch):
+    corrected = tmp_path / "corrected.toml"
+    corrected.write_text(SENT)
+    expected = run("replay", folder, "-c", corrected)
+
+    def refuse(_):
+        raise AssertionError("a recorded configuration was read")
+
+    monkeypatch.setattr("helibore.live.session_header.parse", refuse)
+    assert run("replay", folder, "-c", corrected) == expected
+    assert run("export", folder, "-c", corrected, "-o", tmp_path / "x.wits").endswith(" bytes\n")
 
 
 def test_quarantine_writes_what_was_set_aside(folder, tmp_path):

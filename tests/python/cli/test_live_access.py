@@ -2,18 +2,20 @@
 
 from __future__ import annotations
 
+import socket
 import ssl
+import threading
 import urllib.error
 import urllib.request
 from types import SimpleNamespace
 
 import pytest
 from click.testing import CliRunner
-from live_servers import Running, configured, frames, free_port
+from live_servers import Running, configured, frames, free_port, is_closed
 
 from helibore.cli import cli
-from helibore.cli.live import _window
-from helibore.cli.live_metrics import Access, MetricsServer
+from helibore.cli.live_command import _window
+from helibore.cli.live_metrics import CONNECTIONS, Access, MetricsServer
 
 TOKEN = "a secret/47"
 
@@ -64,6 +66,33 @@ def test_metrics_ask_for_the_token(running):
         pages.close()
 
 
+def test_a_metrics_port_that_is_taken_is_named(running):
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        with pytest.raises(OSError) as raised:  # noqa: PT011 (the text is compared below)
+            MetricsServer(running.server, port, Access())
+    assert str(raised.value) == f"[Errno 98] 127.0.0.1 port {port} for metrics: Address already in use"
+
+
+def test_metrics_need_no_new_thread_and_lose_no_slot(running, monkeypatch):
+    """Where memory lacks, ``Thread.start`` raises, or never returns."""
+    port = free_port()
+    pages = MetricsServer(running.server, port, Access())
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr(threading.Thread, "start", lambda _: 1 / 0)
+            for _ in range(2 * CONNECTIONS):
+                assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200
+            patch.setattr("helibore.cli.live_metrics.metrics", lambda _: 1 / 0)
+            for _ in range(2 * CONNECTIONS):
+                with socket.create_connection(("127.0.0.1", port), timeout=20) as link:
+                    link.sendall(b"GET /metrics HTTP/1.0\r\n\r\n")
+                    assert is_closed(link)
+        assert asked(f"http://127.0.0.1:{port}/metrics")[0] == 200
+    finally:
+        pages.close()
+
+
 def test_metrics_over_https(running, certified):
     files, context = certified
     port = free_port()
@@ -107,6 +136,7 @@ def test_the_token_is_printed_on_a_terminal_only(monkeypatch, capsys):
     [
         (["--host", "0.0.0.0"], "host 0.0.0.0: is open to other machines, so it needs a token"),
         (["--key", "x.pem"], "key: needs a certificate"),
+        (["--token", ""], "token: must not be empty"),
         (
             ["--certificate", "no-such.pem"],
             "certificate = 'no-such.pem': cannot be used with its key: [Errno 2] No such file or directory",

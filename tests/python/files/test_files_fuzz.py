@@ -243,8 +243,8 @@ def led_by_coverage() -> None:
     import atheris
 
     for name in (
-        "files.source", "files.raw_set", "files.delimited", "files.number_rows", "files.columnar", "files.las",
-        "files.json_log", "files.witsml", "channels.sectors", "channels.columns",
+        "files.input_file", "files.raw_set", "files.delimited", "files.number_rows", "files.columnar", "files.las",
+        "files.json_log", "files.witsml_log", "channels.sectors", "channels.columns",
     ):  # fmt: skip
         module = importlib.import_module(f"helibore.{name}")
         for owner in (module, *(each for each in vars(module).values() if inspect.isclass(each))):

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.files import witsml
+from helibore.files import witsml_log
 
 NAMESPACE = 'xmlns="http://www.witsml.org/schemas/1series"'
 
@@ -166,7 +166,7 @@ def test_bad_witsml(tmp_path: Path, old: str, new: str, rule: str) -> None:
 
 def test_a_declaration_over_a_block_border_is_still_seen(tmp_path: Path) -> None:
     for shift in (0, 3, 9):
-        filler = "<a>" + " " * (witsml.LINE_LIMIT - 20 - shift - len(f"<logs {NAMESPACE}>") - 7)
+        filler = "<a>" + " " * (witsml_log.LINE_LIMIT - 20 - shift - len(f"<logs {NAMESPACE}>") - 7)
         text = f"<logs {NAMESPACE}>{filler}</a>" + "     <!DOCTYPE x><log/></logs>"
         refused(xml_file(tmp_path, text), "document types and entities are refused")
 

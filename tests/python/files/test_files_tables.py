@@ -15,8 +15,8 @@ from hypothesis.extra import numpy as hnp
 
 import helibore as hb
 from helibore.base.nulls import NULLS
+from helibore.files.input_file import Gunzip
 from helibore.files.raw_set import SectorAxis
-from helibore.files.source import Gunzip
 
 pa = pytest.importorskip("pyarrow")
 from pyarrow import parquet  # noqa: E402
@@ -217,7 +217,7 @@ def long_table(line_end: str = "\n") -> str:
 def test_packed_and_translated_as_plain(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, piece: int, line_end: str, encoding: str
 ) -> None:
-    monkeypatch.setattr("helibore.files.source.PIECE", piece)
+    monkeypatch.setattr("helibore.files.input_file.PIECE", piece)
     callers = set()
     readinto = Gunzip.readinto
     monkeypatch.setattr(Gunzip, "readinto", lambda *given: callers.add(threading.get_ident()) or readinto(*given))
@@ -236,7 +236,7 @@ def test_packed_and_translated_as_plain(
 def test_what_is_wrong_far_down_in_packed_and_translated_tables(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("helibore.files.source.PIECE", 3 << 20)
+    monkeypatch.setattr("helibore.files.input_file.PIECE", 3 << 20)
     text = long_table()
     line = text.count("\n") + 1
     for end, rule in {

@@ -16,7 +16,7 @@ from helibore.cli import cli
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
 from helibore.runs.run import add_images, checksum, repeat
-from helibore.runs.settings import Output, read_settings, settings_file, write_settings
+from helibore.runs.run_settings import Output, read_settings, settings_file, write_settings
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 

@@ -22,7 +22,7 @@ from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map, write_map
 from helibore.channels.roles import NO_RULE, ROLES, Role, RoleMap, guess
 from helibore.cli.quantities import FILE
-from helibore.cli.source import set_names
+from helibore.cli.wall_options import set_names
 from helibore.files.raw_set import Channel
 
 WIDE = 120

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import logging.handlers
 import signal
 import sys
 import threading
@@ -14,7 +13,11 @@ from typing import TYPE_CHECKING
 
 import click
 
+from helibore.cli.quantities import FILE, FOLDER
+from helibore.cli.wall_options import opt, section
+
 if TYPE_CHECKING:
+    from helibore.cli.live_log import LogWriter
     from helibore.cli.live_metrics import Access
     from helibore.cli.live_view import Window
     from helibore.live.live import Live
@@ -22,32 +25,29 @@ if TYPE_CHECKING:
 
 TICK = 0.25
 """Seconds between two checks of the server."""
-LOGGER = logging.getLogger("helibore.live")
+LAST_SECONDS = 1.0
+"""Seconds for which page and metrics show the failure of a thread before the command ends."""
 
 
 @click.command(short_help="Build a wall from live sources while a hole is drilled.")
-@click.argument("configuration", type=click.Path(path_type=Path, dir_okay=False))
-@click.option(
-    "--journal", type=click.Path(path_type=Path, file_okay=False), help="Folder of the journal.  [journal.folder]"
+@click.argument("configuration", type=FILE)
+@section(
+    "Options",
+    opt("--journal", "Folder of the journal.  [journal.folder]", type=FOLDER),
+    opt("--snapshot folder", "Write wall, mesh and images here.  [snapshot.folder]", type=FOLDER),
+    opt("--every", "Seconds between snapshots.  [snapshot.every]", type=float),
+    opt("--metrics-port", "Serve Prometheus metrics on this port.", type=int),
+    opt("--view page", "Show the wall in a browser while it grows (extra 'view').", is_flag=True),
+    opt("--view-port", "Port of --view; 0: a free one.", type=click.IntRange(0, 65535), default=0),
+    opt("--seconds", "Stop after this time.  [until Ctrl-C, or all files are read]", type=float),
+    opt("--check", "Check the configuration and stop.", is_flag=True),
+    opt("-q --quiet", "No status page.", is_flag=True),
+    opt("--host", "Address of page and metrics; other machines need --token.", default="127.0.0.1"),
+    opt("--token", "Secret that page and metrics ask for.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
+    opt("--certificate", "PEM file: serve page and metrics over HTTPS.", metavar="FILE"),
+    opt("--key", "PEM file of its private key.  [the certificate's file]", metavar="FILE"),
+    opt("--log", "Write all events to this file, too; rotated at 10 MB.", metavar="FILE"),
 )
-@click.option(
-    "--snapshot",
-    "folder",
-    type=click.Path(path_type=Path, file_okay=False),
-    help="Write wall, mesh and images here.  [snapshot.folder]",
-)
-@click.option("--every", type=float, help="Seconds between snapshots.  [snapshot.every]")
-@click.option("--metrics-port", type=int, help="Serve Prometheus metrics on this port.")
-@click.option("--view", "page", is_flag=True, help="Show the wall in a browser while it grows (extra 'view').")
-@click.option("--view-port", type=click.IntRange(0, 65535), default=0, help="Port of --view.  [a free one]")
-@click.option("--seconds", type=float, help="Stop after this time.  [until Ctrl-C, or all files are read]")
-@click.option("--check", is_flag=True, help="Check the configuration and stop.")
-@click.option("-q", "--quiet", is_flag=True, help="No status page.")
-@click.option("--host", default="127.0.0.1", help="Address of page and metrics; other machines need --token.")
-@click.option("--token", envvar="HELIBORE_TOKEN", help="Secret that page and metrics ask for.  [HELIBORE_TOKEN]")
-@click.option("--certificate", type=click.Path(dir_okay=False), help="PEM file: serve page and metrics over HTTPS.")
-@click.option("--key", type=click.Path(dir_okay=False), help="PEM file of its private key.  [the certificate's file]")
-@click.option("--log", type=click.Path(dir_okay=False), help="Write all events to this file, too; rotated at 10 MB.")
 def live(
     configuration: Path, journal: Path | None, folder: Path | None, every: float | None, metrics_port: int | None,
     page: bool, view_port: int, seconds: float | None, check: bool, quiet: bool, log: str | None, **access: str | None,
@@ -56,7 +56,10 @@ def live(
 
     \b
     helibore live rig.toml --journal well-7.journal --snapshot now
+
+    SIGHUP (kill -HUP) reads CONFIGURATION again: what it changes applies to the bytes from then on.
     """
+    from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer
     from helibore.live.configuration import load
     from helibore.live.live import Live
@@ -64,6 +67,7 @@ def live(
 
     settings = load(configuration)
     if check:
+        settings.following()
         click.echo(f"{configuration}: fine: {', '.join(settings.sources)}")
         return
     where = journal or (Path(settings.journal.folder) if settings.journal.folder else None)
@@ -72,7 +76,7 @@ def live(
     target = folder or (Path(settings.snapshot.folder) if settings.snapshot.folder else None)
     allowed = Access(**access)  # type: ignore[arg-type]
     with ExitStack() as stack:
-        stack.enter_context(_logged(log, quiet))
+        log_writer = stack.enter_context(logged(log, quiet))
         window = stack.enter_context(_window(configuration.stem, view_port, allowed)) if page else None
         running = stack.enter_context(Live(settings, where))
         if window:
@@ -86,7 +90,8 @@ def live(
             serving.callback(server.stop)
             if metrics_port is not None:
                 serving.callback(MetricsServer(server, metrics_port, allowed).close)
-            _watch(server, window, show, seconds, target, every or settings.snapshot.every)
+            again = lambda: server.reconfigure(load(configuration))  # noqa: E731
+            _watch(server, window, show, seconds, target, every or settings.snapshot.every, log_writer, again)
         if target:
             _snapshot(running, target)
         if server.failure is not None:
@@ -107,28 +112,6 @@ def _window(well: str, port: int, access: Access) -> Window:
 
 
 @contextmanager
-def _logged(file: str | None, quiet: bool) -> Iterator[None]:
-    """Write warnings to stderr, unless the status page is there, and all events to ``file``."""
-    log = logging.StreamHandler()
-    log.setLevel(logging.CRITICAL if sys.stdout.isatty() and not quiet else logging.WARNING)
-    handlers: list[logging.Handler] = [log]
-    if file:
-        handlers.append(logging.handlers.RotatingFileHandler(file, maxBytes=10 << 20, backupCount=5, encoding="utf-8"))
-    before = LOGGER.level
-    LOGGER.setLevel(logging.INFO)
-    for handler in handlers:
-        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%d %H:%M:%S%z"))
-        LOGGER.addHandler(handler)
-    try:
-        yield
-    finally:
-        LOGGER.setLevel(before)
-        for handler in handlers:
-            LOGGER.removeHandler(handler)
-            handler.close()
-
-
-@contextmanager
 def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
     """Show the status page on a terminal; return what draws it again."""
     from rich.console import Console
@@ -146,11 +129,15 @@ def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
 
 def _watch(
     server: Server, window: Window | None, show: Callable[[], None], seconds: float | None, target: Path | None,
-    every: float,
+    every: float, log: LogWriter, again: Callable[[], None],
 ) -> None:  # fmt: skip
-    """Show the page and write snapshots until the end; the browser's page stays open after all files are read."""
-    stopped = threading.Event()
+    """Show the page and write snapshots until the end; the browser's page stays open after all files are read.
+
+    A hang-up signal calls ``again``, which reads the configuration again.
+    """
+    stopped, changed = threading.Event(), threading.Event()
     before = {number: signal.signal(number, lambda *_: stopped.set()) for number in (signal.SIGINT, signal.SIGTERM)}
+    before[signal.SIGHUP] = signal.signal(signal.SIGHUP, lambda *_: changed.set())
     end = time.monotonic() + (seconds if seconds is not None else float("inf"))
     next_snapshot = time.monotonic() + every
     try:
@@ -159,8 +146,18 @@ def _watch(
                 server.fail(thread, RuntimeError("it ended"))
             if window and not _show(window, server):
                 window = None
+            if not log.alive:
+                server.fail("log", RuntimeError("it ended"))
+            if trouble := log.trouble():
+                server.live.report("log", trouble)
+            if changed.is_set():
+                changed.clear()
+                _reconfigure(server, again)
             show()
             if server.failure is not None:
+                if window:
+                    _show(window, server)
+                stopped.wait(LAST_SECONDS)
                 return
             if target and time.monotonic() >= next_snapshot:
                 _snapshot(server.live, target)
@@ -169,6 +166,14 @@ def _watch(
     finally:
         for number, was in before.items():
             signal.signal(number, was)
+
+
+def _reconfigure(server: Server, again: Callable[[], None]) -> None:
+    """Read the configuration again; if it cannot be used, report the error and go on with the old one."""
+    try:
+        again()
+    except (OSError, ValueError) as error:
+        server.live.report("configuration", f"{error}: not used")
 
 
 def _show(window: Window, server: Server) -> bool:

@@ -19,9 +19,9 @@ import numpy as np
 from click.core import ParameterSource
 
 from helibore.cli.outputs import QUIET
-from helibore.cli.quantities import BIT, LENGTH, LIFT
-from helibore.cli.source import Sectioned, opt, opts, section
+from helibore.cli.quantities import BIT, FOLDER, LENGTH, LIFT
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import Sectioned, opt, opts, section
 
 if TYPE_CHECKING:
     from helibore.base.arrays import Floats
@@ -33,7 +33,7 @@ PLAYED = ("start", "stop", "lifts", "seed", "wits", "telemetry", "speed", "fault
 
 
 @click.command(cls=Sectioned, short_help="Simulate a hole and a tool, and write the samples to files.")
-@click.argument("folder", type=click.Path(path_type=Path, file_okay=False), required=False)
+@click.argument("folder", type=FOLDER, required=False)
 @section(
     "Options",
     opt("--from start", "Depth to start at.", type=LENGTH, default="2000m"),
@@ -100,7 +100,7 @@ def simulate(folder: Path | None, samples: int | None, seed: int, ending: str, q
 
 def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
     """Play a rig; its configuration for the listening side goes to stdout first, before anything takes time."""
-    from helibore.simulation.rig import Faults, Rig, configuration, connect, play, scheme_of
+    from helibore.simulation.rig import Faults, Rig, configuration, connect, play, socket_address
     from helibore.simulation.tool import Lift
 
     context = click.get_current_context()
@@ -109,7 +109,7 @@ def _play(options: dict[str, Any], seed: int, quiet: bool) -> None:
         if name not in PLAYED and context.get_parameter_source(name) is ParameterSource.COMMANDLINE:
             raise click.UsageError(f"{parameter.opts[0].replace('folder', 'FOLDER')}: does not go with --wits")
     address, start, stop = str(options["wits"]), options["start"], options["stop"]
-    here = "listen" if scheme_of(address) == "tcp" else "tcp"
+    here = "listen" if socket_address(address).kind == "tcp" else "tcp"
     faults, lifts = Faults(*options["faults"]), tuple(Lift(*lift) for lift in options["lifts"])
     if not quiet:
         click.echo(configuration(here + address[address.index(":") :], options["telemetry"], start))

@@ -17,9 +17,9 @@ from collections.abc import Iterator
 from functools import partial
 from typing import BinaryIO
 
+from helibore.files.input_file import LINE_LIMIT, InputFile
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
-from helibore.files.source import LINE_LIMIT, Source
 
 NESTING = 32
 """Greatest depth of nested elements; WITSML needs 6."""
@@ -44,7 +44,7 @@ STATION = (
 class Checked(io.RawIOBase):
     """Read the bytes of an XML file and check each piece before the parser gets it."""
 
-    def __init__(self, source: Source, stream: BinaryIO) -> None:
+    def __init__(self, source: InputFile, stream: BinaryIO) -> None:
         self._source = source
         self._stream = stream
         self._tail = b""
@@ -70,8 +70,10 @@ class Checked(io.RawIOBase):
         return piece
 
 
-class Log:
+class LogBuilder:
     """A log under construction; its header holds name, indexCurve and nullValue among others."""
+
+    kind = "log"
 
     def __init__(self) -> None:
         self.header: dict[str, str] = {}
@@ -97,7 +99,7 @@ class Log:
             self.curves[curve.get("mnemonic", "")] = (curve.get("unit", ""), curve.get("curveDescription", ""))
             element.clear()
 
-    def raw_set(self, source: Source, name: str) -> RawSet:
+    def raw_set(self, source: InputFile, name: str) -> RawSet:
         mnemonics, place = self.mnemonics or list(self.curves), f"log {name!r}"
         if not mnemonics or not self.rows:
             raise source.error(f"{place}: no {'rows' if mnemonics else 'curves'}")
@@ -124,8 +126,10 @@ class Log:
         return RawSet(source.path, name, channels, len(self.rows), index, self.header)
 
 
-class Trajectory:
+class TrajectoryBuilder:
     """A trajectory under construction: for each station, (value, uom) by element name."""
+
+    kind = "trajectory"
 
     def __init__(self) -> None:
         self.header: dict[str, str] = {}
@@ -142,7 +146,7 @@ class Trajectory:
         elif parent == "trajectory":
             self.header[name] = (element.text or "").strip()
 
-    def raw_set(self, source: Source, name: str) -> RawSet:
+    def raw_set(self, source: InputFile, name: str) -> RawSet:
         if not self.stations:
             raise source.error(f"trajectory {name!r}: no stations")
         channels = []
@@ -157,14 +161,14 @@ class Trajectory:
         return RawSet(source.path, name, channels, len(self.stations), "md", self.header)
 
 
-def read(source: Source) -> RawFile:
+def read(source: InputFile) -> RawFile:
     """Open a WITSML document of logs or trajectories."""
-    found: list[Log | Trajectory] = []
+    found: list[LogBuilder | TrajectoryBuilder] = []
     with source.stream() as stream:
         try:
             for path, element in _elements(source, stream):
                 if path[-1] == "start":
-                    found.append(Log() if path[-2] == "log" else Trajectory())
+                    found.append(LogBuilder() if path[-2] == "log" else TrajectoryBuilder())
                 elif found:
                     found[-1].take(path[-1], path[-2] if len(path) > 1 else "", element)
         except ET.ParseError as error:
@@ -173,15 +177,15 @@ def read(source: Source) -> RawFile:
             raise source.error(f"{cut}{error.msg.split(':')[0]} (character {character})", line) from error
         except (LookupError, UnicodeError) as error:
             raise source.error(f"not in the encoding it declares ({error})") from error
-    names = unique([one.header.get("name") or type(one).__name__.lower() for one in found])
+    names = unique([one.header.get("name") or one.kind for one in found])
     if not found:
         raise source.error("WITSML without a log or trajectory")
     readers = [partial(one.raw_set, source, name) for name, one in zip(names, found, strict=True)]
-    kinds = sorted({type(one).__name__.lower() for one in found})
+    kinds = sorted({one.kind for one in found})
     return RawFile(f"WITSML {' and '.join(kinds)}", readable_sets(readers))
 
 
-def _elements(source: Source, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
+def _elements(source: InputFile, stream: BinaryIO) -> Iterator[tuple[list[str], ET.Element]]:
     """Yield (path of local names, element) at every end tag; the caller frees the elements that it has used."""
     path: list[str] = []
     parents: list[ET.Element] = []

@@ -100,7 +100,7 @@ class Gunzip(io.RawIOBase):
         super().close()
 
 
-class Source:
+class InputFile:
     """One file on disk: its path, its first bytes, and its bytes as a stream.
 
     ``nulls`` are numbers that mean no value; ``header_line`` is the line of a table's column names, if it is stated.
@@ -215,7 +215,7 @@ def read_exactly(stream: BinaryIO, size: int) -> bytes:
     return b"".join(pieces)
 
 
-def refuse_zip_bomb(source: Source) -> None:
+def refuse_zip_bomb(source: InputFile) -> None:
     """Refuse a zip archive that unpacks to far more than its size."""
     with zipfile.ZipFile(source.path) as archive:
         unpacked = sum(entry.file_size for entry in archive.infolist())
@@ -224,7 +224,7 @@ def refuse_zip_bomb(source: Source) -> None:
         raise source.error(f"unpacks to more than {GZIP_RATIO} times its size: refused as a zip bomb")
 
 
-def find_format(source: Source) -> str:
+def find_format(source: InputFile) -> str:
     """Return the format of a file by its content: csv, xlsx, parquet, las, dlis, lis, json, witsml or npz."""
     head = source.head
     if not head:
@@ -250,7 +250,7 @@ def find_format(source: Source) -> str:
     return "las" if first.startswith(b"~") else "csv"
 
 
-def _binary_format(source: Source) -> str:
+def _binary_format(source: InputFile) -> str:
     head = source.head
     if head.startswith(b"PAR1"):
         return "parquet"

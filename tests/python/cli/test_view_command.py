@@ -117,7 +117,7 @@ def test_the_head_says_where_the_first_station_lies(
         raise ValueError(f"first station at {path.position([500.0]).tolist()}")
 
     monkeypatch.setattr(viewer, "view", seen)
-    monkeypatch.setattr("helibore.cli.view.check_page", lambda: None)  # the page may be not built
+    monkeypatch.setattr("helibore.cli.view_command.check_page", lambda: None)  # the page may be not built
     survey = tmp_path / "survey.csv"
     survey.write_text("md_m,incl_deg,azim_deg\n500,8,10\n600,9,10\n")
     given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
@@ -206,7 +206,7 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
 
 
 def test_without_the_page_it_says_how_to_get_it(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    from helibore.cli import view as command
+    from helibore.cli import view_command as command
     from helibore.viewer import web_app
 
     monkeypatch.setattr(web_app, "page", lambda _: None)

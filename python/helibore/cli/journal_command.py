@@ -3,20 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
 
+from helibore.cli.outputs import OUTPUT
+from helibore.cli.quantities import FILE, FOLDER
+from helibore.cli.wall_options import opt, section
+
 if TYPE_CHECKING:
+    from helibore.live.journal import Segment
     from helibore.live.live import Live
 
-FOLDER = click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
-CONFIGURATION = click.option(
-    "-c", "--configuration", type=click.Path(path_type=Path, dir_okay=False),
-    help="Read the journal with this configuration.  [the one in the journal]",
-)  # fmt: skip
+JOURNAL = click.argument("folder", type=click.Path(path_type=Path, exists=True, file_okay=False))
+CONFIGURATION = opt(
+    "-c --configuration", "Read the journal with this configuration.  [the one in the journal]", type=FILE
+)
 
 
 @click.group(short_help="Check, list, replay, export and archive a journal.")
@@ -30,7 +34,7 @@ def journal() -> None:
 
 
 @journal.command("list")
-@FOLDER
+@JOURNAL
 def list_(folder: Path) -> None:
     """List the sessions, segments and checkpoints of the journal in FOLDER.
 
@@ -40,27 +44,23 @@ def list_(folder: Path) -> None:
     from helibore.live import checkpoint
     from helibore.live.clock import utc
     from helibore.live.export import sessions
-    from helibore.live.journal import segments
 
     begun = sessions(folder)
-    with _progress(folder) as step:
-        for segment in segments(folder):
-            step(segment)
-            records, lost = segment.records, sum(stop - start for start, stop in segment.damage)
-            times = (
-                f"{utc(int(records['wall'][0]))} to {utc(int(records['wall'][-1]))}" if len(records) else "no record"
-            )
-            damage = f", {lost:,} bytes damaged" if lost else ""
-            click.echo(f"{segment.path.name}: {len(segment.text):,} bytes, {len(records):,} records, {times}{damage}")
-    for number, (wall, text) in enumerate(begun, 1):
-        same = number > 1 and text == begun[number - 2][1]
-        click.echo(f"session {number}: {utc(wall)}{'' if same or number == 1 else ', with another configuration'}")
+    for segment in _segments(folder):
+        wall, lost = segment.records["wall"], sum(stop - start for start, stop in segment.damage)
+        times = f"{utc(int(wall[0]))} to {utc(int(wall[-1]))}" if len(wall) else "no record"
+        damage = f", {lost:,} bytes damaged" if lost else ""
+        click.echo(f"{segment.path.name}: {len(segment.text):,} bytes, {len(wall):,} records, {times}{damage}")
+    for number, (time, text) in enumerate(begun, 1):
+        same = number == 1 or text == begun[number - 2][1]
+        click.echo(f"session {number}: {utc(time)}{'' if same else ', with another configuration'}")
     for path in checkpoint.paths(folder):
-        click.echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
+        with suppress(FileNotFoundError):  # replaced meanwhile
+            click.echo(f"{path.name}: {path.stat().st_size:,} bytes, records up to {checkpoint.position(path) - 1:,}")
 
 
 @journal.command()
-@FOLDER
+@JOURNAL
 def verify(folder: Path) -> None:
     """Check every record and checkpoint of the journal in FOLDER; end with exit code 2 if any is damaged.
 
@@ -69,27 +69,26 @@ def verify(folder: Path) -> None:
     """
     from helibore.base.errors import InputError
     from helibore.live import checkpoint
-    from helibore.live.journal import header_of, segments
+    from helibore.live.journal import header_of
 
     lost = records = salt = 0
     last = -1
-    with _progress(folder) as step:
-        for segment in segments(folder):
-            step(segment)
-            records += len(segment.records)
-            for text in segment.damage_texts():
-                click.echo(text)
-            lost += len(segment.damage)
-            numbers = segment.records["sequence"]
-            if len(numbers) and int(numbers[0]) > last + 1 and not segment.damage and last >= 0:
-                click.echo(f"{segment.path.name}: records {last + 1} to {int(numbers[0]) - 1} are missing before it")
-                lost += 1
-            last = int(numbers[-1]) if len(numbers) else last
-            header = header_of(segment.path)
-            salt = header.salt if header else salt
+    for segment in _segments(folder):
+        numbers = segment.records["sequence"]
+        records += len(numbers)
+        damage = segment.damage_texts()
+        if len(numbers) and int(numbers[0]) > last + 1 and not damage and last >= 0:
+            damage = [f"{segment.path.name}: records {last + 1} to {int(numbers[0]) - 1} are missing before it"]
+        for text in damage:
+            click.echo(text)
+        lost += len(damage)
+        last = int(numbers[-1]) if len(numbers) else last
+        header = header_of(segment.path)
+        salt = header.salt if header else salt
     for path in checkpoint.paths(folder):
         try:
-            checkpoint.read(path, salt)
+            with suppress(FileNotFoundError):  # replaced meanwhile
+                checkpoint.read(path, salt)
         except InputError as error:
             click.echo(str(error))
             lost += 1
@@ -99,10 +98,14 @@ def verify(folder: Path) -> None:
 
 
 @journal.command()
-@FOLDER
-@CONFIGURATION
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False),
-              help="Write wall, mesh, logs, images and events here, as helibore live --snapshot does.")  # fmt: skip
+@JOURNAL
+@section(
+    "Options",
+    CONFIGURATION,
+    opt(
+        "-o --output", "Write wall, mesh, logs, images and events here, as helibore live --snapshot does.", type=FOLDER
+    ),
+)
 def replay(folder: Path, configuration: Path | None, output: Path | None) -> None:
     """Build the wall again from the journal in FOLDER, with a corrected configuration if one is given.
 
@@ -121,10 +124,12 @@ def replay(folder: Path, configuration: Path | None, output: Path | None) -> Non
 
 
 @journal.command()
-@FOLDER
-@CONFIGURATION
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False),
-              help="Write the bytes of each record, and of each damaged range, to a file here.")  # fmt: skip
+@JOURNAL
+@section(
+    "Options",
+    CONFIGURATION,
+    opt("-o --output", "Write the bytes of each record, and of each damaged range, to a file here.", type=FOLDER),
+)
 def quarantine(folder: Path, configuration: Path | None, output: Path | None) -> None:
     """List the records of the journal in FOLDER that were set aside, and the damaged ranges.
 
@@ -134,14 +139,13 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
     from helibore.base.atomic_file import write_whole
     from helibore.live.clock import utc
     from helibore.live.export import quarantine as set_aside
-    from helibore.live.journal import segments
 
     found: dict[str, bytes] = {}
     for one in set_aside(folder, _replayed(folder, configuration).model):
         click.echo(f"record {one.sequence}: {utc(one.wall)} {one.source or 'helibore'} {one.kind}, "
                    f"{len(one.payload):,} bytes: {one.reason}")  # fmt: skip
         found[f"record-{one.sequence}.bin"] = one.payload
-    for segment in segments(folder):
+    for segment in _segments(folder):
         for (start, stop), text in zip(segment.damage, segment.damage_texts(), strict=True):
             click.echo(text)
             found[f"{segment.number:06d}-{start}.bin"] = segment.text[start:stop]
@@ -156,11 +160,13 @@ def quarantine(folder: Path, configuration: Path | None, output: Path | None) ->
 
 
 @journal.command()
-@FOLDER
-@CONFIGURATION
-@click.option("-o", "--output", type=click.Path(path_type=Path, dir_okay=False), required=True,
-              help="A .csv file: a row for each value. A .wits file: the bytes that one source sent.")  # fmt: skip
-@click.option("--source", help="Name of the source.  [csv: all; wits: the only one]")
+@JOURNAL
+@section(
+    "Options",
+    CONFIGURATION,
+    OUTPUT("A .csv file: a row for each value. A .wits file: the bytes that one source sent."),
+    opt("--source", "Name of the source.  [csv: all; wits: the only one]"),
+)
 def export(folder: Path, configuration: Path | None, output: Path, source: str | None) -> None:
     """Write what the journal in FOLDER holds to a file for other programs.
 
@@ -198,7 +204,7 @@ def export(folder: Path, configuration: Path | None, output: Path, source: str |
 
 
 @journal.command()
-@FOLDER
+@JOURNAL
 @click.option("--remove", is_flag=True, help="Delete the segments. A replay of the whole journal is then impossible.")
 def archive(folder: Path, remove: bool) -> None:
     """Compress the old segments of the journal in FOLDER into its folder archive; it may be in use meanwhile.
@@ -208,7 +214,7 @@ def archive(folder: Path, remove: bool) -> None:
     \b
     helibore journal archive well-7.journal
     """
-    from helibore.live.archive import archive as put_away
+    from helibore.live.archived_segments import archive as put_away
 
     with _progress(folder) as step:
         done = put_away(folder, remove=remove, report=step)
@@ -222,6 +228,16 @@ def _replayed(folder: Path, file: Path | None) -> Live:
 
     with _progress(folder) as step:
         return Live.replay(folder, load(file) if file else None, report=step)
+
+
+def _segments(folder: Path) -> Iterator[Segment]:
+    """Read the segments of a journal, and show how many are read."""
+    from helibore.live.journal import segments
+
+    with _progress(folder) as step:
+        for segment in segments(folder):
+            step(segment)
+            yield segment
 
 
 @contextmanager

@@ -8,19 +8,32 @@ import click
 
 from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
-from helibore.cli.outputs import QUIET
-from helibore.cli.source import Sectioned, open_run, opt, section, takes_a_wall
+from helibore.cli.outputs import QUIET, SIGMA, add_sigma
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import (
+    SCALAR,
+    TEMPLATE,
+    Sectioned,
+    curves_of_files,
+    load_picks,
+    open_run,
+    opt,
+    section,
+    takes_a_wall,
+)
 
 
 @click.command(cls=Sectioned, short_help="Show a wall in the browser.")
 @section(
     "Options",
+    SCALAR,
+    TEMPLATE,
     opt("--well", "Name to show.  [name of the source]", default=""),
     opt("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
     opt("--token", "Secret that the page's address must have."),
     opt("--browser/--no-browser", "Open the page.", default=True),
+    SIGMA,
     QUIET,
 )
 @takes_a_wall
@@ -32,7 +45,8 @@ def view(**options: Any) -> None:
     helibore view wall.glb.toml
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
 
-    SOURCE is an archive (.wall), caliper files, or the settings beside an output. Nothing is written.
+    SOURCE is an archive (.wall), caliper files, or the settings beside an output. Beds and fractures that you pick on
+    the page are saved in SOURCE.picks.csv; nothing else is written.
     """
     terminal = Terminal(options["quiet"])
     check_page()
@@ -41,17 +55,25 @@ def view(**options: Any) -> None:
         for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
             if options[name] is not None:
                 raise click.UsageError(f"{option}: does not go with a saved wall, which is shown whole")
+    from helibore.logs.template import Template
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
 
     wall = make_wall(run, options["threads"], terminal.stage).wall
+    if options["sigma"]:
+        add_sigma(wall, terminal)
+    picks = load_picks(run)
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "token", "browser")}
     with placing(run):
-        viewer = serve(wall, path=wall.path, attributes=attributes, well=options["well"] or run.name, **serving)
+        viewer = serve(
+            wall, path=wall.path, attributes=attributes, curves=curves_of_files(run, options), picks_file=picks,
+            template=options["template"] and Template.load(options["template"]),
+            well=options["well"] or run.name, **serving,
+        )  # fmt: skip
     terminal.summary([("time", terminal.times())])
     click.echo(f"{viewer.url}   (Ctrl-C ends it)")
     viewer.wait()

@@ -6,6 +6,7 @@
     [[caliper.channel]]         channel = "md_m"      role = "depth"     unit = "m" ...
     [average] [archive] [survey] [track]              one file each, like a caliper; or gauge = true
     [[image]]                   file = "gr.las"       blake2b = "..."    name = "GR"    origin = "edge"
+    [[scalar]]                  file = "gr.las"       blake2b = "..."    name = "RT"
     [preparation] [echo] [path] [wall]                settings by their names in Python
     [options]                                         the verb's own options
 
@@ -48,7 +49,6 @@ class Input:
 
     @property
     def roles(self) -> RoleMap:
-        """The roles by channel."""
         return RoleMap(self.set, {role.channel: role for role in self.channel})
 
 
@@ -61,6 +61,17 @@ class ImageInput:
     origin: str
     blake2b: str = ""
     reference: str | None = None
+    header_line: int | None = None
+
+
+@dataclass(frozen=True)
+class ScalarInput:
+    """A channel along the hole that was read, for a track of its own."""
+
+    file: Path
+    name: str
+    blake2b: str = ""
+    header_line: int | None = None
 
 
 @dataclass(frozen=True)
@@ -99,6 +110,7 @@ class RunSettings:
     track: Input | None = None  # depth and toolface by time
     survey: Input | None = None
     image: tuple[ImageInput, ...] = ()
+    scalar: tuple[ScalarInput, ...] = ()  # curves of a print or report
     echo: Echo | None = None  # how travel times become radii
     preparation: Preparation = field(default_factory=Preparation)
     path: PathSettings = field(default_factory=PathSettings)  # how the survey becomes a path
@@ -112,10 +124,10 @@ class RunSettings:
             raise InputError("wall", "must not stand beside an archive" if self.archive else "is missing")
 
     @property
-    def inputs(self) -> tuple[Input | ImageInput, ...]:
+    def inputs(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
         """Every file that the run reads."""
         alone = (self.average, self.archive, self.track, self.survey)
-        return (*self.caliper, *(one for one in alone if one is not None), *self.image)
+        return (*self.caliper, *(one for one in alone if one is not None), *self.image, *self.scalar)
 
 
 def settings_file(output: str | os.PathLike[str]) -> Path:
@@ -172,21 +184,25 @@ def read_settings(path: str | os.PathLike[str]) -> RunSettings:
         tree = tomllib.loads(path.read_text(encoding="utf-8"))
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise InputError(path.name, f"not TOML: {error}") from error
-    return typing.cast(RunSettings, _Reader(path).group("", RunSettings, tree))
+    return typing.cast(RunSettings, _Reader(path.name, path.parent).group("", RunSettings, tree))
+
+
+def run_settings(tree: dict[str, Any], place: str) -> RunSettings:
+    """Return settings from the tables of a settings file; every error begins with ``place``."""
+    return typing.cast(RunSettings, _Reader(place, Path()).group("", RunSettings, {"helibore": __version__} | tree))
 
 
 class _Reader:
     """Turns a TOML tree into the types that the dataclasses state; every error names its place."""
 
-    def __init__(self, path: Path) -> None:
-        self.name, self.folder = path.name, path.parent
+    def __init__(self, name: str, folder: Path) -> None:
+        self.name, self.folder = name, folder
 
     def error(self, place: str, rule: str, value: Any = dataclasses.MISSING) -> InputError:
         shown = None if value is dataclasses.MISSING else repr(value)
         return InputError(f"{self.name}: {place}" if place else self.name, rule, shown)
 
     def group(self, place: str, kind: type[Any], tree: Any) -> Any:
-        """Return a dataclass from a table."""
         if not isinstance(tree, dict):
             raise self.error(place, "must be a table")
         hints, dot = get_type_hints(kind), f"{place}." if place else ""
@@ -207,40 +223,36 @@ class _Reader:
 
     def value(self, place: str, hint: Any, value: Any) -> Any:
         """Return a value as its type; "none" stands for None where that is allowed."""
-        options = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
-        if type(None) in options and value == "none":
+        kinds = typing.get_args(hint) if isinstance(hint, types.UnionType) else (hint,)
+        if value == "none" and type(None) in kinds:
             return None
-        (wanted,) = (one for one in options if one is not type(None))
-        if dataclasses.is_dataclass(wanted):
-            return self.group(place, typing.cast(type[Any], wanted), value)
-        if typing.get_origin(wanted) is tuple:
-            return self.tuple_of(place, typing.get_args(wanted), value)
-        if typing.get_origin(wanted) is dict and isinstance(value, dict):
-            return value
-        if typing.get_origin(wanted) is typing.Literal and value in typing.get_args(wanted):
-            return value
-        if wanted is float and isinstance(value, int | float) and not isinstance(value, bool):
-            return float(value)
-        if wanted is Path and isinstance(value, str):
+        (kind,) = (one for one in kinds if one is not type(None))
+        origin = typing.get_origin(kind) or kind
+        if dataclasses.is_dataclass(kind):
+            return self.group(place, typing.cast(type[Any], kind), value)
+        if origin is tuple:
+            return self.tuple_of(place, typing.get_args(kind), value)
+        if origin is Path and isinstance(value, str):
             return self.folder / value
-        if wanted in RULES and isinstance(value, wanted) and (wanted is bool or not isinstance(value, bool)):
+        if origin is float and type(value) is int:
+            return float(value)
+        if type(value) is origin or (origin is typing.Literal and value in typing.get_args(kind)):
             return value
-        rule = RULES.get(wanted) or ("a table" if typing.get_origin(wanted) is dict else "a text that is known")
-        raise self.error(place, f"must be {rule}", value)
+        raise self.error(place, f"must be {RULES[origin]}", value)
 
     def tuple_of(self, place: str, parts: tuple[Any, ...], value: Any) -> tuple[Any, ...]:
         """Return a list of values, or of tables, which are counted from 1."""
-        endless = parts[-1] is Ellipsis
+        endless, tables = parts[-1] is Ellipsis, dataclasses.is_dataclass(parts[0])
         if not isinstance(value, list) or not (endless or len(parts) == len(value)):
-            if endless and dataclasses.is_dataclass(parts[0]):
+            if tables:
                 raise self.error(place, f"must be tables, [[{place}]]")
             raise self.error(place, "must be a list" if endless else f"must be a list of {len(parts)}", value)
-        tables = dataclasses.is_dataclass(parts[0])
-        places = [f"{place} {at}" if tables else place for at in range(1, len(value) + 1)]
         kinds = [parts[0]] * len(value) if endless else parts
-        return tuple(self.value(at, kind, one) for at, kind, one in zip(places, kinds, value, strict=True))
+        places = [f"{place} {number}" if tables else place for number in range(1, len(value) + 1)]
+        return tuple(map(self.value, places, kinds, value))
 
 
 RULES = {
-    float: "a number", int: "a whole number", str: "text", bool: "true or false", Path: "the name of a file"
+    float: "a number", int: "a whole number", str: "text", bool: "true or false", Path: "the name of a file",
+    dict: "a table", typing.Literal: "a text that is known",
 }  # fmt: skip

@@ -6,22 +6,36 @@ Options become a `Drawing` here; ``helibore.plot`` draws it.
 from __future__ import annotations
 
 import math
-from pathlib import Path
+from collections import defaultdict
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import click
 
 from helibore.base import units
-from helibore.base.errors import InputError
 from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
-from helibore.cli.quantities import LENGTH
-from helibore.cli.source import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.quantities import LENGTH, split_pair
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import (
+    HEADER,
+    INCLINATION,
+    SCALAR,
+    TEMPLATE,
+    Sectioned,
+    curves_of_files,
+    header_of,
+    load_picks,
+    open_run,
+    opt,
+    opts,
+    section,
+    takes_a_wall,
+)  # fmt: skip
 
 if TYPE_CHECKING:
+    from helibore.logs.curves import ScalarCurve
     from helibore.plot import Look
-    from helibore.plot.tracks import ScalarCurve
     from helibore.runs.run import Run
 
 PAGES = (".html", ".htm")
@@ -30,8 +44,8 @@ takes_a_drawing = section(
     "Drawing",
     opt("--well", "Title.  [as the files state it, else the name of the file]"),
     HEADER,
-    opts("--scalar scalars", "Curve along the hole, a track of its own; the inclination comes from the survey.",
-         metavar="FILE:CHANNEL|inclination"),
+    SCALAR,
+    TEMPLATE,
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
     opt("--unit", "Unit of diameters.", type=click.Choice(["in", "mm"]), default="in"),
     opts("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
@@ -126,21 +140,22 @@ def report(**options: Any) -> None:
 
 def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Run, dict[str, Any], dict[str, Any]]:
     """Make the wall; return the run, the options (those of a repeated run among them) and those of a `Drawing`."""
-    scale, looks = _scale(options["scale"]), _looks(options)  # refused before the work
+    _scale(options["scale"]), _looks(options)  # refuses wrong ones before the work
     run = open_run(options, terminal, (options["output"],))
-    repeated = own_options(run, verb, options)
-    if repeated != options:
-        scale, looks = _scale(repeated["scale"]), _looks(repeated)
+    options = own_options(run, verb, options)
+    scale, looks = _scale(options["scale"]), _looks(options)
     from helibore.runs.run import make_wall
 
-    make_wall(run, repeated["threads"], terminal.stage)
-    options = repeated
+    make_wall(run, options["threads"], terminal.stage)
+    load_picks(run)
     run.messages += trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
     header = header_of(run, options)
+    # The settings hold the curves from files with their checksums, the options only the inclination.
+    options["scalars"] = tuple(text for text in options["scalars"] if text == INCLINATION)
     drawing = {
         "title": header.pop("well", run.name),
         "header": header,
-        "scalars": [_scalar(text, run, looks) for text in options["scalars"]],
+        "scalars": [_with_look(curve, looks) for curve in curves_of_files(run, options)],
         "subtitle": run.messages[0][1],
         "start": options["start_depth"],
         "stop": options["stop_depth"],
@@ -155,40 +170,19 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "dpi": options["dpi"],
         "elevation": options["elevation"],
     }
+    if options["template"] is not None:
+        from helibore.logs.template import Template
+
+        template = Template.load(options["template"])
+        drawing |= {"template": template, "unit": "mm" if template.units == "mm" else "in"}
+        drawing["scale"] = scale or template.scale
     return run, options, drawing
 
 
-def _scalar(text: str, run: Run, looks: dict[str, Look]) -> ScalarCurve:
-    """A curve by its file and channel, or the inclination of the path; its look is that of --limits and --log."""
-    import numpy as np
-
-    from helibore.channels.roles import guess
-    from helibore.plot.tracks import ScalarCurve
-
-    if text == "inclination":
-        if run.path is None:
-            raise click.UsageError("--scalar inclination: needs --survey")
-        depth = np.linspace(run.path.start_depth, run.path.stop_depth, 1000)
-        values = np.degrees(np.arccos(np.clip(run.path.tangent(depth)[:, 2], -1.0, 1.0)))
-        name, unit = "Inclination", "deg"
-    else:
-        file, _, name = text.rpartition(":")
-        if not file:
-            raise click.UsageError(f"--scalar {text}: must be FILE:CHANNEL or inclination")
-        log = run.opener.log(Path(file)).set()
-        along = guess(log).one("depth")
-        if along is None:
-            raise InputError(log.path.name, "no channel is a depth")
-        if name not in log:
-            raise InputError(log.path.name, f"no channel {name!r}; it holds {', '.join(log.names)}")
-        channel = log[name]
-        depth = log[along.channel].values * units.factor(along.unit, units.LENGTH)
-        order = np.argsort(depth, kind="stable")
-        order = order[np.isfinite(depth[order])]
-        depth, values, unit = depth[order], channel.values[order], channel.unit
-    look = looks.pop(name, None)
-    log_scale = bool(look and look.log)
-    return ScalarCurve(name, unit, depth, values, look.limits if look else None, log_scale)
+def _with_look(curve: ScalarCurve, looks: dict[str, Look]) -> ScalarCurve:
+    """The curve with the limits of --limits and the logarithm of --log."""
+    look = looks.pop(curve.name, None)
+    return curve if look is None else replace(curve, limits=look.limits, log=bool(look.log))
 
 
 def _scale(text: str | None) -> int | None:
@@ -204,30 +198,23 @@ def _looks(options: dict[str, Any]) -> dict[str, Look]:
     """Colours by name of an image."""
     from helibore.plot import Look
 
-    looks: dict[str, dict[str, Any]] = {}
-
-    def split(option: str, text: str) -> tuple[dict[str, Any], str]:
-        name, equals, value = text.rpartition("=")
-        if not (name and equals):
-            raise click.UsageError(f"--{option} {text}: must be NAME=...")
-        return looks.setdefault(name, {}), value
-
+    looks: dict[str, dict[str, Any]] = defaultdict(dict)
     for text in options["limits"]:
-        look, value = split("limits", text)
+        name, value = split_pair("limits", text)
         try:
             low, high = (float(part) for part in value.split(","))
         except ValueError:
             raise click.UsageError(f"--limits {text}: must be NAME=LOW,HIGH") from None
         if not (math.isfinite(low) and math.isfinite(high) and low < high):
             raise click.UsageError(f"--limits {text}: LOW must be below HIGH")
-        look["limits"] = (low, high)
+        looks[name]["limits"] = (low, high)
     for text in options["color_maps"]:
-        look, value = split("color-map", text)
-        look["color_map"] = value
+        name, value = split_pair("color-map", text)
+        looks[name]["color_map"] = value
     for text in options["dynamic"]:
-        look, value = split("dynamic", text)
-        look["window"] = units.quantity(value, units.LENGTH)
+        name, value = split_pair("dynamic", text)
+        looks[name]["window"] = units.quantity(value, units.LENGTH)
     for option, log in (("logs", True), ("linear", False)):
         for name in options[option]:
-            looks.setdefault(name, {})["log"] = log
+            looks[name]["log"] = log
     return {name: Look(**look) for name, look in looks.items()}

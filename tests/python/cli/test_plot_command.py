@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tomllib
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +75,13 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     again = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
     assert again.exit_code == 0, again.output
     assert "to the last bit" in again.output
+    settings = tomllib.loads((tmp_path / "log.svg.toml").read_text())
+    assert [(one["file"], one["name"]) for one in settings["scalar"]] == [(las.name, "GR"), (las.name, "RT")]
+    assert settings["options"]["scalars"] == ["inclination"]
+    las.write_text(las.read_text().replace("70", "71"))
+    changed = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
+    assert changed.exit_code == 2
+    assert "has changed since the run" in changed.output
     written = CliRunner().invoke(
         cli, ["logs", "--average", f"{las}:CALI", "--bit-diameter", "8.5in", "-o", str(tmp_path / "out.las")]
     )
@@ -100,6 +108,8 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
         "8.5in",
         "--dpi",
         30,
+        "--no-body",
+        "--no-polar",
     ]
     result = run_cli(*arguments, "-o", tmp_path / "log.png")
     assert result.exit_code == 0, result.output
@@ -112,10 +122,13 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
     [
         (("--scalar", "GR"), "--scalar GR: must be FILE:CHANNEL or inclination"),
         (("--scalar", "inclination"), "--scalar inclination: needs --survey"),
+        (("--scalar", "x.csv:GR"), "x.csv, column md: unit missing: state it in a map ([channels.\"md\"] unit = ...), "
+                                   "or as md:UNIT in its option; depth is length"),
+        (("--scalar", "i.csv:GR"), "i.csv, column GR: has 4 values a row: a curve has one"),
         (("--scalar", "mem.las:XX"), "mem.las: no channel 'XX'; it holds DEPT, GR, RT, CALI"),
         (("--scalar", "mem.las:GR", "--from", "2010m"), "curve 'GR', 2010 to 2022 m: has no value there"),
-        (("--scalar", "mem.las:GR", "--log", "GR", "--limits", "GR=0,9"), "curve 'GR', 2000 to 2022 m: a logarithmic "
-                                                                         "scale needs limits above 0"),
+        (("--scalar", "mem.las:GR", "--log", "GR", "--limits", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
+                                                                         "limits above 0"),
         (("--header", "colour=red"), "--header colour=red: must be NAME=TEXT, NAME one of company, well, field, "
                                      "location, date, datum, bit, mud, remarks"),
     ],
@@ -124,6 +137,8 @@ def test_what_is_refused_of_scalar_tracks_and_headers(
     tmp_path: Path, archive: Path, monkeypatch: pytest.MonkeyPatch, options: tuple[str, ...], rule: str
 ) -> None:
     (tmp_path / "mem.las").write_text(CURVES + "2000 60 1 8.5\n2001 70 1 8.5\n")
+    (tmp_path / "x.csv").write_text("md,GR\n2000,1\n2001,2\n")
+    (tmp_path / "i.csv").write_text("md_m,GR1_gapi,GR2_gapi,GR3_gapi,GR4_gapi\n2000,1,2,3,4\n2001,1,2,3,4\n")
     monkeypatch.chdir(tmp_path)
     result = run_cli(archive, *options, "-o", tmp_path / "log.png", "--dpi", 30)
     assert result.exit_code == 2
@@ -133,14 +148,14 @@ def test_what_is_refused_of_scalar_tracks_and_headers(
 
 @pytest.mark.parametrize("ending", ["png", "svg", "pdf"])
 def test_plot_writes_an_archive_as_a_picture(tmp_path: Path, archive: Path, ending: str) -> None:
-    output = tmp_path / f"log.{ending}"
-    result = run_cli(archive, "-o", output, "--dpi", 50, "--well", "Well & <one>", "--scale", "1:200")
+    output, body = tmp_path / f"log.{ending}", () if ending == "png" else ("--no-body",)
+    result = run_cli(archive, "-o", output, "--dpi", 50, "--well", "Well & <one>", "--scale", "1:200", *body)
     assert result.exit_code == 0, result.output
     content = output.read_bytes()
     assert content.startswith({"png": b"\x89PNG", "svg": b"<?xml", "pdf": b"%PDF"}[ending])
     assert sorted(path.name for path in tmp_path.iterdir()) == [f"log.{ending}", f"log.{ending}.toml", "well.wall"]
     again = tmp_path / f"again.{ending}"
-    assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200).exit_code == 0
+    assert run_cli(archive, "-o", again, "--dpi", 50, "--well", "Well & <one>", "--scale", 200, *body).exit_code == 0
     assert again.read_bytes() == content
 
 
@@ -189,6 +204,12 @@ def test_a_channel_that_is_not_there_is_named(tmp_path: Path, option: str) -> No
         ("8.5", ("--from", "2000", "--to", "2010"), "log.csv:CAL_in: no samples between 2000 and 2010 m; it has 1000"),
         ("-999.25", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
         ("850", (), "log.csv, column CAL_in: no row has a depth and the diameter of a hole, in in"),
+        (
+            "8.5\n-999,8.5",
+            (),
+            "log.csv, line 3, column depth_m: -999 m in 9 rows, the others lie between 1000 and 1008 m: "
+            "a number that means no value? --absent -999 says so",
+        ),
     ],
 )
 def test_an_average_caliper_of_another_interval_or_without_values_is_named(
@@ -217,7 +238,7 @@ def test_what_an_image_counts_from_is_told_and_whether_anything_says_so(
     names = ",".join(f"GR{sector}_gAPI" for sector in range(1, 9))
     table.write_text(f"depth_m,{names}\n" + "".join(f"{1000 + row}{f',{row}' * 8}\n" for row in range(9)))
     made = ("--gauge", "--bit-diameter", "8.5in", "--image", f"{table}:GR:edge{suffix}", *options)
-    result = run_cli(*made, "-o", tmp_path / "log.png", "--dpi", 40)
+    result = run_cli(*made, "-o", tmp_path / "log.png", "--dpi", 40, "--no-body", "--no-polar")
     assert result.exit_code == 0, result.output
     words = " ".join(result.output.split())
     assert f"9 rows x 8 sectors, 0 values missing, {said} paper" in words

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shutil
 import tomllib
 from pathlib import Path
 
@@ -20,12 +21,10 @@ def run(verb: str, *arguments: object) -> Result:
     return CliRunner().invoke(cli, [verb, *(str(argument) for argument in arguments)])
 
 
-@pytest.fixture
-def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """A survey, an image of gamma, an average and an azimuthal caliper, an archive, in the current folder."""
-    folder = tmp_path / "well"
-    folder.mkdir()
-    monkeypatch.chdir(folder)
+@pytest.fixture(scope="module")
+def written(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A survey, an image of gamma, an average and an azimuthal caliper, an archive."""
+    folder = tmp_path_factory.mktemp("written")
     k, depth = np.arange(4000), np.arange(1000.0, 1010.05, 0.1)
     gamma = 50 + 20 * np.random.default_rng(2).random((depth.size, 8))
     mean = 0.22 + 0.001 * np.sin(depth)
@@ -39,6 +38,14 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     for name, (head, rows) in tables.items():
         np.savetxt(folder / name, rows, fmt="%.5f", delimiter=",", header=head, comments="")
     hb.reconstruct(hb.Caliper(*around.T), bit_diameter=0.216, sectors=16).save(folder / "w.wall")
+    return folder
+
+
+@pytest.fixture
+def folder(written: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A copy of them, in the current folder."""
+    folder = shutil.copytree(written, tmp_path / "well")
+    monkeypatch.chdir(folder)
     return folder
 
 

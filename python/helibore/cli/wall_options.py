@@ -30,13 +30,15 @@ from helibore.wall.archive import ENDING as ARCHIVE
 
 if TYPE_CHECKING:
     from helibore.channels.log_set import LogFile
-    from helibore.channels.roles import RoleMap
     from helibore.cli.terminal import Terminal
-    from helibore.runs.run import Files, Run
-    from helibore.runs.settings import ImageInput, RunSettings
+    from helibore.logs.curves import ScalarCurve
+    from helibore.runs.run import OpenFiles, Run
+    from helibore.runs.run_settings import ImageInput, Input, RunSettings, ScalarInput
 
 Command = Callable[..., Any]
 SETTINGS = ".toml"
+INCLINATION = "inclination"
+"""The scalar track that needs no file: it comes from the survey."""
 
 
 class Sectioned(click.Command):
@@ -82,7 +84,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--bit-diameter", "Bit size, such as 8.5in, '8 1/2in' or 0.216m. Archives and settings have it.", type=BIT),
         opt("--average", "Average caliper in place of SOURCE; the shape is assumed round.", metavar="FILE:CHANNEL"),
         opt("--gauge", "Gauge hole in place of SOURCE: not measured, carries images only.", is_flag=True),
-        opt("--from-settings", "The same as a settings file as SOURCE: repeat the run that wrote it.", type=FILE),
+        opt("--from-settings", "Repeat the run that wrote this settings file. SOURCE may name it, too.", type=FILE),
         opts("--image", "Image on the wall. ORIGIN is what lies at toolface 0 of the image: the centre or the edge "
              "of sector 1. REFERENCE is what its toolface 0 is, if not the wall's: north or high-side.",
              metavar="FILE:CHANNEL:ORIGIN[:REFERENCE]"),
@@ -99,7 +101,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opts("--diameter", "NAME[@ANGLE][:UNIT] of a diameter, which counts for both sides.", metavar="COLUMN"),
         opt("--time", "NAME[:UNIT] of the time.", metavar="COLUMN"),
         opts("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
-        opt("--header-line", "Line of the column names of a table (CSV, XLSX).  [found]", type=int),
+        opts("--header-line header_lines", "Line of the column names of a table (CSV, XLSX): LINE for SOURCE, "
+             "FILE=LINE for any other file.  [found]", metavar="[FILE=]LINE"),
         opts("--absent", "Number that means no value.  [-999.25, -9999, -9999.25]", type=float),
     ),
     "Sensors": (
@@ -134,21 +137,20 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--recentre", "Take the tool's offset out of every turn.", is_flag=True),
     ),
     "Passes": (
-        opt("--split-passes reversal", "Start a pass where the tool went back by more.", type=LENGTH),
+        opt("--split-passes reversal", "Start a new pass where the tool moves back by more than this.", type=LENGTH),
         opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
         opt("--latest", "In each 0.5 m, use the last pass that was there.  [merge them]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
         opt("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
         opt("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
-        opt("--compare-with earlier", "Earlier passes: the attribute 'difference' says how much larger the wall is.",
+        opt("--compare-with earlier", "Earlier passes; the attribute 'difference' is how much larger the wall is now.",
             type=NUMBERS, default=()),
     ),
     "Path and toolface": (
         opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),
         opt("--survey-map", "Roles of the survey file as TOML.", type=FILE),
         opt("--survey-set", "Set of the survey file, if it holds several.", metavar="NAME"),
-        opt("--survey-header-line", "Line of the column names of the survey file, a table.  [found]", type=int),
         opt("--survey-depth", "NAME[:UNIT] of the stations' depth.", metavar="COLUMN"),
         opt("--inclination", "NAME[:UNIT] of the inclination.", metavar="COLUMN"),
         opt("--azimuth", "NAME[:UNIT] of the azimuth.", metavar="COLUMN"),
@@ -164,7 +166,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--pitch", "Of the helix; negative: logged upwards.", type=LENGTH, default="100mm"),
         opt("--start-toolface", "Toolface of the first vertex.", type=ANGLE, default="0deg"),
         opt("--neighbors", "Number of nearest samples that make a vertex.  [8; kriging: 16]", type=int),
-        opt("--window", "Search only so many samples around a vertex, as published.  [all]", type=int),
+        opt("--window", "Search only this many samples around a vertex, as published.  [all]", type=int),
         opt("--power", "Weights are distance^-power.", type=float, default=1.0),
         opt("--max-distance", "Reach of a sample, or none.", type=LENGTH_OR_NONE, default="1m"),
         opt("--max-iterations", "Limit of the iteration.", type=int, default=4),
@@ -182,7 +184,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
 }  # fmt: skip
 """Every option of a wall, by section of the help."""
 
-ANYWHERE = ("from_settings", "image", "start_depth", "stop_depth", "threads")
+ANYWHERE = ("from_settings", "image", "header_lines", "start_depth", "stop_depth", "threads")
 """Options that go with a wall that has its own settings."""
 
 
@@ -202,19 +204,81 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
     given = options["from_settings"] or next(iter(options["source"]), None)
     with terminal.stage("import", "Loading helibore"):
         from helibore.runs.run import Run, reopen
-        from helibore.runs.settings import read_settings, settings_file
+        from helibore.runs.run_settings import read_settings, settings_file
     repeated = given if given is not None and given.suffix.lower() == SETTINGS else None
     with terminal.stage("read", "Opening files"):
         if repeated is not None:
             settings = read_settings(repeated)
             _check_outputs(outputs, [repeated, *(each.file for each in settings.inputs)], settings_file)
             run = reopen(settings)
-            images = (*settings.image, *(_image(text) for text in options["image"]))
-            run.settings = replace(settings, image=images)
+            run.files.header_lines |= _header_lines(options, ())
+            run.settings = replace(
+                settings, image=settings.image + _images(options), scalar=settings.scalar + _scalars(options)
+            )  # fmt: skip
         else:
             run = Run(*_opened(options), tune=options["tune"])
             _check_outputs(outputs, [each.file for each in run.settings.inputs], settings_file)
     return run
+
+
+def load_picks(run: Run) -> Path | None:
+    """Give the wall of a run the picks that were saved beside its first file; return the name of that file of picks."""
+    from helibore.logs.picks import ENDING, Picks
+
+    first = next(iter(run.settings.inputs), None)
+    if first is None:
+        return None
+    beside = first.file.with_name(f"{first.file.name}{ENDING}")
+    if beside.exists():
+        run.wall.picks = Picks.load(beside, run.wall.path)
+        run.messages.append(("picks", f"{len(run.wall.picks)} of {beside.name}"))
+    return beside
+
+
+TEMPLATE = opt("--template", "Tracks, their order and widths, units and scale: TOML, as the page saves it.", type=FILE)
+SCALAR = opts(
+    "--scalar scalars",
+    "Curve along the hole, a track of its own; the inclination comes from the survey.",
+    metavar=f"FILE:CHANNEL|{INCLINATION}",
+)
+
+
+def curves_of_files(run: Run, options: dict[str, Any]) -> list[ScalarCurve]:
+    """Return the curves of --scalar: those of the files in the settings, and the inclination of the path."""
+    curves = [_curve(one, run) for one in run.settings.scalar]
+    return [*curves, *(_inclination(run) for text in options["scalars"] if text == INCLINATION)]
+
+
+def _inclination(run: Run) -> ScalarCurve:
+    import numpy as np
+
+    from helibore.logs.curves import ScalarCurve
+
+    path = run.wall.path
+    if path is None:
+        raise click.UsageError(f"--scalar {INCLINATION}: needs --survey")
+    depth = np.linspace(path.start_depth, path.stop_depth, 1000)
+    values = np.degrees(np.arccos(np.clip(path.tangent(depth)[:, 2], -1.0, 1.0)))
+    return ScalarCurve("Inclination", "deg", depth, values)
+
+
+def _curve(one: ScalarInput, run: Run) -> ScalarCurve:
+    """Return a curve along the hole, from a file."""
+    import numpy as np
+
+    from helibore.channels.columns import depths
+    from helibore.channels.roles import guess
+    from helibore.logs.curves import ScalarCurve
+
+    log = run.files.log(one.file).set()
+    depth = depths(log, guess(log))[1]
+    if log.channel(one.name).shape != depth.shape:
+        rule = f"has {log[one.name].shape[1]} values a row: a curve has one"
+        raise InputError(f"{log.path.name}, column {one.name}", rule)
+    values = log.numbers(one.name)
+    order = np.argsort(depth, kind="stable")
+    order = order[np.isfinite(depth[order])]
+    return ScalarCurve(one.name, log[one.name].unit, depth[order], values[order])
 
 
 HEADER = opts(
@@ -228,7 +292,7 @@ def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
     """The header of the log: as the files of the run state it, unless the options do."""
     from helibore.channels.log_header import NAMES, log_header
 
-    found = log_header(run.opener.headers())
+    found = log_header(run.files.headers())
     for text in options["headers"]:
         name, equals, value = text.partition("=")
         if not equals or name not in NAMES:
@@ -262,9 +326,9 @@ def _check_source(options: dict[str, Any]) -> None:
         raise click.UsageError("several SOURCE files must all be caliper files, not archives or settings")
     of_calipers = ("Columns", "Sensors", "Conditioning", "Passes")
     if options["gauge"]:
-        _refuse(of_calipers, ("absent",), "--gauge, which reads no caliper")
+        _refuse(of_calipers, ("absent", "header_lines"), "--gauge, which reads no caliper")
     elif options["average"] is not None:
-        _refuse(of_calipers, ("absent", "sets", "header_line"), "--average, which names its channel")
+        _refuse(of_calipers, ("absent", "sets", "header_lines"), "--average, which names its channel")
     elif ARCHIVE in endings:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")
@@ -311,46 +375,45 @@ def _check_numbers(options: dict[str, Any]) -> None:
         raise click.UsageError("--track: goes with one caliper file only")
 
 
-def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
-    """Open every file that the options name; return the settings of the run, the files and what opened them."""
+def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
+    """Open every file that the options name; return the settings of the run, and the files."""
     from helibore.base.nulls import NULLS
     from helibore.base.settings import Settings
+    from helibore.channels.role_map import parse_options
     from helibore.preparation.conditioning import Echo
     from helibore.preparation.prepare import Preparation
-    from helibore.runs.run import Files, Opener
-    from helibore.runs.settings import Input, PathSettings, RunSettings
+    from helibore.runs.run import OpenFiles
+    from helibore.runs.run_settings import Input, PathSettings, RunSettings
 
     nulls = tuple(options["absent"]) or NULLS
-    opener = Opener(nulls)
     archive = next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
-    maps, calipers = options["maps"], []
-    columns = {name: options[name] for name in ("depth", "toolface", "time")}
-    arms = {name: options[name.replace("-", "_")] for name in ("radius", "diameter", "travel-time")}
-    if archive is None:
-        for number, file in enumerate(options["source"]):
-            own = maps[number % len(maps)] if maps else None
-            log = opener.log(file, options["header_line"])
-            for name in set_names(log, options["sets"]) if options["sets"] else [None]:
-                choose = partial(_roles, set_name=name, map_file=own, columns=columns, **arms)
-                calipers.append(opener.opened(file, choose, options["header_line"]))
-    average = survey = track = None
+    sources = [] if archive is not None else list(options["source"])
     if options["average"] is not None:
-        line = options["header_line"]
-        text, _, channel = options["average"].rpartition(":")
-        if not text:
-            raise click.UsageError(f"--average {options['average']}: must be FILE:CHANNEL")
-        names = set_names(opener.log(Path(text), line), options["sets"]) if options["sets"] else [None]
-        if len(names) > 1:
-            raise click.UsageError(f"--average: needs one set, not {len(names)}")
-        average = opener.opened(Path(text), partial(_average_roles, set_name=names[0], channel=channel), line)
+        sources.append(Path(options["average"].rpartition(":")[0]))
+    files = OpenFiles(nulls, _header_lines(options, sources))
+    inputs: dict[str, Any] = {}
+    if archive is not None:
+        inputs["archive"] = Input(archive)
+    else:
+        maps = options["maps"] or (None,)
+        columns = {name: options[name] for name in ("depth", "toolface", "time")}
+        arms = {name: options[name.replace("-", "_")] for name in ("radius", "diameter", "travel-time")}
+        choose = partial(parse_options, columns=columns, arms=arms)
+        inputs["caliper"] = tuple(
+            files.input(file, name, maps[number % len(maps)], choose)
+            for number, file in enumerate(options["source"])
+            for name in set_names(files.log(file), options["sets"])
+        )
+    if options["average"] is not None:
+        inputs["average"] = _average(files, options)
     if options["survey"] is not None:
-        stations = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
-        choose = partial(_roles, set_name=options["survey_set"], map_file=options["survey_map"], columns=stations)
-        survey = opener.opened(options["survey"], choose, options["survey_header_line"])
+        columns = {"depth": options["survey_depth"]} | {name: options[name] for name in ("inclination", "azimuth")}
+        choose = partial(parse_options, columns=columns, arms={})
+        inputs["survey"] = files.input(options["survey"], options["survey_set"], options["survey_map"], choose)
     if options["track"] is not None:
-        choose = partial(_roles, set_name=None, map_file=options["track_map"], columns={})
-        track = opener.opened(options["track"], choose)
-    files = Files(tuple(calipers), average, track, survey)
+        inputs["track"] = files.input(options["track"], None, options["track_map"])
+    if options["mud_velocity"] is not None:
+        inputs["echo"] = Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
     named = options | {"steep": options["switch"][0], "level": options["switch"][1]}
     if options["radius_range"]:
         named |= dict(zip(("least_radius", "greatest_radius"), options["radius_range"], strict=True))
@@ -360,20 +423,18 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, Files, Any]:
     def made(kind: type[Any]) -> Any:
         return kind(**{each.name: named[each.name] for each in fields(kind) if each.name in named})
 
-    echo = None
-    if options["mud_velocity"] is not None:
-        echo = Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
     settings = RunSettings(
-        nulls=nulls, gauge=options["gauge"], archive=Input(archive) if archive is not None else None,
-        image=tuple(_image(text) for text in options["image"]),
-        echo=echo, preparation=made(Preparation), path=made(PathSettings),
-        wall=None if archive is not None else made(Settings), **files.inputs(),
+        nulls=nulls, gauge=options["gauge"], image=_images(options), scalar=_scalars(options),
+        preparation=made(Preparation), path=made(PathSettings),
+        wall=None if archive is not None else made(Settings), **inputs,
     )  # fmt: skip
-    return settings, files, opener
+    return settings, files
 
 
-def set_names(log: LogFile, texts: Sequence[str]) -> list[str]:
-    """Return the names of the sets that ``--set`` chooses, in the order of the file."""
+def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:
+    """Return the names of the sets that ``--set`` chooses, in the order of the file; without it None, the only set."""
+    if not texts:
+        return [None]
     chosen = set().union(*(_sets_of(log, text) for text in texts))
     return [each.name for each in log.sets if each.name in chosen]
 
@@ -401,34 +462,63 @@ def _sets_of(log: LogFile, text: str) -> set[str]:
     return found
 
 
-def _roles(log: LogFile, set_name: str | None, map_file: Path | None, columns: dict[str, Any], **arms: Any) -> RoleMap:
-    """Return the roles of a set: guessed; a map overrules the guess, and options overrule both."""
-    from helibore.channels.log_set import LogFile
-    from helibore.channels.role_map import parse_options, read_map
-    from helibore.channels.roles import guess
+def _average(files: OpenFiles, options: dict[str, Any]) -> Input:
+    """Open an average caliper, FILE:CHANNEL; its depth is guessed."""
+    from helibore.channels.roles import Role, guess
+    from helibore.runs.run_settings import Input
 
-    alone = log if set_name is None else LogFile(log.path, log.format, [log.set(set_name)])
-    roles = read_map(map_file, alone) if map_file is not None else guess(alone.set())
-    return parse_options(log.set(roles.set_name), roles, columns, arms)
-
-
-def _average_roles(log: LogFile, set_name: str | None, channel: str) -> RoleMap:
-    """Return the depth as it is guessed, and the channel that is the diameter."""
-    from helibore.channels.roles import Role, RoleMap, guess
-
-    found = log.set(set_name)
+    text, _, channel = options["average"].rpartition(":")
+    if not text:
+        raise click.UsageError(f"--average {options['average']}: must be FILE:CHANNEL")
+    log = files.log(Path(text))
+    names = set_names(log, options["sets"])
+    if len(names) > 1:
+        raise click.UsageError(f"--average: needs one set, not {len(names)}")
+    found = log.set(names[0])
     depth = guess(found).one("depth")
     if depth is None:
         raise InputError(log.path.name, "no channel is a depth")
-    if channel not in found:
-        raise InputError(log.path.name, f"no channel {channel!r}; it holds {', '.join(found.names)}")
-    mean = Role(channel, "mean-diameter", "named by --average", found[channel].unit)
-    return RoleMap(found.name, {depth.channel: depth, channel: mean})
+    mean = Role(channel, "mean-diameter", "named by --average", found.channel(channel).unit)
+    return Input(Path(text), "", found.name, (depth, mean))
+
+
+def _header_lines(options: dict[str, Any], sources: Sequence[Path]) -> dict[Path, int]:
+    """Return the lines that ``--header-line`` states, by file; a line without a file is that of the sources."""
+    read = [*sources, options["survey"], options["track"], *(one.file for one in _images(options) + _scalars(options))]
+    lines: dict[Path, int] = {}
+    for text in options["header_lines"]:
+        file, _, number = text.rpartition("=")
+        if not number.isascii() or not number.isdigit():
+            raise click.UsageError(f"--header-line {text}: must be LINE or FILE=LINE")
+        if not file and not sources:
+            raise click.UsageError(f"--header-line {text}: must be FILE=LINE, as no SOURCE is a table")
+        if file and Path(file) not in read:
+            raise click.UsageError(f"--header-line {text}: no option reads the file {file}")
+        lines |= dict.fromkeys([Path(file)] if file else sources, int(number))
+    return lines
+
+
+def _scalars(options: dict[str, Any]) -> tuple[ScalarInput, ...]:
+    """Return the curves that ``--scalar`` takes from files, FILE:CHANNEL."""
+    from helibore.runs.run_settings import ScalarInput
+
+    found = []
+    for text in options.get("scalars", ()):
+        file, _, name = text.rpartition(":")
+        if not file and text != INCLINATION:
+            raise click.UsageError(f"--scalar {text}: must be FILE:CHANNEL or {INCLINATION}")
+        if file:
+            found.append(ScalarInput(Path(file), name))
+    return tuple(found)
+
+
+def _images(options: dict[str, Any]) -> tuple[ImageInput, ...]:
+    return tuple(_image(text) for text in options["image"])
 
 
 def _image(text: str) -> ImageInput:
     """Read an image, FILE:CHANNEL:ORIGIN[:REFERENCE]."""
-    from helibore.runs.settings import ImageInput
+    from helibore.runs.run_settings import ImageInput
 
     reference = next((word for word in ("north", "high-side") if text.endswith(f":{word}")), None)
     parts = text.removesuffix(f":{reference}").rsplit(":", 2)

@@ -6,18 +6,18 @@ what each log is.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import click
 
 from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
-from helibore.cli.quantities import FILE, LENGTH
-from helibore.cli.source import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
+from helibore.cli.quantities import FILE, LENGTH, split_pair
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
 
 if TYPE_CHECKING:
     from helibore.base.tables import LogColumn, LogTable
@@ -53,7 +53,7 @@ DECIMALS = {"in": 4, "mm": 3}
     opt("--zones", "Table of washouts, breakouts, key seats and undergauge hole; endings as of --output.", type=FILE),
     opts("--criterion criteria", "Of zones, such as elongation=0.5in, washout, key-seat, undergauge, symmetry, "
          "least-length.", metavar="NAME=VALUE"),
-    opt("--scaled", "Criteria in proportion to the bit; the usual ones are for 8.5 in.", is_flag=True),
+    opt("--scaled", "Scale the criteria with the bit; the usual ones are for a bit of 8.5 in.", is_flag=True),
     opts("--breakouts", "Table of the dark, opposite sectors of an image.", metavar="IMAGE=FILE"),
 )  # fmt: skip
 @takes_a_wall
@@ -73,7 +73,8 @@ def logs(**options: Any) -> None:
     from helibore.logs.summary import summarize
 
     output, zones_file = options["output"], options["zones"]
-    images = dict(_image_file(text) for text in options["breakouts"])
+    pairs = [split_pair("breakouts", text, "IMAGE=FILE") for text in options["breakouts"]]
+    images = {name: Path(file) for name, file in pairs}
     tables = [output, *([zones_file] if zones_file else []), *images.values()]
     for file in tables:
         check_ending(file)
@@ -136,8 +137,7 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
     return table if unit == "m" else LogTable([changed(one) for one in table], table.facts)
 
 
-@dataclass(frozen=True)
-class _Measured:
+class _Measured(NamedTuple):
     """Zones of the whole wall, if it has a shape; between two depths its turns, the rows to write, more columns."""
 
     zones: Classification | None
@@ -184,21 +184,13 @@ def _criteria(wall: Wall, options: dict[str, Any]) -> Criteria:
     known = [field.name for field in fields(Criteria)]
     found = {}
     for text in options["criteria"]:
-        name, equals, value = text.partition("=")
+        form = f"NAME=VALUE, NAME one of {', '.join(known).replace('_', '-')}"
+        name, value = split_pair("criterion", text, form)
         name = name.replace("-", "_")
-        if not equals or name not in known:
-            raise click.UsageError(
-                f"--criterion {text}: must be NAME=VALUE, NAME one of {', '.join(known).replace('_', '-')}"
-            )
+        if name not in known:
+            raise click.UsageError(f"--criterion {text}: must be {form}")
         try:
             found[name] = float(value) if name in shares else units.quantity(value, units.LENGTH)
         except ValueError as error:
             raise click.UsageError(f"--criterion {text}: {error}") from None
     return Criteria.scaled(wall.settings.bit_diameter, **found) if options["scaled"] else Criteria(**found)
-
-
-def _image_file(text: str) -> tuple[str, Path]:
-    name, equals, file = text.rpartition("=")
-    if not (name and equals and file):
-        raise click.UsageError(f"--breakouts {text}: must be IMAGE=FILE")
-    return name, Path(file)

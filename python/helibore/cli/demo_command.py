@@ -8,16 +8,22 @@ import click
 
 from helibore.base.errors import InputError, MissingExtraError
 from helibore.cli.lines import summary_lines
+from helibore.cli.outputs import QUIET
+from helibore.cli.quantities import FOLDER
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import opt, section
 
 DEPTH_SCALE, DPI = 250, 120
 """Of the picture: 50 m of hole on 200 mm."""
 
 
 @click.command(short_help="Simulate a hole and write its wall as a mesh and a picture.")
-@click.option("-o", "--output", type=click.Path(path_type=Path, file_okay=False), default=".", help="Folder.  [here]")
-@click.option("--seed", type=int, default=0, show_default=True, help="Seed of the simulated hole.")
-@click.option("-q", "--quiet", is_flag=True, help="Print nothing but errors.")
+@section(
+    "Options",
+    opt("-o --output", "Folder to write to.", type=FOLDER, default="."),
+    opt("--seed", "Seed of the simulated hole.", type=int, default=0),
+    QUIET,
+)
 def demo(output: Path, seed: int, quiet: bool) -> None:
     """Simulate a hole, rebuild its wall, write helibore-demo.glb and, with matplotlib, helibore-demo.png.
 
@@ -25,7 +31,7 @@ def demo(output: Path, seed: int, quiet: bool) -> None:
     helibore demo
     """
     import helibore.plot as plot
-    from helibore.simulation.demo import drill, error, rebuild
+    from helibore.simulation.demonstration import drill, error, rebuild
 
     if not output.is_dir():
         raise InputError(str(output), "the folder must exist")

@@ -14,10 +14,10 @@ import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.cli.lines import Lines, summary_lines
-from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
+from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH
-from helibore.cli.source import Sectioned, open_run, opt, opts, section, takes_a_wall
 from helibore.cli.terminal import Terminal
+from helibore.cli.wall_options import Sectioned, open_run, opt, opts, section, takes_a_wall
 from helibore.mesh.mesh_files import SURFACE_ENDINGS, VOLUME_ENDINGS
 from helibore.mesh.surface import Surface
 from helibore.mesh.volume import Volume
@@ -37,9 +37,9 @@ COLORLESS = (ARCHIVE, ".obj", ".stl")
 takes_a_mesh = section(
     "Options",
     OUTPUT("Mesh to write: .glb, .vtu, .vtp, .vtkhdf, .ply, .obj, .stl; or .wall, an archive that reopens."),
-    opts("--shell shells", f"Thickness beyond the wall: a volume of hexahedra ({', '.join(VOLUME_ENDINGS)}).",
+    opts("--shell shells", f"Write a volume of hexahedra this thick around the wall ({', '.join(VOLUME_ENDINGS)}).",
          type=LENGTH),
-    opt("--sigma", "Standard uncertainty of the radius, as the attribute 'sigma'.", is_flag=True),
+    SIGMA,
     opt("--color-by", "An image, difference, sigma or radius, for GLB, PLY and VTK.  [the first image, else radius]",
         metavar="NAME"),
     opt("--centres", "With --recentre: table of centre, deviation and inliers of each turn: .csv, .csv.gz or .npz.",
@@ -105,11 +105,7 @@ def _write(verb: str, options: dict[str, Any]) -> None:
     make_wall(run, options["threads"], terminal.stage)
     wall, shells = run.wall, list(options["shells"])
     if options["sigma"]:
-        from helibore.wall.interpolation import on_quads
-
-        with terminal.stage("sigma", "Leaving samples out"):
-            wall.attributes["sigma"] = on_quads(wall.sigma, wall.settings.sectors)
-            wall.attributes.units["sigma"] = "m"
+        add_sigma(wall, terminal)
     made: Surface | Volume
     with terminal.stage("place", f"Placing {len(wall):,} vertices"), placing(run):
         made = wall.volume("own", shells, *ends) if shells else wall.surface("own", *ends)
@@ -132,7 +128,7 @@ def _write(verb: str, options: dict[str, Any]) -> None:
 
 
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
-    """Refuse what the output would not show: colours where it has none, an interval of a wall that is kept whole."""
+    """Refuse options that the output would not show: colours in a format without any, an interval in an archive."""
     output, ending, preparation = options["output"], options["output"].suffix.lower(), run.settings.preparation
     check_file(output, VOLUME_ENDINGS if options["shells"] else ENDINGS)
     if options["color_by"] is not None and (options["shells"] or ending in COLORLESS):
@@ -192,14 +188,15 @@ def _write_centres(found: Centres, depth: Floats | None, file: Path) -> None:
 
 def _error_lines(run: Run, threads: int | None) -> Lines:
     """The cross-validated error of the wall, and what tuning would gain."""
-    from helibore.wall.tune import FEWEST_SAMPLES, cross_validate
+    from helibore.wall.estimates import FEWEST_SAMPLES
+    from helibore.wall.tune import cross_validate
 
     count = run.wall.sample_count
     if run.wall.basis != "azimuthal" or count < FEWEST_SAMPLES or run.tune:
         return []
     try:
         return [("error", cross_validate(run.wall, min(1000, FEWEST_SAMPLES + count // 50), threads).sentence)]
-    except InputError:  # no sample has another within reach
+    except InputError:  # no sample has another within reach, or a window
         return []
 
 

@@ -12,7 +12,7 @@ from click.testing import CliRunner, Result
 
 import helibore as hb
 from helibore.cli import cli
-from helibore.cli.source import SECTIONS
+from helibore.cli.wall_options import SECTIONS
 
 WALLS = ("reconstruct", "mesh", "logs", "plot", "report", "view")
 
@@ -156,7 +156,7 @@ def test_every_command_recognises_a_tool_with_few_arms(
     if verb == "view":
         pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
         from helibore import viewer
-        from helibore.cli import view as command
+        from helibore.cli import view_command as command
 
         def stop(*_: object, **__: object) -> None:
             raise hb.InputError("view", "not served")

@@ -1,0 +1,91 @@
+"""The log of ``helibore live``: warnings to stderr, every event to a rotated file, written by a thread of its own.
+
+event -> LogWriter.emit -> queue -> thread -> stderr, file        a blocked terminal or a full disk delays no packet
+"""
+
+from __future__ import annotations
+
+import logging.handlers
+import queue
+import sys
+import threading
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+
+from helibore.live.events import LOGGER
+
+MOST_WAITING = 1000
+"""Log lines that wait for a slow stderr or file; more are counted and left out."""
+SECONDS = 2.0
+"""Seconds in which the lines that wait are written at the end."""
+STOP = logging.LogRecord("", 0, "", 0, "", None, None)
+
+
+class LogWriter(logging.Handler):
+    """Passes log records to ``handlers`` in a thread of its own."""
+
+    def __init__(self, handlers: list[logging.Handler]) -> None:
+        super().__init__()
+        self._handlers = handlers
+        self._waiting: queue.Queue[logging.LogRecord] = queue.Queue(MOST_WAITING)
+        self._lost, self._reason = 0, ""
+        for handler in handlers:
+            handler.handleError = self._note_error  # type: ignore[method-assign]
+        self._thread = threading.Thread(target=self._write, name="log", daemon=True)
+        self._thread.start()
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Queue a record; this never waits."""
+        try:
+            self._waiting.put_nowait(record)
+        except queue.Full:
+            self._lost, self._reason = self._lost + 1, "stderr or the log file takes nothing"
+
+    def trouble(self) -> str:
+        """Return what was not written since the last call; "" if everything was."""
+        lost, self._lost = self._lost, 0
+        return f"{lost} lines were not written: {self._reason}" if lost else ""
+
+    @property
+    def alive(self) -> bool:
+        """Whether the thread is running."""
+        return self._thread.is_alive()
+
+    def stop(self) -> None:
+        """Write the lines that wait, for a few seconds at most (`close` is called by uvicorn, too)."""
+        with suppress(queue.Full):
+            self._waiting.put_nowait(STOP)
+        self._thread.join(SECONDS)
+
+    def _write(self) -> None:
+        while (record := self._waiting.get()) is not STOP:
+            for handler in self._handlers:
+                if record.levelno >= handler.level:
+                    handler.handle(record)
+
+    def _note_error(self, record: logging.LogRecord) -> None:  # noqa: ARG002 (as `logging.Handler.handleError`)
+        self._lost, self._reason = self._lost + 1, str(sys.exc_info()[1])
+
+
+@contextmanager
+def logged(file: str | None, quiet: bool) -> Iterator[LogWriter]:
+    """Write warnings to stderr, unless the status page is there, and all events to ``file``."""
+    shown = logging.StreamHandler()
+    shown.setLevel(logging.CRITICAL if sys.stdout.isatty() and not quiet else logging.WARNING)
+    handlers: list[logging.Handler] = [shown]
+    if file:
+        handlers.append(logging.handlers.RotatingFileHandler(file, maxBytes=10 << 20, backupCount=5, encoding="utf-8"))
+    for handler in handlers:
+        handler.setFormatter(logging.Formatter("%(asctime)s %(levelname)s %(message)s", "%Y-%m-%d %H:%M:%S%z"))
+    before, writer = LOGGER.level, LogWriter(handlers)
+    LOGGER.setLevel(logging.INFO)
+    LOGGER.addHandler(writer)
+    try:
+        yield writer
+    finally:
+        LOGGER.setLevel(before)
+        LOGGER.removeHandler(writer)
+        writer.stop()
+        if not writer.alive:
+            for handler in handlers:
+                handler.close()

@@ -1,0 +1,324 @@
+"""A well larger than a worker's memory, in blocks of the helix: the same bits as in one piece.
+
+    Parquet --batches--> bins by depth     plan: ends of the helix, blocks of whole 256 turns, first radius
+    bins of a block, and what its vertices reach --> stretch of the wall --> archive, rows of logs      one task a block
+    rows and radii of all blocks --> logs, zones, overview, record                                      the merge
+
+Samples keep their order of arrival in a bin, so ties fall as in one piece. A block reads farther until `Wall.reach`
+says that no other sample can matter. What needs the whole well (finding shifts, biases, flat tops, closed arms, the
+range of kriging, a tool of two to seven arms) is refused by name.
+"""
+
+from __future__ import annotations
+
+import math
+import secrets
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError
+from helibore.base.settings import Settings
+from helibore.channels.channel_readings import readings
+from helibore.channels.log_set import LogSet
+from helibore.files.columnar import parquet_values
+from helibore.files.raw_set import Channel
+from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
+from helibore.preparation.conditioning import in_range
+from helibore.preparation.sensors import observe_by_depth
+from helibore.runs.output_store import Json, Store
+from helibore.runs.run import Run
+from helibore.runs.run_settings import Input
+from helibore.samples.caliper import LARGEST_RADIUS, Basis
+from helibore.trajectory.survey import Path as WellPath
+from helibore.wall.wall import Wall
+
+UNIT = 256
+"""Turns: blocks of logs begin at multiples of it, in the core too."""
+BIN_TURNS = 64
+"""Turns in the height of a bin."""
+BATCH = 1 << 18
+"""Rows read at a time."""
+BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
+"""Settings of a preparation that a block may have; the last two only as false."""
+
+
+def needs_blocks(run: Run, most_samples: int) -> bool:
+    """Say whether the caliper files of a run have more rows than fit in one piece."""
+    return sum(run.files.log_set(each).rows for each in run.settings.caliper) > most_samples
+
+
+def check_blocks(run: Run, most_samples: int) -> Input:
+    """Return the only caliper file; an InputError names what needs the whole well."""
+    why = f"needs the whole well, and one of more than {most_samples:,} samples is made in blocks"
+    settings, preparation = run.settings, run.settings.preparation
+    only, *others = settings.caliper
+    if others or run.files.log(only.file).format != "parquet":
+        raise InputError("caliper", f"blocks are read from one Parquet file; anything else {why}")
+    for name in ("track", "image"):
+        if getattr(settings, name):
+            raise InputError(name, why)
+    odd = [name for name in preparation.changed() if name not in BY_ROW]
+    odd += [name for name in ("saturated", "drop_closed") if getattr(preparation, name)]
+    if odd:
+        rule = f"{why}; it must be false" if odd[0] in BY_ROW else why
+        raise InputError(f"preparation.{odd[0]}", rule, str(getattr(preparation, odd[0])))
+    if settings.wall is not None and settings.wall.estimator == "kriging" and settings.wall.kriging_range is None:
+        raise InputError("wall.kriging_range", f"finding it {why}")
+    turning = only.roles.one("toolface")
+    if turning is not None and turning.reference not in ("", run.path.reference if run.path else ""):
+        raise InputError("toolface", f"turning it into the reference of the path {why}")
+    return only
+
+
+def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int) -> Json:
+    """Sort the samples of a well into bins by depth, and plan its blocks; the plan lies in the store after the bins."""
+    name = f"{folder}/plan.json"
+    before: Json | None = store.read_json(name)
+    if before is not None and before["made_from"] == made_from:
+        return before
+    store.delete(list(store.sizes(folder)))
+    only = check_blocks(run, most_samples)
+    wall = _settings(run)
+    height = BIN_TURNS * abs(wall.pitch)
+    counts: Counter[int] = Counter()
+    ends, newest, width = [math.inf, -math.inf], -math.inf, 3
+    bins = f"{folder}/bins-{secrets.token_hex(4)}"
+    with store.writing_folder(bins) as into:
+        for depth, *others in sample_batches(run, only):
+            rows = np.stack([depth, *others], axis=1)
+            ends = [min(ends[0], float(depth.min())), max(ends[1], float(depth.max()))]
+            width = rows.shape[1]
+            if width > 3:
+                newest = max(newest, float(others[-1].max()))
+            number = np.floor(depth / height).astype(np.int64)
+            order = np.argsort(number, kind="stable")  # of two samples of a bin, the one that came first stays first
+            for part in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
+                at = int(number[part[0]])
+                counts[at] += part.size
+                with (into / str(at)).open("ab") as file:
+                    rows[part].tofile(file)
+    if not counts:
+        raise InputError(only.file.name, "no row has depth, toolface and a radius")
+    start, stop = ends if wall.pitch > 0 else ends[::-1]
+    start = start if wall.start_depth is None else wall.start_depth
+    stop = stop if wall.stop_depth is None else wall.stop_depth
+    plan: Json = {"start_depth": start, "stop_depth": stop}
+    vertices = plan["vertices"] = _count(wall, plan)
+    if not 0 < vertices <= wall.most_vertices:
+        raise InputError("most_vertices", f"the wall from {start:g} m to {stop:g} m would have {vertices:,} vertices")
+    plan |= {"made_from": made_from, "bins": bins, "height": height, "width": width, "ends": ends}
+    plan |= {"counts": {str(at): counts[at] for at in sorted(counts)}, "newest": newest if width > 3 else 0.0}
+    plan["blocks"] = _blocks(wall, plan, most_samples)
+    plan["reference"] = _first_radius(store, plan, wall)
+    store.write_json(name, plan)
+    return plan
+
+
+def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
+    """Read depth, toolface, radius and any time of the samples of a Parquet file, batch by batch, in their order."""
+    from pyarrow import parquet
+
+    preparation = run.settings.preparation
+    bit = run.settings.wall.bit_diameter if run.settings.wall else None
+    log, names = run.files.log_set(only), [role.channel for role in only.channel if role.role != "none"]
+    with parquet.ParquetFile(only.file, buffer_size=1 << 20, page_checksum_verification=True) as file:
+        for batch in file.iter_batches(BATCH, columns=names):
+            channels = []
+            for name in batch.schema.names:
+                values, of = parquet_values(batch.column(name)), log[name]
+                made = Channel(name, of.unit, "", values, run.settings.nulls, None, values.shape, of.is_text)
+                made.nan_is_missing = False
+                channels.append(made)
+            found = readings(LogSet(only.file, "table", channels, batch.num_rows), only.roles, bit, run.settings.echo)
+            if (len(found.sensors) > 1 and not found.is_image) or any(of.latency for of in found.sensors):
+                raise InputError(only.file.name, "a tool of two to seven arms, or a latency, needs the whole well")
+            sensors = [replace(of, offset=of.offset + preparation.sensor_offset) for of in found.sensors]
+            samples = observe_by_depth(sensors, found.depth, found.toolface, found.radii)
+            keep = _between(samples.depth, preparation.shallowest, preparation.deepest)
+            keep &= _between(samples.radius, preparation.least_radius, preparation.greatest_radius)
+            columns = [samples.depth, samples.toolface, samples.radius]
+            if found.time is not None:
+                columns.append(found.time[samples.row])
+                keep &= ~np.isnan(columns[-1])
+            if not keep.any():
+                continue
+            odd = keep & ~((samples.radius > 0) & (samples.radius <= LARGEST_RADIUS))
+            if odd.any():
+                rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
+                raise InputError(f"{only.file.name}: radius", rule, f"{samples.radius[odd][0]:g}")
+            yield tuple(column[keep] for column in columns)
+
+
+def _between(values: Floats, low: float | None, high: float | None) -> Any:
+    if low is None and high is None:
+        return np.ones(values.size, dtype=bool)
+    return in_range(values, -math.inf if low is None else low, math.inf if high is None else high).kept
+
+
+def _settings(run: Run) -> Settings:
+    if run.settings.wall is None:
+        raise RuntimeError("a well in blocks without settings; this is a bug in helibore")
+    return run.settings.wall
+
+
+def _count(settings: Settings, plan: Json) -> int:
+    """Return the number of vertices of the whole well, as the core counts them."""
+    turns: float = settings.sectors * (plan["stop_depth"] - plan["start_depth"]) / settings.pitch
+    return max(0, math.floor(turns) + 1)
+
+
+def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
+    """Return the turns [start, stop) of the blocks: whole units with about so many samples at most."""
+    turns = -(-plan["vertices"] // wall.sectors)
+    found: list[list[int]] = []
+    for first in range(0, turns, UNIT):
+        stop = min(first + UNIT, turns)
+        if found and _samples(wall, plan, found[-1][0], stop) <= most_samples:
+            found[-1][1] = stop
+        else:
+            found.append([first, stop])
+    return found
+
+
+def _samples(wall: Settings, plan: Json, first: int, stop: int) -> int:
+    """Count the samples of the bins that turns lie in, and at least one a vertex: both take memory."""
+    ends = sorted(plan["start_depth"] + turn * wall.pitch for turn in (first, stop))
+    low, high = (math.floor(end / plan["height"]) for end in ends)
+    counted: int = sum(plan["counts"].get(str(at), 0) for at in range(low, high + 1))
+    return max(counted, (stop - first) * wall.sectors)
+
+
+def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
+    """Return the columns of the samples between two depths: within one depth in their order of arrival."""
+    first, last = (math.floor(end / plan["height"]) for end in (max(low, plan["ends"][0]), min(high, plan["ends"][1])))
+    parts = [np.empty((0, plan["width"]))]
+    for at in range(first, last + 1):
+        if str(at) in plan["counts"]:
+            rows = store.read_array(f"{plan['bins']}/{at}").reshape(-1, plan["width"])
+            parts.append(rows[(rows[:, 0] >= low) & (rows[:, 0] <= high)])
+    return list(np.concatenate(parts).T.copy())
+
+
+def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
+    """Return the vertices [first, stop) of the well, as they are in one piece; none if no sample is near."""
+    own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
+    step = settings.pitch / settings.sectors
+    shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
+    overlap = max(1.001 * (settings.max_distance or 1.0), settings.gap_reach)
+    while True:
+        low, high = shallow - overlap, deep + overlap
+        wall = Wall(threads=1, **vars(settings) | own)
+        columns = _load(store, plan, low, high)
+        if columns[0].size:
+            wall.append(*columns)
+        if settings.max_distance is not None and settings.window is None:
+            return wall
+        least, most = wall.reach(first, stop) if len(wall) else (-math.inf, math.inf)
+        if (least >= low or low <= plan["ends"][0]) and (most <= high or high >= plan["ends"][1]):
+            return wall
+        overlap *= 2
+
+
+def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:
+    """Return radius and nearest of a stretch of so many vertices; NaN where no sample is near it."""
+    nothing = np.full(count, np.nan)
+    return (wall.radius, wall.nearest) if len(wall) else (nothing, nothing)
+
+
+def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
+    """Return the first radius of the well that is not missing, from which its rugosity is counted."""
+    for first, last in plan["blocks"]:
+        for turn in range(first, last, UNIT):
+            ends = turn * settings.sectors, min((turn + UNIT) * settings.sectors, plan["vertices"])
+            radius = stretch(store, plan, settings, *ends).radius
+            there = radius[np.isfinite(radius)]
+            if there.size:
+                return float(there[0])
+    return 0.0
+
+
+def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
+    """Make a block: its archive, if it has a name; then the rows of its logs and its radii, for the merge."""
+    plan, part = store.read_json(f"{folder}/plan.json"), f"{folder}/part-{number:05}.npz"
+    if part in store.sizes(folder):
+        return
+    settings, (first, stop) = _settings(run), plan["blocks"][number]
+    K, last = settings.sectors, number + 1 == len(plan["blocks"])
+    margin = window_turns(RUGOSITY_WINDOW, settings.pitch) // 2
+    begin, end = max(0, first - margin) * K, min((stop + margin) * K, plan["vertices"])
+    wall = stretch(store, plan, settings, begin, end)
+    wall.path, wall.made_from = run.path, {"files": plan["made_from"]["inputs"]}
+    radius, nearest = radii(wall, end - begin)
+    state = wall._state()._replace(start_depth=plan["start_depth"], radius=radius, nearest=nearest)
+    logs = turn_logs(state, None, threads=1, reference=plan["reference"], newest=plan["newest"])
+    rows = slice(first - begin // K, min(stop, plan["vertices"] // K) - begin // K)
+    own = slice(first * K - begin, min(stop * K, plan["vertices"]) - begin)
+    ends = [-math.inf if not number else _turn_depth(settings, plan, first)]
+    ends.append(math.inf if last else _turn_depth(settings, plan, stop))
+    along = math.copysign(1.0, settings.pitch) * state.sample_columns[0]
+    inside = (along >= ends[0]) & (along < ends[1])
+    coarse = overview_settings(settings)
+    coarse_first = first * OVERVIEW_SECTORS // COARSER
+    coarse_stop = _count(coarse, plan) if last else stop * OVERVIEW_SECTORS // COARSER
+    made: dict[str, Any] = {name: getattr(logs, name)[rows] for name in COLUMN_NAMES}
+    made |= {"vertex_radius": radius[own], "vertex_nearest": nearest[own], "samples": np.count_nonzero(inside)}
+    made["overview"] = radii(stretch(store, plan, coarse, coarse_first, coarse_stop), coarse_stop - coarse_first)[0]
+    if archive is not None and len(wall):
+        with store.writing(archive) as path:
+            wall.save(path)
+    with store.writing(part) as path:
+        write_whole(path, lambda file: np.savez(file, **made))
+
+
+def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
+    """Return the depth of the first vertex of a turn, counted along the helix: negative on one that grows upwards."""
+    return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
+
+
+class Merged(NamedTuple):
+    """A well of which all blocks are made, without its samples: what logs, zones, summary and overview need."""
+
+    settings: Settings
+    start_depth: float
+    radius: Floats
+    nearest: Floats
+    sample_count: int
+    path: WellPath | None
+    basis: Basis = "azimuthal"
+
+
+def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
+    """Return a well, its logs and its overview from the parts that its blocks left."""
+    plan, settings = store.read_json(f"{folder}/plan.json"), _settings(run)
+    parts = [store.read_arrays(f"{folder}/part-{number:05}.npz") for number in range(len(plan["blocks"]))]
+
+    def joined(name: str) -> Floats:
+        return np.concatenate([part[name] for part in parts])
+
+    count = sum(int(part["samples"]) for part in parts)
+    wall = Merged(settings, plan["start_depth"], joined("vertex_radius"), joined("vertex_nearest"), count, run.path)
+    coarse, none = joined("overview"), np.full(len(joined("overview")), np.nan)
+    over = Merged(overview_settings(settings), plan["start_depth"], coarse, none, count, run.path)
+    columns: dict[str, Any] = {name: joined(name) for name in COLUMN_NAMES}
+    logs = Logs(
+        bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis="azimuthal",
+        rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
+        reference=run.path.reference if run.path is not None else "", **columns,
+    )  # fmt: skip
+    return wall, logs, over
+
+
+COARSER = 16
+"""Turns of a wall in one turn of its overview, which has `OVERVIEW_SECTORS` sectors."""
+OVERVIEW_SECTORS = 16
+
+
+def overview_settings(settings: Settings) -> Settings:
+    """Return the settings of the overview of a wall: 1/64 of the usual vertices, from the same samples."""
+    return replace(settings, pitch=COARSER * settings.pitch, sectors=OVERVIEW_SECTORS)

@@ -1,0 +1,241 @@
+"""Which wells to reprocess, from what and how: a TOML manifest, or a Parquet catalogue with one row a well.
+
+    output = "s3://field/walls"             # folder of all results, any fsspec address
+    outputs = ["archive", "logs"]           # of: archive, mesh, logs, zones; all of them if left out
+    block_samples = 2000000                 # a well with more is made in blocks of about so many
+    catalogue = "wells.parquet"             # more wells: a column a key, such as name, caliper, survey, wall.sectors
+
+    [defaults.wall]                         # what every well takes that does not state its own
+    bit_diameter = 0.2159
+
+    [[well]]
+    name = "A-1"
+    caliper = "A-1.parquet"                 # or [[well.caliper]] with file, set, map, header_line
+    survey = "A-1-survey.csv"
+    [well.preparation]
+    find_shifts = true
+
+The tables of a well are those of a run's settings (``settings``). A role map is named by ``map`` beside ``file``;
+without one the roles are guessed. Files are named relative to the manifest.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+from helibore.base.errors import InputError, MissingExtraError
+from helibore.runs.output_store import Json, file_system, local_file
+from helibore.runs.run_settings import RunSettings, run_settings
+from helibore.wall.wall import Wall
+
+OUTPUTS = ("archive", "mesh", "logs", "zones")
+"""What a well gets."""
+
+BLOCK_SAMPLES = 2_000_000
+"""Samples of a well up to which it is made in one piece; a worker then takes less than 1 GB."""
+
+KEYS = ("output", "outputs", "block_samples", "catalogue", "defaults", "well")
+"""Keys of a manifest."""
+
+FILES = ("caliper", "average", "archive", "survey", "track", "image")
+"""Keys of a well that name files."""
+
+
+def path_part(well: str) -> str:
+    """Return the name of a well as a part of a path: 15/9-F-1 becomes 15%2F9-F-1, which data sets read back."""
+    return quote(well, safe="")
+
+
+@dataclass(frozen=True)
+class Job:
+    """One well of a manifest, as it travels to a worker: addresses and settings, no samples."""
+
+    well: str
+    tree: Json  # the settings as a settings file has them, and ``map`` beside a file; every file an address
+    output: str
+    outputs: tuple[str, ...] = OUTPUTS
+    block_samples: int = BLOCK_SAMPLES  # a well with more is made in blocks of about so many
+
+    @property
+    def key(self) -> str:
+        """The name of the well as a part of a path."""
+        return path_part(self.well)
+
+    @property
+    def settings_hash(self) -> str:
+        """BLAKE2b of all settings that decide the bytes of the outputs, without folders and contents of the files."""
+        content = json.dumps([self.well, self.named(), sorted(self.outputs), self.block_samples], sort_keys=True)
+        return hashlib.blake2b(content.encode(), digest_size=16).hexdigest()
+
+    def named(self) -> Json:
+        """Return the settings with the names of files in place of their addresses."""
+        return self.mapped(lambda address: address.rstrip("/").rpartition("/")[2])
+
+    def mapped(self, change: Any, keys: tuple[str, ...] = FILES) -> Json:
+        """Return the settings with other addresses of the files of these keys."""
+        tree = dict(self.tree)
+        for key in keys:
+            if key in tree:
+                many = tree[key] if isinstance(tree[key], list) else [tree[key]]
+                made = [of | {name: change(of[name]) for name in ("file", "map") if name in of} for of in many]
+                tree[key] = made if isinstance(tree[key], list) else made[0]
+        return tree
+
+    def addresses(self, keys: tuple[str, ...] = FILES) -> list[str]:
+        """Return the addresses of the files of these keys that the well is made from."""
+        found: dict[str, str] = {}
+        self.mapped(lambda address: found.setdefault(address, address), keys)
+        return list(found)
+
+
+def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
+    """Read a manifest or a catalogue; every well is checked, and no file is opened.
+
+    ``output`` replaces that of the manifest. An InputError names the manifest, the well, the key and the rule.
+    """
+    address = str(manifest)
+    name, folder = address.rpartition("/")[2], address.rpartition("/")[0]
+    with local_file(address) as path:
+        tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else _toml(path, name)
+    for key in tree:
+        if key not in KEYS:
+            raise InputError(f"{name}: {key}", f"must be one of {', '.join(KEYS)}")
+    wells = tree.get("well", [])
+    if "catalogue" in tree:
+        with local_file(_absolute(tree["catalogue"], folder)) as path:
+            wells = [*wells, *_rows(path)]
+    target = output or (_absolute(tree["output"], folder) if "output" in tree else None)
+    if target is None:
+        raise InputError(f"{name}: output", "is missing: the folder of all results")
+    outputs = tuple(tree.get("outputs", OUTPUTS))
+    if not set(outputs) <= set(OUTPUTS):
+        raise InputError(f"{name}: outputs", f"must be of {', '.join(OUTPUTS)}", repr(list(outputs)))
+    most = tree.get("block_samples", BLOCK_SAMPLES)
+    if not isinstance(most, int) or most < 1:
+        raise InputError(f"{name}: block_samples", "must be a whole number of at least 1", repr(most))
+    jobs, names = [], set()
+    for number, well in enumerate(wells, 1):
+        job = _job(name, folder, f"well {number}", _merged(tree.get("defaults", {}), well), target, outputs, most)
+        if job.well in names:
+            raise InputError(f"{name}: well {job.well}", "comes twice; names must differ")
+        names.add(job.well)
+        jobs.append(job)
+    if not jobs:
+        raise InputError(f"{name}: well", "is missing: there must be one table [[well]], or row, a well")
+    return jobs
+
+
+def check_files(jobs: list[Job]) -> None:
+    """Refuse jobs whose files do not exist, by well and address; stores are asked from 32 threads."""
+
+    def missing(one: tuple[str, str]) -> bool:
+        system, path, _ = file_system(one[1])
+        return not system.exists(path)
+
+    named = [(job.well, address) for job in jobs for address in job.addresses()]
+    with ThreadPoolExecutor(32) as pool:
+        lost = [one for one, is_missing in zip(named, pool.map(missing, named), strict=True) if is_missing]
+    if lost:
+        more = f" (and {len(lost) - 1} more files)" if len(lost) > 1 else ""
+        raise InputError(f"well {lost[0][0]}: {lost[0][1]}", f"no such file{more}")
+
+
+def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
+    well = tree.pop("name", None)
+    if not isinstance(well, str) or not well.strip():
+        raise InputError(f"{name}: {place}.name", "must be the name of the well", None if well is None else repr(well))
+    place = f"{name}: well {well}"
+    for key in ("output", "scalar", "verb", "options"):
+        if key in tree:
+            raise InputError(f"{place}: {key}", "is not a key of a well")
+    for key in FILES:
+        if key in tree:
+            tree[key] = _files(key, tree[key], f"{place}: {key}", folder)
+    job = Job(well, tree, *how)
+    check_settings(job, place)
+    return job
+
+
+def check_settings(job: Job, place: str) -> RunSettings:
+    """Return the settings of a job; an InputError names the place, the key and the rule."""
+    settings = run_settings(strip_maps(job.tree), place)
+    if settings.wall is not None:
+        try:
+            Wall(threads=1, **vars(settings.wall) | {"kriging_range": settings.wall.kriging_range or 1.0})
+        except InputError as error:
+            raise error.within(f"{place}: wall") from error
+    return settings
+
+
+def strip_maps(tree: Json) -> Json:
+    """Return settings without the role maps, which a settings file does not have."""
+
+    def stripped(of: Any) -> Any:
+        return {key: value for key, value in of.items() if key != "map"} if isinstance(of, dict) else of
+
+    return {
+        key: [stripped(of) for of in value] if isinstance(value, list) else stripped(value)
+        for key, value in tree.items()
+    }
+
+
+def _files(key: str, given: Any, place: str, folder: str) -> Any:
+    """Return the table of a file, or a list of them, with addresses; an address alone stands for its table."""
+    many = given if isinstance(given, list) else [given]
+    tables = [{"file": of} if isinstance(of, str) else of for of in many]
+    for of in tables:
+        if not isinstance(of, dict) or not isinstance(of.get("file"), str):
+            raise InputError(place, "must name a file")
+    made = [of | {name: _absolute(of[name], folder) for name in ("file", "map") if name in of} for of in tables]
+    return made if key in ("caliper", "image") else made[0]
+
+
+def _absolute(address: str, folder: str) -> str:
+    """Return an address that may be relative to a folder."""
+    return address if "://" in address or address.startswith("/") or not folder else f"{folder}/{address}"
+
+
+def _merged(defaults: Json, own: Json) -> Json:
+    """Return the tables of a well; a table takes what it lacks from the defaults."""
+    both = {key: defaults[key] | own[key] for key in defaults if isinstance(own.get(key), dict) and key not in FILES}
+    return defaults | own | both
+
+
+def _toml(path: Path, name: str) -> Json:
+    import tomllib
+
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(name, f"not TOML: {error}") from error
+
+
+def _rows(path: Path) -> list[Json]:
+    """Return the rows of a Parquet catalogue; a column ``wall.sectors`` is a key of the table ``wall``."""
+    try:
+        from pyarrow import ArrowException, parquet
+    except ImportError as error:
+        raise MissingExtraError("pyarrow", "scale") from error
+    try:
+        rows = parquet.read_table(path).to_pylist()
+    except (ArrowException, OSError) as error:
+        raise InputError(path.name, f"not a Parquet catalogue: {error}") from error
+    return [dict(_nested(row)) for row in rows]
+
+
+def _nested(row: Json) -> Iterator[tuple[str, Any]]:
+    tables: dict[str, Json] = {}
+    for key, value in row.items():
+        table, dot, inner = key.partition(".")
+        if value is not None and dot:
+            tables.setdefault(table, {})[inner] = value
+        elif value is not None:
+            yield key, value
+    yield from tables.items()

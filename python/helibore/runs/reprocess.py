@@ -1,0 +1,241 @@
+"""Reprocess many wells on Dask: `hb.reprocess`. helibore describes the work, Dask does it.
+
+    manifest --read_jobs--> jobs --one task a well--> records --> one catalogue
+
+The scheduler holds names and records only: no wall and no sample travels. A well that fails is named with its reason,
+and the others finish. A job that is started again makes only what is not there. Without a scheduler the wells run on
+this machine, one worker a processor, one thread of the core in each.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import time
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.threads import thread_count
+from helibore.files.log_files import write_parquet
+from helibore.runs.manifest import Job, check_files, read_jobs
+from helibore.runs.output_store import Json, Store
+from helibore.runs.well import check_versions, merge_well, record_name, reprocess_block, reprocess_well, versions
+
+if TYPE_CHECKING:
+    from distributed import Client
+
+CATALOGUE, FAILURES = "catalogue.parquet", "failures.json"
+DEATHS = 30
+"""Workers that may die around a task before it counts as their killer. Dask's 3 fails a healthy task in a bad hour."""
+TRIES = 3
+"""Times that a well is tried where a store does not answer or a worker is killed."""
+
+
+@dataclass
+class Progress:
+    """How far a job is."""
+
+    wells: int
+    done: list[str] = field(default_factory=list)  # made now
+    skipped: list[str] = field(default_factory=list)  # there already, from the same inputs and settings
+    failed: dict[str, str] = field(default_factory=dict)  # well to reason
+    seconds: float = 0.0
+    dashboard: str | None = None  # where Dask shows what the workers do
+
+    @property
+    def finished(self) -> int:
+        """Wells that need no more work."""
+        return len(self.done) + len(self.skipped) + len(self.failed)
+
+    @property
+    def seconds_left(self) -> float:
+        """Estimate by the wells that were made so far; infinite before the first."""
+        made = len(self.done) + len(self.failed)
+        return self.seconds / made * (self.wells - self.finished) if made else float("inf")
+
+    def sentence(self) -> str:
+        """Return the counts in one line."""
+        counts = f"{len(self.done)} made, {len(self.skipped)} there already, {len(self.failed)} failed"
+        return f"{counts}, of {self.wells} wells in {self.seconds:.1f} s"
+
+
+def reprocess(
+    jobs: str | Path | Sequence[Job],
+    client: Client | str | None = None,
+    *,
+    output: str | None = None,
+    progress: Callable[[Progress], object] | None = None,
+) -> Progress:
+    """Rebuild the walls of many wells, with their archives, meshes, logs, zones and one catalogue.
+
+    Parameters
+    ----------
+    jobs
+        A manifest (TOML) or a catalogue (Parquet), or the jobs that `read_jobs` made of one.
+    client
+        A Dask client, or the address of a scheduler; None: a cluster on this machine, one worker a processor.
+    output
+        Folder of the results at any fsspec address, in place of the manifest's.
+    progress
+        Called at the start and after each well.
+
+    Returns
+    -------
+    Progress
+        The wells made, there already, and failed with their reasons.
+
+    Raises
+    ------
+    InputError
+        Before any work: a manifest that breaks a rule (well, key, rule), a missing file, an output that cannot be
+        written, a worker with other versions of helibore, NumPy or pyarrow.
+    MissingExtraError
+        Without the extra ``scale``.
+
+    Examples
+    --------
+    >>> hb.reprocess("manifest.toml").failed                    # doctest: +SKIP
+    {'A-7': 'A-7.parquet: truncated or damaged Parquet'}
+    """
+    jobs = read_jobs(jobs, output) if isinstance(jobs, str | Path) else list(jobs)
+    if not jobs:
+        raise InputError("jobs", "must be at least one")
+    check_files(jobs)
+    store = Store(jobs[0].output)
+    store.check_writable()
+    records: dict[str, Json] = {}
+    with connected(client) as cluster:
+        _check_workers(cluster)
+        so_far = _run(cluster, jobs, records, progress or (lambda _: None))
+    _write_catalogue(store, records)
+    if so_far.failed:
+        store.write_json(FAILURES, so_far.failed)
+    else:
+        store.delete([FAILURES])
+    return so_far
+
+
+@contextlib.contextmanager
+def connected(client: Client | str | None) -> Iterator[Any]:
+    """Give a client as it is, one of a scheduler's address, or one of a cluster on this machine."""
+    try:
+        import dask
+        import pyarrow  # noqa: F401
+        from distributed import Client, LocalCluster
+    except ImportError as error:
+        raise MissingExtraError(error.name or "distributed", "scale") from error
+    if isinstance(client, str):
+        try:
+            with Client(client) as made:
+                yield made
+        except OSError as error:
+            raise InputError(client, f"no scheduler answers: {error}") from error
+    elif client is not None:
+        yield client
+    else:
+        patient = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS})
+        local = {"n_workers": thread_count(None), "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
+        with patient, LocalCluster(**local) as cluster, Client(cluster) as made:
+            yield made
+
+
+def status(jobs: Sequence[Job]) -> Progress:
+    """Return how far the wells are, by the records in the store; it opens none of them."""
+    store = Store(jobs[0].output)
+    there = store.sizes("records")
+    failed = store.read_json(FAILURES) or {}
+    found = Progress(len(jobs), skipped=[job.well for job in jobs if record_name(job.well) in there])
+    found.failed = {job.well: failed[job.well] for job in jobs if job.well in failed}
+    return found
+
+
+def _check_workers(client: Any) -> None:
+    """Refuse workers with other versions, by name, before any work. One that comes later refuses its first task."""
+    for worker, error in client.run(check_versions, versions(), on_error="return").items():
+        if error is not None and not isinstance(error, OSError):  # one that has just died does not answer
+            raise InputError(f"worker {worker}", str(error))
+
+
+def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
+    """Run one task a well, or one a block and a merge; put the records in ``records``."""
+    from distributed import KilledWorker, as_completed
+
+    begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
+    tell(so_far)
+    waiting: dict[Any, _Task] = {}
+    blocks: dict[str, int] = {}  # of a large well, those that are not made
+
+    def submit(task: _Task) -> Any:
+        future = client.submit(task.make, task.job, *task.more, versions(), pure=False)
+        waiting[future] = task
+        return future
+
+    def finish(job: Job, reason: str | None, record: Json | None = None) -> None:
+        if reason is not None:
+            so_far.failed[job.well] = reason
+        elif record is not None:
+            records[job.well] = record
+            (so_far.done if record.pop("made") else so_far.skipped).append(job.well)
+        so_far.seconds = time.perf_counter() - begin
+        tell(so_far)
+
+    finished = as_completed([submit(_Task(reprocess_well, job)) for job in jobs])
+    for future in finished:
+        task = waiting.pop(future)
+        job = task.job
+        if job.well in so_far.failed:  # another block of it
+            continue
+        if future.cancelled():
+            finish(job, "the scheduler was lost")
+            continue
+        error = future.exception()
+        again = isinstance(error, KilledWorker | OSError) and not isinstance(error, FileNotFoundError)
+        if error is not None:
+            if again and task.tries < TRIES:
+                finished.add(submit(task._replace(tries=task.tries + 1)))
+            else:
+                finish(job, _reason(error))
+        elif task.make is reprocess_block:
+            blocks[job.well] -= 1
+            if not blocks[job.well]:
+                finished.add(submit(_Task(merge_well, job)))
+        elif "blocks" in (made := future.result()):
+            blocks[job.well] = made["blocks"]
+            finished.update([submit(_Task(reprocess_block, job, (number,))) for number in range(made["blocks"])])
+        else:
+            finish(job, None, made)
+    return so_far
+
+
+class _Task(NamedTuple):
+    """What a worker does for a well, and for which time."""
+
+    make: Callable[..., Any]
+    job: Job
+    more: tuple[int, ...] = ()
+    tries: int = 1
+
+
+def _reason(error: BaseException) -> str:
+    """Return an error in one line; one that no input explains begins with its type."""
+    text = " ".join(str(error).split())
+    return text if isinstance(error, InputError | OSError) else f"{type(error).__name__}: {text}"
+
+
+def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
+    """Write the rows of all records in the store, those of earlier jobs too, in the order of their wells."""
+    known = {record_name(well) for well in records}
+    earlier = [store.read_json(name) for name in store.sizes("records") if name.endswith(".json") and name not in known]
+    records |= {record["well"]: record for record in earlier if record is not None}
+    rows = [records[well]["catalogue"] for well in sorted(records)]
+    if rows:
+        import pyarrow
+
+        table = pyarrow.Table.from_pylist(rows)
+        types = [pyarrow.float64() if pyarrow.types.is_null(of.type) else of.type for of in table.schema]
+        table = table.cast(pyarrow.schema(zip(table.schema.names, types, strict=True)))  # numbers that no well has
+        with store.writing(CATALOGUE) as path:
+            write_whole(path, lambda file: write_parquet(table, file))

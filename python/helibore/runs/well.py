@@ -1,0 +1,254 @@
+"""One well of a manifest: from its files to its outputs in the store, on any worker.
+
+    files --local copies--> Run --make_wall--> wall --> archive, mesh, logs, zones --> the record, last
+
+    OUTPUT/wells/A-1/A-1.wall, A-1.glb, A-1-overview.glb
+    OUTPUT/logs/well=A-1/logs-0.parquet         all wells together: one partitioned data set
+    OUTPUT/zones/well=A-1/zones-0.parquet
+    OUTPUT/records/A-1.json                     what the outputs were made from, and the row of the catalogue
+
+A well is done when its record is there: it names settings, versions, checksums of the inputs and the files written. A
+well whose record agrees is not made again. Without its record, its files are replaced.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import functools
+import json
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from helibore._core import __version__
+from helibore.base.errors import InputError
+from helibore.files.log_files import save_table
+from helibore.logs.summary import WallSummary, summarize
+from helibore.logs.zones import Classification, classify
+from helibore.mesh.surface import Surface, surface_of
+from helibore.runs.blocks import Merged, check_blocks, make_block, merged, needs_blocks, overview_settings, plan_well
+from helibore.runs.manifest import FILES, Job, path_part, strip_maps
+from helibore.runs.output_store import Json, Store, local_file
+from helibore.runs.run import OpenFiles, Run, make_wall, read_path
+from helibore.runs.run_settings import Input, RunSettings, run_settings
+from helibore.wall.wall import Wall, wall_of
+
+
+@functools.cache
+def versions() -> dict[str, str]:
+    """Return the versions that decide the bytes of the outputs."""
+    import pyarrow
+
+    return {"helibore": __version__, "numpy": np.__version__, "pyarrow": pyarrow.__version__}
+
+
+def record_name(well: str) -> str:
+    """Return the name of a well's record in the store."""
+    return f"records/{path_part(well)}.json"
+
+
+def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
+    """Make the outputs of one well, unless its record shows that they are there.
+
+    Parameters
+    ----------
+    job
+        The well.
+    expected
+        The `versions` of who asks; a worker that has others refuses. None: any.
+
+    Returns
+    -------
+    dict
+        The record; its ``made`` says whether the outputs were made now. Or, for a well too large for one piece,
+        ``blocks``: how many `reprocess_block` makes, before `merge_well` makes the record.
+
+    Raises
+    ------
+    InputError
+        On other versions, and as `make_wall`.
+    OSError
+        If the store cannot be read or written.
+    """
+    check_versions(expected)
+    store = Store(job.output)
+    with _opened(job) as (run, local):
+        before: Json | None = store.read_json(record_name(job.well))
+        if before is not None:
+            if before["made_from"] == _made_from(job, run.files, local) and store.holds(before["files"]):
+                return before | {"made": False}
+            store.delete([record_name(job.well), *before["files"]])
+        if needs_blocks(run, job.block_samples):
+            check_blocks(run, job.block_samples)
+            made_from = _made_from(job, run.files, local)
+            return {"blocks": len(plan_well(run, store, _work(job), made_from, job.block_samples)["blocks"])}
+        make_wall(run, threads=1)
+        files, row = write_outputs(run, job, store)
+        made_from = _made_from(job, run.files, local)
+    return _write_record(job, store, made_from, files, row)
+
+
+def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = None) -> None:
+    """Make one block of a large well."""
+    check_versions(expected)
+    with _opened(job, ("survey",)) as (run, _):
+        archive = f"wells/{job.key}/{job.key}-{number:05}.wall" if "archive" in job.outputs else None
+        make_block(run, Store(job.output), _work(job), number, archive)
+
+
+def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
+    """Make the outputs of a large well, of which all blocks are made, and its record; return it as `reprocess_well`."""
+    check_versions(expected)
+    store = Store(job.output)
+    with _opened(job, ("survey",)) as (run, _):
+        wall, logs, over = merged(run, store, _work(job))
+        files, save = _saver(store)
+        files |= store.sizes(f"wells/{job.key}")
+        zones = _save_tables(job, save, classify(wall, None, logs))
+        if "mesh" in job.outputs:
+            _save_overview(job, save, surface_of(over, run.path))
+        row = catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
+    made_from = store.read_json(f"{_work(job)}/plan.json")["made_from"]
+    record = _write_record(job, store, made_from, files, row)
+    store.delete(list(store.sizes(_work(job))))
+    return record
+
+
+def _work(job: Job) -> str:
+    """Return the folder of what a large well needs while it is made."""
+    return f"work/{job.key}"
+
+
+def _write_record(job: Job, store: Store, made_from: Json, files: dict[str, int], row: Json) -> Json:
+    row = row | _provenance(made_from)
+    record = {"well": job.well, "made_from": made_from, "files": dict(sorted(files.items())), "catalogue": row}
+    store.write_json(record_name(job.well), record)
+    return record | {"made": True}
+
+
+def check_versions(expected: dict[str, str] | None) -> None:
+    """Refuse to work for a process that has other versions."""
+    for name, wanted in (expected or {}).items():
+        if versions()[name] != wanted:
+            raise InputError(f"worker: {name} {versions()[name]}", f"must be {wanted}, as where the job was started")
+
+
+def _made_from(job: Job, files: OpenFiles, local: dict[str, Path]) -> Json:
+    """Return all that decides the bytes of the outputs."""
+    inputs = [{"name": file.name, "blake2b": files.checksum(file).result()} for file in local.values()]
+    return {"settings": job.settings_hash, "inputs": inputs, "versions": versions()}
+
+
+def _provenance(made_from: Json) -> Json:
+    """Return the columns of the catalogue that say what a well was made from."""
+    inputs = ", ".join(f"{of['name']} {of['blake2b']}" for of in made_from["inputs"])
+    return {"inputs": inputs, "settings_hash": made_from["settings"], **made_from["versions"]}
+
+
+@contextlib.contextmanager
+def _opened(job: Job, keys: tuple[str, ...] = FILES) -> Iterator[tuple[Run, dict[str, Path]]]:
+    """Open the files of a job, or those of some keys; roles that neither settings nor a map state are guessed."""
+    with contextlib.ExitStack() as copies:
+        local = {address: copies.enter_context(local_file(address)) for address in job.addresses(keys)}
+        tree = job.mapped(lambda address: str(local.get(address, address)))
+        settings = run_settings(strip_maps(tree), job.well)
+        tables = {of.file: of.header_line for of in settings.inputs if of.header_line}
+        files = OpenFiles(settings.nulls, tables)
+        for file in local.values():
+            files.checksum(file)
+
+        def known(one: Input, table: Json) -> Input:
+            """Return an input with its roles, which need not be stated."""
+            if one.channel:
+                return one
+            return files.input(one.file, one.set, Path(table["map"]) if "map" in table else None)
+
+        opened: dict[str, Any] = {
+            key: known(one, tree[key])
+            for key in ("average", "track", "survey")
+            if key in keys and (one := getattr(settings, key)) is not None
+        }
+        if "caliper" in keys:
+            opened["caliper"] = tuple(map(known, settings.caliper, tree.get("caliper", [])))
+        run = Run(replace(settings, **opened), files)
+        if keys != FILES:
+            read_path(run)
+        yield run, local
+
+
+Save = Callable[[str, Callable[[Path], object]], None]
+
+
+def _saver(store: Store) -> tuple[dict[str, int], Save]:
+    """Return a function that writes a file of the store, and the bytes of the files that it wrote."""
+    files: dict[str, int] = {}
+
+    def save(name: str, write: Callable[[Path], object]) -> None:
+        with store.writing(name) as path:
+            write(path)
+            files[name] = path.stat().st_size
+
+    return files, save
+
+
+def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Json]:
+    """Write what a job asks for; return the bytes of each file by name, and the row of the catalogue."""
+    wall, key = run.wall, job.key
+    files, save = _saver(store)
+    if "archive" in job.outputs:
+        save(f"wells/{key}/{key}.wall", wall.save)
+    zones = _save_tables(job, save, classify(wall, None, wall.logs(threads=1)))
+    if "mesh" in job.outputs:
+        save(f"wells/{key}/{key}.glb", lambda path: wall.surface().save(path))
+        coarse = vars(overview_settings(wall.settings))
+        _save_overview(job, save, surface_of(wall_of(wall.samples, threads=1, **coarse), wall.path))
+    return files, catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
+
+
+def _save_tables(job: Job, save: Save, zones: Classification) -> Classification:
+    """Write logs and zones, each as a part of the data set of all wells."""
+    header, key = {"well": job.well}, job.key
+    if "logs" in job.outputs:
+        table = zones.logs.table([zones.column()])
+        save(f"logs/well={key}/logs-0.parquet", lambda path: save_table(table, path, header=header))
+    if "zones" in job.outputs:
+        save(f"zones/well={key}/zones-0.parquet", lambda path: save_table(zones.table(), path, header=header))
+    return zones
+
+
+def _save_overview(job: Job, save: Save, surface: Surface) -> None:
+    """Write the overview mesh; a short well has none."""
+    if len(surface.quads):
+        save(f"wells/{job.key}/{job.key}-overview.glb", surface.save)
+
+
+NUMBERS = (
+    "start", "stop", "bit_diameter", "sectors", "pitch", "vertices", "samples", "mean_diameter", "volume", "excess",
+    "measured", "not_measured", "washed_out", "coverage", "without_radius", "nearest_half", "nearest_most",
+)  # fmt: skip
+"""Numbers of `WallSummary` in the catalogue: metres, cubic metres and shares."""
+
+
+def catalogue_row(well: str, settings: RunSettings, wall: Wall | Merged, summary: WallSummary) -> Json:
+    """Return what the catalogue says of a well: interval, sizes, quality and settings; None for what is missing."""
+
+    def known(value: Any) -> Any:
+        return None if isinstance(value, float) and not math.isfinite(value) else value
+
+    numbers = {name: known(getattr(summary, name)) for name in NUMBERS}
+    axis = summary.breakout_axis
+    return {
+        "well": well,
+        "basis": summary.basis,
+        **numbers,
+        "breakout_length": summary.kinds.get("breakout", 0.0),
+        "breakout_axis": known(axis.mean),
+        "breakout_deviation": known(axis.deviation),
+        "warnings": "; ".join(summary.warnings),
+        "survey": settings.survey is not None or wall.path is not None,
+        "settings": json.dumps(vars(wall.settings), sort_keys=True),
+    }

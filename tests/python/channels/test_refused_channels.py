@@ -1,0 +1,187 @@
+"""What turns channels into readings, surveys and images refuses, one case a rule: the whole text of each error."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.channels.log_set import LogFile, LogSet
+from helibore.channels.role_map import overlay, read_map
+from helibore.channels.roles import ROLES, guess
+from helibore.files.raw_set import Channel
+
+N = 8
+GOOD: dict[str, Any] = {"MD__m": 100 + np.arange(N), "TF__deg": 80.0 * np.arange(N) % 360, "radius__m": np.full(N, 0.1)}
+ARMS = "set first and step (degrees) in a map"
+NAME_ONE = "name one by an option or in a map"
+
+
+def log(**columns: Any) -> LogSet:
+    channels = []
+    for key, values in columns.items():
+        name, _, unit = key.partition("__")
+        channels.append(Channel(name, unit, "", np.array(values)))
+    return LogSet(Path("f.las"), "s", channels, channels[0].shape[0])
+
+
+def made(columns: dict[str, Any]) -> LogSet:
+    return log(**{name: values for name, values in (GOOD | columns).items() if values is not None})
+
+
+@pytest.mark.parametrize(
+    ("columns", "entries", "text"),
+    [
+        ({"MD__m": None}, {}, f'f.las: no channel has the role depth: {NAME_ONE} ([channels."..."] role = "depth"); '
+                              "the channels are TF, radius"),
+        ({"MD__m": np.arange(N) - 2000.0}, {},
+         "f.las, column MD: -2000 to -1993 m: negative throughout (elevations?), and depth counts positive down the "
+         'hole; write it so, or confirm role = "depth" in a map'),
+        ({"MD__m": np.where(np.arange(N) % 4, 1000 + np.arange(N), -999.0)}, {},
+         "f.las, row 0, column MD: -999 m in 2 rows, the others lie between 1001 and 1007 m: a number that means no "
+         "value? --absent -999 says so"),
+        ({"MD__m": None, "MD": 100 + np.arange(N)}, {},
+         'f.las, column MD: unit missing: state it in a map ([channels."MD"] unit = ...), or as MD:UNIT in its option; '
+         "depth is length"),
+        ({"TF__deg": np.full(N, np.nan)}, {}, "f.las, column TF: every value is missing"),
+        ({"TF__deg": np.full(N, 1e4)}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720"),
+        ({"TF__deg": np.linspace(0, 6.28, N)}, {"radius": {"unit": "m"}}, None),
+        ({"radius__m": np.full(N, np.nan)}, {}, "f.las, column radius: every value is missing"),
+        ({"radius__m": np.full(N, 0.216)}, {},
+         'f.las, column radius: median 0.216: looks like a diameter, where a radius is expected; state role = '
+         '"diameter" in a map, or give the bit diameter or confirm role = "radius" there'),
+        ({"radius__m": None, "DIAM__m": np.full(N, 0.108)}, {}, "bit 0.216",),
+        ({"radius__m": None}, {}, "f.las: no channel has the role radius, diameter or radius-image: "
+                                  f"{NAME_ONE}, such as --radius NAME:in; the channels are MD, TF"),
+        ({"radius__m": np.full((N, 4), 0.1)}, {"radius": {"role": "radius"}},
+         "f.las, column radius: a radius has one value a row, this has 4: its role is radius-image"),
+        ({"radius__m": np.full((N, 4), 0.1)}, {},
+         f"f.las, column radius: the angles of its sectors are not stated: {ARMS}"),
+        ({"radius__m": None, "TT__us": np.full(N, 90.0)}, {},
+         "f.las, column TT: a travel time needs the velocity in the mud and the tool's radius"),
+        ({"TF__deg": None, "radius__m": None, "cal_x__in": np.full(N, 8.5), "cal_y__in": np.full(N, 8.6)}, {},
+         "f.las, column cal_x: an arm pair that turns with the tool needs a toolface: name the channel, or confirm the "
+         "angle, in a map"),
+        ({"TF__deg": None}, {},
+         "f.las, column radius: no toolface: name the toolface channel, or the angle of this one, by an option or in a "
+         "map"),
+        ({"pass": np.arange(N) + 0.5}, {}, "f.las, row 0, column pass: 0.5: a pass is a whole number"),
+        ({"time": np.array(["2020-01-01T00:00:00"] * 7 + ["noon"])}, {},
+         "f.las, row 7, column time: 'noon' is no ISO 8601 date and time"),
+        ({"tf_type": np.array(["N"] * 7 + ["up"])}, {},
+         "f.las, row 7, column tf_type: 'up': must be one of n, north, m, mtf, magnetic, 0 (north) or h, hs, high "
+         "side, high-side, g, gtf, gravity, top, 1 (high side)"),
+        ({}, {"radius": {"angles": 3}},
+         "map: radius: angles: must be one of role, unit, angle, first, step, offset, latency, reference"),
+        ({}, {"radius": 3}, "map: radius: must be a table"),
+        ({}, {"radius": {"angle": "x"}}, "map: radius: angle = 'x': must be a number"),
+        ({}, {"radius": {"unit": 3}}, "map: radius: unit = 3: must be text"),
+        ({}, {"radius": {"role": "size"}}, f"map: radius: role = 'size': must be one of {', '.join(ROLES)}"),
+        ({}, {"radius": {"unit": "deg"}}, "map: radius: unit = 'deg': must be a unit of length for a radius"),
+        ({}, {"radius": {"reference": "north"}},
+         "map: radius: reference = 'north': must be one of north, high-side, automatic, of a toolface"),
+        ({}, {"TF": {"reference": "south"}},
+         "map: TF: reference = 'south': must be one of north, high-side, automatic, of a toolface"),
+        ({}, {"radius": {"offset": float("inf")}}, "map: radius: offset = inf, latency = 0: must be finite"),
+        ({}, {"TF": {"offset": 1.0}},
+         "map: TF: offset and latency belong to a sensor: a role of radius, diameter, radius-image, travel-time"),
+        ({}, {"nope": {}}, "map: no channel 'nope'; the set holds MD, TF, radius"),
+        ({"TF2__deg": np.zeros(N)}, {"TF": {"role": "toolface"}, "TF2": {"role": "toolface"}},
+         "map: TF2: TF is the toolface already"),
+    ],
+)  # fmt: skip
+def test_readings(columns: dict[str, Any], entries: dict[str, Any], text: str | None) -> None:
+    one, bit = made(columns), None
+    if text == "bit 0.216":
+        bit, text = 0.216, (
+            "f.las, column DIAM: median 0.108: looks like a radius, where a diameter is expected: the bit's diameter "
+            'is 0.216 m; state role = "radius" in a map, or --radius DIAM'
+        )  # fmt: skip
+    if text is None:  # fewer than twenty angles may well lie within two pi
+        assert one.readings(overlay(guess(one), one, entries, "map")).rows == N
+        return
+    with pytest.raises(hb.InputError) as caught:
+        one.readings(overlay(guess(one), one, entries, "map"), bit)
+    assert str(caught.value) == text
+
+
+@pytest.mark.parametrize(
+    ("columns", "text"),
+    [
+        ({"INCL__deg": np.full(N, 1.2), "AZIM__deg": np.linspace(0, 6, N)},
+         "f.las, column AZIM: no azimuth is beyond 6 and no inclination beyond 1.2: looks like radians; state the "
+         "units in a map"),
+        ({"INCL__deg": np.full(N, 190.0), "AZIM__deg": np.zeros(N)},
+         "f.las, row 0, column INCL: 190 deg: inclination lies within 0 and 180"),
+        ({"INCL__deg": np.zeros(N), "AZIM__deg": np.full(N, 400.0)},
+         "f.las, row 0, column AZIM: 400 deg: azimuth lies within -360 and 360"),
+        ({"MD__m": np.r_[np.arange(7), 3.0], "INCL__deg": np.zeros(N), "AZIM__deg": np.zeros(N)},
+         "f.las, row 7, column MD: depth 3 m falls from 6 m: must grow"),
+        ({"MD__m": np.r_[np.arange(7), 6.0], "INCL__deg": np.zeros(N), "AZIM__deg": np.zeros(N)},
+         "f.las, row 7, column MD: depth 6 m repeats 6 m: must grow"),
+        ({"MD__m": np.r_[1.0, np.full(7, np.nan)], "INCL__deg": np.zeros(N), "AZIM__deg": np.zeros(N)},
+         "f.las: survey has 1 station: must have two or more"),
+    ],
+)  # fmt: skip
+def test_surveys(columns: dict[str, Any], text: str) -> None:
+    one = log(**(({} if "MD__m" in columns else {"MD__m": np.arange(N)}) | columns))
+    with pytest.raises(hb.InputError) as caught:
+        one.survey()
+    assert str(caught.value) == text
+
+
+@pytest.mark.parametrize(
+    ("depth", "name", "text"),
+    [
+        (np.arange(N), "GR", "f.las, column GR: has no sectors; the images are I"),
+        (np.full(N, np.nan), "I", "f.las, column MD: has no value"),
+        (np.r_[np.arange(7), 3.0], "I",
+         "f.las, row 7, column MD: depth 3 m after 6 m: an image's depth must strictly grow or strictly fall"),
+    ],
+)  # fmt: skip
+def test_images(depth: Any, name: str, text: str) -> None:
+    one = log(MD__m=depth, GR__gapi=np.ones(N), I__gapi=np.ones((N, 8)))
+    with pytest.raises(hb.InputError) as caught:
+        one.image(name)
+    assert str(caught.value) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("[", "m.toml: not TOML: Invalid initial character for a key part (at end of document)"),
+        ("set = 3", "m.toml: channels must be tables, set must be a name"),
+        ("channels = 3", "m.toml: channels must be tables, set must be a name"),
+        ("roles = 3", "m.toml: roles: must be one of set, channels"),
+        ('set = "t"', "f.las: no set 't'; it holds 's'"),
+    ],
+)
+def test_maps(tmp_path: Path, text: str, rule: str) -> None:
+    (tmp_path / "m.toml").write_text(text)
+    with pytest.raises(hb.InputError) as caught:
+        read_map(tmp_path / "m.toml", LogFile(Path("f.las"), "LAS", [made({})]))
+    assert str(caught.value) == rule
+
+
+def test_radians_among_many_angles() -> None:
+    one = log(MD__m=np.arange(40), TF__deg=np.linspace(0, 6.28, 40), radius__m=np.full(40, 0.1))
+    with pytest.raises(hb.InputError) as caught:
+        one.readings()
+    rule = "values between 0 and 6.28 deg: looks like radians; state the unit in a map or as TF:rad"
+    assert str(caught.value) == f"f.las, column TF: {rule}"
+
+
+def test_several_sets_and_an_unknown_unit() -> None:
+    file = LogFile(Path("f.las"), "LAS", [made({}), LogSet(Path("f.las"), "t", [], 0)])
+    with pytest.raises(hb.InputError) as caught:
+        file.readings()
+    assert str(caught.value) == "f.las: holds 2 sets: name one of 's', 't'"
+    one = made({})
+    roles = guess(one)
+    object.__setattr__(roles["radius"], "unit", "furlong")
+    with pytest.raises(hb.InputError) as caught:
+        one.readings(roles)
+    assert str(caught.value).startswith("f.las, column radius: ")

@@ -1,0 +1,323 @@
+"""Many wells: the manifest, one well, all of them on Dask; what is there is not made again, failures are named."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pyarrow
+import pytest
+from click.testing import CliRunner
+from pyarrow import parquet
+
+import helibore as hb
+from helibore.cli import cli
+from helibore.runs.manifest import OUTPUTS, Job, read_jobs
+from helibore.runs.output_store import Store
+from helibore.runs.reprocess import Progress, status
+from helibore.runs.run import checksum
+from helibore.runs.well import merge_well, reprocess_block, reprocess_well, versions
+from helibore.simulation.tool import Hole, Tool, simulate
+
+
+@pytest.fixture(scope="module")
+def field(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three wells of 3 m, one with a survey, and a file that is no log."""
+    folder = tmp_path_factory.mktemp("field")
+    for number in range(3):
+        of = simulate(Hole.example(1000.0, 1003.0, seed=number), Tool(), samples=4000, seed=number)
+        columns = {"depth_m": of.depth, "toolface_deg": of.toolface, "radius_m": of.radius}
+        parquet.write_table(pyarrow.table(columns), folder / f"{number}.parquet")
+    (folder / "s.csv").write_text("md_m,incl_deg,azim_deg\n990,5,40\n1010,7,50\n")
+    (folder / "bad.parquet").write_bytes(b"PAR1 is not enough")
+    return folder
+
+
+MANIFEST = """
+output = "out"
+[defaults.wall]
+bit_diameter = 0.2159
+sectors = 16
+[[well]]
+name = "15/9-F 1"
+caliper = "0.parquet"
+survey = "s.csv"
+[[well]]
+name = "B"
+[[well.caliper]]
+file = "1.parquet"
+[well.wall]
+sectors = 32
+"""
+
+
+def manifest(folder: Path, text: str = MANIFEST, name: str = "m.toml") -> Path:
+    (folder / name).write_text(text)
+    return folder / name
+
+
+def content(folder: Path) -> dict[str, bytes]:
+    return {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
+
+
+def test_a_manifest_becomes_jobs(field: Path) -> None:
+    first, second = read_jobs(manifest(field))
+    assert (first.well, first.key, first.output, first.outputs) == (
+        "15/9-F 1", "15%2F9-F%201", f"{field}/out", OUTPUTS,
+    )  # fmt: skip
+    assert first.tree["caliper"] == [{"file": f"{field}/0.parquet"}]
+    assert first.tree["wall"] == {"bit_diameter": 0.2159, "sectors": 16}
+    assert second.tree["wall"] == {"bit_diameter": 0.2159, "sectors": 32}
+    assert first.addresses() == [f"{field}/0.parquet", f"{field}/s.csv"]
+    assert first.named()["survey"] == {"file": "s.csv"}
+
+
+def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
+    rows = [
+        {"name": "15/9-F 1", "caliper": "0.parquet", "survey": "s.csv", "wall.sectors": 16},
+        {"name": "B", "caliper": "1.parquet", "survey": None, "wall.sectors": 32},
+    ]
+    rows = [row | {"wall.bit_diameter": 0.2159} for row in rows]
+    parquet.write_table(pyarrow.Table.from_pylist(rows), field / "wells.parquet")
+    assert read_jobs(field / "wells.parquet", f"{field}/out") == read_jobs(manifest(field))
+    named = manifest(field, 'output = "out"\ncatalogue = "wells.parquet"\n', "c.toml")
+    assert read_jobs(named) == read_jobs(manifest(field))
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "text"),
+    [
+        ("[defaults.wall]", "[default.wall]", "m.toml: default: must be one of output, outputs, "),
+        ('output = "out"', "", "m.toml: output: is missing: the folder of all results"),
+        ('output = "out"', 'output = "out"\noutputs = ["wall"]',
+         "m.toml: outputs = ['wall']: must be of archive, mesh, logs, zones"),
+        ('name = "B"', "", "m.toml: well 2.name: must be the name of the well"),
+        ('name = "B"', 'name = "15/9-F 1"', "m.toml: well 15/9-F 1: comes twice; names must differ"),
+        ("sectors = 32", 'sectors = "32"', "m.toml: well B: wall.sectors = '32': must be a whole number"),
+        ("sectors = 32", "sectors = 2", "m.toml: well B: wall: sectors = 2: must lie in 3 to 1000000"),
+        ("bit_diameter = 0.2159", "", "m.toml: well 15/9-F 1: wall.bit_diameter: is missing"),
+        ('caliper = "0.parquet"', "",
+         "m.toml: well 15/9-F 1: caliper, average, archive, gauge: exactly one of them must say"),
+        ('caliper = "0.parquet"', "caliper = 3", "m.toml: well 15/9-F 1: caliper: must name a file"),
+        ("[[well]]", "[[well]", "m.toml: not TOML: "),
+    ],
+)  # fmt: skip
+def test_an_error_of_the_manifest_names_well_key_and_rule(field: Path, before: str, after: str, text: str) -> None:
+    with pytest.raises(hb.InputError) as caught:
+        read_jobs(manifest(field, MANIFEST.replace(before, after, 1)))
+    assert str(caught.value).startswith(text)
+
+
+def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(field: Path, tmp_path: Path) -> None:
+    lost = manifest(field, MANIFEST.replace("1.parquet", "9.parquet"))
+    result = CliRunner().invoke(cli, ["reprocess", str(lost), "-o", str(tmp_path / "none")])
+    assert result.exit_code == 2
+    assert f"helibore: well B: {field}/9.parquet: no such file" in result.stderr
+    assert not (tmp_path / "none").exists()
+    (tmp_path / "file").write_text("")
+    with pytest.raises(hb.InputError, match="file/out: cannot be written: "):
+        hb.reprocess(manifest(field), output=f"{tmp_path}/file/out")
+
+
+def test_one_well(field: Path, tmp_path: Path) -> None:
+    job = read_jobs(manifest(field), str(tmp_path))[0]
+    record = reprocess_well(job)
+    key = job.key
+    assert record.pop("made")
+    assert set(record["files"]) == {
+        f"wells/{key}/{key}.wall", f"wells/{key}/{key}.glb", f"wells/{key}/{key}-overview.glb",
+        f"logs/well={key}/logs-0.parquet", f"zones/well={key}/zones-0.parquet",
+    }  # fmt: skip
+    assert all((tmp_path / name).stat().st_size == size for name, size in record["files"].items())
+    wall = hb.load(tmp_path / f"wells/{key}/{key}.wall")
+    assert wall.path is not None
+    assert (record["catalogue"]["vertices"], record["catalogue"]["samples"]) == (len(wall), wall.sample_count)
+    assert record["catalogue"]["volume"] == wall.summary().volume
+    assert record["made_from"]["inputs"][0] == {"name": "0.parquet", "blake2b": checksum(field / "0.parquet")}
+    logs = parquet.read_table(tmp_path / "logs")
+    assert set(logs["well"].to_pylist()) == {"15/9-F 1"}
+    assert np.array_equal(logs["DEQ"].to_numpy(), wall.logs().equivalent_diameter, equal_nan=True)
+
+
+def test_a_well_is_made_again_only_where_something_changed(field: Path, tmp_path: Path) -> None:
+    shutil.copy(field / "0.parquet", tmp_path / "a.parquet")
+    tree = {"caliper": [{"file": str(tmp_path / "a.parquet")}], "wall": {"bit_diameter": 0.2159, "sectors": 8}}
+    job = Job("A", tree, str(tmp_path / "out"), ("archive", "mesh"))
+    first = reprocess_well(job)
+    files = content(tmp_path / "out")
+    assert first.pop("made")
+    assert reprocess_well(job) == first | {"made": False}
+    (tmp_path / "out/wells/A/A.wall").write_bytes(b"cut short")
+    (tmp_path / "out/records/A.json").write_bytes(b"{")
+    assert reprocess_well(job)["made"]
+    assert content(tmp_path / "out") == files
+    (tmp_path / "out/wells/A/A.glb").unlink()
+    assert reprocess_well(job)["made"]
+    assert content(tmp_path / "out") == files
+    assert reprocess_well(Job("A", tree, str(tmp_path / "out"), ("archive",)))["made"]
+    assert set(content(tmp_path / "out")) == {"wells/A/A.wall", "records/A.json"}
+    shutil.copy(field / "1.parquet", tmp_path / "a.parquet")
+    assert reprocess_well(Job("A", tree, str(tmp_path / "out"), ("archive",)))["made"]
+    assert content(tmp_path / "out")["wells/A/A.wall"] != files["wells/A/A.wall"]
+
+
+def test_another_store_gets_the_same_bytes(field: Path, tmp_path: Path) -> None:
+    local = read_jobs(manifest(field), str(tmp_path))[0]
+    memory = Store("memory://field")
+    for name in ("0.parquet", "s.csv"):
+        memory.system.pipe_file(memory.path(name), (field / name).read_bytes())
+    memory.system.pipe_file(memory.path("m.toml"), MANIFEST.encode())
+    remote = read_jobs("memory://field/m.toml")[0]
+    assert remote.addresses() == ["memory://field/0.parquet", "memory://field/s.csv"]
+    reprocess_well(local)
+    reprocess_well(remote)
+    there = Store(remote.output)
+    found = {name: there.system.cat_file(there.path(name)) for name in there.sizes("")}
+    assert found == content(tmp_path)
+    assert not reprocess_well(remote)["made"]
+
+
+def test_a_worker_with_other_versions_refuses(field: Path, tmp_path: Path) -> None:
+    job = read_jobs(manifest(field), str(tmp_path))[0]
+    own = versions()["helibore"]
+    with pytest.raises(hb.InputError, match=rf"^worker: helibore {own}: must be 9.9.9, as where the job was started$"):
+        reprocess_well(job, versions() | {"helibore": "9.9.9"})
+    assert content(tmp_path) == {}
+
+
+def large_well(file: Path, timed: bool, upward: bool) -> None:
+    """12 m of a turning tool, with ties in depth, a gap of 1.5 m and rows in no order, one row without a radius."""
+    random = np.random.default_rng(7)
+    depth = np.sort(np.round(random.uniform(1000.0, 1010.5, 9000), 3))
+    depth[depth > 1004.0] += 1.5
+    radius = 0.108 + 0.02 * np.sin(depth) ** 2 + random.normal(0.0, 0.001, depth.size)
+    radius[77] = np.nan
+    order = random.permutation(depth.size) if timed else np.arange(depth.size)[:: -1 if upward else 1]
+    columns = {"depth_m": depth, "toolface_deg": random.uniform(0.0, 360.0, depth.size), "radius_m": radius}
+    columns |= {"time_s": np.round(np.linspace(0.0, 900.0, depth.size), 0)} if timed else {}
+    parquet.write_table(pyarrow.table({name: values[order] for name, values in columns.items()}), file)
+
+
+BY_ROW = {"saturated": False, "drop_closed": False}
+
+
+@pytest.mark.parametrize(
+    ("timed", "wall"),
+    [
+        (True, {"max_distance": 0.6}),
+        (False, {"pitch": -0.01, "max_distance": "none", "neighbors": 30}),
+        (False, {"window": 60, "start_depth": 1000.5, "stop_depth": 1011.0}),
+    ],
+)
+def test_a_well_in_blocks_has_the_bits_of_one_piece(tmp_path: Path, timed: bool, wall: dict[str, Any]) -> None:
+    large_well(tmp_path / "a.parquet", timed, wall.get("pitch", 1.0) < 0)
+    settings = {"bit_diameter": 0.2159, "sectors": 8, "pitch": 0.01} | wall
+    tree = {"caliper": [{"file": str(tmp_path / "a.parquet")}], "wall": settings, "preparation": BY_ROW}
+    whole = reprocess_well(Job("A", tree, str(tmp_path / "whole")))
+    job = Job("A", tree, str(tmp_path / "blocks"), block_samples=3000)
+    count = reprocess_well(job)["blocks"]
+    assert count >= 3
+    for number in reversed(range(count)):
+        reprocess_block(job, number)
+    record = merge_well(job)
+    one, many = content(tmp_path / "whole"), content(tmp_path / "blocks")
+    for name in one:
+        if name.endswith((".parquet", "overview.glb")):
+            assert many[name] == one[name], name
+    samples = [whole["catalogue"].pop("samples"), record["catalogue"].pop("samples")]
+    assert whole["catalogue"] | {"settings_hash": ""} == record["catalogue"] | {"settings_hash": ""}
+    if "start_depth" not in wall:
+        assert samples[0] == samples[1]
+    in_one_piece = hb.load(tmp_path / "whole/wells/A/A.wall")
+    seen = np.zeros(len(in_one_piece), dtype=bool)
+    for number in range(count):
+        part = hb.load(tmp_path / f"blocks/wells/A/A-{number:05}.wall")
+        first = part.settings.first_vertex
+        seen[first : first + len(part)] = True
+        same = zip(part.vertices(), in_one_piece.vertices(first, first + len(part)), strict=True)
+        assert all(mine.tobytes() == its.tobytes() for mine, its in same)
+    assert seen.all()
+    assert not any(name.startswith("work/") for name in many)
+    assert not reprocess_well(job)["made"]
+
+
+@pytest.mark.parametrize(
+    ("more", "place"),
+    [
+        ({"preparation": {}}, "preparation.saturated = True: needs the whole well"),
+        ({"preparation": BY_ROW | {"find_shifts": True}}, "preparation.find_shifts = True: needs the whole well"),
+        (
+            {"wall": {"bit_diameter": 0.2, "estimator": "kriging"}},
+            "wall.kriging_range: finding it needs the whole well",
+        ),
+    ],
+)
+def test_what_needs_the_whole_well_is_refused_in_blocks_by_name(
+    field: Path, tmp_path: Path, more: dict[str, Any], place: str
+) -> None:
+    tree = {"caliper": [{"file": f"{field}/0.parquet"}], "wall": {"bit_diameter": 0.2}, "preparation": BY_ROW} | more
+    with pytest.raises(hb.InputError) as caught:
+        reprocess_well(Job("A", tree, str(tmp_path), block_samples=1000))
+    assert str(caught.value).startswith(place)
+
+
+@pytest.fixture(scope="module")
+def client() -> Iterator[Any]:
+    """A scheduler and two workers in threads of this process."""
+    import dask
+    from distributed import Client, LocalCluster
+
+    with (
+        dask.config.set({"distributed.admin.tick.interval": "10s"}),
+        LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as cluster,
+        Client(cluster) as made,
+    ):
+        yield made
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_all_wells_on_dask(field: Path, tmp_path: Path, client: Any) -> None:
+    text = MANIFEST + '[[well]]\nname = "C"\ncaliper = "bad.parquet"\n'
+    jobs = read_jobs(manifest(field, text), str(tmp_path))
+    seen: list[int] = []
+    found = hb.reprocess(jobs, client, progress=lambda progress: seen.append(progress.finished))
+    assert sorted(found.done) == ["15/9-F 1", "B"]
+    assert list(found.failed) == ["C"]
+    assert found.failed["C"].startswith("bad.parquet: ")
+    assert seen == [0, 1, 2, 3]
+    catalogue = parquet.read_table(tmp_path / "catalogue.parquet").to_pylist()
+    assert [row["well"] for row in catalogue] == ["15/9-F 1", "B"]
+    assert json.loads((tmp_path / "failures.json").read_text()) == found.failed
+    assert (len(status(jobs).skipped), list(status(jobs).failed)) == (2, ["C"])
+    before = content(tmp_path)
+    again = hb.reprocess(jobs, client)
+    assert (again.done, sorted(again.skipped)) == ([], ["15/9-F 1", "B"])
+    assert content(tmp_path) == before
+    duckdb = pytest.importorskip("duckdb")
+    count = duckdb.sql(f"SELECT well, count(*) FROM '{tmp_path}/logs/*/*.parquet' GROUP BY well ORDER BY well")
+    assert [well for well, _ in count.fetchall()] == ["15/9-F 1", "B"]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_the_command(field: Path, tmp_path: Path, client: Any) -> None:
+    where = ["-o", str(tmp_path), "--scheduler", client.scheduler.address]
+    good, bad = manifest(field), MANIFEST + '[[well]]\nname = "C"\ncaliper = "bad.parquet"\n'
+    result = CliRunner().invoke(cli, ["reprocess", str(good), *where])
+    assert result.exit_code == 0, result.stderr
+    assert result.stdout.startswith("2 made, 0 there already, 0 failed, of 2 wells in ")
+    assert "2 of 2 wells, 0 failed" in result.stderr
+    result = CliRunner().invoke(cli, ["reprocess", str(manifest(field, bad, "b.toml")), *where, "-q"])
+    assert (result.exit_code, result.stdout) == (3, "")
+    assert result.stderr.startswith("C: bad.parquet: ")
+    result = CliRunner().invoke(cli, ["reprocess", "status", str(field / "b.toml"), "-o", str(tmp_path)])
+    assert (result.exit_code, result.stdout.splitlines()[0]) == (3, "2 of 3 wells are done, 1 failed")
+
+
+def test_time_left_follows_from_the_wells_made() -> None:
+    progress = Progress(10, done=["a", "b"], skipped=["c"], failed={"d": "reason"}, seconds=6.0)
+    assert (progress.finished, progress.seconds_left) == (4, 12.0)
+    assert progress.sentence() == "2 made, 1 there already, 1 failed, of 10 wells in 6.0 s"
