@@ -1,9 +1,11 @@
 """Thirty days at a rig, as fast as they can be read: ``python -m bench.live.month --days 30``.
 
-Each second brings a rig frame of 34 items and a caliper triple, each tenth an image row of 16 sectors. The tool
-drills half of the time and turns off bottom, at one depth, for the rest. Each day's line shows depth, resident memory,
-journal and checkpoint. At the end a new process restarts from the checkpoint, and its wall is compared with a replay of
-the whole journal, bit for bit, unless --no-replay says so.
+Each second brings a rig frame of 34 items and a caliper triple, each tenth an image row of 16 sectors. The tool drills
+half of the time and turns off bottom, at one depth, for the rest. For the last --reamed days (a third) the hole gets no
+deeper, and the string reams the last 10 m instead: memory must not grow then. Segments older than a week are archived,
+as with ``keep_days = 7``. Each day's line shows depth, resident memory, journal, archive and checkpoints. At the end a
+new process restarts from the checkpoint, and its wall is compared with a replay of the whole journal, bit for bit,
+unless --no-replay says so.
 """
 
 from __future__ import annotations
@@ -21,6 +23,7 @@ import numpy as np
 
 from helibore import Live, _core
 from helibore.live import checkpoint, journal, wits
+from helibore.live.archived_segments import archive
 from helibore.live.configuration import parse
 
 CONFIGURATION = """
@@ -29,7 +32,8 @@ bit_diameter = 0.216
 start_depth = 1000.0
 threads = 1
 [samples]
-most = 64
+most = 16
+image_step = 0.01
 [source.rig]
 address = "host"
 units = "metric"
@@ -74,6 +78,7 @@ def main() -> None:
     """Play, print each day, restart, compare."""
     options = argparse.ArgumentParser(description=__doc__)
     options.add_argument("--days", type=int, default=30)
+    options.add_argument("--reamed", type=int, help="days of reaming at the end")
     options.add_argument("--no-replay", action="store_true")
     options.add_argument("--restart", help=argparse.SUPPRESS)
     given = options.parse_args()
@@ -87,10 +92,13 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         with Live(parse(CONFIGURATION), folder, clock=lambda: (now[0], now[0])) as live:
             hole = 1000.0
+            drilled = (given.days - (given.days // 3 if given.reamed is None else given.reamed)) * DAY
             for second in range(given.days * DAY):
-                drills = (second // HOUR) % 2 == 0
+                drills = (second // HOUR) % 2 == 0 and second < drilled
                 hole += RATE if drills else 0.0
                 bit = hole - (0.0 if drills else 5.0)
+                if second >= drilled:
+                    bit = hole - 5.0 - abs(second % 1200 - 600) / 60
                 if second % 60 == 0:
                     stored, noise = [], draw.normal(110, 1, 60).tolist()
                 now[0] += SECOND
@@ -105,12 +113,18 @@ def main() -> None:
                     live.draw(stored)
                     if live.checkpoint_due:
                         live.checkpoint()
+                        if len(checkpoint.paths(Path(folder))) == checkpoint.KEPT:
+                            archive(Path(folder), before=now[0] - 7 * DAY * SECOND)
                 if second % DAY == DAY - 1:
                     size = sum(path.stat().st_size for path in journal.paths(Path(folder))) / 1e6
+                    packed = sum(path.stat().st_size for path in Path(folder).glob("archive/*")) / 1e6
                     points = sum(path.stat().st_size for path in checkpoint.paths(Path(folder))) / 1e6
-                    print(f"day {second // DAY + 1}: {hole:.0f} m, {live.wall.sample_count:,} samples, "
-                          f"{live.model.counts['crowded']:,} not kept, {resident():.0f} MB resident, "
-                          f"journal {size:.0f} MB, checkpoints {points:.0f} MB", flush=True)  # fmt: skip
+                    print(
+                        f"day {second // DAY + 1}: {hole:.0f} m, {live.wall.sample_count:,} samples, "
+                        f"{live.model.counts['crowded']:,} not kept, {resident():.0f} MB resident, "
+                        f"journal {size:.0f}, archive {packed:.0f}, checkpoints {points:.0f} MB",
+                        flush=True,
+                    )
             expected = checksum(live)
         again = [sys.executable, "-m", "bench.live.month", "--restart", folder]
         found = json.loads(subprocess.run(again, check=True, capture_output=True, text=True).stdout)

@@ -32,7 +32,7 @@ def frames(count, first=0):
     ]
 
 
-def until(condition, seconds=30.0):
+def until(condition, seconds=40.0):
     """Wait until ``condition`` is true."""
     end = time.monotonic() + seconds
     while not condition():

@@ -33,19 +33,25 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "python" / "live"))
 import live_wires
 import test_live_killed
 import test_live_power_cut
-from test_live_server import Running, frames, free_port, received, until
+from live_servers import Running, configured, frames, free_port, payloads, until
 
 from helibore import Live
 from helibore.live.configuration import parse
 from helibore.live.journal import RECORDS_START
 
+MEMORY = "/dev/shm" if Path("/dev/shm").is_dir() else None
+"""A disk in memory, where a sync takes no time; what a power cut leaves is simulated."""
+
 
 def kill() -> None:
     """300 kills of a live wall, 200 of a journal."""
     with tempfile.TemporaryDirectory() as folder:
-        acknowledged, found, samples = test_live_killed.kill_wall(Path(folder), 300, seed=11)
+        acknowledged, found, samples, fell = test_live_killed.kill_wall(Path(folder), 300, seed=11)
         print(f"300 kills of a live wall: {acknowledged:,} bytes acknowledged, {found:,} found; each time the wall of")
-        print(f"the journal, bit for bit, and at the end that of the batch of its {samples:,} samples")
+        print(
+            f"the journal, bit for bit, and at the end that of the batch of its {samples:,} samples; kills by the last"
+        )
+        print(f"line before them: {fell}")
     with tempfile.TemporaryDirectory() as folder:
         acknowledged, found = test_live_killed.kill_journal(Path(folder), 200, seed=12)
         print(f"200 kills of a journal: {acknowledged:,} records acknowledged, {found:,} found, none missing between")
@@ -53,7 +59,7 @@ def kill() -> None:
 
 def power() -> None:
     """1,500 power cuts."""
-    with tempfile.TemporaryDirectory() as folder:
+    with tempfile.TemporaryDirectory(dir=MEMORY) as folder:
         synced, found = test_live_power_cut.power_cuts(Path(folder), 1500, seed=13)
         print(f"1,500 power cuts: {synced:,} frames synced, {found:,} found, each synced one among them")
 
@@ -71,7 +77,7 @@ def hostile() -> None:
     }
     with tempfile.TemporaryDirectory() as folder:
         port = free_port()
-        with Running(Path(folder), f"listen://127.0.0.1:{port}") as running:
+        with Running(configured(f"listen://127.0.0.1:{port}"), Path(folder)) as running:
             for number, (name, parts) in enumerate(attacks.items()):
                 start = time.monotonic()
                 with socket.create_connection(("127.0.0.1", port)) as link:
@@ -159,7 +165,7 @@ def disk() -> None:
         subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", name], check=True)
         try:
             port, fills, size = free_port(), 0, 1
-            with Running(Path(name) / "j", f"listen://127.0.0.1:{port}") as running:
+            with Running(configured(f"listen://127.0.0.1:{port}"), Path(name) / "j") as running:
                 stream = b"".join(frames(60_000))
                 sender = threading.Thread(target=_send, args=(port, stream))
                 sender.start()
@@ -170,7 +176,7 @@ def disk() -> None:
                     assert running.server.failure is None
                     time.sleep(0.01)
                 sender.join()
-            assert received(Path(name) / "j") == stream
+            assert b"".join(payloads(Path(name) / "j")) == stream
         finally:
             subprocess.run(["umount", name], check=True)
     print(f"the disk was full {fills} times under {len(stream):,} bytes: every byte is there, 60,000 samples drawn")

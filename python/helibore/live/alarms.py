@@ -9,19 +9,23 @@ time from the clock of `Live`, so a test decides when it is late.
 
 from __future__ import annotations
 
+import contextlib
 import datetime
 import http.client
 import json
 import os
 import queue
 import signal
+import socket
 import subprocess
 import threading
+import time
 import urllib.error
 import urllib.request
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -54,6 +58,21 @@ class _NoRedirects(urllib.request.HTTPRedirectHandler):
 
     def redirect_request(self, *_: object) -> None:
         return None
+
+
+class _Known(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
+    """Appends each connection that it makes to ``made``."""
+
+    def __init__(self, made: list[http.client.HTTPConnection]) -> None:
+        super().__init__()
+        self._made = made
+
+    def do_open(self, http_class: Any, req: urllib.request.Request, **options: Any) -> Any:
+        def connection(*arguments: Any, **more: Any) -> http.client.HTTPConnection:
+            self._made.append(http_class(*arguments, **more))
+            return self._made[-1]
+
+        return super().do_open(connection, req, **options)
 
 
 @dataclass(frozen=True)
@@ -122,6 +141,7 @@ class Alarms:
             way for way, wanted in ((self._command, self._limits.command), (self._webhook, address)) if wanted
         ]
         self._lines: queue.Queue[bytes] = queue.Queue(MOST_LINES)
+        self._posting: tuple[float, list[http.client.HTTPConnection]] | None = None
         self._stopping = threading.Event()
         self._thread: threading.Thread | None = None
 
@@ -150,12 +170,15 @@ class Alarms:
         if abs(drift) > self._limits.clock * SECOND:
             self._held["clock"] = now, f"the wall clock was set by {drift / SECOND:+.3f} s"
         self._measure(now)
+        self._hang_up()
         found = {(rule, ""): text for rule, (at, text) in self._held.items() if now - at < HOLD * SECOND}
         found |= self._of_sources(now) | self._of_depth(now) | self._of_journal(now)
         try:
             os.close(os.open(os.devnull, os.O_RDONLY))
         except OSError as error:
             found["descriptors", ""] = f"no file and no connection can be opened: {error.strerror}"
+        if self._live.model.out_of_memory:
+            found["memory", ""] = "a record was set aside because the memory was full: a restart draws it"
         for (rule, source), text in found.items():
             self.begin(rule, text, source)
         for alarm in self.active:
@@ -163,6 +186,13 @@ class Alarms:
                 with self._lock:
                     del self._active[alarm.rule, alarm.source]
                 self._tell(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
+
+    def _hang_up(self) -> None:
+        """End a request to the webhook that takes too long; the time limit of urllib is for each piece of an answer."""
+        if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
+            for connection in posting[1]:
+                with contextlib.suppress(OSError, AttributeError):  # it may have no socket yet
+                    socket.socket.shutdown(connection.sock, socket.SHUT_RDWR)
 
     def begin(self, rule: str, text: str, source: str = "") -> None:
         """Begin an alarm, unless it has begun already."""
@@ -229,7 +259,7 @@ class Alarms:
     def _measure(self, now: int) -> None:
         """Compare the median diameter of each turn that changed with the bit."""
         wall, limits = self._live.wall, self._limits
-        sectors, bit = wall.settings.sectors, wall.settings.bit_diameter
+        sectors, bit = wall.settings.sectors, self._live.model.configuration.wall["bit_diameter"]
         for start, stop in [self._changed.popleft() for _ in range(len(self._changed))]:
             first, last = start // sectors, min(-(-stop // sectors), len(wall) // sectors)
             if last <= first:
@@ -293,7 +323,11 @@ class Alarms:
     def _webhook(self, line: bytes) -> None:
         request = urllib.request.Request(self._address, line, {"Content-Type": "application/json"}, method="POST")
         try:
-            urllib.request.build_opener(_NoRedirects).open(request, timeout=SECONDS).close()
+            made: list[http.client.HTTPConnection] = []
+            self._posting = time.monotonic(), made
+            urllib.request.build_opener(_NoRedirects, _Known(made)).open(request, timeout=SECONDS).close()
         except urllib.error.HTTPError as error:
             error.close()
             raise
+        finally:
+            self._posting = None

@@ -64,13 +64,15 @@ def write(folder: Path, sequence: int, facts: dict[str, Any], state: Any) -> Pat
     return path
 
 
-def read(path: Path, salt: int) -> tuple[dict[str, Any], Arrays]:
-    """Return the facts and the arrays of a checkpoint.
+def read(path: Path, salt: int, *, only_facts: bool = False) -> tuple[dict[str, Any], Arrays]:
+    """Return the facts and the arrays of a checkpoint; if ``only_facts``, check the sums of the arrays instead.
 
     Raises
     ------
     InputError
         If the file is damaged, of another version, or of another journal.
+    FileNotFoundError
+        If a later checkpoint has replaced it meanwhile.
     """
     try:
         with zipfile.ZipFile(path) as archive:
@@ -79,9 +81,11 @@ def read(path: Path, salt: int) -> tuple[dict[str, Any], Arrays]:
                 raise InputError(str(path), f"version {facts['version']}: this helibore reads version {VERSION}")
             if facts["salt"] != salt or facts["sequence"] != position(path):
                 raise InputError(str(path), "belongs to another journal")
-            names = (f"{number}.npy" for number in range(len(archive.namelist()) - 1))
+            if only_facts and (bad := archive.testzip()) is not None:
+                raise InputError(str(path), f"damaged: {bad}")
+            names = (f"{number}.npy" for number in range(0 if only_facts else len(archive.namelist()) - 1))
             arrays = [np.lib.format.read_array(io.BytesIO(archive.read(name)), allow_pickle=False) for name in names]
-    except InputError:
+    except (InputError, FileNotFoundError):
         raise
     except Exception as error:  # zipfile raises errors of many kinds
         raise InputError(str(path), f"damaged: {type(error).__name__}: {error}") from error

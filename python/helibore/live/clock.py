@@ -47,14 +47,14 @@ class ModelClock:
 
     def times(self, monotonic: npt.NDArray[np.int64]) -> npt.NDArray[np.int64]:
         """Return the model time of each record; the times never decrease."""
-        times = np.maximum.accumulate(np.maximum(self._anchor + (monotonic - self._start), self.now))
+        times = np.maximum.accumulate(np.maximum(monotonic + (self._anchor - self._start), self.now))
         self.now = int(times[-1])
         return times
 
     def jumps(self, wall: npt.NDArray[np.int64], times: npt.NDArray[np.int64]) -> list[tuple[int, int]]:
         """Return (record, ns) for each time the wall clock was set: the first record after it, and by how much."""
         drift, found, start = wall - times, [], 0
-        while len(late := np.flatnonzero(np.abs(drift[start:] - self._drift) >= JUMP)):
+        while len(late := (np.abs(drift[start:] - self._drift) >= JUMP).nonzero()[0]):
             start += int(late[0])
             found.append((start, int(drift[start]) - self._drift))
             self._drift = int(drift[start])

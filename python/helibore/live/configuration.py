@@ -17,6 +17,7 @@ so for the tables of sources.
 from __future__ import annotations
 
 import dataclasses
+import datetime
 import json
 import os
 import re
@@ -72,25 +73,52 @@ class PathTable(Table):
 
 
 class SamplesTable(Table):
-    """The table ``samples``: the most samples of a source that a wall draws near each vertex; 0: all.
+    """The table ``samples``: limits that bound the memory where a tool measures at one depth for days.
 
-    With all, the live wall has the bits of the batch. A limit bounds memory where a tool turns at one depth for days.
+    ``most``: samples of a source, or of the host, that a wall draws near each vertex; 0: all, and then the live wall
+    has the bits of the batch. ``image_step``: metres; an image keeps the latest row in each such step of depth; 0: the
+    latest row of each depth.
     """
 
     most: Annotated[int, within(0, 100_000)] = 0
+    image_step: Annotated[float, within(0, 10)] = 0.0
 
 
 class JournalTable(Table):
-    """The table ``journal``."""
+    """The table ``journal``.
+
+    Segments that both checkpoints contain, and whose records are all older than ``keep_days``, are compressed into the
+    folder ``archive``, or deleted if ``old`` is "remove"; without ``keep_days`` they stay.
+    """
 
     folder: Text | None = None
     sync_ms: Annotated[float, within(0, 60_000)] = 100.0
     segment_mb: Annotated[int, within(1, 1024)] = 64
+    keep_days: Annotated[float, within(0)] | None = None
+    old: Literal["archive", "remove"] = "archive"
 
     @property
     def sync_interval(self) -> float:
         """Seconds between two syncs; 0: every append is synced."""
         return self.sync_ms / 1000.0
+
+
+class NextTable(Table):
+    """The table ``next``: the configuration that applies when the hole is ``hole_depth`` deep, or from ``time`` on."""
+
+    file: Text = Field(description="the file of the configuration")
+    hole_depth: Annotated[float, within(0)] | None = None
+    time: datetime.datetime | None = None
+
+    def model_post_init(self, _: object) -> None:
+        if (self.hole_depth is None) == (self.time is None):
+            raise InputError("", "hole_depth or time must be set, one of them")
+        if self.time and self.time.tzinfo is None:
+            raise InputError("time", "must have a time zone, such as 2026-05-01T10:00:00Z", str(self.time))
+
+    def is_due(self, wall: int, hole_depth: float) -> bool:
+        """Whether it applies at ``wall``, ns since 1970, with a hole of this depth (NaN: not known)."""
+        return wall / 1e9 >= self.time.timestamp() if self.time else hole_depth >= (self.hole_depth or 0.0)
 
 
 class SnapshotTable(Table):
@@ -116,9 +144,10 @@ def _webhook(address: str) -> str:
 class AlarmLimits(Table):
     """The table ``alarms``: when an alarm begins, and who receives it besides page, metrics and log.
 
-    Seconds without a connection (``lost``), without a deeper or shallower bit while samples come (``standing``) and
-    without a successful sync (``sync``) and of the wall clock (``clock``); gigabytes left (``disk_gb``); metres of the
-    median diameter of a turn below the bit (``tight``) and above it (``washout``).
+    An alarm begins after so many seconds without a connection (``lost``), with samples but the same bit depth
+    (``standing``), or without a successful sync (``sync``); when the clock of the machine jumps by more seconds
+    (``clock``); with fewer gigabytes left (``disk_gb``); and where the median diameter of a turn is so many metres
+    below the bit's (``tight``) or above it (``washout``).
     """
 
     lost: Annotated[float, within(0.1)] = 30.0
@@ -151,8 +180,8 @@ class Configuration(Table):
     ----------
     sources
         The sources by name. Each is checked by itself, because WITS and WITSML sources differ.
-    text
-        The text of the file.
+    text, file
+        The text of the file, and the file.
     """
 
     wall: Annotated[dict[str, Any], PlainValidator(_wall)] = Field(default_factory=dict, validate_default=True)
@@ -165,8 +194,10 @@ class Configuration(Table):
     journal: JournalTable = JournalTable()
     snapshot: SnapshotTable = SnapshotTable()
     alarms: AlarmLimits = AlarmLimits()
+    next: NextTable | None = None
     sources: Derived[dict[str, Source]] = {}
     text: Derived[str] = ""
+    file: Derived[FilePath] = FilePath()
 
     def model_post_init(self, text: str) -> None:
         start = self.wall["start_depth"]
@@ -199,6 +230,22 @@ class Configuration(Table):
         }
         return self.model_copy(update=values | {"sources": sources})
 
+    def following(self) -> list[Configuration]:
+        """Return the configurations that follow by ``next``, in order; their files are read from the same folder.
+
+        Raises
+        ------
+        InputError
+            If one of them breaks a rule, or follows itself.
+        """
+        found = [self]
+        while (last := found[-1]).next is not None:
+            file = last.file.parent / last.next.file
+            if any(file == one.file for one in found):
+                raise InputError("next.file", "must not follow itself", repr(str(file)))
+            found.append(load(file))
+        return found[1:]
+
     def _check_sources(self) -> None:
         """Refuse a rig quantity or image that two sources map; each source has pass numbers of its own."""
         if not self.sources:
@@ -215,6 +262,8 @@ class Configuration(Table):
                 raise InputError(f"{place}.items.pass_number", rule)
             if source.pass_numbers.listed and not source.items.pass_number:
                 raise InputError(f"{place}.pass_numbers", "items.pass_number must be set: it has the number")
+        if self.next and self.next.hole_depth is not None and "items.hole_depth" not in seen:
+            raise InputError("next.hole_depth", "no source maps hole_depth", f"{self.next.hole_depth:g}")
         if "items.bit_depth" not in seen:
             for name, source in self.sources.items():
                 if source.caliper and not source.caliper.depth:
@@ -235,9 +284,11 @@ def load(file: str | os.PathLike[str]) -> Configuration:
     text = FilePath(file).read_text(encoding="utf-8")
     entries = _toml(text, str(file))
     try:
-        return check(Configuration, entries, context=text)
+        found = check(Configuration, entries, context=text)
     except InputError as error:
         raise error.within(str(file)) from None
+    found._derive(file=FilePath(file))
+    return found
 
 
 def parse(text: str) -> Configuration:

@@ -36,7 +36,7 @@ DEEP_ENOUGH = 100.0
 """Metres: at a smaller depth, a sensor high above the bit could have the same ratio, so the unit is not checked."""
 
 
-class Track:
+class QuantityHistory:
     """Entries (time, order, value) of one quantity in order of arrival; each frame has a larger ``order``."""
 
     STATE = ("time", "order", "value")
@@ -63,14 +63,14 @@ class Track:
         self.time, self.order, self.value = self.time[count:], self.order[count:], self.value[count:]
 
 
-class Rig:
+class RigHistory:
     """Bit depth, hole depth, rotation and activity over time, and the pass at each bit depth entry."""
 
     STATE = ("tracks", "kind", "off_bottom", "hole", "_deepest", "_hole")
 
     def __init__(self, rules: PassRules, limits: DepthLimits) -> None:
         self.use(rules, limits)
-        self.tracks = {name: Track() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
+        self.tracks = {name: QuantityHistory() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
         self.kind = np.empty(0, np.int64)
         self.off_bottom = np.empty(0, bool)
         self.hole = np.empty(0)  # deepest hole depth up to each entry; infinite before the first one is sent

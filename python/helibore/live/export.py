@@ -108,11 +108,12 @@ def quarantine(folder: Path, model: Model) -> list[SetAside]:
 
 
 def sessions(folder: Path) -> list[tuple[int, str]]:
-    """Return receive time (ns since 1970) and configuration of each session."""
-    found, last = [], ""
+    """Return receive time (ns since 1970) and configuration of each session, and of each change within a session."""
+    found, last = [], ("", "")
     for segment in segments(folder):
         for row, header in headers(segment):
-            if header.get("session", "") != last or not last:
-                found.append((int(segment.records["wall"][row]), str(header.get("configuration", ""))))
-            last = header.get("session", "")
+            this = str(header.get("session", "")), str(header.get("configuration", ""))
+            if this != last or not last[0]:
+                found.append((int(segment.records["wall"][row]), this[1]))
+            last = this
     return found

@@ -24,8 +24,8 @@ from helibore.trajectory.survey import Path
 from helibore.wall.state import WallState
 from helibore.wall.wall import Wall
 
-Rows = tuple[tuple[Floats, Floats], str, Layout | None]
-"""The rows of an image: (depth, values) in order of arrival, unit and layout."""
+Rows = tuple[tuple[Floats, Floats, float], str, Layout | None]
+"""The rows of an image: (depth, values, step) in order of arrival, unit and layout."""
 
 
 class FrozenWall(Wall):
@@ -136,7 +136,7 @@ def _copied(live: Live) -> tuple[FrozenCopy, dict[str, Rows]]:
     walls = {name: FrozenWall(wall, live.path) for name, wall in live.layers.items() if len(wall)}
     for wall in walls.values():
         wall.made_from = {"configuration": model.stretches}
-    images = {name: (image.so_far(), image.unit, model.layouts.get(name))
+    images = {name: ((*image.so_far()[1:], image.step), image.unit, model.layouts.get(name))
               for name, image in live.images.items() if len(image)}  # fmt: skip
     of = FrozenCopy(model.wall_time, model.records, walls, {}, model.stations.rows(), live.path, live.passes,
                model.events.latest, [])  # fmt: skip

@@ -2,68 +2,113 @@
 
     buffer  | row 0 | row 1 | ... | row count-1 | free ...               |      doubled when it is full
 
-A row never changes after it arrives. So a reader holds the lock only to get buffers and count, and copies later.
+A row never changes after it arrives. So a reader holds the lock only to get buffers and count, and copies later. With a
+``step``, a later row in the same step of depth replaces an earlier one, which is deleted when the buffer is full: then
+the hole bounds the memory.
 """
 
 from __future__ import annotations
 
 import threading
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 
 from helibore.base.arrays import Floats
 
+Columns = tuple[npt.NDArray[np.int64], Floats, Floats]
+"""Number, depth and values of each row."""
+
 
 class ImageRows:
-    """Rows of one sector image in order of arrival: depth m, values. May be used from several threads."""
+    """Rows of one sector image in order of arrival: depth m, values. May be used from several threads.
 
-    def __init__(self, sectors: int, unit: str) -> None:
-        self.sectors, self.unit = sectors, unit
-        self._depth: Floats = np.empty(0)
-        self._values: Floats = np.empty((0, sectors))
-        self._count = 0
+    Parameters
+    ----------
+    sectors, unit
+        Number of values of a row, and their unit.
+    step
+        Metres: the latest row in each such step of depth is kept; 0: all rows are kept.
+    """
+
+    def __init__(self, sectors: int, unit: str, step: float = 0.0) -> None:
+        self.sectors, self.unit, self.step = sectors, unit, step
+        self._columns: Columns = np.empty(0, np.int64), np.empty(0), np.empty((0, sectors))
+        self._kept = self._count = 0
         self._lock = threading.Lock()
 
     def append(self, depth: Floats, values: Floats) -> tuple[int, int]:
-        """Append rows; return their range."""
+        """Append rows; return the range of their numbers."""
         with self._lock:
             start, stop = self._count, self._count + len(depth)
-            if stop > len(self._depth):
-                self._depth = _longer(self._depth, start, max(stop, 2 * start))
-                self._values = _longer(self._values, start, max(stop, 2 * start))
-            self._depth[start:stop], self._values[start:stop] = depth, values
-            self._count = stop
+            if self._kept + len(depth) > len(self._columns[0]):
+                self._make_room(len(depth))
+            at = slice(self._kept, self._kept + len(depth))
+            for column, rows in zip(self._columns, (np.arange(start, stop), depth, values), strict=True):
+                column[at] = rows
+            self._kept, self._count = at.stop, stop
             return start, stop
 
+    def set_step(self, step: float) -> None:
+        """Set the step from now on; the rows so far are kept by the earlier one."""
+        with self._lock:
+            if step != self.step:
+                self._make_room(0)
+                self.step = step
+
+    def _make_room(self, more: int) -> None:
+        """Delete the rows that later ones replace, and make buffers that are half free."""
+        rows = [column[: self._kept] for column in self._columns]
+        if self.step:
+            latest = np.sort(_latest(self._columns[1][: self._kept], self.step))
+            rows = [column[latest] for column in rows]
+        self._kept = len(rows[0])
+        capacity = max(self._kept + more, 2 * self._kept)
+        longer = np.empty(capacity, np.int64), np.empty(capacity), np.empty((capacity, self.sectors))
+        for column, kept in zip(longer, rows, strict=True):
+            column[: self._kept] = kept
+        self._columns = longer
+
+    def restore(self, *columns: npt.NDArray[Any]) -> None:
+        """Set the rows to (numbers, depth, values); without numbers, all rows are there."""
+        number, depth, values = columns if len(columns) == 3 else (np.arange(len(columns[0])), *columns)
+        self._columns, self._kept = (number, depth, values), len(number)
+        self._count = int(number[-1]) + 1 if len(number) else 0
+
     def __len__(self) -> int:
+        """Return the number of rows that have come."""
         return self._count
 
-    def so_far(self) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) in order of arrival; not copies: do not change them."""
+    def so_far(self) -> Columns:
+        """Return (number (r,), depth (r,), values (r, sectors)) of the kept rows; not copies: do not change them."""
         with self._lock:
-            return self._depth[: self._count], self._values[: self._count]
+            number, depth, values = self._columns
+            return number[: self._kept], depth[: self._kept], values[: self._kept]
 
     def rows(self, start: int, stop: int) -> tuple[Floats, Floats]:
-        """Return (depth (r,), values (r, sectors)) of the rows [start, stop) in order of arrival; copies.
+        """Return (depth (r,), values (r, sectors)) of the rows with numbers in [start, stop) that are kept; copies.
 
-        `Update.images` has such ranges. :meth:`arrays` returns all rows by depth, only the latest of each depth.
+        `Update.images` has such ranges. :meth:`arrays` returns the rows by depth, only the latest of each depth.
         """
-        depth, values = self.so_far()
-        return depth[start:stop].copy(), values[start:stop].copy()
+        number, depth, values = self.so_far()
+        first, last = np.searchsorted(number, (start, stop))
+        return depth[first:last].copy(), values[first:last].copy()
 
     def arrays(self) -> tuple[Floats, Floats]:
         """Return (depth (r,), values (r, sectors)) sorted by depth, only the latest row of each depth; copies."""
-        return sorted_rows(*self.so_far())
+        return sorted_rows(*self.so_far()[1:], self.step)
 
 
-def sorted_rows(depth: Floats, values: Floats) -> tuple[Floats, Floats]:
-    """Sort rows in order of arrival by depth; return copies, only the latest row of each depth."""
-    order = np.argsort(depth, kind="stable")
-    latest = order[np.append(np.diff(depth[order]) > 0, True)[: len(order)]]
+def sorted_rows(depth: Floats, values: Floats, step: float = 0.0) -> tuple[Floats, Floats]:
+    """Sort rows in order of arrival by depth; return copies, only the latest row of each depth or step of depth."""
+    latest = _latest(depth, step)
     return depth[latest], values[latest]
 
 
-def _longer(full: Floats, count: int, capacity: int) -> Floats:
-    longer = np.empty((capacity, *full.shape[1:]))
-    longer[:count] = full[:count]
-    return longer
+def _latest(depth: Floats, step: float) -> npt.NDArray[np.int64]:
+    """Return the indices of the latest row of each depth, or of each ``step`` of depth if it is not 0, by depth."""
+    place = np.floor(depth / step) if step else depth
+    order = np.argsort(place, kind="stable")
+    latest: npt.NDArray[np.int64] = order[np.append(np.diff(place[order]) > 0, True)[: len(order)]]
+    return latest

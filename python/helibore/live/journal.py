@@ -24,7 +24,6 @@ from __future__ import annotations
 import contextlib
 import errno
 import fcntl
-import gzip
 import os
 import secrets
 import struct
@@ -40,6 +39,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
+from helibore.base.atomic_file import make_folder
 from helibore.base.errors import InputError
 
 BYTES, OPENED, CONNECTED, CLOSED, SAMPLES, STATIONS, IMAGE = range(7)
@@ -53,6 +53,8 @@ RECORDS_START = SECOND_HEADERS[VERSION] + HEADER.size
 ARCHIVE = "archive"
 RECORD_HEADER = 48
 LONGEST_PAYLOAD = 1 << 20
+PIECE = 1 << 16
+"""Bytes of an archived segment that are decompressed at a time."""
 
 
 class JournalFullError(OSError):
@@ -68,15 +70,18 @@ class Segment:
     records
         Structured (n,): sequence, wall, monotonic (ns), offset, length (of the payload), connection, source, kind.
     damage
-        Byte ranges [start, stop) that hold no intact record.
+        Byte ranges [start, stop) that hold no intact record; an empty one at the end if bytes after it are lost.
     text
         The whole file.
+    error
+        What is wrong with the compressed file of an archived segment; "" if nothing is.
     """
 
     path: Path
     records: npt.NDArray[np.void]
     damage: list[tuple[int, int]]
     text: bytes
+    error: str = ""
 
     def payload(self, row: int) -> bytes:
         """Return the bytes of record ``row``."""
@@ -97,8 +102,9 @@ class Segment:
         """Return one line for each damaged range."""
         return [
             f"{self.path.name}: bytes {start} to {stop} hold no intact record ({stop - start} bytes lost)"
+            if start < stop else f"{self.path.name}: {self.error}: what follows byte {start} is lost"
             for start, stop in self.damage
-        ]
+        ]  # fmt: skip
 
 
 @dataclass(slots=True)
@@ -140,8 +146,9 @@ def paths(folder: Path) -> list[Path]:
 
 def all_paths(folder: Path) -> list[Path]:
     """Return the segment files of a journal in order; one that is also in the archive is listed once."""
+    found = {number_of(path): path for path in paths(folder)}  # first: a segment may be archived meanwhile
     archived = {number_of(path): path for path in (folder / ARCHIVE).glob("*.hbj.gz") if path.name[:-7].isdigit()}
-    found = archived | {number_of(path): path for path in paths(folder)}
+    found = archived | found
     return [found[number] for number in sorted(found)]
 
 
@@ -150,20 +157,36 @@ def number_of(path: Path) -> int:
     return int(path.name.partition(".")[0])
 
 
-def content(path: Path) -> bytes:
-    """Return the bytes of a segment; an archived one is decompressed.
+def content(path: Path, size: int = -1) -> tuple[bytes, str]:
+    """Return the first ``size`` bytes of a segment (-1: all), and what is wrong with the file of an archived one.
+
+    A damaged archived segment gives the bytes before the damage. A segment that is archived while it is being read is
+    read from the archive.
 
     Raises
     ------
-    InputError
-        If an archived segment is damaged.
+    FileNotFoundError
+        If the segment was deleted.
     """
     if path.suffix != ".gz":
-        return path.read_bytes()
-    try:
-        return gzip.decompress(path.read_bytes())
-    except (OSError, EOFError, zlib.error) as error:
-        raise InputError(str(path), f"damaged: {error}") from error
+        try:
+            with path.open("rb") as file:
+                return file.read(size), ""
+        except FileNotFoundError:
+            path = path.parent / ARCHIVE / f"{path.name}.gz"
+    text, error, packed = bytearray(), "", zlib.decompressobj(zlib.MAX_WBITS | 16)
+    with path.open("rb") as file:
+        while not packed.eof and not 0 <= size <= len(text):
+            piece = file.read(PIECE)
+            try:
+                text += packed.decompress(piece)
+            except zlib.error as problem:
+                error = f"damaged: {problem}"
+            if error or not piece:
+                break
+    if not error and not packed.eof and not 0 <= size <= len(text):
+        error = "damaged: it ends early"
+    return bytes(text if size < 0 else text[:size]), error
 
 
 def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment]:
@@ -177,16 +200,21 @@ def segments(folder: str | os.PathLike[str], first: int = 1) -> Iterator[Segment
     found = all_paths(Path(folder))
     if not found:
         raise InputError(str(folder), "holds no journal (no file 000001.hbj)")
-    salt = _salt(found)
+    salt = salt_of(found)
     for path in (path for path in found if number_of(path) >= first):
-        text = content(path)
+        try:
+            text, error = content(path)
+        except FileNotFoundError:  # an archive command has just deleted it
+            continue
         header = _intact_header(text, path)
         start = header.records_start if header else RECORDS_START
         records, damage = _core.journal_scan(text, min(start, len(text)), salt)
-        yield Segment(path, records, damage, text)
+        if error:
+            damage.append((len(text), len(text)))
+        yield Segment(path, records, damage, text, error)
 
 
-def _salt(found: list[Path]) -> int:
+def salt_of(found: list[Path]) -> int:
     """Return the random number that all segments of a journal share, from the first intact header."""
     for path in reversed(found):  # the archived ones last
         if header := header_of(path):
@@ -195,11 +223,10 @@ def _salt(found: list[Path]) -> int:
 
 
 def header_of(path: Path) -> _Header | None:
-    """Return the header of a segment; None if no copy is intact."""
-    if path.suffix == ".gz":
-        return _intact_header(content(path)[:RECORDS_START], path)
-    with path.open("rb") as file:
-        return _intact_header(file.read(RECORDS_START), path)
+    """Return the header of a segment; None if no copy is intact, or if the segment was deleted meanwhile."""
+    with contextlib.suppress(FileNotFoundError):
+        return _intact_header(content(path, RECORDS_START)[0], path)
+    return None
 
 
 def _intact_header(head: bytes, path: Path) -> _Header | None:
@@ -211,6 +238,16 @@ def _intact_header(head: bytes, path: Path) -> _Header | None:
                     raise InputError(str(path), f"version {version}: this helibore reads versions up to {VERSION}")
                 return _Header(version, sequence, salt)
     return None
+
+
+def first_wall(path: Path) -> int:
+    """Return the receive time of the first intact record near the start of a segment, ns since 1970 (0: none)."""
+    text, _ = content(path, RECORDS_START + 2 * LONGEST_PAYLOAD)
+    header = _intact_header(text, path)
+    if header is None:
+        return 0
+    records, _ = _core.journal_scan(text, min(header.records_start, len(text)), header.salt)
+    return int(records["wall"][0]) if len(records) else 0
 
 
 def segment_of(folder: Path, sequence: int) -> int:
@@ -281,7 +318,7 @@ class Journal:
         self._syncing = threading.Lock()
         self._file = -1
         self._path = self.folder
-        self.folder.mkdir(parents=True, exist_ok=True)
+        make_folder(self.folder)
         self._directory = os.open(self.folder, os.O_RDONLY)
         self._guard = os.open(self.folder / "lock", os.O_RDWR | os.O_CREAT, 0o644)
         try:
@@ -306,13 +343,13 @@ class Journal:
             self._set_aside(found.pop(), 0)
         if not found:
             before = all_paths(self.folder)  # in the archive
-            self._salt = _salt(before) if before else secrets.randbits(32)
+            self._salt = salt_of(before) if before else secrets.randbits(32)
             self._number = number_of(before[-1]) if before else 0
             self._sequence = self._first_sequence() if before else 0
             self.recovery.last_sequence = self._sequence - 1
             self._begin_segment()
             return
-        self._salt, self._number = _salt(found), int(found[-1].stem)
+        self._salt, self._number = salt_of(found), int(found[-1].stem)
         text = found[-1].read_bytes()
         header = _intact_header(text, found[-1])
         records, damage = _core.journal_scan(text, header.records_start if header else RECORDS_START, self._salt)
@@ -430,6 +467,15 @@ class Journal:
             raise
         self._stop += size
         self._sequence += 1
+
+    def reopen(self, opening: bytes) -> tuple[int, int, int]:
+        """Append an OPENED record with another payload, which each later segment repeats; return as `append`."""
+        before, self._opening = self._opening, opening
+        try:
+            return self.append(0, 0, opening, OPENED)
+        except OSError:
+            self._opening = before
+            raise
 
     def sync(self) -> None:
         """Write everything appended so far to the disk itself; other threads may append meanwhile.

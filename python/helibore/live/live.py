@@ -44,7 +44,13 @@ from helibore.live.journal import Journal, Segment, segment_of, segments
 from helibore.live.layout import given_layout
 from helibore.live.model import Model, Rows
 from helibore.live.pass_log import Pass
-from helibore.live.session_header import configuration_of, continued_with, recorded_configuration, sources_of
+from helibore.live.session_header import (
+    changed_to,
+    configuration_of,
+    continued_with,
+    numbers_of,
+    recorded_configuration,
+)
 from helibore.live.update import Update, merge
 from helibore.trajectory.survey import Path, Survey
 from helibore.wall.wall import Wall
@@ -113,9 +119,8 @@ class Live:
         self._checkpointing, self._checkpointed_segment = threading.Lock(), 1
         self._half_read = False  # reading a record failed: the model is not that of any record
         self.journal: Journal | None = None
-        session = {"session": secrets.token_hex(8), "meaning": self.configuration.meaning(),
-                   "configuration": self.configuration.text}  # fmt: skip
-        opening = json.dumps(session).encode()
+        self._session = secrets.token_hex(8)
+        opening = self._opening(given)
         if journal is None:
             self._store(0, 0, opening, journals.OPENED)
             self.model.events.log = self._log
@@ -138,6 +143,32 @@ class Live:
             raise
         self.model.events.log = self._log
 
+    def _opening(self, configuration: Configuration) -> bytes:
+        """Return the session header for ``configuration``."""
+        header = {"session": self._session, "meaning": configuration.meaning(), "configuration": configuration.text}
+        return json.dumps(header).encode()
+
+    def reconfigure(self, configuration: Configuration) -> Update:
+        """Read the bytes from now on with another configuration, in the same journal and walls, without a restart.
+
+        A bit diameter, items, units, offsets, ranges and rules may change; a new source needs a restart.
+
+        Raises
+        ------
+        InputError
+            If ``configuration`` changes what a journal cannot change, or has other sources.
+        JournalFullError
+            If the change could not be stored; then nothing has changed.
+        """
+        return self.draw([self.store_change(configuration)])
+
+    def store_change(self, configuration: Configuration) -> Stored:
+        """As `reconfigure`, but store the change only; the caller passes it to :meth:`draw`, as after :meth:`store`."""
+        now = changed_to(configuration, self.configuration, self.journal.folder if self.journal else None)
+        stamped = self._stamp(0, 0, self._opening(now), journals.OPENED)
+        self.configuration = now
+        return Stored(*stamped)
+
     def _restore(self) -> None:
         """Restore the newest usable checkpoint; report each that is not usable."""
         assert self.journal is not None
@@ -155,10 +186,10 @@ class Live:
         """Restore one checkpoint, or return why that is not possible."""
         begun = self._begun
         try:
-            if journals.number_of(journals.all_paths(path.parent)[0]) > 1 and facts.get("configuration"):
-                begun = configuration_of(facts)  # the segments that held it were removed
-            elif facts["meaning"] != begun.meaning():
-                raise InputError(str(path), "has another configuration")
+            if facts["meaning"] != begun.meaning():  # the segment that held it was removed, or is damaged
+                if not facts.get("configuration"):
+                    raise InputError(str(path), "has another configuration")
+                begun = configuration_of(facts)
             model = Model(begun)
             for stretch in facts["stretches"]:
                 model.reconfigure(configuration_of(stretch), stretch["utc"], int(stretch["record"]))
@@ -180,7 +211,8 @@ class Live:
         Returns
         -------
         Path or None
-            The file in the journal's folder; None without a journal, or if the reading of a record failed.
+            The file in the journal's folder; None without a journal, or if the model is not that of all its records:
+            the reading of a record failed, or the memory was full.
 
         Raises
         ------
@@ -192,7 +224,7 @@ class Live:
         with self._checkpointing:
             with self._lock:
                 segment, sequence = self.journal.segment, self.model.next_sequence
-                if self._half_read:
+                if self._half_read or self.model.out_of_memory:
                     return None
                 state = checkpoints.packed(self.model)
                 facts: dict[str, Any] = {"meaning": self._begun.meaning(), "configuration": self._begun.text,
@@ -207,7 +239,7 @@ class Live:
     def checkpoint_due(self) -> bool:
         """Whether a segment was completed since the last checkpoint."""
         due = self.journal is not None and self.journal.segment > self._checkpointed_segment
-        return due and not self._half_read
+        return due and not self._half_read and not self.model.out_of_memory
 
     @classmethod
     def replay(
@@ -221,8 +253,7 @@ class Live:
         ``report`` gets each segment when it is read.
         """
         live = cls(configuration or recorded_configuration(FilePath(folder)))
-        sources = sources_of(FilePath(folder), configuration) if configuration else {}
-        numbers = {source.name: number for number, source in sources.items()}
+        numbers = numbers_of(FilePath(folder), configuration) if configuration else None
         live.model = Model(live.configuration, follows=configuration is None, numbers=numbers)
         for _ in read_into(live.model, FilePath(folder), report):
             pass
@@ -345,7 +376,7 @@ class Live:
         depths = column("depth", depth)
         table = [depths, column("inclination", inclination, depths.size, "depth"),
                  column("azimuth", azimuth, depths.size, "depth")]  # fmt: skip
-        return self._store(0, 0, np.vstack(table).tobytes(), journals.STATIONS)
+        return self._store(0, 0, b"".join(values.tobytes() for values in table), journals.STATIONS)
 
     def append_image(
         self, name: str, depth: npt.ArrayLike, values: npt.NDArray[np.float64], unit: str = "", *,
@@ -472,7 +503,9 @@ class Live:
             return self._take(records, [payload for one in stored for payload in one.payloads])
 
     def _stamp(self, source: int, connection: int, payload: bytes, kind: int) -> tuple[Rows, list[bytes]]:
-        if self.journal is not None:
+        if self.journal is not None and kind == journals.OPENED:
+            sequence, wall, monotonic = self.journal.reopen(payload)
+        elif self.journal is not None:
             sequence, wall, monotonic = self.journal.append(source, connection, payload, kind)
         else:
             (wall, monotonic), sequence = self.clock(), self._sequence

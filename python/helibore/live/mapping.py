@@ -133,8 +133,21 @@ class SourceReader:
         return reading
 
     def go_on_from(self, before: SourceReader) -> None:
-        """Take over counts, sequence numbers and connection of the reader that another configuration replaces."""
-        before._add_counts()
+        """Take over counts, sequence numbers and connection of the reader that another configuration replaces.
+
+        A frame that has begun is read to its end, unless nulls or limits are others.
+        """
+        if (self.source.nulls, self.source.limits) == (before.source.nulls, before.source.limits):
+            self._parser, self._ends, self._walls, self._held = (
+                before._parser,
+                before._ends,
+                before._walls,
+                before._held,
+            )
+        else:
+            before._add_counts()
+        if self.source.items.pass_number == before.source.items.pass_number:
+            self._pass_number = before._pass_number
         self.counts = {name: before.counts.get(name, 0) for name in self.counts}
         self.watches |= {code: watch for code, watch in before.watches.items() if code in self.watches}
         self._connection, self._recent = before._connection, before._recent

@@ -14,6 +14,7 @@ from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -25,7 +26,7 @@ from helibore.live import journal
 from helibore.live.cell_counts import CellCounts
 from helibore.live.clock import SECOND, ModelClock, utc
 from helibore.live.configuration import Configuration
-from helibore.live.depth import Rig
+from helibore.live.depth import RigHistory
 from helibore.live.depth_limits import CONFIRMED_WITHIN, HeldSample
 from helibore.live.events import NEVER_DRAWN, Event, EventBook, Flag
 from helibore.live.image_rows import ImageRows
@@ -77,6 +78,8 @@ class Model:
         One for each change of the configuration: utc and record from which it applies, its text and its meaning.
     events, counts
         Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
+    out_of_memory
+        Whether a record was set aside because the memory was full: a replay with more memory draws more.
     """
 
     STATE = (
@@ -105,9 +108,9 @@ class Model:
         self.layouts = {image.name: image.layout for one in configuration.sources.values() for image in one.images}
         self._image_list = [image for source in configuration.sources.values() for image in source.images]
         for image in self._image_list:
-            self.images[image.name] = ImageRows(len(image.sectors), image.unit)
+            self._image(image.name, len(image.sectors), image.unit)
         self.clock = ModelClock()
-        self.rig = Rig(configuration.passes, configuration.depth)
+        self.rig = RigHistory(configuration.passes, configuration.depth)
         self._held = {number: HeldSample(configuration.depth) for number in self.readers}
         self._takes = {name: layer_of(names) for name, names in configuration.layers.items()}
         meanings = {self.numbers[name]: (name, one.pass_numbers) for name, one in configuration.sources.items()}
@@ -116,6 +119,7 @@ class Model:
         self._held_rows: dict[int, npt.NDArray[np.float64]] = {}
         self._next_row = 0
         self._session = ""
+        self.out_of_memory = False
         self._longest_latency = 0
         self._deepest: dict[tuple[str, int], float] = {}
         self.last_seen: dict[str, int] = {}
@@ -138,15 +142,18 @@ class Model:
                 raise InputError(f"layer {name}", "its samples give another wall than before")
 
     @property
-    def image_rows(self) -> dict[str, tuple[int, str, npt.NDArray[np.float64], npt.NDArray[np.float64]]]:
-        """Number of sectors, unit, depths and values of each image, in order of arrival."""
+    def image_rows(self) -> dict[str, tuple[Any, ...]]:
+        """Number of sectors, unit, numbers, depths and values of each image, in order of arrival."""
         return {name: (rows.sectors, rows.unit, *rows.so_far()) for name, rows in self.images.items()}
 
     @image_rows.setter
-    def image_rows(self, images: dict[str, tuple[int, str, npt.NDArray[np.float64], npt.NDArray[np.float64]]]) -> None:
-        for name, (sectors, unit, depth, values) in images.items():
-            self.images[name] = ImageRows(sectors, unit)
-            self.images[name].append(depth, values)
+    def image_rows(self, images: dict[str, tuple[Any, ...]]) -> None:
+        for name, (sectors, unit, *columns) in images.items():
+            self._image(name, sectors, unit).restore(*columns)
+
+    def _image(self, name: str, sectors: int, unit: str) -> ImageRows:
+        """Return the rows of an image; the first call begins them."""
+        return self.images.setdefault(name, ImageRows(sectors, unit, self.configuration.samples.image_step))
 
     @property
     def waiting(self) -> int:
@@ -156,11 +163,11 @@ class Model:
     def take(self, records: Rows, payloads: list[bytes]) -> Update:
         """Read records in order; any grouping of the same records gives the same walls."""
         update = Update()
+        opened = (records["kind"] == journal.OPENED).nonzero()[0].tolist()
         if len(records):
-            self.records += int(np.count_nonzero(records["kind"] != journal.OPENED))
+            self.records += len(records) - len(opened)
             self.wall_time = int(records["wall"][-1])
             self.next_sequence = int(records["sequence"][-1]) + 1
-        opened = np.flatnonzero(records["kind"] == journal.OPENED).tolist()
         for start, stop in zip([0, *opened], [*opened, len(records)], strict=True):
             if start in opened and start < stop:
                 self._open(records[start], payloads[start])
@@ -177,9 +184,6 @@ class Model:
         header: dict[str, str] = {}
         with self._set_aside(record, "session header"):
             header = json.loads(payload or b"{}")
-        session = str(header.get("session", ""))
-        if session and session == self._session:
-            return  # the same session goes on in a new segment
         if self.follows and header.get("meaning", self._meaning) != self._meaning:
             self._meaning = header["meaning"]
             with self._set_aside(record, "session header"):
@@ -187,6 +191,9 @@ class Model:
                 if now.meaning() != self.configuration.meaning():
                     self.reconfigure(now, utc(int(record["wall"])), int(record["sequence"]))
                     self._report(record, "configuration", "another configuration applies from here on")
+        session = str(header.get("session", ""))
+        if session and session == self._session:
+            return  # the same session goes on in a new segment, or with another configuration
         self._session = session
         behind = self.clock.begin_session(int(record["wall"]), int(record["monotonic"]))
         if behind:
@@ -224,7 +231,7 @@ class Model:
                 self._image_list[place] = image
             if not places:
                 self._image_list.append(image)
-                self.images.setdefault(image.name, ImageRows(len(image.sectors), image.unit))
+                self._image(image.name, len(image.sectors), image.unit)
             self.layouts[image.name] = image.layout
         self._set_limits()
 
@@ -233,10 +240,14 @@ class Model:
         latencies = [image.latency for image in self._image_list]
         latencies += [one.caliper.latency for one in self.configuration.sources.values() if one.caliper]
         self._longest_latency = max(self._longest_latency, int(max(latencies, default=0.0) * SECOND))
-        size, most = self.layers["main"].settings, self.configuration.samples.most
+        for rows in self.images.values():
+            rows.set_step(self.configuration.samples.image_step)
+        size = self.layers["main"].settings
         for counts in self._cell_counts.values():
-            for number in self.readers:
-                counts.setdefault(number, CellCounts(size.sectors, size.pitch)).set_most(most)
+            for number in (0, *self.readers):  # 0: the host
+                counts.setdefault(number, CellCounts(size.sectors, size.pitch)).set_most(
+                    self.configuration.samples.most
+                )
 
     def _report(self, record: np.void, rule: str, text: str, source: str = "", connection: int = 0) -> None:
         self.events.report(Event(int(record["wall"]), source, connection, 0, -1, rule, text))
@@ -248,6 +259,7 @@ class Model:
             yield
         except Exception as error:
             self.counts["set aside"] += 1
+            self.out_of_memory |= isinstance(error, MemoryError)
             number, reason = int(record["sequence"]), f"{type(error).__name__}: {error}"
             if len(self.set_aside) < MOST_SET_ASIDE:
                 self.set_aside[number] = f"{what}: {reason}"
@@ -258,8 +270,8 @@ class Model:
         for row, jumped in self.clock.jumps(records["wall"], times):
             self._report(records[row], "clock", f"the wall clock was set by {jumped / SECOND:+.3f} s: not followed")
         found: list[Rows] = []
-        for number in np.unique(records["source"]).tolist():
-            rows = np.flatnonzero(records["source"] == number)
+        for number in sorted(set(records["source"].tolist())):
+            rows = (records["source"] == number).nonzero()[0]
             if number in self.readers:
                 found += self._read(number, rows, records, payloads, times, update)
             else:
@@ -407,7 +419,7 @@ class Model:
                 text = f"image {name}: depth {table[wrong, 0][0]:g} m: {self.configuration.depth.rule()}"
                 self._report(record, "range", text)
             table = table[~wrong]
-            image = self.images.setdefault(name, ImageRows(sectors, unit))
+            image = self._image(name, sectors, unit)
             start, stop = image.append(table[:, 0], table[:, 1:])
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
         return found
@@ -460,6 +472,7 @@ class Model:
             text = f"layer {name}: {len(rows)} samples: {str(failure) or type(failure).__name__}: set aside"
             self.passes.report(rows, np.arange(1), "aside", lambda _: text)
             self.counts["set aside"] += len(rows)
+            self.out_of_memory |= isinstance(failure, MemoryError)
             self.set_aside[int(numbers[0])] = text
             return
         for number in numbers:
@@ -508,7 +521,9 @@ class Model:
     def _leave_out_crowded(
         self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
     ) -> None:
-        """Remove from ``chosen`` the samples of sources beyond the limit near a vertex; the host's are all kept."""
+        """Remove from ``chosen`` the samples beyond the limit of each source, or of the host, near a vertex."""
+        if not (most := self.configuration.samples.most):
+            return
         crowded = []
         for source, counts in self._cell_counts[name].items():
             of = np.flatnonzero(chosen & (rows["source"] == source))
@@ -518,7 +533,6 @@ class Model:
         if crowded:
             left_out = np.concatenate(crowded)
             self.counts["crowded"] += len(left_out)
-            most = self.configuration.samples.most
             text = f"layer {name}: a vertex has {most} samples of this source: not drawn"
             self.passes.report(rows, left_out, "crowded", lambda _: text)
 

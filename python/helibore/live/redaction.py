@@ -3,7 +3,7 @@
     s&cret  s&amp;cret  s&amp;amp;cret  s%26cret  s\\u0026cret  s&#38;cret  UTF-16  Basic dTpzJmNyZXQ=
 
 Each character becomes a regular expression for all ways to write it. Bytes that do not change the text (zero bytes,
-line ends, bounds of CDATA) may stand between characters. Each redacted byte becomes a star.
+line ends, bounds of CDATA, backslashes of JSON) may stand between characters. Each redacted byte becomes a star.
 """
 
 from __future__ import annotations
@@ -15,8 +15,8 @@ import string
 from helibore.base.errors import InputError
 
 SHORTEST = 6
-AMPERSAND = rb"(?:&|%(?:25)*26|\\+u0026)(?:(?:amp|#0*38|#[xX]0*26);)*"
-BETWEEN = rb"(?:[\0\r\n]|<!\[CDATA\[|\]\]>)*"
+AMPERSAND = rb"(?:&|%(?:25)*26|\\{1,8}u0026)(?:(?:amp|#0*38|#[xX]0*26);)*"
+BETWEEN = rb"(?:[\0\r\n]|<!\[CDATA\[|\]\]>)*\\{0,8}"
 NAMED = {"&": "amp", "<": "lt", ">": "gt", '"': "quot", "'": "apos"}
 Units = list[bytes]
 """Regular expressions for consecutive bytes."""
@@ -48,9 +48,12 @@ def _written(character: str) -> list[Units]:
     code, raw = ord(character), character.encode()
     ways = [[AMPERSAND]] if character == "&" else [[re.escape(bytes([byte])) for byte in raw]]
     if code > 127:
-        for encoding in ("latin-1", "utf-16-le", "utf-16-be"):
-            encoded = character.encode(encoding, "ignore")
-            ways += [[re.escape(bytes([byte])) for byte in encoded]] if encoded else []
+        misread = [raw.decode("latin-1").encode(), raw.decode("cp1252", "ignore").encode()]  # UTF-8 read as Latin-1
+        for encoded in (
+            *misread,
+            *(character.encode(name, "ignore") for name in ("latin-1", "utf-16-le", "utf-16-be")),
+        ):
+            ways += [[re.escape(bytes([byte])) for byte in encoded if byte]] if encoded else []  # zeros: see BETWEEN
     if character == " ":
         ways.append([rb"\+"])
     if character in NAMED:
@@ -58,10 +61,12 @@ def _written(character: str) -> list[Units]:
     ways.append([AMPERSAND, b"#", b"0*", *_letters(str(code)), b";"])
     ways.append([AMPERSAND, b"#", b"[xX]", b"0*", *_hexadecimal(code, 1), b";"])
     ways.append([unit for byte in raw for unit in (b"%", b"(?:25)*", *_hexadecimal(byte, 2))])
-    ways.append([rb"\\+", b"u", *_hexadecimal(code & 0xFFFF, 4)])
-    ways.append([rb"\\+", b"x", *_hexadecimal(code & 0xFF, 2)])
+    ways.append([rb"\\{1,8}", b"u", *_hexadecimal(code & 0xFFFF, 4)])
+    ways.append([rb"\\{1,8}", b"x", *_hexadecimal(code & 0xFF, 2)])
+    if code > 127:
+        ways.append([unit for byte in raw for unit in (rb"\\{1,8}", b"x", *_hexadecimal(byte, 2))])
     if not character.isalnum():
-        ways.append([rb"\\+", re.escape(raw)])
+        ways.append([rb"\\{1,8}", re.escape(raw)])
     return ways
 
 

@@ -10,17 +10,24 @@ from __future__ import annotations
 
 import contextlib
 import functools
+import itertools
 import random
 import threading
 import time
 from collections import deque
 from collections.abc import Callable
 
+from helibore.base.errors import InputError
+from helibore.live import checkpoint
 from helibore.live import journal as journals
 from helibore.live.alarms import TICK, WAITING, Alarms
+from helibore.live.archived_segments import archive
+from helibore.live.clock import SECOND
+from helibore.live.configuration import Configuration
 from helibore.live.events import LOGGER
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
+from helibore.live.session_header import changed_to
 from helibore.live.sources import Source, StoreSource
 from helibore.live.store import AccessDeniedError, StoreClient
 from helibore.live.transport import Link, Opener, opener
@@ -51,11 +58,18 @@ class Queue:
         with self._ready:
             while not stop.is_set() and (self._bytes > QUEUE_BYTES or len(self._records) > QUEUE_RECORDS):
                 self._ready.wait(TICK)
+        self._store(lambda: self._live.store(source, connection, payload, kind))
+
+    def change(self, configuration: Configuration) -> None:
+        """Store and queue a change of the configuration."""
+        self._store(lambda: self._live.store_change(configuration))
+
+    def _store(self, store: Callable[[], Stored]) -> None:
         with self._storing:  # the order of the queue is the order of the journal
-            stored = self._live.store(source, connection, payload, kind)
+            stored = store()
             with self._ready:
                 self._records.append(stored)
-                self._bytes += len(payload)
+                self._bytes += len(stored.payloads[0])
                 self._ready.notify_all()
 
     def take(self, seconds: float) -> list[Stored]:
@@ -123,6 +137,8 @@ class Server:
         self.openers: dict[str, Opener] = {}
         self._threads: list[threading.Thread] = []
         self.alarms = Alarms(live, self.states)
+        self._changing = threading.Lock()
+        self._following = self._checked(live.configuration)
         self._drawing = self.thread("draw", self._draw)
         jobs = {"sync": self._sync, "watch": self._watch, "checkpoint": self._checkpoint}
         self._own = [self._drawing, *(self.thread(name, run) for name, run in jobs.items())]
@@ -143,6 +159,7 @@ class Server:
             for one in self.openers.values():
                 one.close()
             raise
+        self._change_if_due()
         for name, one in self.openers.items():
             source = self.live.configuration.sources[name]
             self._threads.append(self.thread(name, functools.partial(self._follow, source, one)))
@@ -163,6 +180,38 @@ class Server:
         self.alarms.close()
         self.live.sync()
 
+    def reconfigure(self, configuration: Configuration) -> None:
+        """Draw what comes from now on with another configuration; only a restart changes addresses and alarms.
+
+        Raises
+        ------
+        InputError
+            As `Live.reconfigure`, or if a configuration that follows it breaks a rule.
+        JournalFullError
+            If the change could not be stored; then nothing has changed.
+        """
+        following = self._checked(configuration)
+        with self._changing:
+            self._queue.change(configuration)
+            self._following = following
+
+    def _checked(self, configuration: Configuration) -> list[Configuration]:
+        """Return the configurations that follow a configuration."""
+        following = configuration.following()
+        for before, after in itertools.pairwise([configuration, *following]):
+            changed_to(after, before)
+        return following
+
+    def _change_if_due(self) -> None:
+        """Begin the next configuration at its time or hole depth."""
+        depth = self.live.model.rig.tracks["hole_depth"].value[-1:].tolist()
+        with self._changing, contextlib.suppress(JournalFullError):  # tried again
+            while (plan := self.live.configuration.next) and plan.is_due(
+                self.live.clock()[0], depth[0] if depth else float("nan")
+            ):
+                self._queue.change(self._following[0])
+                del self._following[0]
+
     def thread(self, name: str, run: Callable[[], None]) -> threading.Thread:
         """Return a thread that, if it fails, reports an event, logs the error and stops the server."""
 
@@ -176,13 +225,14 @@ class Server:
 
     def fail(self, thread: str, error: BaseException) -> None:
         """Report and alarm the death of a thread, and stop."""
-        self.failure = self.failure or error
-        LOGGER.critical("thread %s died", thread, exc_info=error)
+        died = error if isinstance(error, Exception) else RuntimeError(repr(error))  # a SystemExit would end with 0
+        self.failure = self.failure or died  # first: the memory may be full
+        self._stop.set()
+        self._drained.set()
         text = f"thread {thread} died: {type(error).__name__}: {error}"
         self.live.report("failure", text)
         self.alarms.begin("failure", text)
-        self._stop.set()
-        self._drained.set()
+        LOGGER.critical("thread %s died", thread, exc_info=error)
 
     def wait(self, seconds: float | None = None) -> bool:
         """Wait until every source has ended (files), a failure or ``seconds``; return whether all have ended."""
@@ -204,8 +254,8 @@ class Server:
     def _opener(self, name: str, source: Source) -> Opener:
         if not isinstance(source, StoreSource):
             return opener(source, functools.partial(self._report, name))
-        reader = self.live.model.readers[self.live.model.numbers[name]]
-        return StoreClient(source, lambda: getattr(reader, "last", None))  # the last index drawn
+        readers, number = self.live.model.readers, self.live.model.numbers[name]
+        return StoreClient(source, lambda: getattr(readers[number], "last", None))  # the last index drawn
 
     def _follow(self, source: Source, one: Opener) -> None:
         """Open and read a source again and again until the server stops."""
@@ -310,17 +360,21 @@ class Server:
                 failing = True
 
     def _checkpoint(self) -> None:
-        """Write a checkpoint after each segment; report an error and try again after a minute."""
+        """Write a checkpoint after each segment, then archive old segments; report an error, try again in a minute."""
+        rules = self.live.configuration.journal
         while not self._stop.wait(TICK):
             try:
-                if self.live.checkpoint_due:
-                    self.live.checkpoint()
-            except OSError as error:
+                path = self.live.checkpoint() if self.live.checkpoint_due else None
+                if path and rules.keep_days is not None and len(checkpoint.paths(path.parent)) == checkpoint.KEPT:
+                    before = self.live.clock()[0] - int(rules.keep_days * 86_400 * SECOND)
+                    archive(path.parent, remove=rules.old == "remove", before=before)
+            except (OSError, InputError) as error:
                 self.live.report("checkpoint", str(error))
                 self._stop.wait(LONGEST_WAIT)
 
     def _watch(self) -> None:
-        """Report silence when it begins, and check the alarms."""
+        """Report silence when it begins, check the alarms, and begin the next configuration when it is due."""
         while not self._stop.wait(TICK):
             self.live.check_silence()
             self.alarms.check()
+            self._change_if_due()

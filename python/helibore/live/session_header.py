@@ -3,8 +3,10 @@
     session 1   configuration A            the walls begin with A
     session 2   configuration A            the same, also if defaults have changed between two versions of helibore
     session 3   configuration B            from here on the records are read with B; the walls go on
+                configuration C            the same without a restart (`Live.reconfigure`)
 
-The meaning has all settings that affect the wall, with their defaults, so it says the same in a later version.
+The meaning has all settings that affect the wall, with their defaults, so it says the same in a later version. If the
+first segments were removed, the checkpoints say with which configurations their records were read.
 """
 
 from __future__ import annotations
@@ -18,6 +20,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base.errors import InputError
+from helibore.live import checkpoint
 from helibore.live import journal as journals
 from helibore.live.checks import joined_place
 from helibore.live.configuration import Configuration, parse
@@ -88,17 +91,37 @@ def sources_of(folder: FilePath, last: Configuration | None, name: str | None = 
     InputError
         If the journal has no such source, or if neither it nor ``last`` says which sources there are.
     """
-    found = (header for segment in segments(folder) for _, header in headers(segment))
-    texts = dict.fromkeys(header["configuration"] for header in found if header.get("configuration"))
-    numbers, sources = dict[str, int](), dict[int, Source]()
-    for configuration in [*map(parse, texts), *([last] if last else [])]:
-        for key, source in sorted(configuration.sources.items()):  # as the model numbers them
-            sources[numbers.setdefault(key, len(numbers) + 1)] = source
-    if not sources:
+    texts = _texts(folder, last)
+    if not (last or any(texts.values())):
         raise InputError(str(folder), "holds no configuration; give one")
-    if name is not None and name not in numbers:
-        raise InputError("source", f"must be one of {', '.join(numbers)}", repr(name))
-    return sources if name is None else {numbers[name]: sources[numbers[name]]}
+    if name is not None and name not in texts:
+        raise InputError("source", f"must be one of {', '.join(texts)}", repr(name))
+    given = last.sources if last else {}
+    return {number: given[key] if key in given else parse(texts[key]).sources[key]
+            for number, key in enumerate(texts, 1) if name in (None, key)}  # fmt: skip
+
+
+def numbers_of(folder: FilePath, last: Configuration) -> dict[str, int]:
+    """Return the number in the journal of each source of all sessions, and of those that only ``last`` has."""
+    return {name: number for number, name in enumerate(_texts(folder, last), 1)}
+
+
+def _texts(folder: FilePath, last: Configuration | None) -> dict[str, str]:
+    """Return the last configuration that has each source, in the order of the sources' numbers, as in the model."""
+    texts = dict[str, str]()
+    for header in (*_of_checkpoint(folder), *(one for segment in segments(folder) for one in _headers(segment))):
+        names = sorted(json.loads(header["meaning"])["sources"])
+        texts |= dict.fromkeys(names, header.get("configuration", ""))
+    return texts | (dict.fromkeys(sorted(last.sources), last.text) if last else {})
+
+
+def _of_checkpoint(folder: FilePath) -> list[Header]:
+    """Return the session headers in the newest checkpoint that can be read: the first segments may be removed."""
+    for path in reversed(checkpoint.paths(folder)):
+        with suppress(InputError, FileNotFoundError):
+            facts, _ = checkpoint.read(path, journals.salt_of(all_paths(folder)), only_facts=True)
+            return [facts, *facts["stretches"]]
+    return []
 
 
 def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuration, Configuration]:
@@ -121,10 +144,26 @@ def continued_with(folder: FilePath, given: Configuration) -> tuple[Configuratio
     if parse(last["configuration"]).meaning() == given.meaning():
         going_on = given.with_meaning(last["meaning"])
     else:
-        _check(folder, json.loads(last["meaning"]), given)
-        wall = configuration_of(last).wall | {"bit_diameter": given.wall["bit_diameter"]}
-        going_on = given.model_copy(update={"wall": wall})
+        going_on = _changed(folder, configuration_of(last), given)
     return recorded_configuration(folder), going_on
+
+
+def changed_to(given: Configuration, last: Configuration, folder: FilePath | None = None) -> Configuration:
+    """Return ``given`` as a running journal that is read with ``last`` goes on with it.
+
+    Raises
+    ------
+    InputError
+        As `continued_with`, or if ``given`` has other sources.
+    """
+    if names := sorted(given.sources.keys() ^ last.sources.keys()):
+        raise InputError(f"source.{names[0]}", "a source can be added or removed only by a restart")
+    return _changed(folder or FilePath("the journal"), last, given)
+
+
+def _changed(folder: FilePath, last: Configuration, given: Configuration) -> Configuration:
+    _check(folder, json.loads(last.meaning()), given)
+    return given.model_copy(update={"wall": last.wall | {"bit_diameter": given.wall["bit_diameter"]}})
 
 
 def _check(folder: FilePath, begun: dict[str, Any], given: Configuration) -> None:

@@ -148,7 +148,7 @@ AngleCurve = Annotated[Item, _curve(units.ANGLE)]
 PlainCurve = Annotated[Item, _curve("")]
 
 
-class Rig(Table):
+class RigTable(Table):
     """The rig quantities of a source, and the pass number."""
 
     bit_depth: Length | None = None
@@ -158,7 +158,7 @@ class Rig(Table):
     pass_number: Code | None = None
 
 
-class StoreRig(Rig):
+class StoreRig(RigTable):
     """The same by mnemonic."""
 
     bit_depth: Annotated[LengthCurve, OneQuantity] | None = None
@@ -168,7 +168,7 @@ class StoreRig(Rig):
     pass_number: Annotated[PlainCurve, OneQuantity] | None = None
 
 
-class Caliper(Table):
+class CaliperTable(Table):
     """The settings that the calipers of both kinds of source have; triple n is item n of each list.
 
     Without ``depth``, the depth of a triple follows from the bit depth.
@@ -196,7 +196,7 @@ class Caliper(Table):
         self._derive(**columns, radius_range=limits)
 
 
-class WitsCaliper(Caliper):
+class WitsCaliper(CaliperTable):
     """Triples in consecutive items from ``first``, or in a list of items for each quantity."""
 
     first: Code | None = None
@@ -210,7 +210,7 @@ class WitsCaliper(Caliper):
         columns = {name: items for name, items in lists.items() if name in self.model_fields_set}
         if self.first is not None:
             for name in columns:
-                raise InputError(name, "must not be set beside first")
+                raise InputError(name, "must not be set together with first")
             if sorted(self.order) not in (["depth", "radius", "toolface"], ["radius", "toolface"]):
                 rule = 'must name "toolface" and "radius" once each, and "depth" at most once'
                 raise InputError("order", rule, repr(self.order))
@@ -226,7 +226,7 @@ class WitsCaliper(Caliper):
         self._set_items(columns, "items", context.bit_diameter)
 
 
-class StoreCaliper(Caliper):
+class StoreCaliper(CaliperTable):
     """Triples by mnemonic; without ``depth``, the depth is the index of the log."""
 
     toolface: Annotated[list[AngleCurve], OneQuantity] = Field(description="mnemonics, one for each sensor")
@@ -310,8 +310,8 @@ class Source(Table):
     silence: Annotated[float, within(0.1)] = 120.0
     nulls: list[float] = [*NULLS]
     pass_numbers: PassNumbers = PassNumbers()
-    items: Rig = Rig()
-    caliper: Caliper | None = None
+    items: RigTable = RigTable()
+    caliper: CaliperTable | None = None
     image: Mapping[str, Image] = {}
     name: Derived[str] = ""
     rig: Derived[dict[str, Item]] = {}

@@ -38,7 +38,8 @@ class Stations:
 
         A station that is already in the survey changes nothing.
         """
-        if math.isfinite(depth) and self._limits.outside(np.array(depth)):
+        least, most = self._limits.depth_range
+        if math.isfinite(depth) and not least <= depth <= most:
             return None, f"station at {depth:g} m: {self._limits.rule()}"
         moved, refused = self._core.take(*np.array([[depth], [inclination], [azimuth]]))
         if moved is not None:

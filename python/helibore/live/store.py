@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import logging
 import os
 import queue
 import socket
@@ -61,6 +62,8 @@ class StoreClient(Opener):
         except ImportError:
             raise MissingExtraError("httpx2", "witsml") from None
         self.source, self.position, self.http = source, position, httpx2
+        for name in ("httpx2", "httpcore2"):  # they log reason phrases and headers, which may repeat the password
+            logging.getLogger(name).setLevel(logging.WARNING)
         place = f"source.{source.name}"
         self._trust = ssl.create_default_context()
         if source.ca:
@@ -227,7 +230,10 @@ class StoreLink(Link):
                         return bytes(body), "refused" if refused else "cut", slow
         except self._http.TransportError as error:
             slow_headers = time.monotonic() > end and not self._answering
-            reason = f"the answer took longer than {source.timeout:g} s" if slow_headers else str(error)
+            said = str(error)
+            if isinstance(error, self._http.ProtocolError):  # its text repeats what the store sent
+                said = "the answer ended early, or is not HTTP"
+            reason = f"the answer took longer than {source.timeout:g} s" if slow_headers else said
             broken = OSError(f"{host}: {refused or reason or type(error).__name__}")
             return bytes(body), "refused" if refused else "cut", denied or broken
         finally:

@@ -12,6 +12,7 @@ from __future__ import annotations
 import socket
 import time
 from collections.abc import Iterator
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +20,7 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.live import wits
+from helibore.live.address import Address, read_address
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
 TELEMETRY = {
@@ -196,13 +198,13 @@ def play(rig: Rig, link: socket.socket, speed: float = 1.0, packet: int = 1400) 
     return sent
 
 
-def scheme_of(address: str) -> str:
-    """Return ``tcp`` or ``listen``; refuse an address that is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``."""
-    scheme, _, rest = address.partition("://")
-    host, _, port = rest.rpartition(":")
-    if scheme not in ("tcp", "listen") or not host or not port.isdigit():
-        raise InputError(f"address '{address}'", "must be tcp://HOST:PORT or listen://HOST:PORT")
-    return scheme
+def socket_address(text: str) -> Address:
+    """Read an address; refuse one that is neither ``tcp://HOST:PORT`` nor ``listen://HOST:PORT``."""
+    with suppress(ValueError):
+        address = read_address(text)
+        if address.kind in ("tcp", "listen"):
+            return address
+    raise InputError(f"address '{text}'", "must be tcp://HOST:PORT or listen://HOST:PORT")
 
 
 def connect(address: str, seconds: float = 30.0) -> socket.socket:
@@ -210,16 +212,16 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
 
     An OSError says that no connection was made within ``seconds``.
     """
-    scheme = scheme_of(address)
-    host, _, port = address.removeprefix(f"{scheme}://").rpartition(":")
-    if scheme == "listen":
-        with socket.create_server((host, int(port))) as listening:
+    found = socket_address(address)
+    where = (found.host, found.port)
+    if found.kind == "listen":
+        with socket.create_server(where) as listening:
             listening.settimeout(seconds)
             return listening.accept()[0]
     end = time.monotonic() + seconds
     while True:
         try:
-            return socket.create_connection((host, int(port)), timeout=seconds)
+            return socket.create_connection(where, timeout=seconds)
         except ConnectionRefusedError:
             if time.monotonic() > end:
                 raise

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import http.server
 import io
 import json
@@ -12,6 +13,7 @@ import socket
 import subprocess
 import sys
 import threading
+import time
 import urllib.request
 from pathlib import Path
 
@@ -177,6 +179,15 @@ def test_a_tight_hole_and_a_washout_are_alarms_once_a_turn_is_beyond_the_limit(r
     assert rules(alarms) == [("no_data", "mwd")]
 
 
+def test_the_limits_are_those_of_the_bit_that_drills_now():
+    live, _, alarms = alarmed(HOST + "[alarms]\ntight = 0.01\n")
+    live.reconfigure(parse((HOST + "[alarms]\ntight = 0.01\n").replace("0.216", "0.19")))
+    k = np.arange(16 * 20)
+    alarms.changed(live.append_samples(100 + k * 0.1 / 16, k * 22.5 % 360, np.full(len(k), 0.096)))
+    alarms.check()
+    assert alarms.active == []  # 24 mm below the first bit
+
+
 class Hook:
     """A real HTTP server that keeps what is posted to it."""
 
@@ -282,6 +293,38 @@ def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatc
     for pid in (tmp_path / "pids").read_text().split() if (tmp_path / "pids").exists() else ():
         until(lambda pid=pid: not is_running(pid))
     assert texts(live)["alarm_not_delivered"] == "command: TimeoutExpired"
+
+
+@pytest.mark.parametrize(("head", "undelivered"), [(b"", 1), (b"HTTP/1.1 200 OK\r\nX: ", 0)])
+def test_a_webhook_that_drips_its_answer_is_ended_in_time(monkeypatch, head, undelivered):
+    """Each byte comes in time; the whole answer never does. With the status 200 the line is delivered."""
+    monkeypatch.setattr(module, "SECONDS", 0.5)
+    monkeypatch.setattr(module, "WAITS", (0.0,))
+    ended = []
+
+    def drip(server):
+        for _ in range(2):
+            link, _ = server.accept()
+            with link, contextlib.suppress(OSError):
+                link.recv(65536)
+                link.sendall(head)
+                while True:
+                    link.sendall(b"x")
+                    time.sleep(0.02)
+            ended.append(link)
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread("drip", lambda: drip(server)).start()
+        live, clock, alarms = alarmed(HOST + f'[alarms]\nwebhook = "http://127.0.0.1:{server.getsockname()[1]}/"\n')
+        alarms.start(thread)
+        clock.step(61)
+        alarms.check()
+        live.receive("mwd", b"\r\n")
+        alarms.check()
+        until(lambda: alarms.check() or len(ended) == 2)  # the watch thread checks
+        alarms.close()
+    assert alarms.undelivered == 2 * undelivered
+    assert ("alarm_not_delivered" in texts(live)) == bool(undelivered)
 
 
 @pytest.mark.parametrize(("answer", "text"), [(500, "Internal Server Error"), (302, "Found")])
@@ -436,6 +479,7 @@ def test_a_process_without_descriptors_folder_or_lock_alarms_and_recovers(tmp_pa
         until(lambda: 'helibore_alarm_active{alarm="journal",source=""} 0.0' in command.metrics())
         (tmp_path / "j").rename(tmp_path / "k")
         until(lambda: command.said("disk: [Errno 2] "))
+        until(lambda: 'helibore_alarm_active{alarm="journal",source=""} 1.0' in command.metrics())
         (tmp_path / "k").rename(tmp_path / "j")
         with socket.create_connection(("127.0.0.1", port)) as sender:
             sender.sendall(b"".join(frames(20)))

@@ -184,7 +184,7 @@ def rewritten(path, **facts):
     [
         ({"version": 9}, "PATH: version 9: this helibore reads version 1"),
         ({"salt": 1}, "PATH: belongs to another journal"),
-        ({"meaning": "{}"}, "PATH: cannot be restored: PATH: has another configuration"),
+        ({"meaning": "{}", "configuration": ""}, "PATH: cannot be restored: PATH: has another configuration"),
         ({"state": {"state": {"nonsense": 1}}}, "PATH: cannot be restored: 'Model' object has no attribute 'nonsense'"),
     ],
 )

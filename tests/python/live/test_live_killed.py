@@ -4,7 +4,7 @@
     reader   every record acknowledged is there, nothing else came between; the wall has the bits of the batch
 
 One kill in four falls while the writer starts and recovers. Only what was added since the last kill is read again, the
-whole journal once, at the end.
+whole journal once, at the end. Half of the kills are aimed at a rotation, a checkpoint or the archive.
 """
 
 from __future__ import annotations
@@ -22,13 +22,16 @@ import numpy as np
 import helibore as hb
 from helibore import Live
 from helibore.live import journal, wits
+from helibore.live.configuration import parse
 from helibore.live.journal import BYTES, segments
+from helibore.live.live import read_into
+from helibore.live.model import Model
 
 START = """
 import hashlib, random, sys
 from helibore import Live
 from helibore.live.configuration import parse
-from helibore.live.archive import archive
+from helibore.live.archived_segments import archive
 from helibore.live.checkpoint import paths
 from helibore.live.journal import Journal
 """
@@ -69,21 +72,26 @@ with Live(parse(sys.argv[3]), sys.argv[1]) as live:
     with open(sys.argv[2], "rb") as stream:
         stream.seek(done)
         while part := stream.read(draw.choice([1, 37, 100, 1400])):
+            if live.journal._stop >= live.journal._segment_bytes:
+                print("rotation", flush=True)
             live.receive("mwd", part)
             done += len(part)
             print(done, flush=True)
             if live.checkpoint_due:
-                print("aim", flush=True)
+                print("checkpoint", flush=True)
                 live.checkpoint()
-                print("aim", flush=True)
+                print("archive", flush=True)
                 if len(paths(live.journal.folder)) == 2:
                     archive(live.journal.folder)
 """
 )
 
 
+AIMS = [b"rotation", b"checkpoint", b"archive"]
+
+
 def kill(code: str, arguments: list[str], draw: random.Random) -> list[bytes]:
-    """Run ``code``, kill it at a random instant; returns the lines it printed."""
+    """Run ``code``, kill it at a random instant, or at one of AIMS; return the lines that it printed."""
     writer = subprocess.Popen([sys.executable, "-c", code, *arguments], stdout=subprocess.PIPE)
     assert writer.stdout is not None
     lines = []
@@ -91,10 +99,11 @@ def kill(code: str, arguments: list[str], draw: random.Random) -> list[bytes]:
         time.sleep(draw.uniform(0.05, 0.4))
     else:
         lines.append(writer.stdout.readline())
-        if code == WALL and draw.random() < 0.5:  # aim at a checkpoint or at the archive
-            while lines[-1] not in (b"aim\n", b""):
+        if code == WALL and draw.random() < 0.7:
+            aim = draw.choice(AIMS) + b"\n"
+            while lines[-1] not in (aim, b""):
                 lines.append(writer.stdout.readline())
-            time.sleep(draw.uniform(0.0, 0.01))
+            time.sleep(draw.choice([0.0, draw.uniform(0.0, 0.01)]))
         else:
             time.sleep(draw.uniform(0.0, 0.05))
     writer.send_signal(signal.SIGKILL)
@@ -102,7 +111,7 @@ def kill(code: str, arguments: list[str], draw: random.Random) -> list[bytes]:
     lines += writer.stdout.read().split(b"\n")[:-1]  # behind the last line end nothing was acknowledged
     writer.stdout.close()
     assert writer.wait() == -signal.SIGKILL
-    return [line for line in lines if line != b"aim"]
+    return lines
 
 
 def added(folder: Path, first: int) -> tuple[int, list[bytes], list[bytes]]:
@@ -151,15 +160,19 @@ def bits(wall: hb.Wall) -> bytes:
     return hashlib.sha256(b"".join([wall.radius, wall.nearest, wall.support, wall.depth])).hexdigest().encode()
 
 
-def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int]:
-    """Kill a live wall; returns the bytes acknowledged, the bytes found and the samples drawn."""
+def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int, dict[str, int]]:
+    """Kill a live wall; return the bytes acknowledged and found, the samples drawn, and how many kills fell where."""
     draw = random.Random(seed)
     rows, stream = sent(500 * kills)
     (folder / "stream").write_bytes(stream)
     arguments = [str(folder / "j"), str(folder / "stream"), CONFIGURATION]
     acknowledged, found, first, checked, rebuilt = 0, 0, 1, 0, b""
+    model = Model(parse(CONFIGURATION))
+    fell = {"elsewhere": 0} | {aim.decode(): 0 for aim in AIMS}
     for _ in range(kills):
         lines = kill(WALL, arguments, draw)
+        fell[lines[-1].decode() if lines and lines[-1] in AIMS else "elsewhere"] += 1
+        lines = [line for line in lines if line not in AIMS]
         if lines and rebuilt:
             assert lines[0].split() == [b"%d" % found, rebuilt]  # what was recovered is what the journal gives
         for line in lines:
@@ -171,15 +184,18 @@ def kill_wall(folder: Path, kills: int, seed: int) -> tuple[int, int, int]:
         checked += sum(map(len, before))
         found = checked + sum(map(len, own))
         assert acknowledged <= found < len(stream)
-        again = Live.replay(folder / "j")
-        rebuilt = bits(again.wall)
+        for _ in read_into(model, folder / "j"):  # only what came since the last kill
+            pass
+        rebuilt = bits(model.layers["main"])
+    again = Live.replay(folder / "j")
+    assert bits(again.wall) == rebuilt
     kept = again.wall.samples
     complete = stream[:found].count(b"!!")
     given = np.column_stack([kept.toolface, kept.depth, kept.radius])
     expected = rows[: 3 * complete] * [1.0, 1.0, 0.001]
     np.testing.assert_array_equal(given[np.lexsort(given.T)], expected[np.lexsort(expected.T)])
     assert bits(hb.reconstruct(kept, bit_diameter=0.216, start_depth=100.0, sectors=16)) == rebuilt
-    return acknowledged, found, len(kept.depth)
+    return acknowledged, found, len(kept.depth), fell
 
 
 def test_a_journal_killed_at_random_instants_has_every_acknowledged_record(tmp_path):
@@ -188,6 +204,6 @@ def test_a_journal_killed_at_random_instants_has_every_acknowledged_record(tmp_p
 
 
 def test_a_live_wall_killed_under_load_recovers_and_has_the_bits_of_the_batch(tmp_path):
-    acknowledged, found, samples = kill_wall(tmp_path, 6, seed=7)
+    acknowledged, found, samples, _ = kill_wall(tmp_path, 6, seed=7)
     assert found >= acknowledged > 0
     assert samples > 6

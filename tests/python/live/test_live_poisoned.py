@@ -193,6 +193,8 @@ def test_an_append_that_fails_sets_its_record_aside(tmp_path, clean, monkeypatch
         (event,) = (event for event in live.model.events.latest if event.rule == "aside")
         assert event.text == "layer main: 1 samples: MemoryError: set aside"
         assert live.model.counts["set aside"] == 1
+        assert live.model.out_of_memory
+        assert live.checkpoint() is None  # a restart with more memory draws the record
     assert same_bits(Live.replay(tmp_path).wall, clean.wall)  # taken by the thousand, too
 
 

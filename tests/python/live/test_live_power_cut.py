@@ -15,7 +15,7 @@ import pytest
 from live_wires import FRAMES, SENT, Clock, same_bits
 
 from helibore import Live
-from helibore.live import archive, checkpoint
+from helibore.live import archived_segments, checkpoint
 from helibore.live.configuration import parse
 from helibore.live.journal import segments
 
@@ -27,7 +27,7 @@ class PowerLostError(BaseException):
 class Disk:
     """A folder as a disk holds it: which bytes and names are synced. It loses power at operation ``at``."""
 
-    OPERATIONS = ("pwritev", "fdatasync", "fsync", "rename", "replace", "unlink")
+    OPERATIONS = ("pwritev", "fdatasync", "fsync", "mkdir", "rename", "replace", "unlink")
 
     def __init__(self, folder: Path, at: int, patch: pytest.MonkeyPatch) -> None:
         self.folder, self.at, self.count = folder, at, 0
@@ -67,16 +67,24 @@ class Disk:
 
     def after_the_cut(self, target: Path, draw: random.Random) -> None:
         """Write to ``target`` what may be left after the cut."""
-        files = {path: path.read_bytes() for path in self.folder.rglob("*") if path.is_file()}
+        found = sorted(self.folder.rglob("*"))
+        lost = {path for path in found if path.is_dir() and self._may_be_lost(path) and draw.random() < 0.5}
+        files = {path: path.read_bytes() for path in found if path.is_file() and path.parent not in lost}
         for path, text in files.items():
             node = path.stat().st_ino
-            is_synced = self.names.get(path) == node or path.name == "lock"
             size = draw.randint(min(self.synced.get(node, 0), len(text)), len(text))
-            if is_synced or draw.random() < 0.5:
+            if path.name == "lock" or not self._may_be_lost(path) or draw.random() < 0.5:
                 self._put(target, path, text[:size] + bytes(draw.choice([0, 0, len(text) - size])))
         for path, text in self.gone.items():
-            if draw.random() < 0.5 and not (target / path.relative_to(self.folder)).exists():
+            if (
+                draw.random() < 0.5
+                and path.parent not in lost
+                and not (target / path.relative_to(self.folder)).exists()
+            ):
                 self._put(target, path, text)
+
+    def _may_be_lost(self, path: Path) -> bool:
+        return self.names.get(path) != path.stat().st_ino
 
     def _put(self, target: Path, path: Path, text: bytes) -> None:
         copy = target / path.relative_to(self.folder)
@@ -100,7 +108,7 @@ def played(folder: Path, frames: list[bytes]) -> int:
             if live.checkpoint_due:
                 live.checkpoint()
                 if len(checkpoint.paths(folder)) == 2:
-                    archive.archive(folder)
+                    archived_segments.archive(folder)
     except PowerLostError:
         pass
     finally:

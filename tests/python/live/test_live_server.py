@@ -315,8 +315,8 @@ def test_idle_connections_to_the_metrics_are_bounded_and_end(tmp_path, monkeypat
         port = free_port()
         pages = live_metrics.MetricsServer(running.server, port, live_metrics.Access())
         held = [socket.create_connection(("127.0.0.1", port)) for _ in range(30)]
-        threads = [t for t in threading.enumerate() if "process_request_thread" in t.name]
-        assert len(threads) <= live_metrics.CONNECTIONS
+        threads = [t for t in threading.enumerate() if t.name.startswith("metrics ")]
+        assert len(threads) == live_metrics.CONNECTIONS
 
         def answers():
             with contextlib.suppress(OSError), urllib.request.urlopen(f"http://127.0.0.1:{port}/metrics") as page:

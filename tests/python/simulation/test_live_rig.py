@@ -12,6 +12,7 @@ import urllib.request
 import numpy as np
 import pytest
 from click.testing import CliRunner
+from live_servers import free_port
 
 import helibore as hb
 from helibore import Live
@@ -25,11 +26,6 @@ from helibore.simulation.rig import Faults, Rig, configuration, play
 from helibore.simulation.tool import Lift
 
 EM = ("--telemetry", "em")
-
-
-def free_port():
-    with socket.create_server(("127.0.0.1", 0)) as s:
-        return s.getsockname()[1]
 
 
 def listened(rig, folder):

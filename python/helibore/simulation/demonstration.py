@@ -2,7 +2,7 @@
 
     simulate  ->  reconstruct  ->  helibore-demo.glb, helibore-demo.png  ->  error against the hole's own formula
 
-This is the shortest complete use of the library. ``cli.demo`` prints the result, and ``plot`` draws it.
+This is the shortest complete use of the library. ``helibore demo`` prints the result, and ``plot`` draws it.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from helibore.images.sector_image import SectorImage
 from helibore.samples.caliper import Caliper
 from helibore.simulation.tool import Hole, Simulation, Tool, simulate
 from helibore.trajectory.survey import Path, Survey
-from helibore.wall.reconstruct import reconstruct
-from helibore.wall.wall import Wall
+from helibore.wall.wall import Wall, wall_of
 
 
 @dataclass(frozen=True)
@@ -46,7 +45,7 @@ def drill(seed: int = 0) -> Simulation:
 def rebuild(simulation: Simulation) -> Demonstration:
     """Rebuild the wall of a simulated hole (64 sectors a turn, pitch 0.1 m) and put the gamma image on it."""
     caliper = Caliper(simulation.depth, simulation.toolface, simulation.radius, simulation.time)
-    wall = reconstruct(caliper, bit_diameter=simulation.hole.bit_diameter)
+    wall = wall_of(caliper, bit_diameter=simulation.hole.bit_diameter)
     depth, gamma, name = simulation.gamma_depth, simulation.gamma, "Gamma ray"
     wall.images[name] = SectorImage(depth, gamma, name, "gAPI", origin="edge", reference="high-side")
     survey = Survey(simulation.station_depth, simulation.inclination, simulation.azimuth)

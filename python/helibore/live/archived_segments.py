@@ -2,23 +2,27 @@
 
 A segment is old if both checkpoints of the journal can be read whole and contain all its records. So a restart never
 needs an archived segment, not even if the newest checkpoint is damaged. Archived segments are read by a replay of the
-whole journal; after a deletion only the checkpoints know what was in them.
+whole journal; after a deletion only the checkpoints know what was in them. ``helibore live`` archives by itself if
+``[journal] keep_days`` is set.
 """
 
 from __future__ import annotations
 
-import gzip
+import itertools
+import zlib
 from collections.abc import Callable
 from pathlib import Path
 
-from helibore.base.atomic_file import write_whole
+from helibore.base.atomic_file import make_folder, write_whole
 from helibore.base.errors import InputError
 from helibore.live import checkpoint
-from helibore.live.journal import ARCHIVE, content, header_of, paths
+from helibore.live.journal import ARCHIVE, content, first_wall, header_of, paths
 
 
-def old_segments(folder: Path) -> list[Path]:
+def old_segments(folder: Path, before: int | None = None) -> list[Path]:
     """Return the segments that both checkpoints contain; never the last one.
+
+    If ``before`` is given (ns since 1970), return only those whose records were all received before it.
 
     Raises
     ------
@@ -30,18 +34,22 @@ def old_segments(folder: Path) -> list[Path]:
         raise InputError(str(folder), "holds no journal (no file 000001.hbj)")
     last = header_of(found[-1])
     for path in checkpoint.paths(folder)[-checkpoint.KEPT :]:
-        checkpoint.read(path, last.salt if last else -1)
+        checkpoint.read(path, last.salt if last else -1, only_facts=True)
         positions.append(checkpoint.position(path))
     if len(positions) < checkpoint.KEPT:
         raise InputError(str(folder), f"has {len(positions)} of the {checkpoint.KEPT} checkpoints that archiving needs")
-    headers = [header_of(path) for path in found[1:]]
-    return [
-        path for path, after in zip(found, headers, strict=False) if after and after.sequence <= min(positions)
-    ]  # fmt: skip
+    old = []
+    for path, after in itertools.pairwise(found):
+        header = header_of(after)
+        if header and header.sequence <= min(positions) and (before is None or 0 < first_wall(after) <= before):
+            old.append(path)
+    return old
 
 
-def archive(folder: Path, *, remove: bool = False, report: Callable[[Path], None] = lambda _: None) -> list[Path]:
-    """Archive or ``remove`` all old segments and return their former paths; ``report`` gets each when it is done.
+def archive(
+    folder: Path, *, remove: bool = False, before: int | None = None, report: Callable[[Path], None] = lambda _: None
+) -> list[Path]:
+    """Archive or ``remove`` the `old_segments` and return their former paths; ``report`` gets each when it is done.
 
     Raises
     ------
@@ -50,16 +58,16 @@ def archive(folder: Path, *, remove: bool = False, report: Callable[[Path], None
     OSError
         If the disk refuses.
     """
-    done = old_segments(folder)
+    done = old_segments(folder, before)
     for path in done:
         if not remove:
             text = path.read_bytes()
-            (folder / ARCHIVE).mkdir(exist_ok=True)
+            make_folder(folder / ARCHIVE)
             target = folder / ARCHIVE / f"{path.name}.gz"
-            packed = gzip.compress(text, 6, mtime=0)
+            packed = zlib.compress(text, 6, zlib.MAX_WBITS | 16)
             write_whole(target, lambda file, packed=packed: file.write(packed))  # type: ignore[misc]
-            if content(target) != text:
+            if content(target) != (text, ""):
                 raise InputError(str(target), f"differs from {path.name}")
-        path.unlink()
+        path.unlink(missing_ok=True)
         report(path)
     return done

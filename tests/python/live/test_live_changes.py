@@ -1,0 +1,191 @@
+"""A new configuration in a running journal: at once, at a time, or at a hole depth; the same bits at a replay."""
+
+from __future__ import annotations
+
+import datetime
+
+import pytest
+from live_servers import configured, frames, free_port, until
+from live_wires import FRAMES, SENT, WALL, Clock, same_bits
+
+from helibore import Live
+from helibore.live.configuration import load, parse
+from helibore.live.export import sessions
+from helibore.live.journal import JournalFullError
+from helibore.live.server import Server
+
+TURNED = SENT.replace("order =", "toolface_offset = 90.0, order =").replace("0.216", "0.2")
+RIG = (
+    WALL + '[source.rig]\naddress = "host"\nunits = "metric"\nitems = { bit_depth = "0108", hole_depth = "0110" }\n'
+    'caliper = { toolface = ["5010"], radius = ["5012"], offset = OFFSET }\n'
+)
+
+
+def halves(folder, clock):
+    """A wall whose configuration changes after half of the frames, in one session."""
+    live = Live(parse(SENT), folder, clock=clock)
+    for number, frame in enumerate(FRAMES):
+        if number == 100:
+            live.receive("mwd", frame[:20])
+            update = live.reconfigure(parse(TURNED))
+            assert [event.rule for event in update.events] == ["configuration"]
+            frame = frame[20:]  # a frame that began before the change is read to its end
+        clock.step(1.0)
+        live.receive("mwd", frame)
+    return live
+
+
+def test_a_change_applies_from_the_next_record_on_without_a_restart(tmp_path):
+    clock = Clock()
+    with halves(tmp_path, clock) as live:
+        assert live.wall.sample_count == 600
+        assert [stretch["configuration"] for stretch in live.model.stretches] == [TURNED]
+        path = live.checkpoint()
+    expected = Live(parse(SENT), clock=Clock())
+    for frame in FRAMES[:100]:
+        expected.receive("mwd", frame)
+    turned = Live(parse(TURNED), clock=Clock())
+    for frame in FRAMES[100:]:
+        turned.receive("mwd", frame)
+    before, after = expected.wall.samples, turned.wall.samples
+    pairs = sorted([*zip(before.depth, before.toolface, strict=True), *zip(after.depth, after.toolface, strict=True)])
+    assert sorted(zip(live.wall.samples.depth, live.wall.samples.toolface, strict=True)) == pairs
+    assert same_bits(Live.replay(tmp_path).wall, live.wall)
+    assert [text for _, text in sessions(tmp_path)] == [SENT, TURNED]
+    for expected_text in (TURNED, SENT):  # a restart goes on with the last one, or with the one that is given
+        with Live(parse(expected_text), tmp_path, clock=clock) as again:
+            assert same_bits(again.wall, live.wall)
+            assert again.model.configuration.text == expected_text
+        path.unlink(missing_ok=True)
+
+
+def test_a_change_does_not_move_the_clock(tmp_path):
+    clock = Clock()
+    live = Live(parse(SENT), tmp_path, clock=clock)
+    clock.wall += 3600 * 10**9
+    live.receive("mwd", FRAMES[0])
+    now = live.model.clock.now
+    clock.step(1.0)
+    live.reconfigure(parse(TURNED))
+    assert live.model.clock.now == now + 10**9
+    live.close()
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        (SENT.replace("sectors = 16", "sectors = 8"), "was begun with another configuration: give the old one, or "
+         "begin another journal: wall.sectors = 8, was 16"),
+        (SENT + '[source.x]\naddress = "host"\nunits = "fps"\n',
+         "source.x: a source can be added or removed only by a restart"),
+    ],
+)  # fmt: skip
+def test_what_a_running_journal_cannot_change_is_refused_and_changes_nothing(tmp_path, text, error):
+    with Live(parse(SENT), tmp_path) as live:
+        with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared below)
+            live.reconfigure(parse(text))
+        assert str(raised.value) in (error, f"{tmp_path}: {error}")
+        assert live.configuration.text == SENT
+        assert live.model.next_sequence == 0 or not live.model.stretches
+
+
+def test_a_change_that_the_disk_refuses_changes_nothing(tmp_path, monkeypatch):
+    with Live(parse(SENT), tmp_path) as live:
+        with monkeypatch.context() as patch:
+            patch.setattr("os.pwritev", lambda *_: (_ for _ in ()).throw(OSError(28, "No space left on device")))
+            with pytest.raises(JournalFullError):
+                live.reconfigure(parse(TURNED))
+        live.journal._segment_bytes = 1
+        live.receive("mwd", FRAMES[0])  # a new segment, which begins with the old configuration
+        assert not live.model.stretches
+    assert [text for _, text in sessions(tmp_path)] == [SENT]
+
+
+def planned(folder, plan):
+    """The files of two configurations; the first names the second in ``next``."""
+    (folder / "one.toml").write_text(f'[next]\nfile = "two.toml"\n{plan}\n' + RIG.replace("OFFSET", "0.0"))
+    (folder / "two.toml").write_text(RIG.replace("OFFSET", "5.0"))
+    return load(folder / "one.toml")
+
+
+def frame(hole, toolface=10.0):
+    return b"&&\r\n0108%.2f\r\n0110%.2f\r\n5010%.1f\r\n5012110\r\n!!\r\n" % (hole, hole, toolface)
+
+
+@pytest.mark.parametrize("by", ["hole_depth", "time"])
+def test_the_next_configuration_begins_at_its_hole_depth_or_time(tmp_path, by):
+    clock = Clock()
+    due = datetime.datetime.fromtimestamp(clock.wall / 1e9 + 10, datetime.UTC).isoformat()
+    given = planned(tmp_path, "hole_depth = 130.0" if by == "hole_depth" else f"time = {due}")
+
+    def drill(server, holes):
+        for hole in holes:
+            clock.step(1.0)
+            server._change_if_due()  # the watch thread does this
+            stored = server.live.store("rig", 1, frame(hole), 0)
+            server.live.draw([*server._queue.take(0), stored])
+
+    with Live(given, tmp_path / "j", clock=clock) as live:
+        drill(Server(live), [128.0, 129.0, 129.9, *([129.9] * 6), 130.0, 131.0, 132.0])
+        (stretch,) = live.model.stretches
+        assert stretch["configuration"] == (tmp_path / "two.toml").read_text()
+        depths = live.wall.samples.depth.tolist()
+    assert max(depths) == (130.0 if by == "hole_depth" else 129.9)  # then the offset of 5 m
+    assert {126.0, 127.0} <= set(depths)
+    assert same_bits(Live.replay(tmp_path / "j").wall, live.wall)
+    with Live(given, tmp_path / "j", clock=clock) as again:  # the first file is given again: the plan is due at once
+        server = Server(again)
+        drill(server, [133.0, 134.0])
+        assert again.configuration.text == (tmp_path / "two.toml").read_text()
+        assert {128.0, 129.0} <= set(again.wall.samples.depth.tolist())
+        assert 133.0 not in again.wall.samples.depth.tolist()
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ('[next]\nfile = "two.toml"\n', "next: hole_depth or time must be set, one of them"),
+        ('[next]\nfile = "two.toml"\ntime = 2026-05-01T10:00:00\n', "next.time = 2026-05-01 10:00:00: must have a time "
+         "zone, such as 2026-05-01T10:00:00Z"),
+        ('[next]\nhole_depth = 1.0\n', "next.file: must be set: the file of the configuration"),
+    ],
+)  # fmt: skip
+def test_a_wrong_plan_is_named(text, error):
+    with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
+        parse(text + RIG.replace("OFFSET", "0.0"))
+    assert str(raised.value) == error
+
+
+def test_a_plan_without_a_hole_depth_that_follows_itself_or_cannot_be_begun_never_starts(tmp_path):
+    with pytest.raises(ValueError, match=r"^next.hole_depth = 9: no source maps hole_depth$"):
+        parse('[next]\nfile = "x"\nhole_depth = 9.0\n' + SENT)
+    given = planned(tmp_path, "hole_depth = 130.0")
+    (tmp_path / "two.toml").write_text((tmp_path / "one.toml").read_text().replace("two", "one"))
+    with pytest.raises(ValueError, match=r"^next.file = '.*one.toml': must not follow itself$"):
+        given.following()
+    (tmp_path / "two.toml").write_text(RIG.replace("OFFSET", "5.0").replace("sectors = 16", "sectors = 8"))
+    with pytest.raises(ValueError, match=r"wall.sectors = 8, was 16$"):
+        Server(Live(given))
+
+
+def test_a_server_changes_while_bytes_come(tmp_path):
+    import socket
+
+    port = free_port()
+    text = configured(f"listen://127.0.0.1:{port}")
+    live = Live(parse(text), tmp_path)
+    server = Server(live)
+    server.start()
+    try:
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(frames(1)[0])
+            until(lambda: live.wall.sample_count == 1)
+            server.reconfigure(parse(text.replace('radius = ["5012"]', 'radius = ["5012"], toolface_offset = 90.0')))
+            sender.sendall(frames(1, 1)[0])
+            until(lambda: live.wall.sample_count == 2)
+        assert live.wall.samples.toolface.tolist() == [0.0, 127.0]
+    finally:
+        server.stop()
+        live.close()
+    assert server.failure is None
+    assert same_bits(Live.replay(tmp_path).wall, live.wall)
