@@ -40,49 +40,27 @@ _STEADY = 0.33  # of the drift of another arm: an arm that drifts less is steady
 
 @dataclass(frozen=True)
 class Bias:
-    """How much each pass and each arm reads too much; of a sample, the sum of the three.
+    """How much each pass and each arm reads too much, metres, for p passes and a arms.
 
-    Attributes
-    ----------
-    passes, arms
-        Their numbers, (p,) and (a,) int64, sorted.
-    by_pass, by_arm
-        Their biases, (p,) and (a,) m; NaN for arms that cannot be separated from the hole's shape, and for passes that
-        cannot be compared with another.
-    by_both
-        What each arm of each pass reads too much beside these, (p, a) m.
-    estimate, sigma
-        Best estimate of their sums and its standard deviation, (p, a) m.
-    table
-        What is subtracted, (p, a) m: the estimate, NaN where its deviation exceeds 0.127 mm, for an arm that drifts
-        and cannot be compared with a steady one, and where less than half of an arm's samples can be compared.
-    samples
-        Samples of each pass and arm, (p, a) int64.
-    part
-        Passes and arms of one number can be compared, and share one zero, (p, a) int64.
-    drift, drift_sigma
-        How far each arm goes from its least to its largest bias over the passes that can be compared, (a,) m, and its
-        standard deviation; NaN with fewer than two passes.
-    drift_ends
-        Rows of these two passes, (a, 2) int64.
-    noise
-        Robust deviation of a sample from its cell after correction, m.
+    The bias of a sample is the sum of ``by_pass``, ``by_arm`` and ``by_both``.
     """
 
-    passes: Integers
-    arms: Integers
-    by_pass: Floats
-    by_arm: Floats
-    by_both: Floats
-    estimate: Floats
-    sigma: Floats
+    passes: Integers  # their numbers, (p,), sorted
+    arms: Integers  # (a,)
+    by_pass: Floats  # (p,); NaN for passes that cannot be compared with another
+    by_arm: Floats  # (a,); NaN for arms that cannot be separated from the hole's shape
+    by_both: Floats  # what each arm of each pass reads too much beside these, (p, a)
+    estimate: Floats  # best estimate of their sums, (p, a)
+    sigma: Floats  # its standard deviation, (p, a)
+    # What is subtracted, (p, a): the estimate; NaN where its deviation exceeds 0.127 mm, for an arm that drifts and
+    # cannot be compared with a steady one, and where less than half of an arm's samples can be compared.
     table: Floats
-    samples: Integers
-    part: Integers
-    drift: Floats
-    drift_sigma: Floats
-    drift_ends: Integers
-    noise: float
+    samples: Integers  # of each pass and arm, (p, a)
+    part: Integers  # passes and arms of one number can be compared, and share one zero, (p, a)
+    drift: Floats  # from least to largest bias over the passes that can be compared, (a,); NaN for fewer than two
+    drift_sigma: Floats  # its standard deviation, (a,)
+    drift_ends: Integers  # rows of these two passes, (a, 2)
+    noise: float  # robust deviation of a sample from its cell after correction
 
     def at(self, pass_number: npt.ArrayLike, arm: npt.ArrayLike | None = None) -> Floats:
         """Return the bias of each sample, (n,) m, new: subtract it from the radius. 0 where it is not known.
@@ -312,24 +290,11 @@ def _referred(
 
 
 def arm_sides(arm: npt.ArrayLike, toolface: npt.ArrayLike, sides: int = 8) -> Integers:
-    """Classes of arms by the side of the hole they lie on, for arms that sag in an inclined hole.
+    """Return arm * sides + side, (n,), for :func:`find_bias`: arms by the side of the hole they lie on.
 
     The weight of the tool bends and closes its arms, each by its direction: the two ends of a diameter read differently
-    when they change places. Passes that lie rotated in the hole tell that from the hole's own shape.
-
-    Parameters
-    ----------
-    arm
-        Whole numbers, not negative, (n,).
-    toolface
-        Of the tool's reference, degrees from the high side, (n,), finite.
-    sides
-        Classes of each arm; the first is centred on 0.
-
-    Returns
-    -------
-    ndarray
-        arm * sides + side, (n,) int64, for :func:`find_bias`.
+    when they change places. Passes that lie rotated in the hole tell that from the hole's own shape. ``arm`` are whole
+    numbers, ``toolface`` degrees of the tool's reference from the high side, (n,); the first side is centred on 0.
     """
     if sides < 1:
         raise InputError("sides", "must be at least 1", str(sides))
@@ -361,7 +326,7 @@ class _Walls:
         self.compared = (np.bincount(self.cell_of, minlength=cells.size) > 1)[self.spot]
 
     def weigh(self, weight: Floats, deviation: float, rough: float) -> None:
-        """Set the weights of the samples, their deviation, and that of the cells' walls."""
+        """Set the weights and the deviation of the samples, and the deviation of the walls of the cells."""
         self.weight = weight
         self.sum_1, self.sum_t = self._sum(np.ones(weight.size)), self._sum(self.aside)
         self.own_1, self.own_tt = self.sum_1 + (deviation / rough) ** 2, self._sum(self.aside**2)

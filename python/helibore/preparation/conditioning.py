@@ -19,19 +19,6 @@ from helibore.base.arrays import Floats, Integers, Mask, column, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
 
-__all__ = [
-    "Echo",
-    "Step",
-    "closed",
-    "closed_stretches",
-    "in_range",
-    "repeated_rows",
-    "require_agreement",
-    "saturated",
-    "spikes",
-    "stuck",
-]
-
 _SAMPLES_AT_ONCE = 1 << 17
 
 
@@ -39,25 +26,14 @@ _SAMPLES_AT_ONCE = 1 << 17
 class Step:
     """What one step found.
 
-    Attributes
-    ----------
-    name
-        Of the step.
-    settings
-        All that, with the samples, decides the result.
-    dropped
-        True where the sample is to be left out; of the shape of what was judged.
-    counts
-        Dropped samples for each reason; they add up to the dropped.
-    unjudged
-        Samples the step could not judge (too few neighbours); they are kept.
+    ``settings`` are all that, with the samples, decides the result.
     """
 
     name: str
     settings: Mapping[str, float | int]
-    dropped: Mask
-    counts: Mapping[str, int] = field(default_factory=dict)
-    unjudged: int = 0
+    dropped: Mask  # True where the sample is to be left out; of the shape of what was judged
+    counts: Mapping[str, int] = field(default_factory=dict)  # dropped samples for each reason
+    unjudged: int = 0  # samples that the step could not judge (too few neighbours); they are kept
 
     @property
     def kept(self) -> Mask:
@@ -66,20 +42,7 @@ class Step:
 
 
 def in_range(values: npt.ArrayLike, low: float, high: float) -> Step:
-    """Drop what is missing (NaN), below ``low`` or above ``high`` (both inclusive limits), each counted.
-
-    Parameters
-    ----------
-    values
-        (n,), any unit; NaN is missing.
-    low, high
-        Of the same unit.
-
-    Raises
-    ------
-    InputError
-        If low > high or either is NaN.
-    """
+    """Drop values (n,) that are missing (NaN), below ``low`` or above ``high``, of the same unit; each is counted."""
     array = column("values", values)
     if not low <= high:
         raise InputError(f"low = {low:g}, high = {high:g}", "low must not be larger than high")
@@ -292,13 +255,7 @@ def stuck(arms: Sequence[npt.ArrayLike], *, rows: int = 50, moving: float = 0.5)
 
 
 def repeated_rows(*columns: npt.ArrayLike) -> Step:
-    """Drop rows that equal an earlier row in every column given; the first of them stays. NaN equals NaN.
-
-    Parameters
-    ----------
-    *columns
-        One or more, (n,). Leave out what may differ between copies, such as a time of arrival.
-    """
+    """Drop rows that equal an earlier row in every column (n,); the first of them stays. NaN equals NaN."""
     if not columns:
         raise InputError("columns", "must have at least one")
     values = _table("columns", columns)
@@ -310,7 +267,20 @@ def repeated_rows(*columns: npt.ArrayLike) -> Step:
     return Step("repeated rows", {"columns": len(columns)}, dropped, {"repeated": int(np.count_nonzero(same))})
 
 
-def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0.002, margin: int = 0) -> Step:
+def share_of_repeats(depth: Floats, toolface: Floats, radius: Floats, *, most: int = 1 << 15) -> float:
+    """Return the share of rows that equal an earlier one, judged by about ``most`` rows: all of some of the hashes."""
+    odd = np.uint64(0x9E3779B97F4A7C15)
+    bits = [values.copy().view(np.uint64) for values in (depth, toolface, radius)]
+    place = (bits[0] ^ (bits[1] << np.uint64(1))) * odd
+    judged = place >> np.uint64(32) <= np.uint64(0xFFFFFFFF * min(1.0, most / max(place.size, 1)))
+    some = np.zeros(np.count_nonzero(judged), dtype=np.uint64)
+    for values in bits:
+        some = (some ^ values[judged]) * odd
+        some ^= some >> np.uint64(29)
+    return float(1.0 - np.unique(some).size / some.size) if some.size else 0.0
+
+
+def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0.002) -> Step:
     """Drop rows taken with the caliper closed: no arm reads more than the closed radius plus a tolerance.
 
     Parameters
@@ -318,33 +288,24 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
     arms
         One or more columns of readings, (n,), in the order they were taken; NaN is missing. A row without any reading
         is not judged.
-    radius
-        Of the closed tool, in the unit of the readings.
-    tolerance
-        What a closed arm may read more, same unit.
-    margin
-        Rows before and after a closed stretch that go with it, while the arms open and close.
+    radius, tolerance
+        Of the closed tool, and what a closed arm may read more, in the unit of the readings.
 
     Returns
     -------
     Step
-        ``dropped`` is (n,), of rows. Reasons ``closed`` and ``margin``.
+        ``dropped`` is (n,), of rows.
     """
-    if not radius > 0 or not tolerance >= 0 or margin < 0:
-        place = f"radius = {radius:g}, tolerance = {tolerance:g}, margin = {margin}"
-        raise InputError(place, "radius must be larger than 0, the others not negative")
+    if not radius > 0 or not tolerance >= 0:
+        rule = "radius must be larger than 0, tolerance not negative"
+        raise InputError(f"radius = {radius:g}, tolerance = {tolerance:g}", rule)
     if not len(arms):
         raise InputError("arms", "must have at least one column")
     values = _table("arms", arms)
     silent = np.all(np.isnan(values), axis=0)
     shut = ~np.any(values > radius + tolerance, axis=0) & ~silent
-    before = np.concatenate([[0], np.cumsum(shut)])
-    at = np.arange(shut.size)
-    low, high = np.maximum(at - margin, 0), np.minimum(at + margin + 1, shut.size)
-    near = before[high] > before[low]
-    counts = {"closed": int(np.count_nonzero(shut)), "margin": int(np.count_nonzero(near & ~shut))}
-    settings = {"radius": radius, "tolerance": tolerance, "margin": margin}
-    return Step("closed", settings, near, counts, int(np.count_nonzero(silent)))
+    counts = {"closed": int(np.count_nonzero(shut))}
+    return Step("closed", {"radius": radius, "tolerance": tolerance}, shut, counts, int(np.count_nonzero(silent)))
 
 
 def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike, *, rows: int = 5, length: float = 0.5) -> Step:
@@ -436,21 +397,11 @@ def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
 
 @dataclass(frozen=True)
 class Echo:
-    """How a travel time becomes a radius: tool_radius + velocity * (travel_time - window) / 2.
+    """How a travel time becomes a radius: tool_radius + velocity * (travel_time - window) / 2."""
 
-    Attributes
-    ----------
-    velocity
-        Of sound in the mud, m/s; about 1500 in water.
-    tool_radius
-        From the tool's axis to the face of its transducer, m.
-    window
-        What the echo spends inside the tool, behind the window of the transducer, there and back, seconds.
-    """
-
-    velocity: float
-    tool_radius: float
-    window: float = 0.0
+    velocity: float  # of sound in the mud, m/s; about 1500 in water
+    tool_radius: float  # from the tool's axis to the face of its transducer, m
+    window: float = 0.0  # what the echo spends inside the tool, behind the transducer's window, there and back, seconds
 
     def __post_init__(self) -> None:
         finite = all(np.isfinite(value) for value in vars(self).values())

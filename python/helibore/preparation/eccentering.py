@@ -42,6 +42,7 @@ Not here: which samples make a turn of a tool that does not rotate (any integers
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 import numpy.typing as npt
@@ -49,54 +50,35 @@ import numpy.typing as npt
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Complexes, Floats, Integers, Mask, column, finite_column, require, whole_column
 from helibore.base.errors import InputError
-from helibore.preparation.turn_fits import Shape, TurnFits, estimate
+from helibore.preparation.turn_fits import Shape, TurnFits, estimate, powers
 
-__all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_numbers", "turn_positions"]
+__all__ = ["Centres", "Shape", "find_centres", "recentre", "turn_positions"]
 
 _SAMPLES_AT_ONCE = 1 << 16
 _EXCESS = 0.8  # 2/3 makes the bound three deviations; the mean about an axis that is off is a little less, and noisy
 _FASTEST_WHIRL = 100.0  # degrees a turn
+_SHAPE_HARMONICS = 8
+_SHOWN = 0.7  # of a wave that the centres found make: less is another motion
 _MOTION_ROUNDS = 2  # of fits in which the samples follow the centre from turn to turn
 
 
 @dataclass(frozen=True)
 class Centres:
-    """The tool's centre in each turn. One entry a turn, sorted by ``turn``.
+    """The tool's centre in each of t turns, sorted by ``turn``; metres.
 
     NaN where a turn has no radius, and where the tool moves too far from turn to turn to be followed.
-
-    Attributes
-    ----------
-    turn
-        Turn numbers, (t,) int64.
-    x, y
-        Centre of the tool from the hole's axis towards toolface 0 and toolface 90, (t,) m.
-    covariance
-        Of (x, y), (t, 2, 2) m^2.
-    mean_radius
-        Mean radius of the hole about its axis, (t,) m.
-    noise
-        Deviation of the samples from the fitted wall, (t,) m.
-    inliers
-        Share of the samples within three times that noise, (t,).
-    samples
-        Samples with a finite radius, (t,) int64.
-    one_sided
-        How far a wall enlarged on one side counts, (t,) in [0, 1]: shown by the samples, or not excluded by them.
-    within
-        Covariance if it were excluded, (t, 2, 2) m^2.
     """
 
     turn: Integers
-    x: Floats
-    y: Floats
-    covariance: Floats
-    mean_radius: Floats
-    noise: Floats
-    inliers: Floats
-    samples: Integers
-    one_sided: Floats
-    within: Floats
+    x: Floats  # centre of the tool from the hole's axis towards toolface 0
+    y: Floats  # and towards toolface 90
+    covariance: Floats  # of (x, y), (t, 2, 2) m^2
+    mean_radius: Floats  # of the hole about its axis
+    noise: Floats  # deviation of the samples from the fitted wall
+    inliers: Floats  # share of the samples within three times that noise
+    samples: Integers  # with a finite radius
+    one_sided: Floats  # how far a wall enlarged on one side counts, in [0, 1]: shown, or not excluded by the samples
+    within: Floats  # covariance if it were excluded, (t, 2, 2) m^2
 
     def __repr__(self) -> str:
         known = self.eccentering[np.isfinite(self.x)]
@@ -148,28 +130,11 @@ class Centres:
 def turn_positions(toolface: npt.ArrayLike) -> Floats:
     """Turns made at every sample of a rotating tool, from its toolfaces in order of time, (n,).
 
-    The steps between samples are taken the short way round and summed, from toolface 0 of the first turn on.
+    The steps between samples, less than 180 degrees, are taken the short way round and summed, from toolface 0 of the
+    first turn on. A tool that turns back (stick-slip) returns into the turn it came from.
     """
     positions: Floats = np.unwrap(finite_column("toolface", toolface) % 360.0, period=360.0) / 360.0
     return positions
-
-
-def turn_numbers(toolface: npt.ArrayLike) -> Integers:
-    """Turn of every sample of a rotating tool: its whole turns, as by :func:`turn_positions`.
-
-    A tool that turns back (stick-slip) returns into the turn it came from.
-
-    Parameters
-    ----------
-    toolface
-        Degrees, (n,), finite, less than 180 apart from one sample to the next.
-
-    Returns
-    -------
-    ndarray
-        (n,) int64, new; 0 for the first sample.
-    """
-    return np.floor(turn_positions(toolface)).astype(np.int64)
 
 
 def find_centres(
@@ -199,7 +164,8 @@ def find_centres(
         Of each sample along the turns, (n,): turn + 0.5 is the middle of a turn (:func:`turn_positions`). The centre
         then moves from turn to turn while the samples are taken, and what is found is the centre in the middle of the
         turn. None: the centre rests during a turn. A centre that goes around the axis by more than 100 degrees a turn
-        cannot be followed: it is NaN. (From 180 degrees on it looks like a slower one that goes the other way.)
+        cannot be followed: it is NaN. So is one that the samples within the turns contradict, as where the hole changes
+        much from turn to turn. (What turns with the tool, 360 degrees a turn, shows the same radius all the time.)
 
     Returns
     -------
@@ -232,10 +198,12 @@ def find_centres(
             centre = x + 1j * y
             moved = _moving(turns, centre, place[order], row[order])
             smooth_radius = _fit(result, reach + moved - centre[row[order]], shape)
-        motion = _motion_deviation(turns, x + 1j * y)
-        _widen(covariance, motion)
-        _widen(within, motion)
-        lost = _too_fast(turns, x + 1j * y, noise / np.sqrt(np.maximum(count, 1)))
+        spread = noise / np.sqrt(np.maximum(count, 1))
+        for deviation in (_motion_deviation(turns, x + 1j * y), _size_deviation(turns, mean_radius, spread)):
+            _widen(covariance, deviation)
+            _widen(within, deviation)
+        lost = _too_fast(turns, x + 1j * y, spread)
+        lost |= _contradicted(result, reach, place[order], row[order])
         x[lost], y[lost], covariance[lost], within[lost] = np.nan, np.nan, np.nan, np.nan
     if bit_diameter is not None:
         _widen(covariance, _EXCESS * np.maximum(mean_radius - 0.5 * bit_diameter, 0.0))
@@ -303,12 +271,54 @@ def _too_fast(turns: Integers, centre: Complexes, deviation: Floats) -> Mask:
     bend = np.abs(np.diff(step, prepend=np.nan, append=np.nan)) ** 2
     moved = 0.5 * (np.abs(np.append(np.nan, step)) ** 2 + np.abs(np.append(step, np.nan)) ** 2)
     known = np.isfinite(bend)
-    bends, moves, noise = (
-        np.convolve(np.where(known, of, 0.0), np.ones(21))[10 : 10 + turns.size]  # "same" would be 21 for fewer turns
-        for of in (bend, moved, np.square(deviation))
-    )
+    bends, moves, noise = (_sum_around(np.where(known, of, 0.0)) for of in (bend, moved, np.square(deviation)))
     fast: Mask = (bends > (2.0 * np.sin(np.radians(0.5 * _FASTEST_WHIRL))) ** 2 * moves) & (moves > 100.0 * noise)
     return fast
+
+
+def _sum_around(values: Floats) -> Floats:
+    """Sums over the 21 turns around each turn."""
+    return np.convolve(values, np.ones(21))[10 : 10 + values.size]  # "same" would be 21 for fewer turns
+
+
+def _size_deviation(turns: Integers, mean_radius: Floats, deviation: Floats) -> Floats:
+    """How far the centre may be off because the tool whirls nearly as fast as it turns, (t,) m.
+
+    The tool then shows nearly the same side of its offset all the time: a hole that grows and shrinks along the turns.
+    The deviation is the root mean square of the steps of the mean radius, less its noise, in the 21 turns around.
+    """
+    step = np.where(np.diff(turns, prepend=turns[:1]) == 1, np.diff(mean_radius, prepend=np.nan), np.nan)
+    excess = np.square(step) - 3.0 * np.square(deviation)
+    known = np.isfinite(excess)
+    total = _sum_around(np.where(known, excess, 0.0))
+    return np.sqrt(np.maximum(total, 0.0) / np.maximum(_sum_around(known.astype(np.float64)), 1.0))
+
+
+def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Integers) -> Mask:
+    """Where the samples within the turns do not show the centres found, (t,): judged by some 21 turns together.
+
+    From turn to turn a whirl of 270 degrees a turn looks like one of -90. But a centre c changes the radius at toolface
+    a by -Re(c exp(-i a)) while the tool turns: a wave of its own. The radii less one shape of the hole are regressed on
+    the wave of the centres found: 1 where it is there, about 0 where it is another one.
+    """
+    unit = reach / np.abs(reach)
+    wave = -(_moving(centres.turn, centres.x + 1j * centres.y, place, row) * unit.conj()).real
+    lost = np.zeros(centres.turn.size, dtype=bool)
+    edges = np.linspace(0, lost.size, max(1, round(lost.size / 21)) + 1).astype(np.int64)
+    for first, last in pairwise(edges):
+        mine = np.arange(*np.searchsorted(row, (first, last)))
+        mine = mine[np.isfinite(wave[mine])]
+        along = np.linspace(-1.0, 1.0, mine.size)
+        series = powers(unit[mine], _SHAPE_HARMONICS)[2:]
+        shape = np.concatenate([[along**0, along, along**2], series.real, series.imag]).T
+        if mine.size < 4 * shape.shape[1]:
+            continue
+        basis = np.linalg.qr(shape)[0]
+        values = np.stack([wave[mine], np.abs(reach[mine])], axis=1)
+        own, radius = (values - basis @ (basis.T @ values)).T
+        noise = np.sqrt(np.nanmean(np.square(centres.noise[first:last])))
+        lost[first:last] = own @ radius + 3.0 * noise * np.sqrt(own @ own) < _SHOWN * (own @ own)
+    return lost
 
 
 def _line_and_bend(turns: Integers, centre: Complexes, place: npt.NDArray[np.floating]) -> tuple[Complexes, Complexes]:
@@ -334,27 +344,11 @@ def recentre(
     significance: float = 3.0,
     position: npt.ArrayLike | None = None,
 ) -> tuple[Floats, Floats]:
-    """Toolface and radius of every sample as seen from the hole's axis.
+    """Return toolface and radius of every sample as seen from the hole's axis, (n,), new.
 
-    Parameters
-    ----------
-    toolface, radius, turn, position
-        As given to :func:`find_centres`.
-    centres
-        Of these turns.
-    significance
-        See :meth:`Centres.share`.
-
-    Returns
-    -------
-    toolface, radius
-        Degrees in [0, 360) and metres, (n,), new. Where a turn has no significant centre, the sample as it was; NaN
-        radii stay NaN and keep their toolface.
-
-    Raises
-    ------
-    InputError
-        As :func:`find_centres`, and if ``centres`` does not hold a turn.
+    ``centres`` are those of these turns, the columns as given to :func:`find_centres`, ``significance`` as in
+    :meth:`Centres.share`. Where a turn has no significant centre, the sample stays as it was; NaN radii stay NaN and
+    keep their toolface. A turn that ``centres`` does not hold is an error.
     """
     angle, distance, number = _samples(toolface, radius, turn)
     row = np.minimum(np.searchsorted(centres.turn, number), max(centres.turn.size - 1, 0))

@@ -30,7 +30,7 @@ FAST_TURN = 90.0
 FASTEST = 20.0
 """Metres a second: no tool goes faster."""
 
-REASONS = {"no depth": "depth", "no toolface": "toolface", "no radius": "radius", "no time": "time"}
+REASONS = ("no depth", "no toolface", "no radius", "no time")
 
 
 @dataclass(frozen=True)
@@ -59,30 +59,18 @@ def observe(
     latency: float = 0.0,
     dropped: Mapping[str, int] | None = None,
 ) -> Samples:
-    """Bring the sensors of all readings into one frame.
+    """Bring the sensors of all readings into one frame; a file of which no sample is left is an error.
 
     Parameters
     ----------
-    readings
-        Of one file or more.
-    track
-        Depth and toolface by time; None: each file has its own.
+    readings, track
+        Of one file or more; depth and toolface by time, None: each file has its own.
     report
-        Gets a (step, sentence) for what is left out.
+        Gets a (step, sentence) for what is left out; ``counts`` of the samples say how many.
     offset, latency
         Added to those of every sensor: metres, seconds.
     dropped
-        Earlier steps and the values that they dropped, for the error of a file of which nothing is left.
-
-    Returns
-    -------
-    Samples
-        ``counts`` says how many lack a depth, toolface, radius or time.
-
-    Raises
-    ------
-    InputError
-        If no row of a file has a depth, a toolface and a radius.
+        Earlier steps and the values that they dropped, for the error.
     """
     report = [] if report is None else report
     found = []
@@ -91,10 +79,10 @@ def observe(
         with placed(one.name):
             seen = _observe(one, track, report, offset, latency)
         found.append(seen)
-        for reason, word in REASONS.items():
-            if seen.counts.get(reason):
-                counts[reason] = counts.get(reason, 0) + seen.counts[reason]
-                report.append(("dropped", f"{seen.counts[reason]:,} samples of {one.name} without a {word}"))
+        for reason in REASONS:
+            if count := seen.counts.get(reason):
+                counts[reason] = counts.get(reason, 0) + count
+                report.append(("dropped", f"{count:,} samples of {one.name} without a {reason.removeprefix('no ')}"))
         if not seen.depth.size:
             lacking = [f"{count} values missing in {name}" for name, count in one.missing.items()]
             lacking += [f"{count} dropped as {step}" for step, count in (dropped or {}).items()]
@@ -125,12 +113,9 @@ def _joined(parts: Sequence[Samples]) -> Samples:
 
 def _observe(one: Readings, track: Track | None, report: Report, offset: float, latency: float) -> Samples:
     """The samples of one file."""
-    sensors = [
-        replace(each, offset=each.offset + offset, latency=each.latency + latency) for each in one.sensors
-    ]  # fmt: skip
+    sensors = [replace(each, offset=each.offset + offset, latency=each.latency + latency) for each in one.sensors]
     if track is None and not any(sensor.latency for sensor in sensors):
-        found = observe_by_depth(sensors, one.depth, one.toolface, one.radii)
-        return found if one.time is None else _timed(found, one.time)
+        return observe_by_depth(sensors, one.depth, one.toolface, one.radii, one.time)
     if one.time is None:
         raise InputError("a latency or a track", "needs a time, and no channel has that role")
     clocks = [np.flatnonzero(np.isfinite(one.time))] if track else _clocks(one, one.time, report)
@@ -180,15 +165,3 @@ def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
 def _in_order(time: Floats, values: npt.NDArray[Number]) -> tuple[Floats, npt.NDArray[Number]]:
     order = np.argsort(time, kind="stable")
     return time[order], values[order]
-
-
-def _timed(found: Samples, time: Floats) -> Samples:
-    """With the time of each sample; those whose row has none are left out."""
-    every = sum(found.counts.values()) == found.depth.size == time.size  # one sensor, and nothing missing
-    times = time if every else time[found.row]
-    timed = replace(found, time=times)
-    if not np.isnan(times.min(initial=0.0)):
-        return timed
-    timed = timed.select(np.flatnonzero(~np.isnan(times)))
-    missing = found.depth.size - timed.depth.size
-    return replace(timed, counts=found.counts | {"no time": missing, "taken": timed.depth.size})

@@ -41,43 +41,21 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     track = finite_column("depth", depth)
     if not reversal > 0:
         raise InputError("reversal", "must be larger than 0", f"{reversal:g}")
-    ends = []
-    sign = 1.0 if _goes_down(track, reversal) else -1.0
-    turn = _turning_point(track, sign, 0, reversal)
-    while turn is not None:
-        ends.append(turn)
-        sign = -sign
-        turn = _turning_point(track, sign, turn, reversal)
+    last_of_equals = np.flatnonzero(np.append(np.diff(track) != 0, True)[: track.size])
+    turned = np.diff(np.sign(np.diff(track[last_of_equals]))) != 0
+    points = last_of_equals[np.concatenate([[True], turned, [True]])[: last_of_equals.size]]
+    ends, sign = [], 0  # rows where passes end; 1 on the way down, -1 up, 0 not known yet
+    low, high = (np.inf, 0), (-np.inf, 0)  # depth and row
+    for here in zip(track[points].tolist(), points.tolist(), strict=True):
+        low = here if here[0] <= low[0] else low
+        high = here if here[0] >= high[0] else high
+        if sign >= 0 and high[0] - here[0] > reversal:
+            ends += [high[1]] if sign else []
+            sign, low = -1, here
+        elif sign <= 0 and here[0] - low[0] > reversal:
+            ends += [low[1]] if sign else []
+            sign, high = 1, here
     return np.searchsorted(np.array(ends, dtype=np.int64), np.arange(track.size)).astype(np.int64)
-
-
-def _goes_down(track: Floats, reversal: float) -> bool:
-    """Whether the tool gets ``reversal`` below its shallowest point before it gets that far above its deepest."""
-    below = track - np.minimum.accumulate(track) > reversal
-    above = np.maximum.accumulate(track) - track > reversal
-    first_below = int(np.argmax(below)) if below.any() else track.size
-    first_above = int(np.argmax(above)) if above.any() else track.size
-    return first_below <= first_above
-
-
-def _turning_point(track: Floats, sign: float, start: int, reversal: float) -> int | None:
-    """Last index of the maximum of sign * track from which it then falls by more than ``reversal``; None if never."""
-    highest, at, block = -np.inf, start, 1 << 12
-    while start < track.size:
-        part = sign * track[start : start + block]
-        running = np.maximum(np.maximum.accumulate(part), highest)
-        fallen = running - part > reversal
-        stop = int(np.argmax(fallen)) if fallen.any() else part.size
-        if stop and running[stop - 1] >= highest:
-            tops = np.flatnonzero(part[:stop] == running[stop - 1])
-            if tops.size:
-                at = start + int(tops[-1])
-            highest = float(running[stop - 1])
-        if stop < part.size:
-            return at
-        start += part.size
-        block *= 2
-    return None
 
 
 def choose(
@@ -95,21 +73,9 @@ def choose(
     pass_number, depth
         Whole numbers and metres, (n,).
     passes
-        Which to use, earliest first; None: all, by number.
+        Which to use, earliest first; None: all, by number. An unknown pass and one that is given twice are an error.
     latest
-        In each cell of depth keep only the last of ``passes`` that has a sample there. False: keep them all.
-    cell
-        Height of those cells, m: more than the distance between samples of one pass.
-
-    Returns
-    -------
-    Step
-        Reasons ``not chosen`` and ``replaced``.
-
-    Raises
-    ------
-    InputError
-        If a pass is not among ``pass_number`` or given twice.
+        In each ``cell`` metres of depth keep only the last of ``passes`` that has a sample there, reason ``replaced``.
     """
     number = whole_column("pass_number", pass_number)
     where = finite_column("depth", depth, number.size, "pass_number")

@@ -47,9 +47,6 @@ JUDGED = 20_000
 LONG_TURN = 1.0
 """Metres from one turn to the next, beyond which neighbouring turns do not see the same wall."""
 
-IMAGE_ROW = 8
-"""From so many sensors on, one row of readings goes all around the hole: it is a turn."""
-
 INSIDE_BIT = 0.01
 """Metres: arms that all read so much less than the bit's radius are closed."""
 
@@ -81,7 +78,7 @@ class Preparation:
     spikes
         Drop samples that the neighbouring turns contradict by so many robust deviations; 6 is usual.
     turn_height
-        Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of 8 sensors or more.
+        Height of a turn, for tools that do not rotate. None: a turn is a rotation, or a row of an image (`is_image`).
     sensor_offset, latency
         Added to those of every sensor.
     toolface_from
@@ -167,36 +164,17 @@ class Preparation:
 
 @dataclass(frozen=True)
 class Prepared:
-    """Samples ready for a wall, and what was done to them.
-
-    Attributes
-    ----------
-    caliper
-        The samples.
-    report
-        (step, sentence) for everything that was dropped, corrected or assumed, in order.
-    counts
-        Name of a step to the samples it dropped, and "kept".
-    pass_number
-        Of each sample of ``caliper``, (n,) int64; None where no step needs passes.
-    centres, centre_depth
-        The tool's centre in each turn, its covariance, inliers ..., and the mean depth of the turn, (t,) m; None
-        without ``recentre``.
-    shifts, bias
-        What was found; None where it was not asked for.
-    earlier
-        The samples of the earlier passes; None without.
-    """
+    """Samples ready for a wall, and what was done to them; None for what was not asked for."""
 
     caliper: Caliper
-    report: tuple[tuple[str, str], ...]
-    counts: dict[str, int]
-    pass_number: Integers | None = None
-    centres: Centres | None = None
-    centre_depth: Floats | None = None
+    report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
+    counts: dict[str, int]  # name of a step to the samples it dropped, and "kept"
+    pass_number: Integers | None = None  # of each sample of ``caliper``
+    centres: Centres | None = None  # the tool's centre in each of t turns
+    centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
     shifts: Shifts | None = None
     bias: Bias | None = None
-    earlier: Caliper | None = None
+    earlier: Caliper | None = None  # the samples of the earlier passes
 
 
 def prepare(
@@ -293,7 +271,7 @@ class _Pipeline:
 
     def _conditioned(self, one: Readings) -> Readings:
         """The readings without flat tops, closed and stuck stretches; calipers that disagree are an error."""
-        if len(one.sensors) < IMAGE_ROW:
+        if not one.is_image:
             conditioning.require_agreement(one)
             if self.settings.closed is None:
                 one = self._opened(one)
@@ -367,25 +345,32 @@ class _Pipeline:
         return replace(one, radii=tuple(radii))
 
     def _drop_single_samples(self) -> None:
-        """Interval, range, repeated and spikes."""
+        """Drop samples outside the interval or the range of radii, repeated samples and spikes."""
         settings = self.settings
-        if settings.shallowest is not None or settings.deepest is not None:
-            low = -np.inf if settings.shallowest is None else settings.shallowest
-            high = np.inf if settings.deepest is None else settings.deepest
-            self._drop(replace(conditioning.in_range(self.samples.depth, low, high), name="interval"))
-        if settings.least_radius is not None or settings.greatest_radius is not None:
-            low = -np.inf if settings.least_radius is None else settings.least_radius
-            high = np.inf if settings.greatest_radius is None else settings.greatest_radius
-            self._drop(conditioning.in_range(self.samples.radius, low, high))
+        for name, of, low, high in (
+            ("interval", "depth", settings.shallowest, settings.deepest),
+            ("range", "radius", settings.least_radius, settings.greatest_radius),
+        ):
+            if low is not None or high is not None:
+                low, high = -np.inf if low is None else low, np.inf if high is None else high
+                self._drop(replace(conditioning.in_range(getattr(self.samples, of), low, high), name=name))
         samples = self.samples
         if settings.repeated:
             times = [] if samples.time is None else [samples.time]
             self._drop(conditioning.repeated_rows(samples.depth, samples.toolface, samples.radius, *times))
+        elif samples.time is None:  # a wall takes rows of one time once
+            share = conditioning.share_of_repeats(samples.depth, samples.toolface, samples.radius)
+            if share > 0.01:
+                text = (
+                    f"{100 * share:.0f} % of the samples repeat others in depth, toolface and radius, and count again"
+                )
+                self.report.append(("repeated", f"{text}; --drop-repeated drops them"))
         samples = self.samples
         if settings.spikes is not None:
             turn, _ = self._turns(rows=True)
-            step = conditioning.spikes(samples.toolface, samples.radius, turn, samples.depth, threshold=settings.spikes)
-            self._drop(step)
+            self._drop(conditioning.spikes(
+                samples.toolface, samples.radius, turn, samples.depth, threshold=settings.spikes
+            ))  # fmt: skip
 
     def _turns(self, rows: bool = False) -> tuple[Integers, Floats | None]:
         """Number the turns, and say where along them each sample lies; None where a tool does not rotate.
@@ -429,7 +414,7 @@ class _Pipeline:
             passes = samples.pass_number[mine] if samples.pass_number.size else number_passes(depth)
             cells = np.floor((depth - depth.min(initial=0.0)) / height).astype(np.int64)
             return cells + passes * (int(cells.max(initial=0)) + 1), f"depth, {height:g} m each"
-        if len(one.sensors) >= IMAGE_ROW:
+        if one.is_image:
             return samples.row[mine], "rows of an image"
         if not one.turning and samples.toolface.size:
             raise InputError(one.name, "no toolface shows the turns of the tool: give the height of a turn")
@@ -440,8 +425,12 @@ class _Pipeline:
 
     def _of_row(self, columns: Sequence[npt.NDArray[Number]]) -> npt.NDArray[Number]:
         """A column of each file, at every sample's row."""
+        return self._at(columns, self.samples.row)
+
+    def _at(self, columns: Sequence[npt.NDArray[Number]], place: Integers) -> npt.NDArray[Number]:
+        """A column of each file, at every sample's place in it."""
         starts = np.cumsum([0, *(column.size for column in columns[:-1])])
-        return np.concatenate(columns)[starts[self.samples.file] + self.samples.row]
+        return np.concatenate(columns)[starts[self.samples.file] + place]
 
     def _arm_names(self) -> list[str]:
         return sorted({name for one in self.readings for name in one.channels})
@@ -450,8 +439,7 @@ class _Pipeline:
         """Which wall channel each sample is read from: one number for channels of one name in all files."""
         names = self._arm_names()
         columns = [np.array([names.index(name) for name in one.channels])[one.arm] for one in self.readings]
-        starts = np.cumsum([0, *(column.size for column in columns[:-1])])
-        return np.concatenate(columns)[starts[self.samples.file] + self.samples.sensor].astype(np.int64)
+        return self._at(columns, self.samples.sensor).astype(np.int64)
 
     def _number_passes(self) -> None:
         """Number the passes: as the files do, else one a file, or anew where the tool went back by ``reversal``."""
@@ -560,6 +548,7 @@ class _Pipeline:
                 name = one.channels[int(one.arm[one.across.index(True)])]
                 rule = f"recentring needs radii: half a diameter ({name}) does not show the tool's offset"
                 raise InputError(one.name, rule)
+        self._require_possible_radii()
         turn, position = self._turns()
         found = self.centres = find_centres(
             samples.toolface, samples.radius, turn, bit_diameter=self.bit_diameter, position=position
@@ -579,8 +568,8 @@ class _Pipeline:
         lost = np.count_nonzero(~known & (found.samples > 0))
         if lost:
             lines.append(
-                f"the tool moves too far from turn to turn in {lost:,} of {found.turn.size:,} turns to be followed "
-                "(more than 100 deg around the axis in a turn): not corrected"
+                f"{lost:,} of {found.turn.size:,} turns not corrected: the tool moves too far to be followed (more "
+                "than 100 deg around the axis in a turn), or the hole changes too much from turn to turn"
             )
         if self.bit_diameter is None:
             lines.append("no bit size: a smooth washout on one side is taken for an offset of the tool, unnoticed")
@@ -643,7 +632,7 @@ class _Pipeline:
     def _of_passes(samples: Samples, passes: Sequence[int]) -> Samples:
         return samples.select(choose(samples.pass_number, samples.depth, passes).kept)
 
-    def _caliper(self) -> Caliper:
+    def _require_possible_radii(self) -> None:
         samples = self.samples
         valid = (samples.radius > 0.0) & (samples.radius <= LARGEST_RADIUS)
         if not valid.all():
@@ -653,5 +642,9 @@ class _Pipeline:
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
             rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
-        few = all(1 < len(one.sensors) < IMAGE_ROW for one in self.readings) and not self.settings.recentre
+
+    def _caliper(self) -> Caliper:
+        self._require_possible_radii()
+        samples = self.samples
+        few = all(len(one.sensors) > 1 and not one.is_image for one in self.readings) and not self.settings.recentre
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)

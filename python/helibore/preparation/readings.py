@@ -3,11 +3,12 @@
     row   depth    toolface   radius of sensor 1   radius of sensor 2
     0     1000.0       12.5               0.1081               0.1079
 
-The preparation takes them; ``helibore.channels.readings`` makes them from the channels of a file.
+The preparation takes them; ``helibore.channels.channel_readings`` makes them from the channels of a file.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
@@ -17,6 +18,9 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers
 from helibore.preparation.sensors import Sensor
 
+IMAGE_ROW = 8
+"""Directions from which on one row of readings shows the hole all around."""
+
 
 def _row_place(row: int) -> str:
     return f"row {row}"
@@ -24,60 +28,38 @@ def _row_place(row: int) -> str:
 
 @dataclass(frozen=True)
 class Readings:
-    """The readings of a tool's sensors, in the order of the log's rows.
+    """The readings of a tool's p sensors, in the order of the log's n rows; columns are (n,), NaN where missing."""
 
-    Attributes
-    ----------
-    name
-        The name of the file they come from, for errors.
-    depth, toolface
-        Of each row, (n,) m and degrees; NaN where missing. Toolfaces are 0 where the log has none.
-    sensors, radii
-        p sensors, and the radius that each measured in each row, (n,) m, NaN where missing.
-    arm
-        Index into ``channels`` for each sensor, (p,) int64.
-    channels
-        Names of the wall channels.
-    across
-        Whether a sensor's radius is half a measured diameter, (p,): such a radius does not show where the tool's
-        centre was.
-    time
-        Seconds, (n,), or None.
-    pass_number
-        Pass of each row, (n,) int64, or None where the log numbers no passes; -1 where a row has no number.
-    reference
-        What toolfaces count from: "north", "high-side", "automatic", or "" for the wall's own reference.
-    high_side
-        Whether each row's toolface counts from the high side, (n,) bool; None where the log does not say it by row.
-    turning
-        Whether the log has a toolface.
-    missing
-        Channel name to the number of its missing values.
-    notes
-        One sentence for each channel used: its role, unit and reason.
-    place
-        Returns where a row stands in the file, for errors: ``"line 12"`` or ``"row 7"``.
-    """
-
-    name: str
-    depth: Floats
-    toolface: Floats
+    name: str  # of the file they come from, for errors
+    depth: Floats  # metres
+    toolface: Floats  # degrees; 0 where the log has none
     sensors: tuple[Sensor, ...]
-    radii: tuple[Floats, ...]
-    arm: Integers
-    channels: tuple[str, ...]
-    across: tuple[bool, ...]
-    time: Floats | None = None
-    pass_number: Integers | None = None
-    reference: str = ""
-    high_side: npt.NDArray[np.bool_] | None = None
-    turning: bool = True
-    missing: dict[str, int] = field(default_factory=dict)
-    notes: tuple[str, ...] = ()
-    place: Callable[[int], str] = _row_place
+    radii: tuple[Floats, ...]  # metres, a column for each sensor
+    arm: Integers  # index into ``channels`` for each sensor, (p,)
+    channels: tuple[str, ...]  # names of the wall channels
+    across: tuple[
+        bool, ...
+    ]  # whether a sensor's radius is half a diameter, which does not show where the tool was, (p,)
+    time: Floats | None = None  # seconds
+    pass_number: Integers | None = None  # -1 where a row has no number; None where the log numbers no passes
+    reference: str = ""  # what toolfaces count from: north, high-side, automatic; "": the wall's own reference
+    high_side: npt.NDArray[np.bool_] | None = None  # whether a row counts from the high side; None: not stated by row
+    turning: bool = True  # whether the log has a toolface
+    missing: dict[str, int] = field(default_factory=dict)  # channel name to the number of its missing values
+    notes: tuple[str, ...] = ()  # a sentence for each channel used: its role, unit and reason
+    place: Callable[[int], str] = _row_place  # where a row stands in the file, for errors: "line 12" or "row 7"
 
     def __repr__(self) -> str:
         return f"Readings({self.name}, {self.rows} rows of {', '.join(self.channels)})"
+
+    @property
+    def is_image(self) -> bool:
+        """Whether a row shows the hole all around: eight directions or more, seen from one place on the string.
+
+        Two calipers that look in the same four directions are no imaging tool.
+        """
+        looks = {(sensor.offset, round(sensor.mounting % 360.0, 3) % 360.0) for sensor in self.sensors}
+        return max(Counter(offset for offset, _ in looks).values(), default=0) >= IMAGE_ROW
 
     @property
     def rows(self) -> int:

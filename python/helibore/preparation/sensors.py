@@ -28,25 +28,12 @@ __all__ = ["Samples", "Sensor", "TimeSeries", "observe_by_depth", "observe_by_ti
 
 @dataclass(frozen=True)
 class Sensor:
-    """Where a sensor sits on the string and which way it looks.
-
-    Parameters
-    ----------
-    name
-        For reports.
-    offset
-        Distance from the bit (or from whatever the depth series gives the depth of) up the string to the sensor, m.
-        Negative: below it.
-    mounting
-        Angle from the tool's toolface reference to the sensor, clockwise looking downhole, degrees.
-    latency
-        Time from the measurement to its time stamp, seconds.
-    """
+    """Where a sensor sits on the string and which way it looks; ``name`` is for reports."""
 
     name: str
-    offset: float = 0.0
-    mounting: float = 0.0
-    latency: float = 0.0
+    offset: float = 0.0  # m from where the depth series gives the depth (the bit) up the string; negative: below it
+    mounting: float = 0.0  # from the tool's toolface reference, clockwise looking downhole, degrees
+    latency: float = 0.0  # seconds from the measurement to its time stamp
 
     def __post_init__(self) -> None:
         for name in ("offset", "mounting", "latency"):
@@ -67,15 +54,9 @@ class TimeSeries:
     angle
         The values are degrees: from one reading to the next the short way round, results in [0, 360). A tool that turns
         by 180 degrees or more between two readings cannot be followed.
-    gap
-        Longest time between two readings that is bridged, seconds. In a longer one the answer is NaN.
-    beyond
-        Seconds before the first and after the last reading that are answered, along the line of the two readings there.
-
-    Raises
-    ------
-    InputError
-        If the lengths differ, a time is not finite or falls, a value is infinite, gap <= 0 or beyond < 0.
+    gap, beyond
+        Longest time between two readings that is bridged, NaN in a longer one; and seconds before the first and after
+        the last reading that are answered, along the line of the two readings there.
     """
 
     def __init__(
@@ -135,33 +116,17 @@ class TimeSeries:
 
 @dataclass(frozen=True)
 class Samples:
-    """Samples of several sensors in one frame, in order of time (of row, where there is no time), then of sensor.
+    """n samples of several sensors in one frame, in order of time (of row, where there is no time), then of sensor."""
 
-    Attributes
-    ----------
-    depth, toolface, radius
-        Metres, degrees in [0, 360), metres: (n,) float64, finite. The radius is from the tool's axis.
-    time
-        When they were measured, seconds, (n,) float64; None for depth-indexed readings.
-    sensor, row
-        Which sensor and which of its readings each sample is, (n,) int64.
-    file
-        Index of the readings that each sample comes from, (n,) int64; empty until several are joined.
-    pass_number
-        (n,) int64; empty until the passes are numbered.
-    counts
-        Readings taken, and those dropped for each reason: they add up to all readings given.
-    """
-
-    depth: Floats
-    toolface: Floats
-    radius: Floats
-    time: Floats | None
-    sensor: Integers
-    row: Integers
-    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))
-    counts: dict[str, int] = field(default_factory=dict)
+    depth: Floats  # metres, finite, like the next two
+    toolface: Floats  # degrees in [0, 360)
+    radius: Floats  # metres from the tool's axis
+    time: Floats | None  # when they were measured, seconds; None for depth-indexed readings
+    sensor: Integers  # which sensor each sample is from
+    row: Integers  # and which of its readings
+    file: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # of which readings; empty until joined
+    pass_number: Integers = field(default_factory=lambda: np.empty(0, dtype=np.int64))  # empty until numbered
+    counts: dict[str, int] = field(default_factory=dict)  # readings taken, and dropped for each reason: all of them
 
     def select(self, kept: Mask | Integers) -> Samples:
         """Return the samples where ``kept`` is True, or those of these indices, in their order."""
@@ -191,11 +156,6 @@ def observe_by_time(
     bit_depth, toolface
         Depth of the bit in m, and toolface of the tool's reference in degrees (``angle=True``). Readings at times they
         do not answer are dropped and counted as ``no depth`` and ``no toolface``.
-
-    Raises
-    ------
-    InputError
-        If the sequences differ in length, or a time or radius is infinite.
     """
     _check_counts(sensors, times=times, radii=radii)
     parts: list[tuple[Floats, ...]] = []
@@ -214,22 +174,21 @@ def observe_by_time(
 
 
 def observe_by_depth(
-    sensors: Sequence[Sensor], depth: npt.ArrayLike, toolface: npt.ArrayLike, radii: Sequence[npt.ArrayLike]
+    sensors: Sequence[Sensor],
+    depth: npt.ArrayLike,
+    toolface: npt.ArrayLike,
+    radii: Sequence[npt.ArrayLike],
+    time: npt.ArrayLike | None = None,
 ) -> Samples:
-    """Bring depth-indexed readings, such as the arms of a caliper, into one frame; ``time`` of the result is None.
+    """Bring depth-indexed readings, such as the arms of a caliper, into one frame.
 
     Parameters
     ----------
     sensors, radii
         One column of radii (metres, (n,)) for each sensor; latencies are not used. An X-Y caliper of diameters x and
         y is four sensors mounted at 0, 180, 90 and 270 degrees that read x/2, x/2, y/2 and y/2.
-    depth, toolface
-        Of each row: metres, and degrees of the tool's reference; (n,). NaN rows are dropped and counted.
-
-    Raises
-    ------
-    InputError
-        If lengths differ or a value is infinite.
+    depth, toolface, time
+        Of each row: metres, degrees of the tool's reference, seconds; (n,). NaN rows are dropped and counted.
     """
     _check_counts(sensors, radii=radii)
     rows = column("depth", depth)
@@ -246,16 +205,18 @@ def observe_by_depth(
     sensor_index = np.broadcast_to(np.arange(len(sensors)), radius.shape).reshape(-1)
     row_index = np.broadcast_to(np.arange(rows.size)[:, None], radius.shape).reshape(-1)
     flat = depths.reshape(-1), looking.reshape(-1), radius.reshape(-1)
-    found = _present(Samples(*flat, None, sensor_index, row_index), depth=rows, toolface=reference)
+    times = None if time is None else np.repeat(column("time", time, rows.size, "depth"), len(sensors))
+    found = _present(Samples(*flat, times, sensor_index, row_index), depth=rows, toolface=reference)
     return replace(found, toolface=wrapped(found.toolface))
 
 
 def _present(samples: Samples, **inputs: Floats) -> Samples:
-    """Leave out samples that lack a depth, toolface or radius, and count them by reason; refuse infinite inputs."""
+    """Leave out samples that lack a depth, toolface, radius or time, and count them by reason; refuse infinities."""
     for name, values in inputs.items():
         if np.isinf(values).any():
             raise InputError(f"{name} is infinite in {np.count_nonzero(np.isinf(values))} rows", "must be finite")
-    reasons = {f"no {name}": getattr(samples, name) for name in ("depth", "toolface", "radius")}
+    names = ("depth", "toolface", "radius", "time")[: 3 if samples.time is None else 4]
+    reasons = {f"no {name}": getattr(samples, name) for name in names}
     counts = dict.fromkeys(reasons, 0)
     if any(np.isnan(values.min(initial=0.0)) for values in reasons.values()):
         kept = np.ones(samples.depth.size, dtype=bool)

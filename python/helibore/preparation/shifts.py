@@ -31,32 +31,16 @@ _RIVAL = 0.9  # of the best correlation: a second peak that high leaves open whi
 
 @dataclass(frozen=True)
 class Shifts:
-    """How far each pass is off in depth.
+    """How far each pass is off in depth; columns of p passes, metres."""
 
-    Attributes
-    ----------
-    passes
-        (p,) int64, sorted.
-    shift
-        To be added to the depths of each pass, (p,) m; 0 where nothing was found.
-    correlation, before
-        With the others at the shift found and at none, (p,); NaN where they do not overlap.
-    found
-        Whether one clear peak of the least correlation asked for lies inside the limits, (p,).
-    sigma
-        Standard deviation of the shift, (p,) m, from the curvature of the peak; NaN where there is no peak.
-    second, second_correlation
-        Shift of the second-best peak, (p,) m, and the correlation there; NaN where there is none.
-    """
-
-    passes: Integers
-    shift: Floats
-    correlation: Floats
-    before: Floats
-    found: Mask
-    sigma: Floats
-    second: Floats
-    second_correlation: Floats
+    passes: Integers  # sorted
+    shift: Floats  # to be added to the depths of the pass; 0 where nothing was found
+    correlation: Floats  # with the others at the shift; NaN where they do not overlap
+    before: Floats  # the same at no shift
+    found: Mask  # whether one clear peak of the least correlation asked for lies inside the limits
+    sigma: Floats  # standard deviation of the shift, from the curvature of the peak; NaN where there is no peak
+    second: Floats  # shift of the second-best peak; NaN where there is none
+    second_correlation: Floats  # the correlation there
 
     def at(self, pass_number: npt.ArrayLike) -> Floats:
         """Shift of each sample, (n,) m, new: add it to the depth. Raises InputError at an unknown pass."""
@@ -106,11 +90,6 @@ def find_shifts(
         Length of the running mean that is taken off first, m. At least so much overlap is asked for.
     least
         Correlation below which a pass is left where it is.
-
-    Raises
-    ------
-    InputError
-        If lengths differ, a value is not finite, a setting breaks its rule or ``reference`` is no pass.
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")

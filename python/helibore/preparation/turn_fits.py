@@ -51,34 +51,17 @@ _SAME = 1e-9  # gains that differ by less are those of the same samples
 class Shape:
     """What may be expected of a hole and a tool before any sample: standard deviations in metres.
 
-    Parameters
-    ----------
-    even
-        Of the second harmonic (ovality, breakouts); harmonic n has even * 2 / n. Two opposite boxes of depth D and
-        width 60 deg hold a second harmonic of 0.55 D.
-    odd
-        Of the third harmonic (three-lobed hole); harmonic n has odd * 3 / n.
-    reach
-        Of each coordinate of the tool's centre: about the clearance between tool and wall.
-    noise
-        Expected noise of one sample. The noise of each turn is found from its samples; this weighs as four of them.
-    harmonics
-        The highest harmonic, at least 2.
-    one_sided
-        Of the third harmonic of a wall that is enlarged on one side; harmonic n has one_sided * 3 / n, its first too. A
-        box of depth D and width 120 to 150 deg holds a third harmonic of 0 to 0.15 D.
-    lobed
-        Whether the harmonics are to follow breakouts. If not, only the second is ``even`` and harmonic n > 2 has
-        odd * (3 / n)^2.
+    Two opposite boxes of depth D and width 60 deg hold a second harmonic of 0.55 D; a box of width 120 to 150 deg on
+    one side holds a third of 0 to 0.15 D.
     """
 
-    even: float = 0.008
-    odd: float = 0.0008
-    reach: float = 0.02
-    noise: float = 0.0005
-    harmonics: int = 12
-    one_sided: float = 0.005
-    lobed: bool = True
+    even: float = 0.008  # of the second harmonic (ovality, breakouts); harmonic n has even * 2 / n
+    odd: float = 0.0008  # of the third harmonic (three-lobed hole); harmonic n has odd * 3 / n
+    reach: float = 0.02  # of each coordinate of the tool's centre: about the clearance between tool and wall
+    noise: float = 0.0005  # of one sample; found from the samples of each turn, beside which this weighs as four
+    harmonics: int = 12  # the highest, at least 2
+    one_sided: float = 0.005  # of the third harmonic of a wall enlarged on one side; harmonic n has one_sided * 3 / n
+    lobed: bool = True  # harmonics follow breakouts; if not, only the second is even, n > 2 has odd * (3 / n)^2
 
     def __post_init__(self) -> None:
         for name in ("even", "odd", "reach", "noise", "one_sided"):
@@ -108,7 +91,7 @@ class Shape:
 
 
 def powers(z: Complexes, order: int) -> Complexes:
-    """z^0 ... z^order, (order + 1, n)."""
+    """Return the powers z^0 to z^order, (order + 1, n)."""
     table = np.empty((order + 1, z.size), dtype=np.complex128)
     table[0] = 1.0
     for k in range(1, order + 1):
@@ -146,7 +129,7 @@ def projections(value: Floats, table: Complexes, starts: Integers) -> Floats:
 
 
 def evaluate(terms: Floats, table: Complexes, turn: Integers) -> Floats:
-    """x' terms at every sample, (n,), of one series a turn, (t, P)."""
+    """Return x' terms at every sample, (n,), for one series of terms a turn, (t, P)."""
     values: Floats = terms[turn, 0]
     coefficients = terms[:, 1::2] - 1j * terms[:, 2::2]
     for k in range(coefficients.shape[1]):
@@ -291,14 +274,14 @@ class TurnFits:
         return matrix, np.concatenate(sides, axis=1)
 
     def _wall(self, terms: Floats) -> Floats:
-        """Value of waves and lobes at every sample."""
+        """Return the value of waves and lobes at every sample."""
         values = evaluate(terms[:, : self.waves], self.table, self.turn)
         for k, lobe in enumerate(self.lobes):
             values += terms[self.turn, self.waves + k] * lobe
         return values
 
     def leverage(self) -> Floats:
-        """x' B x of every sample's waves and lobes."""
+        """Return x' B x at every sample, where x are its waves and lobes."""
         first = self.waves
         hat = leverage(self.inverse[:, :first, :first], self.table, self.turn)
         for k, lobe in enumerate(self.lobes):
@@ -348,7 +331,7 @@ class TurnFits:
         return share
 
     def one_sided(self) -> tuple[Complexes, Floats]:
-        """Centre and covariance where the wall has a first harmonic of its own: only their sum was measured.
+        """Return centre and covariance where the wall has a first harmonic, too: the tool measured only their sum.
 
         With deviations s of the wall's and r of the centre's, the centre is r^2 / (r^2 + s^2) of the sum.
         """
@@ -437,8 +420,7 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
     shape, turns = fits.shape.plain(), fits.count.size
     table = powers(np.exp(1j * where), 2 * _SEARCH_HARMONICS)
     distance = np.abs(fits.centre[fits.turn] + fits.reach)
-    weights = np.ones(distance.size)
-    matrix, side = normal_equations(weights, distance, table, fits.starts)
+    matrix, side = normal_equations(np.ones(distance.size), distance, table, fits.starts)
     deviations = np.repeat(shape.deviations(_SEARCH_HARMONICS), 2)
     deviations = np.concatenate([[10.0, shape.reach, shape.reach], deviations])
     terms = np.arange(deviations.size)
@@ -448,12 +430,11 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
     at = fits.turn * cells + cell
     residual = distance - evaluate(fitted, table, fits.turn)
     order = np.argsort(at, kind="stable")
-    filled, starts = np.unique(at[order], return_index=True)
+    filled, starts, count = np.unique(at[order], return_index=True, return_counts=True)
     sums = np.zeros((turns * cells, deviations.size + 2))
-    weight = weights[order]
-    sums[filled, :-2] = projections(weight, table[: _SEARCH_HARMONICS + 1, order], starts)
-    sums[filled, -2] = np.add.reduceat(weight * residual[order], starts)
-    sums[filled, -1] = np.add.reduceat(weight, starts)
+    sums[filled, :-2] = projections(np.ones(order.size), table[: _SEARCH_HARMONICS + 1, order], starts)
+    sums[filled, -2] = np.add.reduceat(residual[order], starts)
+    sums[filled, -1] = count
     table_of_sums = sums.reshape(turns, cells, -1)
     table_of_sums[:, :, :-2] = table_of_sums[:, :, :-2] @ np.swapaxes(whiten, 1, 2)
     return table_of_sums
@@ -499,7 +480,7 @@ class Estimate:
     inliers: Floats
 
     def blend(self, turns: Integers, other: Estimate, weight: Floats) -> None:
-        """Mix the other's turns, all of it, into these ``turns`` of this one, with a ``weight`` each."""
+        """Replace each of these ``turns`` by a mean with the same turn of ``other``, which has this ``weight``."""
         w = weight[:, None, None]
         between = w * (1.0 - w) * _squares(other.centre - self.centre[turns])
         for field in fields(self):
@@ -533,7 +514,10 @@ def estimate(fits: TurnFits) -> Estimate:
 
 
 def _estimate(fits: TurnFits, added: Floats) -> Estimate:
-    """Mix one model with its like that may be enlarged on one side. ``added``: what lobes add to the mean radius."""
+    """Mix a model with the same model whose wall may be enlarged on one side.
+
+    ``added`` is what lobes add to the mean radius.
+    """
     wide = fits.widened()
     weight = np.clip((wide.left_open() - _CLOSED) / (_OPEN - _CLOSED), 0.0, 1.0)
     other, spread = wide.one_sided()

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Literal, get_args
 
 import numpy as np
@@ -48,6 +49,7 @@ COLUMNS = {"depth": LENGTH, "toolface": ANGLE, "radius": LENGTH, "time": TIME, "
 """The columns of samples, and what the units of each measure."""
 
 
+@dataclass(frozen=True, eq=False, repr=False, init=False)
 class Caliper(Tabular):
     """Samples of the radius of a hole, in any order, checked and frozen.
 
@@ -77,8 +79,8 @@ class Caliper(Tabular):
 
     Notes
     -----
-    The attributes ``depth``, ``toolface``, ``radius`` and ``time`` are read-only float64 arrays. Input that already is
-    contiguous float64 is not copied: do not change it afterwards. `from_table` takes a data frame with missing values.
+    The attributes are named as the parameters; the arrays are read-only. Input that already is contiguous float64 is
+    not copied: do not change it afterwards. `from_table` takes a data frame with missing values.
 
     Examples
     --------
@@ -87,7 +89,13 @@ class Caliper(Tabular):
     2
     """
 
-    __slots__ = ("_arm", "_basis", "_depth", "_radius", "_time", "_toolface", "left_out")
+    depth: Floats
+    toolface: Floats
+    radius: Floats
+    time: Floats | None
+    arm: Integers | None
+    basis: Basis
+    left_out: int  # rows of a table that `from_table` left out
 
     def __init__(
         self,
@@ -100,15 +108,12 @@ class Caliper(Tabular):
         basis: Basis = "azimuthal",
     ) -> None:
         check_basis(basis)
-        self._arm = None if arm is None else whole_column("arm", arm, np.size(depth), "depth")
-        if self._arm is not None:
-            self._arm.setflags(write=False)
-        self._basis = basis
-        self.left_out = 0
+        arms = None if arm is None else whole_column("arm", arm, np.size(depth), "depth")
         columns = sample_columns(depth, toolface, radius, time)
-        self._depth, self._toolface, self._radius = (_frozen(values) for values in columns[:3])
-        self._time = None if columns[3] is None else _frozen(columns[3])
-        _core.check_samples(self._depth, self._toolface, self._radius, self._time, thread_count(None))
+        _core.check_samples(*columns, thread_count(None))
+        columns_and_arms = zip(COLUMNS, (*columns, arms), strict=True)
+        frozen = {name: None if values is None else _frozen(values) for name, values in columns_and_arms}
+        self.__dict__.update(frozen, basis=basis, left_out=0)
 
     @classmethod
     def from_table(
@@ -171,7 +176,7 @@ class Caliper(Tabular):
             raise InputError("table", f"none of {there.size} rows has all of {', '.join(columns)}")
         given: dict[str, Any] = columns if there.all() else {role: of[there] for role, of in columns.items()}
         made = cls(**given)
-        made.left_out = int(there.size - there.sum())
+        made.__dict__["left_out"] = int(there.size - there.sum())
         return made
 
     @classmethod
@@ -246,73 +251,42 @@ class Caliper(Tabular):
         toolface = np.tile(np.arange(ROUND) * (360.0 / ROUND), depth.size)
         return cls(np.repeat(depth, ROUND), toolface, np.repeat(radius, ROUND), basis=basis)
 
-    @property
-    def basis(self) -> Basis:
-        """What the radii are: ``"azimuthal"``, ``"average"`` or ``"gauge"``."""
-        return self._basis
-
-    @property
-    def depth(self) -> Floats:
-        """(n,) measured depth, metres; read-only."""
-        return self._depth
-
-    @property
-    def toolface(self) -> Floats:
-        """(n,) degrees, as given; read-only."""
-        return self._toolface
-
-    @property
-    def radius(self) -> Floats:
-        """(n,) metres; read-only."""
-        return self._radius
-
-    @property
-    def time(self) -> Floats | None:
-        """(n,) or None; read-only."""
-        return self._time
-
-    @property
-    def arm(self) -> Integers | None:
-        """(n,) int64 arm numbers or None; read-only."""
-        return self._arm
-
     def table(self) -> LogTable:
         """Return the samples as columns DEPTH, TOOLFACE, RADIUS and, where they have them, TIME and ARM."""
         units = {"depth": "m", "toolface": "deg", "radius": "m", "time": "s"}
         columns = [(name, getattr(self, name)) for name in COLUMNS]
         return LogTable(
             [LogColumn(of.upper(), units.get(of, ""), of, values) for of, values in columns if values is not None],
-            {"basis": BASIS_TEXT[self._basis]},
+            {"basis": BASIS_TEXT[self.basis]},
         )
 
     def __len__(self) -> int:
-        return self._depth.size
+        return self.depth.size
 
     def _repr_html_(self) -> str:
         if not len(self):
             return card(repr(self), {}, "")
-        place = (np.linspace(self._depth.min(), self._depth.max(), 121)[:-1], np.arange(0, 360, 5))
-        row = np.searchsorted(place[0], self._depth, "right") - 1
-        cell = row * 72 + (np.mod(self._toolface, 360) / 5).astype(int) % 72
+        place = (np.linspace(self.depth.min(), self.depth.max(), 121)[:-1], np.arange(0, 360, 5))
+        row = np.searchsorted(place[0], self.depth, "right") - 1
+        cell = row * 72 + (np.mod(self.toolface, 360) / 5).astype(int) % 72
         with np.errstate(invalid="ignore"):
-            mean = np.bincount(cell, self._radius, 120 * 72) / np.bincount(cell, minlength=120 * 72)
+            mean = np.bincount(cell, self.radius, 120 * 72) / np.bincount(cell, minlength=120 * 72)
         numbers = {
             "samples": f"{len(self)}",
-            "depth": f"{self._depth.min():.2f} to {self._depth.max():.2f} m",
-            "radius": f"{1000 * self._radius.min():.1f} to {1000 * self._radius.max():.1f} mm",
-            "basis": BASIS_TEXT[self._basis],
+            "depth": f"{self.depth.min():.2f} to {self.depth.max():.2f} m",
+            "radius": f"{1000 * self.radius.min():.1f} to {1000 * self.radius.max():.1f} mm",
+            "basis": BASIS_TEXT[self.basis],
         }
         return card("Caliper", numbers, map_picture(mean.reshape(120, 72), "caliper", "radius by depth and toolface"))
 
     def __repr__(self) -> str:
         if not len(self):
             return "Caliper(no samples)"
-        basis = "" if self._basis == "azimuthal" else f", {BASIS_TEXT[self._basis]}"
-        return f"Caliper({len(self)} samples, {self._depth.min():g} to {self._depth.max():g} m{basis})"
+        basis = "" if self.basis == "azimuthal" else f", {BASIS_TEXT[self.basis]}"
+        return f"Caliper({len(self)} samples, {self.depth.min():g} to {self.depth.max():g} m{basis})"
 
 
-def _frozen(values: Floats) -> Floats:
-    """Return a read-only view."""
+def _frozen(values: Floats | Integers) -> Floats | Integers:
     view = values.view()
     view.setflags(write=False)
     return view

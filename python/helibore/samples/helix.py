@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple, Protocol
 
 import numpy as np
 
@@ -47,10 +47,11 @@ class Helix(NamedTuple):
     start_toolface: float
     pitch: float
     sectors: int
+    first: int = 0  # number of its vertex 0 on the whole helix, a multiple of sectors
 
     def depth(self, k: Integers) -> Floats:
         """Return the depth of vertices, metres, with exactly the bits of the wall."""
-        depth: Floats = self.start_depth + k * self.pitch / self.sectors
+        depth: Floats = self.start_depth + (self.first + k) * self.pitch / self.sectors
         return depth
 
     def toolface(self, k: Integers) -> Floats:
@@ -85,6 +86,13 @@ def helix_of(wall: WallLike) -> Helix:
     )
 
 
+def stretch_of(wall: WallLike) -> Helix:
+    """Return the helix that a wall is a stretch of: the depths of its vertices have the bits of the whole wall."""
+    settings: Any = wall.settings
+    helix, first = helix_of(wall), getattr(settings, "first_vertex", 0)
+    return helix._replace(start_depth=settings.start_depth, first=first) if first else helix
+
+
 def basis_of(wall: WallLike) -> Basis:
     """Return the basis of a wall; a wall without that attribute counts as measured around the hole."""
     basis: Basis = getattr(wall, "basis", "azimuthal")
@@ -94,10 +102,7 @@ def basis_of(wall: WallLike) -> Basis:
 def vertices_between(helix: Helix, count: int, start: float | None, stop: float | None) -> tuple[int, int]:
     """Return the half-open range of vertices whose depth lies in [start, stop), whichever way the helix grows.
 
-    Raises
-    ------
-    InputError
-        If an end is not finite, the ends are not in order, or no vertex lies between.
+    InputError if an end is not finite, the ends are not in order, or no vertex lies between.
     """
     for name, bound in (("start", start), ("stop", stop)):
         if bound is not None and not math.isfinite(bound):

@@ -26,8 +26,9 @@ Method = Literal["minimum-curvature", "radius-of-curvature"]
 CorePath = _core.Path
 
 
+@dataclass(frozen=True, eq=False, repr=False)
 class Survey:
-    """Survey stations, shallowest first. Frozen: the arrays are read-only copies.
+    """Survey stations, shallowest first. Frozen: the attributes, named as the parameters, are read-only float64 copies.
 
     Parameters
     ----------
@@ -45,50 +46,40 @@ class Survey:
         Naming the first value that breaks a rule: ``depth[3] = 120: must be greater than depth[2] = 130``.
     """
 
+    depth: Floats
+    inclination: Floats
+    azimuth: Floats
+    _core: _core.Survey = field(init=False)
+
     def __init__(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> None:
-        self._depth = column("depth", depth).copy()
-        self._inclination = column("inclination", inclination, self._depth.size, "depth").copy()
-        self._azimuth = column("azimuth", azimuth, self._depth.size, "depth").copy()
-        for values in (self._depth, self._inclination, self._azimuth):
-            values.flags.writeable = False
-        self._core = _core.Survey(self._depth, self._inclination, self._azimuth)
-
-    @property
-    def depth(self) -> Floats:
-        """Depth of each station, metres, (n,) float64, read-only."""
-        return self._depth
-
-    @property
-    def inclination(self) -> Floats:
-        """Inclination of each station, degrees, (n,) float64, read-only."""
-        return self._inclination
-
-    @property
-    def azimuth(self) -> Floats:
-        """Azimuth of each station as given, degrees, (n,) float64, read-only."""
-        return self._azimuth
+        columns = {"depth": column("depth", depth).copy()}
+        for name, values in (("inclination", inclination), ("azimuth", azimuth)):
+            columns[name] = column(name, values, columns["depth"].size, "depth").copy()
+        for of in columns.values():
+            of.flags.writeable = False
+        self.__dict__.update(columns, _core=_core.Survey(**columns))
 
     def __len__(self) -> int:
-        return self._depth.size
+        return self.depth.size
 
     def __reduce__(self) -> tuple[type[Survey], tuple[Floats, ...]]:
-        return Survey, (self._depth, self._inclination, self._azimuth)
+        return Survey, (self.depth, self.inclination, self.azimuth)
 
     def _repr_html_(self) -> str:
         numbers = {
             "stations": f"{len(self)}",
-            "depth": f"{self._depth[0]:.1f} to {self._depth[-1]:.1f} m",
-            "inclination": f"{self._inclination.min():.2f} to {self._inclination.max():.2f} deg",
+            "depth": f"{self.depth[0]:.1f} to {self.depth[-1]:.1f} m",
+            "inclination": f"{self.inclination.min():.2f} to {self.inclination.max():.2f} deg",
             "greatest dogleg": f"{self.dogleg().max():.2f} deg between stations",
         }
-        position = self.path().position(np.linspace(self._depth[0], self._depth[-1], 200))
+        position = self.path().position(np.linspace(self.depth[0], self.depth[-1], 200))
         away = np.hypot(position[:, 0], position[:, 1])
         return card(
             "Survey", numbers, curve_picture(away, position[:, 2], "depth by distance from the head", equal=True)
         )
 
     def __repr__(self) -> str:
-        return f"Survey({len(self)} stations, {self._depth[0]:g} to {self._depth[-1]:g} m)"
+        return f"Survey({len(self)} stations, {self.depth[0]:g} to {self.depth[-1]:g} m)"
 
     def dogleg(self) -> Floats:
         """Angle between the directions of each two neighbouring stations, degrees, (n - 1,) float64."""

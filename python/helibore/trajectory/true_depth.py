@@ -41,13 +41,7 @@ class TrueDepth:
 
 
 def true_depth(path: Path | None, elevation: float | None) -> TrueDepth | None:
-    """Return the true depths of a path, or None if they are not known and no ``elevation`` is given.
-
-    Raises
-    ------
-    InputError
-        If there is an elevation but no true depth.
-    """
+    """Return the true depths of a path; None if they are not known. InputError if there is an ``elevation`` then."""
     surface = path is not None and abs(path.start_depth) <= SURFACE
     known = path is not None and (surface or path.head[2] != 0)
     if path is None or not known:

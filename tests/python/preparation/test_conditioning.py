@@ -14,6 +14,7 @@ from helibore.preparation.conditioning import (
     closed,
     in_range,
     repeated_rows,
+    share_of_repeats,
     spikes,
     stuck,
 )
@@ -238,14 +239,22 @@ def test_repeated_rows_against_set(rows):
     assert_counted(step)
 
 
-@given(radii, radii, st.integers(0, 5))
-def test_closed_against_loop(x, y, margin):
+@pytest.mark.parametrize("most", [1 << 18, 800])
+def test_share_of_repeats(most):
+    rng = np.random.default_rng(2)
+    columns = rng.integers(0, 14, (3, 3000)).astype(float) / 7
+    share = 1 - len(set(zip(*columns.tolist(), strict=True))) / 3000
+    assert abs(share_of_repeats(*columns, most=most) - share) < (1e-12 if most > 3000 else 0.08)
+    assert share_of_repeats(*3 * [np.empty(0)]) == 0
+
+
+@given(radii, radii)
+def test_closed_against_loop(x, y):
     size = min(x.size, y.size)
     x, y = x[:size], y[:size]
-    step = closed([x, y], 0.1, tolerance=0.0005, margin=margin)
+    step = closed([x, y], 0.1, tolerance=0.0005)
     shut = [any(v == v for v in pair) and all(not v > 0.1005 for v in pair) for pair in zip(x, y, strict=True)]
-    near = [any(shut[max(0, i - margin) : i + margin + 1]) for i in range(size)]
-    np.testing.assert_array_equal(step.dropped, near)
+    np.testing.assert_array_equal(step.dropped, np.array(shut, dtype=bool))
     assert step.counts["closed"] == sum(shut)
     assert step.unjudged == sum(a != a and b != b for a, b in zip(x, y, strict=True))
     assert_counted(step)
@@ -271,7 +280,7 @@ def test_travel_time():
         (lambda: repeated_rows(), "columns: must have at least one"),
         (lambda: closed([], 0.1), "arms: must have at least one column"),
         (lambda: closed([[1.0]], -1.0),
-         "radius = -1, tolerance = 0.002, margin = 0: radius must be larger than 0, the others not negative"),
+         "radius = -1, tolerance = 0.002: radius must be larger than 0, tolerance not negative"),
     ],
 )  # fmt: skip
 def test_errors(call, text):

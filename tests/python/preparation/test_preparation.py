@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,18 +11,18 @@ import pytest
 from wall_samples import wall_samples
 
 import helibore as hb
+from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
-from helibore.channels.readings import readings
 from helibore.channels.role_map import overlay
 from helibore.channels.roles import guess
 from helibore.files.raw_set import Channel
 from helibore.preparation.biases import arm_sides, find_bias
 from helibore.preparation.conditioning import Step
-from helibore.preparation.eccentering import find_centres, recentre, turn_numbers, turn_positions
+from helibore.preparation.eccentering import find_centres, recentre, turn_positions
 from helibore.preparation.passes import choose
 from helibore.preparation.prepare import Preparation, Track, prepare
 from helibore.preparation.readings import Readings
-from helibore.preparation.sensors import TimeSeries
+from helibore.preparation.sensors import Sensor, TimeSeries
 from helibore.preparation.shifts import find_shifts
 from helibore.trajectory.references import from_high_side, onto_path
 
@@ -87,6 +88,18 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
         ValueError, match=r"^f.csv, row 3, column radius: radius 0 m: must be larger than 0 and at most 2"
     ):
         prepare(one.readings())
+    with pytest.raises(hb.InputError) as caught:
+        prepare(one.readings(), Preparation(recentre=True))
+    rule = "must be larger than 0 and at most 2 m; a radius range drops such"
+    assert str(caught.value) == f"f.csv, row 3, column radius: radius 0 m: {rule}"
+    twice = Readings(**(vars(rotating().readings()) | {
+        name: np.tile(getattr(rotating().readings(), name), 2) for name in ("depth", "toolface")
+    } | {"radii": (np.tile(rotating().readings().radii[0], 2),)}))  # fmt: skip
+    text = (
+        "50 % of the samples repeat others in depth, toolface and radius, and count again; --drop-repeated drops them"
+    )
+    assert prepare(twice).report == (("repeated", text),)
+    assert prepare(twice, Preparation(repeated=True)).counts == {"repeated rows": N, "kept": N}
     with pytest.raises(ValueError, match=r"^f.csv: no samples are left after the step range$"):
         prepare(one.readings(), Preparation(least_radius=4.0))
 
@@ -129,8 +142,8 @@ def test_recentre_is_that_of_the_library() -> None:
     angle = np.radians(one["tf"].values)
     radius = one["radius"].values + 0.006 * np.cos(angle - 1.0)
     found = prepare(rotating(radius__m=radius).readings(), Preparation(recentre=True))
-    turn = turn_numbers(one["tf"].values)
     position = turn_positions(one["tf"].values)
+    turn = np.floor(position).astype(int)
     centres = find_centres(one["tf"].values, radius, turn, position=position)
     toolface, corrected = recentre(one["tf"].values, radius, turn, centres, position=position)
     assert found.centres is not None
@@ -164,8 +177,8 @@ def test_a_tool_that_whirls_too_fast_is_not_corrected_and_named() -> None:
     found = prepare(one.readings(), Preparation(recentre=True), bit_diameter=0.216)
     assert found.report[1:] == (
         ("recentre", "0 of 40 turns corrected"),
-        ("recentre", "the tool moves too far from turn to turn in 40 of 40 turns to be followed (more than 100 deg "
-                     "around the axis in a turn): not corrected"),
+        ("recentre", "40 of 40 turns not corrected: the tool moves too far to be followed (more than 100 deg around "
+                     "the axis in a turn), or the hole changes too much from turn to turn"),
     )  # fmt: skip
     np.testing.assert_array_equal(found.caliper.radius, radius)
 
@@ -325,6 +338,32 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
     assert len(prepare(near.readings(roles)).caliper) == 4 * N
 
 
+def test_two_calipers_of_four_arms_are_no_imaging_tool() -> None:
+    """Horizontal and vertical diameters of a density and of an ultrasonic caliper, as in 15/9-F-15 B: eight sensors."""
+    rng = np.random.default_rng(5)
+    sizes = {f"{name}__in": 8.5 + rng.normal(0, 0.02, N) for name in ("DCHO", "DCVE", "UCHO", "UCVE")}
+    one = log(md__m=100 + 0.05 * np.arange(N), **sizes)
+    roles = overlay(guess(one), one, {
+        name: {"role": "diameter", "angle": angle}
+        for name, angle in (("DCHO", 90.0), ("DCVE", 0.0), ("UCHO", 90.0), ("UCVE", 0.0))
+    }, "map")  # fmt: skip
+    found = one.readings(roles)
+    assert (len(found.sensors), found.is_image) == (8, False)
+    caliper = prepare(found).caliper
+    assert caliper.arm is not None
+    wall = hb.reconstruct(caliper, bit_diameter=8.5 * 0.0254)
+    assert len(wall.logs().arm_diameter) == 2
+    assert wall.summary().shape == "arms"
+    far = log(md__m=100 + 0.05 * np.arange(N), **(sizes | {"UCHO__in": sizes["UCHO__in"] + 0.5}))
+    with pytest.raises(hb.InputError) as caught:
+        prepare(far.readings(roles))
+    assert str(caught.value).startswith("f.csv: DCHO and UCHO: look in one direction and differ by 6.")
+    arms = tuple(Sensor(f"r{k}", offset=0.5 * (k % 2), mounting=45.0 * k) for k in range(8))
+    staggered = replace(found, sensors=arms)
+    assert not staggered.is_image  # two levels of four arms
+    assert replace(found, sensors=tuple(replace(each, offset=0.0) for each in arms)).is_image
+
+
 def building() -> hb.Survey:
     return hb.Survey([0.0, 50.0, 200.0], [0.0, 0.0, 60.0], [70.0, 70.0, 70.0])
 
@@ -364,6 +403,37 @@ def test_toolface_references() -> None:
         prepare(one.readings(), None, transported)
     with pytest.raises(ValueError, match=r"row 1, column tf_type: 'up': must be one of n, north"):
         log(**columns, tf_type=np.where(np.arange(N) == 1, "up", "N")).readings()
+
+
+NORTH = Preparation(toolface_from="north")
+SHALLOW = hb.Survey([0.0, 50.0], [0.0, 0.0], [0.0, 0.0])
+
+
+@pytest.mark.parametrize(
+    ("one", "settings", "path", "text"),
+    [
+        ([], None, None, "readings: must have at least one"),
+        (rotating(), None, SHALLOW.path(reference="parallel-transport"),
+         "f.csv: the wall's toolfaces count from a parallel-transport reference, a tool's never do: say whether the "
+         "samples count from north, the high side or automatically"),
+        (rotating(), Preparation(toolface_from="automatic"), None,
+         "f.csv: toolfaces that count from automatic need a survey to be turned into the wall's"),
+        (rotating(), NORTH, SHALLOW.path(), "f.csv: every sample lies beyond the survey"),
+        (arms(), Preparation(recentre=True), None,
+         "f.csv: recentring needs radii: half a diameter (cal_x) does not show the tool's offset"),
+        (rotating(), Preparation(latency=1.0), None,
+         "f.csv: a latency or a track: needs a time, and no channel has that role"),
+        (rotating(), Preparation(stuck=50), None,
+         "f.csv: a stuck arm cannot be recognised where no other arm moves beside it"),
+        (rotating(), Preparation(closed=0.3), None,
+         "f.csv: no row has depth, toolface and a radius (400 dropped as closed)"),
+        (rotating(), Preparation(least_radius=4.0), None, "f.csv: no samples are left after the step range"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_prepared(one: Any, settings: Any, path: Any, text: str) -> None:
+    with pytest.raises(hb.InputError) as caught:
+        prepare(one if isinstance(one, list) else one.readings(), settings, path)
+    assert str(caught.value) == text
 
 
 def test_sensors_at_their_places_and_times() -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 import re
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,6 +62,11 @@ def test_a_survey_that_begins_in_the_hole_tells_none_unless_its_head_does() -> N
         Drawing(elevation=math.nan)
 
 
+def depth_labels(figure: Any) -> list[Any]:
+    """The labels of the depth track but the first and the last depth, which stand at the ends."""
+    return [text for text in figure.axes[0].texts if text.get_position()[0] == 0.5 and text.get_va() == "center"]
+
+
 @pytest.mark.parametrize(("elevation", "name"), [(None, "TVD"), (25.0, "TVDSS")])
 def test_the_depth_track_writes_them_under_the_measured_depths(
     wall: hb.Wall, elevation: float | None, name: str
@@ -70,9 +76,7 @@ def test_the_depth_track_writes_them_under_the_measured_depths(
     assert f"{name} [m]" in [text.get_text() for text in figure.texts]
     above = "" if elevation is None else "; TVDSS is TVD less 25 m"
     assert f"1:40, 25 mm on paper a metre{above}" in [text.get_text() for text in figure.texts]
-    texts = [
-        (text.get_position()[1], text.get_text()) for text in figure.axes[0].texts if text.get_position()[0] == 0.5
-    ]
+    texts = [(text.get_position()[1], text.get_text()) for text in depth_labels(figure)]
     measured = [float(text) for _, text in texts[::2]]
     assert measured == list(range(2001, 2022))
     assert [text for _, text in texts[1::2]] == [
@@ -85,7 +89,7 @@ def test_without_a_survey_the_track_is_as_it_was(wall: hb.Wall) -> None:
     wall.path = None
     figure = log(wall, polar=(), body=(), dpi=40)
     assert not [text.get_text() for text in figure.texts if "TVD" in text.get_text()]
-    depths = [float(text.get_text()) for text in figure.axes[0].texts if text.get_position()[0] == 0.5]
+    depths = [float(text.get_text()) for text in depth_labels(figure)]
     assert depths == list(range(2001, 2022))
     with pytest.raises(ValueError, match="elevation"):
         content_of(wall, Drawing(elevation=25.0))
