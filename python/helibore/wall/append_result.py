@@ -38,7 +38,6 @@ class Change:
     redundant: int
 
     def __len__(self) -> int:
-        """Return the number of vertices that are new or changed."""
         return int((self.ranges[:, 1] - self.ranges[:, 0]).sum())
 
     def __repr__(self) -> str:

@@ -186,7 +186,6 @@ class Members:
         return contents
 
     def array(self, name: str, dtype: str = "<f8", dimensions: int = 1) -> Array:
-        """Read one array."""
         with self._open(f"{name}.npy", self._size) as member:
             try:
                 np.lib.format.read_magic(member)

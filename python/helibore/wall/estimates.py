@@ -1,6 +1,7 @@
-"""Estimates at chosen points from samples of which some are left out: for cross-validation and for uncertainty.
+"""Estimates at samples that are left out, from the others: for cross-validation and for uncertainty.
 
-The core finds the neighbours of each point and estimates its radius by the method of the wall.
+The core finds the neighbours of each point and estimates its radius by the method of the wall. Samples are left out
+alone, or with all others in a box around them that is as empty as the box around a random vertex of the wall.
 """
 
 from __future__ import annotations
@@ -13,41 +14,30 @@ import numpy as np
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers
+from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.samples.caliper import Caliper
 
-SPREAD_SCALES = (1.0, 4.0, 16.0)
-"""Angular scales of the metrics in which the core measures `Estimates.spread`."""
+FEWEST_SAMPLES = 100
+MOST_UNMEASURED = 0.5
+"""Share of the turns: a tool that leaves more unmeasured has few arms, or sends few samples."""
+_MOST_BOX_DEPTH, _BOXES = 0.5, 500
 
 Columns = tuple[Floats, Floats, Floats]
+Boxes = tuple[Floats, Floats]
 
 
 class Estimates(NamedTuple):
-    """Estimates at m points; NaN where no sample is within ``max_distance``.
+    """Estimates at m points, (m,) each; NaN where no sample is within ``max_distance``."""
 
-    Attributes
-    ----------
-    radius
-        Metres, (m,).
-    nearest, farthest
-        Metres, (m,): to the nearest sample used, on the wall; to the farthest, in the metric of ``angular_scale``.
-    square_weights
-        Sum of the squared weights, (m,).
-    scatter
-        Mean square of the radii used about ``radius``, weighted by inverse distance, m^2, (m,).
-    spread
-        Mean distance to the samples used, likewise, metres: three times (m,), in metrics of `SPREAD_SCALES`.
-    by_nugget
-        Radii by kriging with each of the nuggets asked for, (m,) each.
-    """
-
-    radius: Floats
-    nearest: Floats
-    farthest: Floats
-    square_weights: Floats
-    scatter: Floats
-    spread: list[Floats]
-    by_nugget: list[Floats]
+    radius: Floats  # metres
+    nearest: Floats  # metres in the metric of ``angular_scale``, to the nearest sample used
+    farthest: Floats  # the same, to the farthest sample used
+    square_weights: Floats  # sum of the squared weights
+    scatter: Floats  # m^2: mean square of the radii used less ``radius``
+    along: Floats  # m^2: mean square of the distances along the hole to the samples used
+    across: Floats  # m^2: the same of the distances around it
+    by_nugget: list[Floats]  # metres: radii by kriging with each of the nuggets asked for
 
 
 def in_depth_order(caliper: Caliper) -> Columns:
@@ -57,11 +47,51 @@ def in_depth_order(caliper: Caliper) -> Columns:
     return caliper.depth[order], np.where(toolface < 360.0, toolface, 0.0), caliper.radius[order]
 
 
+def choose_left_out(samples: Columns, settings: Settings, most: int, seed: int, purpose: str) -> tuple[Integers, Boxes]:
+    """Return rows to leave out, (m,) with m at most ``most``, and half the height and width of a box around each.
+
+    An InputError says that there are too few samples for the ``purpose``, or that the settings have a window.
+    """
+    count = samples[0].size
+    if settings.window is not None:
+        rule = f"must be None {purpose}: samples are left out of the exact search"
+        raise InputError("window", rule, str(settings.window))
+    if count < FEWEST_SAMPLES:
+        raise InputError("samples", f"too few samples {purpose}: must be at least {FEWEST_SAMPLES}", str(count))
+    rng = np.random.default_rng(seed)
+    rows = np.sort(rng.choice(count, min(most, count), replace=False))
+    return rows, empty_boxes(samples, settings, rows.size, rng)
+
+
+def empty_boxes(samples: Columns, settings: Settings, count: int, rng: np.random.Generator) -> Boxes:
+    """Return half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
+
+    The height is the depth to the nearest sample within half a sector of angle, at most 0.5 m; the width is the angle
+    to the nearest sample within half a pitch of depth. At most `_BOXES` different boxes, repeated.
+    """
+    depth, toolface, _ = samples
+    some = min(count, _BOXES)
+    where, angle = rng.uniform(depth[0], depth[-1], some), rng.uniform(0.0, 360.0, some)
+    height, width = np.full(some, _MOST_BOX_DEPTH), np.full(some, 180.0)
+    half_pitch, half_sector = abs(settings.pitch) / 2, 180.0 / settings.sectors
+    for i in range(some):
+        for reach in (half_pitch, max(half_pitch, _MOST_BOX_DEPTH)):  # mostly the first is enough
+            band = slice(*np.searchsorted(depth, (where[i] - reach, where[i] + reach)))
+            along = np.abs(depth[band] - where[i])
+            turn = np.abs((toolface[band] - angle[i] + 180.0) % 360.0 - 180.0)
+            height[i] = along[turn <= half_sector].min(initial=_MOST_BOX_DEPTH)
+            if reach == half_pitch:
+                width[i] = turn.min(initial=180.0)
+            if height[i] <= reach:
+                break
+    return np.resize(height, count), np.resize(width, count)
+
+
 def estimate_left_out(
     samples: Columns,
     rows: Integers,
     settings: Settings,
-    box: tuple[Floats, Floats] | None = None,
+    box: Boxes | None = None,
     threads: int = 1,
     trial: Floats | None = None,
     nuggets: Sequence[float] = (),

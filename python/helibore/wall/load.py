@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import os
 from dataclasses import fields
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -18,6 +19,8 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.images.sector_image import SectorImage
+from helibore.logs.picks import ENDING as PICKS
+from helibore.logs.picks import Picks
 from helibore.samples.caliper import Caliper
 from helibore.trajectory.survey import Survey
 from helibore.wall.archive import ARMS, STATIONS, VERTICES, Arrays, Members, opened
@@ -40,7 +43,8 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
     -------
     Wall
         With the settings, basis, samples, vertices, ``path``, ``images``, ``attributes`` and ``made_from`` of the saved
-        one. Further appends give the bits they would have given to that.
+        one, and the ``picks`` of FILENAME.picks.csv, if it is there. Further appends give the bits they would have
+        given to that.
 
     Raises
     ------
@@ -51,7 +55,11 @@ def load(filename: str | os.PathLike[str], threads: int | None = None, recompute
         If the file cannot be read.
     """
     with opened(filename) as members:
-        return _wall(members, threads, recompute)
+        wall = _wall(members, threads, recompute)
+    beside = Path(f"{os.fspath(filename)}{PICKS}")
+    if beside.exists():
+        wall.picks = Picks.load(beside, wall.path)
+    return wall
 
 
 def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
@@ -80,7 +88,7 @@ def _wall(members: Members, threads: int | None, recompute: bool) -> Wall:
         if row["unit"] is not None:
             units[row["name"]] = row["unit"]
     arms = Caliper(**columns) if columns else None
-    wall.__setstate__((samples, arms, path, images, attributes, units, contents["made_from"]))
+    wall.__setstate__((samples, arms, path, images, attributes, units, contents["made_from"], ()))
     if not recompute:
         _require_same(wall, saved, contents)
     return wall

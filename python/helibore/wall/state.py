@@ -5,18 +5,22 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
+from helibore import _core
 from helibore.base.arrays import Floats, Integers32
 from helibore.base.settings import Settings
+from helibore.base.threads import thread_count
 from helibore.images.sector_image import SectorImage
 from helibore.mesh.attributes import WallAttributes
-from helibore.samples.angular_gap import angular_gap
 from helibore.samples.caliper import Basis, Caliper
-from helibore.samples.helix import helix_of, quad_room
+from helibore.samples.helix import quad_room, stretch_of
 from helibore.trajectory.survey import Path
 
 
 class WallState(NamedTuple):
-    """Owned arrays of one moment, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and any time."""
+    """Owned arrays of one moment, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and any time.
+
+    ``sums``: of each vertex, what its uncertainty is computed from, with `Settings.sigma` only; else ().
+    """
 
     settings: Settings
     basis: Basis
@@ -31,21 +35,20 @@ class WallState(NamedTuple):
     attributes: WallAttributes
     made_from: dict[str, Any]
     arms: Caliper | None = None
+    sums: tuple[Floats, ...] = ()
 
     @property
     def angular_gap(self) -> Floats:
-        """As `Wall.angular_gap`."""
         depth, toolface, *_ = self.sample_columns
-        return angular_gap(helix_of(self), self.radius.size, depth, toolface, self.settings.gap_reach)
+        reach = self.settings.gap_reach
+        return _core.angular_gaps(stretch_of(self), self.radius.size, depth, toolface, reach, thread_count(None))
 
     @property
     def samples(self) -> Caliper:
-        """As `Wall.samples`."""
         return Caliper(*self.sample_columns, basis=self.basis)
 
     @property
     def sample_count(self) -> int:
-        """As `Wall.sample_count`."""
         return self.sample_columns[0].size
 
     @property

@@ -6,6 +6,9 @@ Each candidate estimates some samples from the others, twice:
     box     all samples in a box around it are left out, as large as the empty box around a random vertex of the wall
             (angle to the nearest sample within half a pitch; depth to the nearest within half a sector): what gaps do
 
+Where a tool leaves most of each turn unmeasured, the likelihood of the samples says first whether the shape of the hole
+goes on along it (`helibore.wall.continuation`): no sample that can be left out lies between the arms.
+
 Leaving out single samples alone would choose wrongly where samples are clustered, because the vertices lie elsewhere.
 """
 
@@ -22,13 +25,21 @@ from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
 from helibore.samples.caliper import Caliper
-from helibore.wall.empty_boxes import empty_boxes
-from helibore.wall.estimates import Columns, estimate_left_out, find_kriging_range, in_depth_order
+from helibore.wall.continuation import LEAST_GAIN, find_continuation
+from helibore.wall.estimates import (
+    Boxes,
+    Columns,
+    choose_left_out,
+    estimate_left_out,
+    find_kriging_range,
+    in_depth_order,
+)
 from helibore.wall.wall import Wall
 
-FEWEST_SAMPLES = 100
 TUNED = ("estimator", "neighbors", "angular_scale", "kriging_range", "nugget")
 """The settings that a candidate may change."""
+TUNED_ALONG = frozenset((*TUNED, "max_distance"))
+"""Those of a hole whose shape goes on along it (`helibore.wall.continuation`)."""
 ANGULAR_SCALES = (0.5, 1.0, 2.0, 4.0, 8.0)
 NUGGETS = (0.003, 0.02, 0.1, 0.4)
 _CLIP = 12.0
@@ -41,22 +52,12 @@ _ROUNDING = 1e-9  # metres
 
 @dataclass(frozen=True)
 class Candidate:
-    """Settings that were tried, and the errors they make.
+    """Settings that were tried, and the errors they make."""
 
-    Attributes
-    ----------
-    settings
-        What a wall would be built with.
-    alone, box
-        Root mean square error of the samples left out alone and with their boxes, metres; their noise is included.
-    gain_alone, gain_box
-        Mean square error less than that of the first candidate, in standard errors of the difference.
-    """
-
-    settings: Settings
-    alone: float
-    box: float
-    gain_alone: float = 0.0
+    settings: Settings  # what a wall would be built with
+    alone: float  # root mean square error of the samples left out alone, metres; their noise is included
+    box: float  # the same of the samples left out with their boxes
+    gain_alone: float = 0.0  # how much less than the mean square error of the first candidate, in standard errors
     gain_box: float = 0.0
 
     @property
@@ -82,11 +83,15 @@ class Tuning:
         All candidates; the first has the settings without tuning.
     targets
         Number of samples that were left out.
+    continuation
+        Of a tool that leaves most of each turn unmeasured: by how much it is likelier that the shape of the hole goes
+        on along it than that it does not, nats a block (`helibore.wall.continuation`); NaN of other tools.
     """
 
     best: Candidate
     candidates: tuple[Candidate, ...]
     targets: int
+    continuation: float = np.nan
 
     @property
     def settings(self) -> Settings:
@@ -110,6 +115,8 @@ class Tuning:
         """The result in words."""
         first, best = self.candidates[0], self.best
         text = f"{first.name}: cross-validated error {_millimetres(first)}"
+        if self.continuation > LEAST_GAIN:
+            return f"{first.name}: {_millimetres(first)}; {best.name}, because the shape goes on along the hole"
         if best is first:
             return f"{text}; none of {len(self.candidates) - 1} other settings is better for certain"
         return f"{text}; {best.name}: {_millimetres(best)}, {100 * self.gain:.0f} % less in gaps"
@@ -189,12 +196,8 @@ def _tuning(
     samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int
 ) -> Tuning:
     depth, _, radius = samples
-    if depth.size < FEWEST_SAMPLES:
-        rule = f"too few samples to tune: must be at least {FEWEST_SAMPLES}"
-        raise InputError("samples", rule, str(depth.size))
-    rng = np.random.default_rng(seed)
-    rows = np.sort(rng.choice(depth.size, min(targets, depth.size), replace=False))
-    boxes = (None, empty_boxes(samples, settings, rows.size, rng))
+    rows, around = choose_left_out(samples, settings, targets, seed, "to tune")
+    boxes: tuple[Boxes | None, ...] = (None, around)
     ranges: dict[float, float] = {}
 
     def ranged(settings: Settings) -> Settings:
@@ -205,17 +208,24 @@ def _tuning(
         return replace(settings, kriging_range=ranges[scale])
 
     first = settings if settings.kriging_range is not None else ranged(settings)
-    trials = [estimate_left_out(samples, rows, first, box, threads).radius for box in boxes]
+    trials = [estimate_left_out(samples, rows, first, each, threads).radius for each in boxes]
     tried, errors = [first], [[trial - radius[rows]] for trial in trials]
     for family, nuggets in _grid(first, fixed):
         ready = ranged(family)
         tried += [replace(ready, nugget=nugget) for nugget in nuggets] or [ready]
-        for box, trial, of_kind in zip(boxes, trials, errors, strict=True):
-            found = estimate_left_out(samples, rows, ready, box, threads, trial, nuggets)
-            of_kind += [each - radius[rows] for each in found.by_nugget or [found.radius]]
+        for each, trial, of_kind in zip(boxes, trials, errors, strict=True):
+            found = estimate_left_out(samples, rows, ready, each, threads, trial, nuggets)
+            of_kind += [of - radius[rows] for of in found.by_nugget or [found.radius]]
+    along, gain = (None, np.nan) if TUNED_ALONG & fixed.keys() else find_continuation(samples, first, seed)
+    if along:
+        tried.append(along)
+        for each, of_kind in zip(boxes, errors, strict=True):
+            of_kind.append(estimate_left_out(samples, rows, along, each, threads).radius - radius[rows])
     candidates = _compared(tried, errors, depth[rows])
+    if along:  # leaving samples out says nothing of what lies between arms
+        return Tuning(candidates[-1], candidates, rows.size, gain)
     passed = [each for each in candidates if min(each.gain_alone, each.gain_box) > _STANDARD_ERRORS]
-    return Tuning(min(passed, key=lambda each: each.box, default=candidates[0]), candidates, rows.size)
+    return Tuning(min(passed, key=lambda each: each.box, default=candidates[0]), candidates, rows.size, gain)
 
 
 def _grid(first: Settings, fixed: dict[str, Any]) -> Iterator[tuple[Settings, tuple[float, ...]]]:

@@ -1,24 +1,26 @@
 """How sure a wall is: `Wall.sigma`, calibrated by leaving samples out.
 
-    sigma^2 = (q / 1.96)^2 (tau^2 W + c (G / G~) (S / S~)^beta)
+    sigma^2 = (q / 1.96)^2 (tau^2 W + c S^a D^b)
 
     W   sum of the squared weights: how much of the noise tau is left
-    G   mean distance to the samples used, in a metric of its own: what lies between them
-    S   mean square of their radii about the estimate: how much the wall changes there
-    ~   the median of the left-out samples
+    S   mean square of the radii used about the estimate: how much the wall changes there
+    D   mean square of the distances to them, those around the hole stretched: what lies between them
 
-Samples are left out with boxes as empty as those around vertices (`empty_boxes`). tau, c, beta and the metric of G have
+Samples are left out with boxes as empty as those around vertices (`choose_left_out`). tau, c, a, b and the stretch have
 the greatest likelihood of their errors, by Student's t with 5 degrees of freedom; an error has the variance of the
 estimate plus the noise tau^2 of the sample itself. q is the 95 % quantile of the errors in these units. So the true
 radius lies within 1.96 sigma of the wall with 95 % probability where the wall is like the places that were left out.
-Where it is not, sigma is NaN: farther from samples than 98 % of the left-out ones, and in gaps of the turn
+Where it is not, sigma is NaN: farther from the samples used than 98 % of the left-out ones, and in gaps of the turn
 (`Wall.angular_gap` above `Settings.largest_gap`).
+
+Where a tool leaves more than half of the turns unmeasured (few arms, telemetry), samples are too far apart to tell
+noise from shape: tau^2 (1 + W) takes the place of tau^2 W.
 """
 
 from __future__ import annotations
 
-import itertools
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -26,120 +28,144 @@ from helibore import _core
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
-from helibore.samples.helix import helix_of
-from helibore.wall.empty_boxes import empty_boxes
-from helibore.wall.estimates import Columns, Estimates, estimate_left_out
+from helibore.samples.helix import stretch_of
+from helibore.wall.estimates import MOST_UNMEASURED, Columns, choose_left_out, estimate_left_out
 from helibore.wall.state import WallState
 
-FEWEST_SAMPLES = 100
 TARGETS = 2000
 NORMAL_95 = 1.959964
 _FREEDOM = 5.0
-_NOISE_SHARES = (0.0, *np.geomspace(1e-3, 0.999, 14).tolist())
-_POWERS = (0.5, 0.65, 0.8, 0.95)
-_SMALLEST = 1e-9  # metres; smaller errors are rounding
+_MEDIAN_SQUARE = 0.455
+"""Of a normal deviate with variance 1."""
+_SMALLEST = 1e-18  # square metres; smaller ones are rounding
+_STRETCHES = (1.0, 16.0, 256.0)
+_POWERS = ((0.5, 1.0), (1.0, 1.0))
+"""The least and the greatest powers of S and D: with others, a wall of little shape takes its noise for shape."""
 
 
 @dataclass(frozen=True)
 class Calibration:
-    """What the uncertainty of a wall is computed with; names as above.
+    """What the uncertainty of a wall is computed with; symbols as above."""
 
-    Attributes
-    ----------
-    noise
-        tau, metres.
-    between
-        c, square metres.
-    power
-        beta.
-    metric
-        Which of `Estimates.spread` is G.
-    usual_spread, usual_scatter
-        G~ (m) and S~ (m^2).
-    quantile
-        q.
-    reach
-        98 % of the left-out samples are at most so far from the nearest sample used, metres.
-    """
+    noise: float  # tau, metres
+    between: float  # c
+    scatter_power: float  # a
+    distance_power: float  # b
+    stretch: float
+    quantile: float  # q
+    reach: float  # metres: 98 % of the left-out samples are at most so far from the samples used, in the rms
 
-    noise: float
-    between: float
-    power: float
-    metric: int
-    usual_spread: float
-    usual_scatter: float
-    quantile: float
-    reach: float
+    def sigma(self, sums: tuple[Floats, ...]) -> Floats:
+        """Return the standard uncertainty of estimates, metres; NaN beyond ``reach``.
 
-    def sigma(self, of: Estimates) -> Floats:
-        """Return the standard uncertainty of estimates, metres; NaN beyond ``reach``."""
-        shape = (of.spread[self.metric] / self.usual_spread) * (of.scatter / self.usual_scatter) ** self.power
-        variance = self.noise**2 * of.square_weights + self.between * shape
-        return np.where(of.nearest <= self.reach, self.quantile / NORMAL_95 * np.sqrt(variance), np.nan)
+        ``sums``: W, S and the mean squares of the distances along and around the hole.
+        """
+        square_weights, scatter, along, across = sums
+        share = (self.quantile / NORMAL_95) ** 2
+        rule = (
+            share * self.noise**2, share * self.between, self.scatter_power, self.distance_power, self.stretch,
+            self.reach,
+        )  # fmt: skip
+        return _core.sigma_of((square_weights, scatter, along, across), rule)
 
 
 def calibrate(samples: Columns, settings: Settings, threads: int = 1, seed: int = 0) -> Calibration:
-    """Calibrate the uncertainty of the walls that these settings make of these samples.
-
-    Raises
-    ------
-    InputError
-        ``samples = 37: too few samples for an uncertainty: must be at least 100``.
-    """
-    depth, _, radius = samples
-    if depth.size < FEWEST_SAMPLES:
-        rule = f"too few samples for an uncertainty: must be at least {FEWEST_SAMPLES}"
-        raise InputError("samples", rule, str(depth.size))
-    rng = np.random.default_rng(seed)
-    rows = np.sort(rng.choice(depth.size, min(TARGETS, depth.size), replace=False))
-    found = estimate_left_out(samples, rows, settings, empty_boxes(samples, settings, rows.size, rng), threads)
+    """Calibrate the uncertainty of the walls that these settings make of these samples, at least 100."""
+    rows, boxes = choose_left_out(samples, settings, TARGETS, seed, "for an uncertainty")
+    found = estimate_left_out(samples, rows, settings, boxes, threads)
     known = np.isfinite(found.radius)
     if not known.any():
         raise InputError("samples", "too few samples for an uncertainty: none has another within max_distance")
-    squares = np.maximum((found.radius - radius[rows])[known] ** 2, _SMALLEST**2)
-    weights, scatter = found.square_weights[known], np.maximum(found.scatter[known], _SMALLEST**2)
-    spread = [each[known] for each in found.spread]
-
-    def shape(metric: int, power: float) -> Floats:
-        """G / G~ (S / S~)^beta."""
-        scattered: Floats = (scatter / np.median(scatter)) ** power
-        return spread[metric] / np.median(spread[metric]) * scattered
-
-    best = (-np.inf, 0, 0.0, 0.0, 0.0)
-    for metric, power in itertools.product(range(len(spread)), _POWERS):
-        changes = shape(metric, power)
-        for share in _NOISE_SHARES:
-            form = np.maximum(share * (1.0 + weights) + (1.0 - share) * changes, 1e-12)
-            scale, likelihood = _student(squares / form, form)
-            best = max(best, (likelihood, metric, power, share, scale))
-    _, metric, power, share, scale = best
-    noise, between = float(np.sqrt(share * scale)), (1.0 - share) * scale
-    variance = noise**2 * (1.0 + weights) + between * shape(metric, power)
+    squares = np.maximum((found.radius - samples[2][rows])[known] ** 2, _SMALLEST)
+    weights, scatter, along, across = (of[known] for of in found[3:7])
+    scatter, distances = (
+        np.maximum(scatter, _SMALLEST),
+        [np.maximum(along + of * across, _SMALLEST) for of in _STRETCHES],
+    )
+    fits = [_fit(squares, weights, np.log([scatter, distance])) for distance in distances]
+    best = int(np.argmax([fit.likelihood for fit in fits]))
+    fit, changes = fits[best], np.log([scatter, distances[best]])
+    variance = fit.noise * (1.0 + weights) + fit.between * np.exp(fit.powers @ changes)
     quantile = float(np.sqrt(np.quantile(squares / variance, 0.95)))
-    reach = float(np.quantile(found.nearest[known], 0.98))
-    usual = float(np.median(spread[metric])), float(np.median(scatter))
-    return Calibration(noise, between, power, metric, *usual, quantile, reach)
+    reach = float(np.sqrt(np.quantile(along + across, 0.98)))
+    found_best = (np.sqrt(fit.noise), fit.between, *fit.powers, _STRETCHES[best], quantile, reach)
+    # Nine digits: the last bits of a logarithm differ between machines.
+    return Calibration(*(float(f"{value:.9g}") for value in found_best))
 
 
-def _student(squares: Floats, form: Floats) -> tuple[float, float]:
-    """Scale of errors with these squares by Student's t, and its logarithmic likelihood, without constants."""
-    scale = float(np.mean(squares))
-    for _ in range(12):
-        scale = float(np.mean((_FREEDOM + 1.0) * squares / (_FREEDOM + squares / scale)))
-    terms = (_FREEDOM + 1.0) * np.log1p(squares / (_FREEDOM * scale)) + np.log(form * scale)
-    return scale, -0.5 * float(np.sum(terms))
+class _Fit(NamedTuple):
+    likelihood: float
+    noise: float  # tau^2
+    between: float  # c
+    powers: Floats
+
+
+def _fit(squares: Floats, weights: Floats, changes: Floats) -> _Fit:
+    """Find the likeliest tau^2, c and powers for squared errors by Student's t: Fisher scoring, damped, in logarithms.
+
+    ``changes``: (2, n) logarithms of S and D.
+    """
+    usual, middle = np.log(np.median(squares) / _MEDIAN_SQUARE), changes.mean(axis=1, keepdims=True)
+    terms = np.vstack([np.ones((1, squares.size)), changes - middle])
+    low, high = (np.array([usual + of, usual + of, *powers]) for of, powers in ((-12.0, _POWERS[0]), (5.0, _POWERS[1])))
+
+    def parts(of: Floats) -> tuple[Floats, Floats, float]:
+        noise, between = np.exp(of[0]) * (1.0 + weights), np.exp(np.clip(of[1:] @ terms, -100.0, 100.0))
+        variance = noise + between
+        cost = np.sum((_FREEDOM + 1.0) * np.log1p(squares / (_FREEDOM * variance)) + np.log(variance))
+        return noise, variance, 0.5 * float(cost)
+
+    best: tuple[float, Floats] = (np.inf, low)
+    for share in (0.1, 0.5, 0.9):
+        at = np.array([usual + np.log(share), usual + np.log(1.0 - share), 1.0, 1.0])
+        noise, variance, cost = parts(at)
+        damping = 1e-2
+        for _ in range(40):
+            slope = 0.5 - 0.5 * (_FREEDOM + 1.0) * squares / (_FREEDOM * variance + squares)
+            moves = np.vstack([noise / variance, (1.0 - noise / variance) * terms])
+            normal = (_FREEDOM / (2.0 * (_FREEDOM + 3.0))) * moves @ moves.T
+            step = np.linalg.solve(normal + damping * np.diag(np.diagonal(normal) + 1.0), moves @ slope)
+            trial = np.clip(at - step, low, high)
+            new = parts(trial)
+            if new[2] < cost:
+                done = cost - new[2] < 1e-3
+                at, (noise, variance, cost), damping = trial, new, damping / 5.0
+                if done:
+                    break
+            elif (damping := damping * 5.0) > 1e6:
+                break
+        best = min(best, (cost, at), key=lambda of: of[0])
+    cost, at = best
+    return _Fit(-cost, float(np.exp(at[0])), float(np.exp(at[1] - at[2:] @ middle[:, 0])), at[2:])
 
 
 def wall_sigma(wall: WallState, threads: int) -> Floats:
-    """Return the standard uncertainty at each vertex: `Wall.sigma`."""
+    """Return the standard uncertainty at each vertex: `Wall.sigma`; ``wall`` has its ``sums``."""
     depth, toolface, radius = wall.sample_columns[:3]
-    samples = (depth, toolface, radius)
-    calibration = calibrate(samples, wall.settings, threads)
-    helix = helix_of(wall)
-    number = np.arange(wall.radius.size)
-    none = np.full(number.size, -1.0)
-    points = (helix.depth(number), helix.toolface(number), wall.radius, none, none)
-    found = Estimates(*_core.estimate_at(samples, points, vars(replace(wall.settings, max_iterations=1)), threads, ()))
-    sigma = calibration.sigma(found)
-    sigma[wall.angular_gap > wall.settings.largest_gap] = np.nan
+    calibration = calibrate((depth, toolface, radius), wall.settings, threads)
+    sigma, unmeasured = calibration.sigma(wall.sums), _unmeasured(wall)
+    if np.mean(unmeasured) > MOST_UNMEASURED:
+        sigma = np.hypot(sigma, calibration.quantile / NORMAL_95 * calibration.noise)
+    sigma[unmeasured] = np.nan
     return sigma
+
+
+def _unmeasured(wall: WallState) -> np.ndarray:
+    """Whether each vertex lies in a gap of the turn above `Settings.largest_gap`.
+
+    Mostly none does, and a few samples show it: where in every interval of depth no longer than `Settings.gap_reach`
+    each of the parts of the turn, three to the largest gap, has one, no gap is longer than two of these parts.
+    """
+    depth, toolface = wall.sample_columns[:2]
+    ends = stretch_of(wall).depth(np.array([0, wall.radius.size - 1]))
+    intervals, parts = (
+        int(np.ceil(np.ptp(ends) / wall.settings.gap_reach)) + 1,
+        int(np.ceil(1080 / wall.settings.largest_gap)),
+    )
+    some = np.random.default_rng(0).integers(0, depth.size, min(depth.size, 20 * parts * intervals))
+    interval = np.floor((depth[some] - ends.min()) * (intervals / max(np.ptp(ends), 1e-9)))
+    inside = (interval >= 0) & (interval < intervals)
+    cell = interval[inside] * parts + np.floor(toolface[some][inside] * (parts / 360.0))
+    if np.bincount(cell.astype(np.int64), minlength=intervals * parts).all():
+        return np.zeros(wall.radius.size, dtype=bool)
+    return wall.angular_gap > wall.settings.largest_gap

@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Sequence
+from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
@@ -24,6 +25,8 @@ from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
 from helibore.base.units import size_text
 from helibore.images.sector_image import SectorImage, SectorImages
+from helibore.logs.picks import ENDING as PICKS
+from helibore.logs.picks import Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.mesh.surface import Surface, surface_of
 from helibore.mesh.volume import Volume, volume_of
@@ -32,9 +35,11 @@ from helibore.samples.helix import helix_of, quad_room
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall import archive
 from helibore.wall.append_result import Change, VertexColumns
+from helibore.wall.estimates import find_kriging_range, in_depth_order
 from helibore.wall.interpolation import in_canonical_order, on_quads
 from helibore.wall.points import PointValues, values_at
 from helibore.wall.state import WallState
+from helibore.wall.uncertainty import wall_sigma
 
 if TYPE_CHECKING:
     from xarray import Dataset
@@ -69,6 +74,8 @@ class Wall:
     made_from
         What else is known of where the wall comes from (files, runs, shifts), as JSON has it: texts, numbers, lists,
         dicts. Archives and meshes carry it; nothing is read from it.
+    picks
+        `Picks`: beds, fractures and breakouts that were picked on the wall.
 
     Raises
     ------
@@ -106,6 +113,7 @@ class Wall:
         core, sectors = self._core, self._settings.sectors
         self.attributes = WallAttributes(lambda: (core.start_depth, quad_room(len(core), sectors)))
         self.made_from: dict[str, Any] = {}
+        self.picks = Picks()
 
     @property
     def settings(self) -> Settings:
@@ -152,7 +160,6 @@ class Wall:
         return change
 
     def __len__(self) -> int:
-        """Return the number of vertices."""
         return len(self._core)
 
     @property
@@ -167,7 +174,7 @@ class Wall:
 
     @property
     def start_depth(self) -> float:
-        """Depth of vertex 0, metres; NaN while there is none."""
+        """Depth of the first vertex, metres; NaN while there is none."""
         return self._core.start_depth
 
     @property
@@ -213,11 +220,25 @@ class Wall:
         samples than calibration can say, or in a gap of the turn larger than `Settings.largest_gap`. InputError if
         there are fewer than 100 samples.
         """
-        return _sigma(self._state(), self._threads)
+        return wall_sigma(self._with_sums(self._state()), self._threads)
+
+    def _with_sums(self, state: WallState) -> WallState:
+        """The sums that sigma needs: kept by the wall, or those of a wall that is made again to keep them."""
+        if state.sums or not state.radius.size:
+            return state
+        settings = vars(self._settings) | {"sigma": True, "direct": False}
+        again = _core.Wall(settings, self._threads, "automatic")
+        again.append(*state.sample_columns)
+        return state._replace(sums=again.sums())
 
     @property
     def angular_gap(self) -> Floats:
-        """(n,) float64 degrees between the samples next to each vertex on its two sides; `Settings.gap_reach`."""
+        """(n,) float64 degrees around the hole between the nearest samples on the two sides of each vertex.
+
+        Samples within `Settings.gap_reach` metres of its depth count. 0 at a sample's toolface; 360 where there is no
+        sample, or only one elsewhere. A small gap means that the tool measured this part of the turn. Between few arms
+        the gap is large: the wall there is interpolated, even if samples of the arms are near.
+        """
         return self._state().angular_gap
 
     @property
@@ -250,13 +271,14 @@ class Wall:
         """
         return values_at(self._state(), depth, toolface)
 
-    def vertices(self, start: int = 0, stop: int | None = None) -> VertexColumns:
+    def vertices(self, start: int | None = None, stop: int | None = None) -> VertexColumns:
         """Return the vertices [start, stop), as those of a `Change`: what a viewer or a host's store copies after it.
 
         Parameters
         ----------
         start, stop
-            Numbers of vertices, 0 <= start <= stop <= len(wall). `stop` = None: all there are.
+            Numbers of vertices on the helix, 0 <= start <= stop <= len(wall); those of a stretch count from
+            `Settings.first_vertex`, as in `Change`. None: the ends of the wall.
 
         Returns
         -------
@@ -268,7 +290,23 @@ class Wall:
         InputError
             If the range reaches beyond the wall: ``range = [0, 12): must lie within the wall's 10 vertices``.
         """
-        return VertexColumns(*self._core.vertices(start, len(self._core) if stop is None else stop))
+        first = self._settings.first_vertex
+        ends = first if start is None else start, first + len(self._core) if stop is None else stop
+        return VertexColumns(*self._core.vertices(*ends))
+
+    def reach(self, start: int, stop: int) -> tuple[float, float]:
+        """Return the depths between which samples decide the values of the vertices [start, stop).
+
+        A wall of all samples between them has the same bits there, whatever samples lie beyond. Infinite where a vertex
+        has too few samples and no `Settings.max_distance`. InputError as `vertices`.
+
+        Examples
+        --------
+        >>> wall = reconstruct(Caliper([0, 0.1, 0.2], [0, 90, 180], [0.1] * 3), bit_diameter=0.2, sectors=4)
+        >>> wall.reach(0, 4)[1] > 1.0
+        True
+        """
+        return self._core.reach(start, stop)
 
     @property
     def samples(self) -> Caliper:
@@ -370,12 +408,14 @@ class Wall:
     def __reduce__(self) -> tuple[Any, ...]:
         state = self._state()
         values = {name: (self.attributes.start_depth(name), of) for name, of in state.attributes.items()}
-        placing = (state.path, dict(state.images), values, dict(state.attributes.units), state.made_from)
-        return _empty_wall, (self._settings, self._basis, self._threads), (state.sample_columns, state.arms, *placing)
+        own = (state.made_from, list(self.picks))
+        placing = (state.path, dict(state.images), values, dict(state.attributes.units), *own)
+        empty = partial(Wall, threads=self._threads, basis=self._basis, **vars(self._settings))
+        return empty, (), (state.sample_columns, state.arms, *placing)
 
     def __setstate__(self, state: tuple[Any, ...]) -> None:
         """Restore an empty wall from what an archive or a pickle holds: the samples make the vertices again."""
-        samples, arms, self.path, images, attributes, units, self.made_from = state
+        samples, arms, self.path, images, attributes, units, self.made_from, picks = state
         if samples:
             self.append(*samples)
         self._keep_arms(arms)
@@ -383,6 +423,7 @@ class Wall:
         for name, (start_depth, values) in attributes.items():
             self.attributes.restore(name, start_depth, values)
         self.attributes.units.update(units)
+        self.picks.extend(picks)
 
     def _resolve_path(self, path: Path | Literal["own"] | None) -> Path | None:
         if isinstance(path, str):
@@ -393,7 +434,7 @@ class Wall:
 
     @property
     def path(self) -> Path | None:
-        """Where the hole goes; see the class."""
+        """The path that surfaces, logs and pictures follow; None: straight down. Set it to a `Path` or None."""
         return self._path
 
     @path.setter
@@ -405,6 +446,7 @@ class Wall:
 
         Settings, samples, vertices, `path`, `images`, `attributes` and `made_from`. The reopened wall has the same
         bits, and goes on with the bits that this one would have. `helibore.wall.archive` says what the file holds.
+        `picks`, if there are any, stand beside it in FILENAME.picks.csv, which `helibore.load` reads, too.
 
         Parameters
         ----------
@@ -419,6 +461,8 @@ class Wall:
             If the file cannot be written; the old one is then as it was.
         """
         archive.save(self._state(), filename)
+        if self.picks:
+            self.picks.save(f"{os.fspath(filename)}{PICKS}", self.path)
 
     def _state(self, samples: bool = True) -> WallState:
         """Return all arrays of one moment, without the samples if they are not needed."""
@@ -426,9 +470,10 @@ class Wall:
         with self._growing:
             vertices = (core.radius(), core.nearest(), core.support(), core.iterations())
             columns = core.samples() if samples else ()
+            sums = core.sums() if samples and self._settings.sigma else ()
             start_depth, arms = core.start_depth, self.arms if samples else None
         placing = (self.path, self.images, self.attributes, self.made_from)
-        return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing, arms)
+        return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing, arms, sums)
 
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
@@ -438,7 +483,10 @@ class Wall:
         from helibore.logs.turn_logs import turn_logs
 
         state = self._state()
-        return turn_logs(state, None, rugosity_window, threads, _sigma(state, self._threads) if sigma else None)
+        if not sigma:
+            return turn_logs(state, None, rugosity_window, threads)
+        known = wall_sigma(self._with_sums(state), self._threads)
+        return turn_logs(state, None, rugosity_window, threads, known)
 
     def zones(self, criteria: Criteria | None = None) -> Classification:
         """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall."""
@@ -521,11 +569,15 @@ class Wall:
         return f"Wall({len(self)} vertices, {self.start_depth:g} to {last:g} m, {self.sample_count} samples)"
 
 
-def _empty_wall(settings: Settings, basis: Basis, threads: int) -> Wall:
-    return Wall(threads=threads, basis=basis, **vars(settings))
-
-
-def _sigma(state: WallState, threads: int) -> Floats:
-    from helibore.wall.uncertainty import wall_sigma
-
-    return wall_sigma(state, threads)
+def wall_of(
+    caliper: Caliper, *, bit_diameter: float, path: Path | None = None, threads: int | None = None, **settings: Any
+) -> Wall:
+    """Return the wall of these samples, an empty wall and one append; parameters as in `helibore.reconstruct`."""
+    if settings.get("estimator") == "kriging" and settings.get("kriging_range") is None:
+        checked = Settings(bit_diameter=bit_diameter, **settings)
+        Wall(**vars(checked) | {"kriging_range": 1.0})  # the core checks the other settings
+        settings["kriging_range"] = find_kriging_range(in_depth_order(caliper), checked)
+    wall = Wall(bit_diameter=bit_diameter, threads=threads, basis=caliper.basis, **settings)
+    wall.append(caliper.depth, caliper.toolface, caliper.radius, caliper.time, arm=caliper.arm)
+    wall.path = path
+    return wall

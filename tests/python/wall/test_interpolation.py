@@ -22,6 +22,32 @@ def test_the_radius_carried_is_the_radius(case: dict[str, Any], window: int | No
     np.testing.assert_allclose(carried, wall.radius, rtol=0, atol=1e-13)
 
 
+@pytest.mark.parametrize("case", ["oval", "round", "spiral"])
+@pytest.mark.parametrize("chosen", [{}, {"angular_scale": 3.0, "window": 40, "neighbors": 6, "max_distance": 0.1}])
+def test_by_kriging_the_radius_carried_has_the_bits_of_the_radius(case: str, chosen: dict[str, Any]) -> None:
+    columns = random_hole(12, case, 900, 3.0)
+    wall = hb.reconstruct(hb.Caliper(*columns), bit_diameter=BIT, sectors=16, estimator="kriging", **chosen)
+    np.testing.assert_array_equal(wall.interpolate_samples(wall.samples.radius, on="vertices"), wall.radius)
+    twice = wall.interpolate_samples(2 * wall.samples.radius + 5, on="vertices")
+    np.testing.assert_allclose(twice, 2 * wall.radius + 5, rtol=0, atol=1e-9)
+
+
+def test_by_kriging_a_missing_value_is_a_sample_that_is_not_there() -> None:
+    """One neighbour without a value: the others are kriged as in a wall of fewer neighbours."""
+    depth, toolface = np.linspace(0, 1, 11), np.zeros(11)
+    caliper = hb.Caliper(depth, toolface, np.full(11, 0.1))
+    settings: dict[str, Any] = {"bit_diameter": 0.2, "sectors": 4, "pitch": 1.0, "max_distance": None}
+    kriging = settings | {"estimator": "kriging", "kriging_range": 0.5, "neighbors": 11}
+    values = np.sin(depth)
+    values[3] = np.nan
+    found = hb.reconstruct(caliper, **kriging).interpolate_samples(values, on="vertices")
+    fewer = hb.Caliper(np.delete(depth, 3), toolface[1:], np.full(10, 0.1))
+    other = hb.reconstruct(fewer, **kriging | {"neighbors": 10})
+    expected = other.interpolate_samples(np.delete(values, 3), on="vertices")
+    np.testing.assert_allclose(found, expected, rtol=0, atol=1e-12)
+    assert np.isnan(hb.reconstruct(caliper, **kriging).interpolate_samples(np.full(11, np.nan))).all()
+
+
 def test_long_lists_ties_and_samples_on_vertices() -> None:
     rng = np.random.default_rng(3)
     depth = np.repeat(np.arange(0, 2, 0.05), 64)

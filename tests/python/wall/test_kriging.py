@@ -43,7 +43,7 @@ def test_agrees_with_the_reference(case: dict[str, Any]) -> None:
 
 
 def vars_of(wall: hb.Wall) -> dict[str, Any]:
-    apart = ("direct", "gap_reach", "largest_gap", "most_vertices")
+    apart = ("direct", "sigma", "gap_reach", "largest_gap", "most_vertices", "first_vertex", "stop_vertex")
     return {name: value for name, value in vars(wall.settings).items() if name not in apart}
 
 

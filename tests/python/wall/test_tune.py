@@ -10,9 +10,8 @@ import pytest
 from reference import Floats, exactly
 
 import helibore as hb
-from helibore.wall.empty_boxes import empty_boxes
-from helibore.wall.estimates import estimate_left_out, in_depth_order
-from helibore.wall.tune import FEWEST_SAMPLES, cross_validate
+from helibore.wall.estimates import FEWEST_SAMPLES, empty_boxes, estimate_left_out, in_depth_order
+from helibore.wall.tune import cross_validate
 
 BIT = 0.216
 
@@ -91,6 +90,42 @@ def test_cross_validation_of_a_wall_compares_with_its_own_settings() -> None:
     assert found.best is not found.candidates[0]
 
 
+def arms(radius: Any, turn: float, length: float = 60.0) -> hb.Caliper:
+    """Four arms that turn once in ``turn`` metres."""
+    depth = np.repeat(np.arange(0.0, length, 0.05), 4)
+    toolface = (depth * 360 / turn + np.tile([0, 90, 180, 270], depth.size // 4)) % 360
+    return hb.Caliper(depth, toolface, radius(depth, toolface))
+
+
+def ellipse(depth: Floats, toolface: Floats) -> Floats:
+    """216 x 240 mm."""
+    angle = np.radians(toolface - 30) + 0 * depth
+    return np.asarray(0.120 * 0.108 / np.hypot(0.108 * np.cos(angle), 0.120 * np.sin(angle)))
+
+
+def test_an_ellipse_is_found_between_four_arms() -> None:
+    """The shape goes on along the hole, and the likelihood says so: from 3.0 mm to 0.15."""
+    found = hb.tune(arms(ellipse, 30.0), bit_diameter=BIT)
+    assert found.continuation > 30
+    assert found.best is found.candidates[-1]
+    assert "because the shape goes on along the hole" in found.sentence
+    wall = hb.reconstruct(arms(ellipse, 30.0), **vars(found.settings))
+    assert np.sqrt(np.mean((wall.radius - ellipse(wall.depth, wall.toolface)) ** 2)) < 2e-4
+
+
+def test_a_shape_that_changes_along_the_hole_does_not_go_on() -> None:
+    def ledges(depth: Floats, toolface: Floats) -> Floats:
+        return np.asarray(0.108 + 0.01 * np.sin(depth * 3) + 0.002 * np.cos(np.radians(toolface) * 3 + depth))
+
+    found = hb.tune(arms(ledges, 30.0, 20.0), bit_diameter=BIT)
+    assert found.continuation < 0
+    assert found.settings.angular_scale <= 8
+    fixed = hb.tune(arms(ellipse, 30.0, 20.0), bit_diameter=BIT, max_distance=0.5)
+    assert fixed.settings.max_distance == 0.5
+    assert np.isnan(fixed.continuation)
+    assert np.isnan(hb.tune(caliper(1000), bit_diameter=BIT, targets=100).continuation)
+
+
 def test_left_out_estimates_by_hand() -> None:
     """The nearest of the samples outside the box, by brute force."""
     samples = in_depth_order(caliper(400, 2.0))
@@ -106,7 +141,7 @@ def test_left_out_estimates_by_hand() -> None:
         distance = np.hypot(2 * arc, along[left])
         near = np.argsort(distance)[:3]
         assert estimate == pytest.approx(np.average(radius[left][near], weights=1 / distance[near]), abs=1e-12)
-        assert nearest == pytest.approx(np.hypot(arc, along[left])[near].min(), abs=1e-12)
+        assert nearest == pytest.approx(distance[near].min(), abs=1e-12)
 
 
 def test_boxes_are_empty() -> None:
@@ -121,6 +156,7 @@ def test_boxes_are_empty() -> None:
 BAD: list[tuple[int, dict[str, Any], str]] = [
     (37, {}, f"samples = 37: too few samples to tune: must be at least {FEWEST_SAMPLES}"),
     (150, {"max_distance": 1e-9}, "samples: too few samples to tune: none has another within max_distance"),
+    (150, {"window": 30}, "window = 30: must be None to tune: samples are left out of the exact search"),
     (150, {"pitch": 0.0}, "pitch = 0: must be finite and not 0"),
 ]
 

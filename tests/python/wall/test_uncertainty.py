@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pickle
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -10,7 +12,7 @@ import pytest
 from reference import Floats, exactly
 
 import helibore as hb
-from helibore.wall.estimates import Estimates, in_depth_order
+from helibore.wall.estimates import in_depth_order
 from helibore.wall.uncertainty import Calibration, calibrate
 
 BIT = 0.216
@@ -43,8 +45,30 @@ def test_the_interval_covers_the_truth(count: int, settings: dict[str, Any]) -> 
 
 
 def test_more_noise_is_less_sure() -> None:
-    quiet, loud = (hb.reconstruct(caliper(noise=noise), bit_diameter=BIT).sigma for noise in (2e-4, 2e-3))
-    assert np.nanmean(loud) > 2 * np.nanmean(quiet)
+    """As much less sure as the wall is worse."""
+    found = []
+    for noise in (2e-4, 2e-3):
+        wall = hb.reconstruct(caliper(noise=noise), bit_diameter=BIT)
+        sigma, error = wall.sigma, wall.radius - truth(wall.depth, wall.toolface)
+        known = np.isfinite(sigma)
+        found.append((sigma[known].mean(), np.sqrt(np.mean(error[known] ** 2))))
+    (quiet, small), (loud, large) = found
+    assert 0.7 < quiet / small < 1.4
+    assert 0.7 < loud / large < 1.4
+    assert loud > 1.5 * quiet
+
+
+def test_few_arms_cannot_tell_noise_from_shape() -> None:
+    """Four arms: along them sigma holds with the noise of a sample in it; between them there is none."""
+    rng = np.random.default_rng(4)
+    depth = np.repeat(np.arange(0, 20, 0.02), 4)
+    toolface = (depth * 8 + np.tile([0, 90, 180, 270], 1000)) % 360
+    samples = hb.Caliper(depth, toolface, truth(depth, toolface) + rng.normal(0, 5e-4, depth.size))
+    wall = hb.reconstruct(samples, bit_diameter=BIT)
+    known = np.isfinite(wall.sigma)
+    assert 0.05 < known.mean() < 0.3
+    assert wall.sigma[known].min() > 3e-4
+    assert np.mean(abs(wall.radius - truth(wall.depth, wall.toolface))[known] <= 1.96 * wall.sigma[known]) > 0.93
 
 
 def test_missing_in_gaps_of_depth_and_turn() -> None:
@@ -99,20 +123,41 @@ def test_too_few_samples() -> None:
 def test_the_formula_by_hand() -> None:
     calibration = Calibration(
         noise=1e-3,
-        between=4e-6,
-        power=0.5,
-        metric=1,
-        usual_spread=0.1,
-        usual_scatter=1e-6,
-        quantile=1.959964,
-        reach=0.2,
+        between=4e-6 / (2e-6**0.5 * 0.3**1.5),
+        scatter_power=0.5,
+        distance_power=1.5,
+        stretch=16.0,
+        quantile=2 * 1.959964,
+        reach=0.39,
     )
-    one, two = np.array([0.2]), np.array([4e-6])
-    none = np.array([np.nan])
-    found = Estimates(none, np.array([0.1]), none, np.array([0.25]), two, [none, one, none], [])
-    assert calibration.sigma(found) == pytest.approx(np.sqrt(1e-6 * 0.25 + 4e-6 * 2.0 * 2.0), rel=1e-12)
-    far = found._replace(nearest=np.array([0.21]))
-    assert np.isnan(calibration.sigma(far)).all()
+    one = [np.array([value]) for value in (0.25, 4e-6, 0.12, 0.03)]
+    expected = 2 * np.sqrt(1e-6 * 0.25 + 4e-6 * 2.0**0.5 * 2.0**1.5)
+    assert calibration.sigma(tuple(one)) == pytest.approx(expected, rel=1e-12)
+    assert np.isnan(replace(calibration, reach=0.38).sigma(tuple(one))).all()
+    assert np.isnan(calibration.sigma((*one[:3], np.array([np.nan])))).all()
+
+
+@pytest.mark.parametrize("settings", [{}, KRIGING], ids=["inverse distance", "kriging"])
+def test_kept_while_estimating_or_computed_afterwards(settings: dict[str, Any]) -> None:
+    """The same bits, on every instruction set, in any split, and from a wall that came out of a pickle."""
+    samples = caliper(2000)
+    later = hb.reconstruct(samples, bit_diameter=BIT, **settings)
+    kept = hb.reconstruct(samples, bit_diameter=BIT, sigma=True, **settings)
+    np.testing.assert_array_equal(kept.radius, later.radius)
+    np.testing.assert_array_equal(kept.sigma, later.sigma)
+    np.testing.assert_array_equal(pickle.loads(pickle.dumps(kept)).sigma, later.sigma)
+    for instruction_set in ("plain", "avx2", "avx512"):
+        wall = hb.Wall(instruction_set=instruction_set, threads=2, **vars(kept.settings))
+        for part in np.array_split(np.random.default_rng(1).permutation(2000), 7):
+            wall.append(samples.depth[part], samples.toolface[part], samples.radius[part])
+        np.testing.assert_array_equal(wall.sigma, later.sigma)
+
+
+def test_an_uncertainty_of_windows_is_refused() -> None:
+    wall = hb.reconstruct(caliper(), bit_diameter=BIT, window=100)
+    text = "window = 100: must be None for an uncertainty: samples are left out of the exact search"
+    with pytest.raises(hb.InputError, match=exactly(text)):
+        _ = wall.sigma
 
 
 def test_calibration_finds_the_noise_of_a_dense_round_hole() -> None:

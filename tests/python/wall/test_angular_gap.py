@@ -1,0 +1,66 @@
+"""Angular gaps against a search through all samples, vertex by vertex."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import helibore as hb
+from helibore._core import angular_gaps
+from helibore.samples.helix import Helix
+
+
+def gaps(helix: Helix, count: int, depth: np.ndarray, toolface: np.ndarray, reach: float) -> list[float]:
+    k = np.arange(count)
+    found = []
+    for at, angle in zip(helix.depth(k), helix.toolface(k), strict=True):
+        near = toolface[(depth >= at - reach) & (depth <= at + reach)]
+        clockwise, back = np.mod(near - angle, 360), np.mod(angle - near, 360)
+        sides = (clockwise.min(), back.min()) if near.size else (360.0, 360.0)
+        found.append(0.0 if 0.0 in sides else min(sum(sides), 360.0))
+    return found
+
+
+@settings(max_examples=60, deadline=None)
+@given(
+    seed=st.integers(0, 10_000),
+    samples=st.sampled_from([0, 1, 2, 5, 60, 600]),
+    sectors=st.sampled_from([3, 8, 64]),
+    pitch=st.sampled_from([0.1, -0.1, 0.37]),
+    grid=st.booleans(),
+)
+def test_gaps_are_those_of_a_search_through_all(
+    seed: int, samples: int, sectors: int, pitch: float, grid: bool
+) -> None:
+    random = np.random.default_rng(seed)
+    depth = np.sort(random.uniform(0, 4, samples))
+    toolface = random.uniform(-720, 720, samples)
+    if grid:  # some of them at the toolface of vertices
+        toolface = np.round(toolface / 45) * 45
+    helix = Helix(0.5 if pitch > 0 else 3.5, 0.0 if grid else 17.0, pitch, sectors)
+    count = int(3 / abs(pitch) * sectors)
+    found = angular_gaps(helix, count, depth, toolface, 0.3, 2)
+    np.testing.assert_allclose(found, gaps(helix, count, depth, toolface, 0.3), atol=1e-9)
+
+
+def test_four_arms_see_a_seventh_and_a_turning_tool_everything() -> None:
+    depth = np.repeat(np.arange(0, 20, 0.05), 4)
+    arms = np.tile([0, 90, 180, 270], depth.size // 4)
+    slow = hb.reconstruct(hb.Caliper(depth, 12 * depth + arms, np.full(depth.size, 0.11)), bit_diameter=0.216)
+    # In half a metre up and down each arm sweeps 12 of 90 degrees, but for half a spacing or so.
+    assert slow.logs().coverage[10:-10].mean() == pytest.approx(12 / 90, abs=0.01)
+    turning = hb.Caliper(depth, 740 * depth + arms, np.full(depth.size, 0.11))
+    assert hb.reconstruct(turning, bit_diameter=0.216).logs().coverage.mean() == 1.0
+
+
+def test_settings_say_how_far_and_how_wide() -> None:
+    depth = np.repeat(np.arange(0, 5, 0.05), 4)
+    caliper = hb.Caliper(depth, np.tile([5, 95, 185, 275], depth.size // 4), np.full(depth.size, 0.11))
+    assert hb.reconstruct(caliper, bit_diameter=0.216).logs().coverage.max() == 0.0
+    assert hb.reconstruct(caliper, bit_diameter=0.216, largest_gap=90.0).logs().coverage.min() == 1.0
+    with pytest.raises(hb.InputError, match=r"^gap_reach = 0\.0: must be finite and above 0$"):
+        hb.Wall(bit_diameter=0.2, gap_reach=0)
+    with pytest.raises(hb.InputError, match=r"^largest_gap = 400\.0: must be above 0 and at most 360$"):
+        hb.Wall(bit_diameter=0.2, largest_gap=400)
