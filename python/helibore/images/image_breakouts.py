@@ -61,7 +61,7 @@ class ImageCriteria:
         }
 
 
-class ImageRows(Protocol):
+class SearchedImage(Protocol):
     """The part of a `SectorImage` that the search reads."""
 
     name: str
@@ -107,7 +107,7 @@ class ImageBreakout:
 class ImageBreakouts:
     """All breakouts of an image, in order of depth; `SectorImage.breakouts` makes it."""
 
-    image: ImageRows  # the image that was searched
+    image: SearchedImage  # the image that was searched
     zones: tuple[ImageBreakout, ...]
     criteria: ImageCriteria
 
@@ -148,7 +148,7 @@ class ImageBreakouts:
         return f"ImageBreakouts({len(self.zones)} in image {self.image.name!r})"
 
 
-def find_breakouts(image: ImageRows, criteria: ImageCriteria | None = None) -> ImageBreakouts:
+def find_breakouts(image: SearchedImage, criteria: ImageCriteria | None = None) -> ImageBreakouts:
     """Find where an image is dark on opposite sides of the hole; see `SectorImage.breakouts`."""
     if customary_map(image.name, image.unit) == "gamma":
         raise InputError(f"image {image.name!r}", "gamma is dark in beds, not in breakouts: take an image of the wall")
@@ -176,7 +176,7 @@ def find_breakouts(image: ImageRows, criteria: ImageCriteria | None = None) -> I
     return ImageBreakouts(image, tuple(zones), criteria)
 
 
-def _relative(image: ImageRows) -> tuple[Floats, Floats]:
+def _relative(image: SearchedImage) -> tuple[Floats, Floats]:
     """Return values over their row's median, sectors clockwise, and the sectors' toolfaces; NaN where missing."""
     values, toolface = image.values, image.toolface
     wrong = np.argwhere(values < 0)

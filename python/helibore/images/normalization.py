@@ -124,7 +124,7 @@ def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = 
 def _moments(rows: Floats, first: Integers, stop: Integers) -> tuple[Floats, Floats]:
     """Return mean and standard deviation of each row's window [first, stop); NaN and 0 where it holds no value.
 
-    Sums of squares about the overall mean: about zero they would drown a small spread in rounding.
+    Squares are summed about the overall mean, because rounding would spoil a small spread in sums about zero.
     """
     middle = float(np.nanmean(rows))
     there = np.isfinite(rows)

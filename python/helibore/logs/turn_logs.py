@@ -33,7 +33,7 @@ from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
-from helibore.samples.helix import WallLike, basis_of
+from helibore.samples.helix import WallLike, basis_of, stretch_of
 from helibore.trajectory.survey import Path
 
 Shape = Literal["wall", "arms"]
@@ -43,6 +43,8 @@ SHAPE_TEXT: dict[Shape, str] = {
 }
 SEES_ALL_AROUND = 0.9
 """Mean coverage from which on the wall shows the shape better than the arms alone."""
+SMALL = 0.1
+"""Share of the bit's size by which a hole is not smaller, unless bit size or units are wrong."""
 SHAPE_KEPT = 0.7
 """Least share of the arms' out-of-roundness that the wall must have to be called true to shape."""
 RUGOSITY_WINDOW = 1.0
@@ -94,7 +96,7 @@ class Logs(Tabular):
         That volume over the volume at bit size, less 1: 0.1 is ten percent; negative where the hole is under gauge.
     coverage
         Share of the turn that is measured: vertices with a radius whose angular gap is at most the wall's
-        ``largest_gap`` (`helibore.samples.angular_gap`). Without samples: vertices with a radius.
+        ``largest_gap`` (`Wall.angular_gap`). Without samples: vertices with a radius.
     arm_diameter
         The diameters that each arm of a tool with few arms measured, one array an arm; () for other tools.
     nearest
@@ -207,10 +209,16 @@ class Logs(Tabular):
 
     def warnings(self) -> list[str]:
         """Return a sentence for each thing that a reader of the numbers must know."""
+        size = self.equivalent_diameter[np.isfinite(self.equivalent_diameter)]
+        small = 1.0 - float(np.median(size)) / self.bit_diameter if size.size else 0.0
+        found = []
+        if small > SMALL:
+            found.append(f"half of the turns are at least {100 * small:.0f} % smaller than the bit: are bit size and "
+                         "units right?")  # fmt: skip
         if self.shape == "wall":
-            return []
+            return found
         few = f"a tool with few arms measured {100 * float(self.coverage.mean()):.0f} % of the turns"
-        found = [f"{few}; the wall between its arms is interpolated, and C1, C2, ovality and zones are the arms'"]
+        found.append(f"{few}; the wall between its arms is interpolated, and C1, C2, ovality and zones are the arms'")
         if self.shape_kept < SHAPE_KEPT:
             share = f"{self.shape_kept:.2f} of the out-of-roundness that the arms measured"
             found.append(f"the wall has {share}: its sections are rounder than the hole")
@@ -294,6 +302,8 @@ def turn_logs(
     rugosity_window: float = RUGOSITY_WINDOW,
     threads: int | None = None,
     sigma: npt.ArrayLike | None = None,
+    reference: float = math.nan,
+    newest: float | None = None,
 ) -> Logs:
     """Measure every full turn of a wall: `Wall.logs`.
 
@@ -309,6 +319,11 @@ def turn_logs(
         None: all cores. The result does not depend on it.
     sigma
         (n,) standard uncertainty of each radius, metres: `Wall.sigma`; None: not known.
+    reference
+        What `Logs.rugosity` takes off all radii, metres; NaN: the first radius. With that of the whole wall, the rows
+        of a stretch from a multiple of 256 turns on, half a window inside it, have the bits of the whole wall's.
+    newest
+        Time of the newest sample of the whole wall, for a stretch; None: of these samples.
 
     Raises
     ------
@@ -320,11 +335,13 @@ def turn_logs(
         if not (math.isfinite(value) and value > 0):
             raise InputError(name, "must be finite and above 0", str(value))
     K, pitch = wall.settings.sectors, wall.settings.pitch
-    window = max(3, 2 * round((rugosity_window / abs(pitch) - 1) / 2) + 1)
+    window = window_turns(rugosity_window, pitch)
     radius = column("radius", wall.radius)
-    found: dict[str, Any] = _core.turn_columns(radius, K, wall.settings.start_toolface, window, thread_count(threads))
+    helix, around = stretch_of(wall), (K, wall.settings.start_toolface)
+    first = helix.first // K
+    found: dict[str, Any] = _core.turn_columns(radius, *around, window, thread_count(threads), first, reference)
     square, turns = found.pop("mean_square"), radius.size // K
-    depth = wall.start_depth + (np.arange(turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
+    depth = helix.start_depth + (np.arange(first, first + turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)
     path: Path | None = getattr(wall, "path", None)
     found["coverage"] = _coverage(wall, radius, found["coverage"])
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
@@ -343,7 +360,7 @@ def turn_logs(
         excess=square / (bit / 2) ** 2 - 1,
         nearest=_nearest(wall, turns),
         diameter_sigma=np.full(turns, np.nan) if sigma is None else 2 * _of_turns(sigma, turns, K).mean(axis=1),
-        age=_ages(getattr(wall, "samples", None), depth, abs(pitch)),
+        age=_ages(getattr(wall, "samples", None), depth, abs(pitch), newest),
         bit_diameter=bit,
         sectors=K,
         pitch=pitch,
@@ -352,6 +369,11 @@ def turn_logs(
         reference=path.reference if path is not None else "",
         **found,
     )
+
+
+def window_turns(length: float, pitch: float) -> int:
+    """Return how many turns a window of this length has: odd, at least 3."""
+    return max(3, 2 * round((length / abs(pitch) - 1) / 2) + 1)
 
 
 def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
@@ -389,7 +411,7 @@ def _nearest(wall: WallLike, turns: int) -> Floats:
     return most
 
 
-def _ages(samples: Caliper | None, depth: Floats, height: float) -> Floats:
+def _ages(samples: Caliper | None, depth: Floats, height: float, last: float | None) -> Floats:
     """Time from the newest sample within half a turn's height of each depth to the newest of all."""
     ages = np.full(depth.size, np.nan)
     if samples is None or samples.time is None or not depth.size:
@@ -400,5 +422,5 @@ def _ages(samples: Caliper | None, depth: Floats, height: float) -> Floats:
     starts = bounds[:-1][some]
     if starts.size:
         newest = np.maximum.reduceat(samples.time[: bounds[-1]], starts)
-        ages[some] = samples.time.max() - newest
+        ages[some] = (samples.time.max() if last is None else last) - newest
     return ages if depth[0] <= depth[-1] else ages[::-1].copy()

@@ -94,8 +94,8 @@ class Criteria:
     def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
         """Return criteria that are to this bit what the defaults are to `CRITERIA_BIT`, 8.5 in.
 
-        Elongation, washout, key seat and undergauge scale with the bit. The trade gives its limits in inches whatever
-        the hole: in one of 4 in, lobes of a fifth of its diameter pass under an elongation of 1 in.
+        Elongation, washout, key seat and undergauge scale with the bit. Service companies state their limits in inches
+        for holes of any size; in a hole of 4 in, lobes of a fifth of its diameter stay below an elongation of 1 in.
 
         Parameters
         ----------

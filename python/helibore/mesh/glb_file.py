@@ -4,7 +4,7 @@
     chunk     "JSON": the scene: one node, one mesh, where each array lies in the next chunk
     chunk     "BIN": positions (4 q, 3) float32 | colours (4 q, 4) uint8 | attributes | corners (6 q) uint32
 
-No library is used: trimesh takes three times as long for the same mesh, since it hashes each array (bench/emission.py).
+No library is used: trimesh takes three times as long for the same mesh, since it hashes each array (bench/speed).
 Section numbers are those of the glTF 2.0 specification. No textures, normals or animation.
 """
 

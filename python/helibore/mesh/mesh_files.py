@@ -28,7 +28,7 @@ from helibore.base.errors import InputError
 from helibore.mesh.glb_file import check_size, write_glb
 from helibore.mesh.mesh import Mesh, quad_radius, triangles
 from helibore.mesh.vtk_mesh import AXES, check_origin, vtk_mesh, z_up
-from helibore.mesh.vtk_xml import write_vtp, write_vtu
+from helibore.mesh.vtk_xml import write_vtk_xml
 from helibore.mesh.vtkhdf import save_vtkhdf
 from helibore.samples.caliper import BASIS_TEXT
 
@@ -94,8 +94,7 @@ def _write_vtk(mesh: Mesh, path: Path, origin: tuple[float, float, float], activ
     if path.suffix.lower() == ".vtkhdf":
         save_vtkhdf(path, content)
     else:
-        write = write_vtu if path.suffix.lower() == ".vtu" else write_vtp
-        write_whole(path, lambda file: write(file, content))
+        write_whole(path, lambda file: write_vtk_xml(file, content, path.suffix.lower() == ".vtp"))
 
 
 def _quad_values(mesh: Mesh, color_by: str | None) -> Floats:

@@ -1,6 +1,6 @@
 """A mesh for VTK's formats: points, cells of one kind, named values on both, and texts.
 
-    points   (east, north, up), float64            Z up, as maps are; both ways of turning are rotations
+    points   (east, north, up), float64            Z is up, as in maps; the change of axes is a rotation, no mirror
     cells    quads (type 9) or hexahedra (type 12), corners in helibore's own order, which is VTK's
 
 vtk_xml.py and vtkhdf.py write the same mesh in two formats.

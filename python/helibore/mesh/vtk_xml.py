@@ -44,24 +44,40 @@ class _Appended:
         return f'<DataArray type="{_TYPES[kind]}" Name={_quoted(name)}{layout}/>'
 
 
-def write_vtu(file: BinaryIO, mesh: VtkMesh) -> None:
-    """Write an unstructured grid."""
+def write_vtk_xml(file: BinaryIO, mesh: VtkMesh, polygons: bool) -> None:
+    """Write an unstructured grid (.vtu), or polygons (.vtp)."""
     appended = _Appended()
     cells = _connectivity(appended, mesh)
-    cells.append(appended.element("types", np.full(len(mesh.corners), mesh.cell_type, "u1")))
-    piece = f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfCells="{len(mesh.corners)}">'
-    _write(file, "UnstructuredGrid", piece, [*_values(appended, mesh), "<Cells>", *cells, "</Cells>"], mesh, appended)
-
-
-def write_vtp(file: BinaryIO, mesh: VtkMesh) -> None:
-    """Write polygons."""
-    appended = _Appended()
-    cells = _connectivity(appended, mesh)
-    piece = (
-        f'<Piece NumberOfPoints="{len(mesh.points)}" NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" '
-        f'NumberOfPolys="{len(mesh.corners)}">'
-    )
-    _write(file, "PolyData", piece, [*_values(appended, mesh), "<Polys>", *cells, "</Polys>"], mesh, appended)
+    kind, element, counts = "UnstructuredGrid", "Cells", f'NumberOfCells="{len(mesh.corners)}"'
+    if polygons:
+        kind, element = "PolyData", "Polys"
+        counts = f'NumberOfVerts="0" NumberOfLines="0" NumberOfStrips="0" NumberOfPolys="{len(mesh.corners)}"'
+    else:
+        cells.append(appended.element("types", np.full(len(mesh.corners), mesh.cell_type, "u1")))
+    lines = [
+        '<?xml version="1.0"?>',
+        f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
+        f"<{kind}>",
+        "<FieldData>",
+        *(_text_array(name, text) for name, text in mesh.metadata.items()),
+        "</FieldData>",
+        f'<Piece NumberOfPoints="{len(mesh.points)}" {counts}>',
+        *_values(appended, mesh),
+        f"<{element}>",
+        *cells,
+        f"</{element}>",
+        "</Piece>",
+        f"</{kind}>",
+        '<AppendedData encoding="raw">',
+        "_",
+    ]
+    file.write("\n".join(lines).encode())
+    for array in appended.arrays:
+        file.write(np.uint64(array.nbytes).astype("<u8").tobytes())
+        content = array.reshape(-1).view(np.uint8).data
+        for start in range(0, len(content), _CHUNK):
+            file.write(content[start : start + _CHUNK])
+    file.write(b"\n</AppendedData>\n</VTKFile>\n")
 
 
 def _connectivity(appended: _Appended, mesh: VtkMesh) -> list[str]:
@@ -86,27 +102,3 @@ def _text_array(name: str, text: str) -> str:
     """Return a text of the field data: the codes of its bytes, and 0."""
     codes = " ".join(map(str, [*text.encode(), 0]))
     return f'<DataArray type="String" Name={_quoted(name)} NumberOfTuples="1" format="ascii">{codes}</DataArray>'
-
-
-def _write(file: BinaryIO, kind: str, piece: str, elements: Iterable[str], mesh: VtkMesh, appended: _Appended) -> None:
-    lines = [
-        '<?xml version="1.0"?>',
-        f'<VTKFile type="{kind}" version="1.0" byte_order="LittleEndian" header_type="UInt64">',
-        f"<{kind}>",
-        "<FieldData>",
-        *(_text_array(name, text) for name, text in mesh.metadata.items()),
-        "</FieldData>",
-        piece,
-        *elements,
-        "</Piece>",
-        f"</{kind}>",
-        '<AppendedData encoding="raw">',
-        "_",
-    ]
-    file.write("\n".join(lines).encode())
-    for array in appended.arrays:
-        file.write(np.uint64(array.nbytes).astype("<u8").tobytes())
-        content = array.reshape(-1).view(np.uint8).data
-        for start in range(0, len(content), _CHUNK):
-            file.write(content[start : start + _CHUNK])
-    file.write(b"\n</AppendedData>\n</VTKFile>\n")

@@ -14,6 +14,7 @@ Layout: "VTKHDF file format" (Kitware), 2.2.
 from __future__ import annotations
 
 import io
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -29,17 +30,15 @@ if TYPE_CHECKING:
     import h5py
 
 ENDING = ".vtkhdf"
-_CHUNK, _LARGE_CHUNK = 1 << 13, 1 << 16  # rows: a file of a few turns is small, and a large file has few chunks
 _FRAME = ("axes", "origin", "helix", "toolface 0")  # what parts of one file must have in common
-_COUNTS = ("NumberOfPoints", "NumberOfCells", "NumberOfConnectivityIds")
 
 
 def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
     """Write a file of one part."""
-    content = io.BytesIO()
-    with _h5py().File(content, "w", libver="v110") as file:
-        _create(file.create_group("VTKHDF"), mesh)
-    write_whole(path, lambda file: file.write(content.getbuffer()))
+    for name in (*mesh.cell_values, *mesh.metadata):
+        if "/" in name or name in ("", "."):
+            raise InputError(f"attributes[{name!r}]", "a name must not be empty, '.' or hold '/' in a VTKHDF file")
+    _write(path, _columns(mesh), mesh.metadata)
 
 
 def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> None:
@@ -53,21 +52,18 @@ def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> N
     if not path.exists():
         save_vtkhdf(path, part)
         return
-    content = io.BytesIO(path.read_bytes())
     try:
-        opened = _h5py().File(content, "r+", libver="v110")
+        opened = _h5py().File(path, "r")
     except OSError as error:
         raise InputError(str(path), "not an HDF5 file, or a damaged one") from error
     with opened as file:
         if "VTKHDF" not in file:
             raise InputError(str(path), "an HDF5 file, but not VTKHDF")
-        _require_alike(path, file["VTKHDF"], part)
-        for name, of in _columns(part).items():
-            rows = file["VTKHDF"][name]
-            before = rows.shape[0]
-            rows.resize(before + len(of), axis=0)
-            rows[before:] = of
-    write_whole(path, lambda file: file.write(content.getbuffer()))
+        group = file["VTKHDF"]
+        _require_alike(path, group, part)
+        columns = {name: np.concatenate([group[name], of]) for name, of in _columns(part).items()}
+        metadata = {name: text[0].decode() for name, text in group["FieldData"].items()}
+    _write(path, columns, metadata)
 
 
 def _h5py() -> Any:
@@ -79,7 +75,7 @@ def _h5py() -> Any:
 
 
 def _columns(mesh: VtkMesh) -> dict[str, Array]:
-    """Return the arrays that grow with every part."""
+    """Return the arrays of a part; those of all parts lie one behind the other."""
     count, corners = mesh.corners.shape
     return {
         "NumberOfPoints": np.array([len(mesh.points)]),
@@ -94,19 +90,17 @@ def _columns(mesh: VtkMesh) -> dict[str, Array]:
     }
 
 
-def _create(group: h5py.Group, mesh: VtkMesh) -> None:
-    """Write the first part; every array gets its full size at once and may grow later."""
-    for name in (*mesh.cell_values, *mesh.metadata):
-        if "/" in name or name in ("", "."):
-            raise InputError(f"attributes[{name!r}]", "a name must not be empty, '.' or hold '/' in a VTKHDF file")
-    group.attrs["Version"] = np.array([2, 2], dtype="i8")
-    group.attrs["Type"] = np.bytes_("UnstructuredGrid")
-    for name, of in _columns(mesh).items():
-        chunk = 64 if name in _COUNTS else _CHUNK if len(of) < _LARGE_CHUNK else _LARGE_CHUNK
-        row = of.shape[1:]
-        group.create_dataset(name, data=of, maxshape=(None, *row), chunks=(chunk, *row))
-    for name, text in mesh.metadata.items():
-        group.create_dataset(f"FieldData/{name}", data=[text.encode()])
+def _write(path: Path, columns: Mapping[str, Array], metadata: Mapping[str, str]) -> None:
+    content = io.BytesIO()
+    with _h5py().File(content, "w", libver="v110") as file:
+        group = file.create_group("VTKHDF")
+        group.attrs["Version"] = np.array([2, 2], dtype="i8")
+        group.attrs["Type"] = np.bytes_("UnstructuredGrid")
+        for name, of in columns.items():
+            group.create_dataset(name, data=of)
+        for name, text in metadata.items():
+            group.create_dataset(f"FieldData/{name}", data=[text.encode()])
+    write_whole(path, lambda file: file.write(content.getbuffer()))
 
 
 def _require_alike(path: Path, group: h5py.Group, part: VtkMesh) -> None:

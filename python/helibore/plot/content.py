@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Literal
 
@@ -22,11 +23,16 @@ from helibore.base.errors import InputError
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale, sliding_window, symmetric_limit
 from helibore.images.sector_image import SectorImage
+from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
+from helibore.logs.picks import PLANES
 from helibore.logs.summary import WallSummary, summarize
+from helibore.logs.template import Template
+from helibore.logs.turn_logs import Logs
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
 from helibore.plot.diameters import diameters
+from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
-from helibore.plot.scales import Lines, nice_limits, usual_scale
+from helibore.plot.scales import Lines, usual_scale
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import (
     CURVES,
@@ -35,10 +41,9 @@ from helibore.plot.tracks import (
     CaliperTrack,
     DepthTrack,
     ImageTrack,
-    ScalarCurve,
+    PlacedTrack,
     ScalarTrack,
     Shown,
-    Track,
 )
 from helibore.samples.helix import helix_of
 from helibore.trajectory.true_depth import true_depth
@@ -51,6 +56,7 @@ if TYPE_CHECKING:
     from helibore.wall.wall import Wall
 
 RADIUS = "Radius"
+RADIUS_TITLE = "Radius − bit/2"
 REFERENCES = tuple(reference for reference in SIDES if reference)
 MOST_SECTIONS = len(ascii_uppercase)
 
@@ -122,6 +128,8 @@ class Drawing:
     elevation
         Metres from mean sea level up to the zero of the depths (rotary table, kelly bushing): true depths, which stand
         under the measured ones where the survey says them, are then TVDSS. None: TVD.
+    template
+        Which tracks there are, in which order and how wide; its units and scale are not read here. None: all of them.
     """
 
     title: str = ""
@@ -141,6 +149,7 @@ class Drawing:
     body: Sequence[float] | None = None
     dpi: int = 150
     elevation: float | None = None
+    template: Template | None = None
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
@@ -183,7 +192,7 @@ class Content:
     bottom: float
     scale: int
     lines: Lines
-    tracks: list[Track]
+    tracks: list[PlacedTrack]
     turns: Diameters
     zones: Classification
     sections: list[CrossSection]
@@ -226,11 +235,14 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
     turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
     pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
-    tracks: list[Track] = [DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones)]
+    tracks: list[PlacedTrack] = [DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones)]
     tracks.append(_caliper(wall, turns, top, bottom, drawing, reference))
     tracks += [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
+    picks = [pick for pick in wall.picks if top <= pick.depth <= bottom]
+    dips: list[PlacedTrack] = [DipTrack(picks, wall.path)] if any(pick.kind in PLANES for pick in picks) else []
+    ink = partial(draw_picks, picks=picks, left=drawing.left, bit_diameter=wall.settings.bit_diameter)
     count = len(images) + (wall.basis == "azimuthal")
-    room = 192.0 - sum(track.width + 2.0 for track in tracks) - 2.0 * count
+    room = 192.0 - sum(track.width + 2.0 for track in [*tracks, *dips]) - 2.0 * count
     width = min(130.0, max(24.0, room / max(count, 1)))
     radius = _radius(wall, drawing.looks.get(RADIUS, Look()))
     helix = (wall.settings, wall.start_depth)
@@ -238,9 +250,12 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     if wall.basis == "azimuthal":
         between = (wall.angular_gap > wall.settings.largest_gap) & np.isfinite(wall.radius)
         interpolated = between.astype(np.float64) if between.any() else None
-        tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width, interpolated))
+        tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width, interpolated, ink))
     for image, (how, values) in pairs:
-        tracks.append(ImageTrack(how, (image, values), reference, drawing.left, width))
+        tracks.append(ImageTrack(how, (image, values), reference, drawing.left, width, ink=ink))
+    tracks += dips
+    if drawing.template is not None:
+        tracks = _arranged(drawing.template, tracks, [*drawing.scalars, *_logged(zones.logs)], top, bottom)
     stretched = _stretched(wall, drawing, top, bottom, images)
     bodies = []
     if stretched is not None:
@@ -254,6 +269,35 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
         wall, drawing, top, bottom, scale, lines, tracks, turns, zones, sections, stretched, bodies, reference,
         interpolated,
     )  # fmt: skip
+
+
+def _logged(logs: Logs) -> list[ScalarCurve]:
+    return curves_of(logs) if len(logs) else []
+
+
+def _arranged(
+    template: Template, tracks: list[PlacedTrack], curves: Sequence[ScalarCurve], top: float, bottom: float
+) -> list[PlacedTrack]:
+    """Return the depth and the tracks of a template that the wall has."""
+    images = {track.shown.name: track for track in tracks if isinstance(track, ImageTrack)}
+    by_name = {curve.name: curve for curve in reversed(curves)}
+    arranged = tracks[:1]
+    for wanted in template.tracks:
+        found: list[PlacedTrack] = []
+        if wanted.kind == "image":
+            found = [
+                images[name] for name in (RADIUS_TITLE if wanted.name == RADIUS else wanted.name,) if name in images
+            ]
+        elif wanted.kind == "curves":
+            found = [ScalarTrack(by_name[name], top, bottom) for name in wanted.names if name in by_name]
+        else:
+            kind = CaliperTrack if wanted.kind == "caliper" else DipTrack
+            found = [track for track in tracks if isinstance(track, kind)]
+        for track in found:
+            if wanted.millimetres is not None:
+                track.width = wanted.millimetres / len(found)
+        arranged += found
+    return arranged
 
 
 def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
@@ -343,7 +387,7 @@ def _radius(wall: Wall, look: Look) -> tuple[Shown, Floats]:
     limit = symmetric_limit(over, 1.0)
     scale = ColorScale(*(look.limits or (-limit, limit)), look.color_map or "over-bit")
     remark = f"wall, {wall.settings.sectors} sectors"
-    return Shown("Radius − bit/2", "mm", scale, remark, False, *_beyond(over, scale.low, scale.high)), over
+    return Shown(RADIUS_TITLE, "mm", scale, remark, False, *_beyond(over, scale.low, scale.high)), over
 
 
 def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing, reference: str) -> CaliperTrack:

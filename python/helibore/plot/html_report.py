@@ -22,6 +22,7 @@ import numpy as np
 from helibore._core import __version__
 from helibore.base.atomic_file import write_whole
 from helibore.base.units import size_text
+from helibore.logs.picks import BREAKOUT
 from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
 from helibore.plot.content import Drawing, content_of
@@ -59,6 +60,8 @@ thead th, td.number { padding: .25rem .3rem; }
 td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: anywhere; }
 td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
+@media screen and (max-width: 700px) { body { padding: 0 3mm; margin: 1rem auto; } figure { margin: 0; }
+  section { overflow-x: auto; } nav a { display: inline-block; padding: .3rem 0; } tbody th { width: auto; } }
 @page { size: A4; margin: 12mm 0; }
 @media print { body { margin: 0; max-width: 200mm; } nav { display: none; } tr { break-inside: avoid; }
   figure { break-inside: avoid; } h2 { break-after: avoid; } thead { display: table-header-group; } }
@@ -103,6 +106,7 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
         ("pictures", "Pictures", _pictures(content)),
         ("diameters", "Diameters and volumes", _diameters(content)),
         ("zones", "Zones", _zones(zones, content)),
+        ("picks", "Picks", _picks(content)),
         ("quality", "Data quality", _quality(content, messages)),
         ("settings", "Settings", _settings(content, zones)),
     ]
@@ -233,6 +237,26 @@ def _zones(zones: Classification | None, content: Content) -> str:
         sizes = (in_unit(zone.enlargement, content, 2), in_unit(zone.elongation, content, 2))
         angles = (number(zone.toolface, 0) or "–", number(zone.deviation, 1) or "–", openings or "–")
         rows.append([zone.kind, number(zone.start, 2), number(zone.stop, 2), *sizes, *angles])
+    return table(head, rows)
+
+
+def _picks(content: Content) -> str:
+    """Planes and breakouts that were picked, by depth."""
+    wall = content.wall
+    picks = sorted(
+        (pick for pick in wall.picks if content.top <= pick.depth <= content.bottom), key=lambda one: one.depth
+    )
+    if not picks:
+        return "<p>None.</p>"
+    head = ("Class", "MD [m]", "Dip [°]", "Azimuth [°]", "Dip to hole [°]", "Toolface [°]", "Opening [°]", "Note")
+    rows = []
+    for pick in picks:
+        dip, azimuth = pick.dip(wall.path)
+        box = pick.kind == BREAKOUT
+        own = ("–", number(pick.toolface, 0), number(pick.opening, 0)) if box else (
+            number(pick.apparent_dip, 1), number(pick.toolface, 0), "–")  # fmt: skip
+        dips = (number(dip, 1) or "–", number(azimuth, 0) or "–")
+        rows.append([pick.kind, number(pick.depth, 2), *dips, *own, pick.note or "–"])
     return table(head, rows)
 
 

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from helibore.plot.content import Content, Drawing, content_of
+from helibore.plot.content import Body, Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
 from helibore.plot.header import draw_footer, draw_header, header_height
 from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
@@ -20,6 +20,7 @@ from helibore.plot.solid import draw_solid
 from helibore.plot.tracks import HEAD, Stretch
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from helibore.wall.wall import Wall
@@ -28,6 +29,8 @@ MARGIN, GAP, FOOTER = 10.0, 2.0, 10.0
 """Millimetres around the sheet, between tracks, and at the foot."""
 PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
 NARROWEST = 210.0
+STUB = 40.0
+"""Millimetres of log that the last page has at least."""
 BODY = 130.0
 """Millimetres of height of a shaded body."""
 OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0
@@ -119,6 +122,12 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
             cut = top + free * metres
         parts.append((top, cut))
         top, free = cut, room
+    if parts and content.bottom - top < STUB * metres:  # share the last two pages evenly
+        top = parts.pop()[0]
+        cut = coarse * round((top + content.bottom) / 2 / coarse)
+        if top < cut < content.bottom:
+            parts.append((top, cut))
+            top = cut
     return [*parts, (top, content.bottom)]
 
 
@@ -191,7 +200,14 @@ def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
         width = (sheet.width - 2 * MARGIN) / max(len(content.bodies), 2)
         for index, body in enumerate(content.bodies):
             box = (MARGIN + index * width, y + 3.0, width - 4.0, BODY)
-            draw_solid(sheet, box, content.wall, content.stretched, body.scale, body.values, body.name)
+            _draw_body(sheet, box, content, body)
+
+
+def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Content, body: Body) -> Axes:
+    """Draw the shaded body in one of its colours."""
+    assert content.stretched is not None
+    coloured = (body.scale, body.values, body.name, content.interpolated)
+    return draw_solid(sheet, box, content.wall, content.stretched, *coloured)
 
 
 def overview(wall: Wall, **options: Any) -> Figure:
@@ -211,7 +227,7 @@ def overview(wall: Wall, **options: Any) -> Figure:
     draw_tracks(sheet, content, content.top, content.bottom, top)
     if body is not None and content.stretched is not None:
         box = (right + TIES, top + HEAD - 10.0, OVERVIEW_BODY, max(length, LEAST) + 10.0)
-        axes = draw_solid(sheet, box, wall, content.stretched, body.scale, body.values, body.name)
+        axes = _draw_body(sheet, box, content, body)
         for depth in content.stretched.depth:
             beside = top + HEAD + (depth - content.top) / (content.bottom - content.top) * length
             place, (low, high) = axes.get_position(), axes.get_ylim()

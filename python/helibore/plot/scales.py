@@ -10,16 +10,10 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
-from helibore.base.arrays import Floats
-
 FINE_SCALES = (20, 40, 200)
 COARSEST = 500
 LONGEST = 1000.0
 """Millimetres of paper that a fine scale may need."""
-NEARLY_ALL = (0.2, 99.8)
-"""Percentiles between which an axis shows everything."""
 
 
 def usual_scale(length: float) -> int:
@@ -65,24 +59,6 @@ class Lines:
 def _multiples(step: float, top: float, bottom: float) -> list[float]:
     first, last = math.ceil(top / step - 1e-9), math.floor(bottom / step + 1e-9)
     return [round(at * step, 9) for at in range(first, last + 1)]
-
-
-def nice_limits(values: Floats, always: float, least: float) -> tuple[float, float]:
-    """Return round ends of an axis, at least ``least`` long, for nearly all values and for ``always``, off its edge.
-
-    The outermost 0.2 % of the values at each end may lie beyond the axis; NaN do not count.
-    """
-    there = values[np.isfinite(values)]
-    low, high = (always, always) if not there.size else np.percentile(there, NEARLY_ALL).tolist()
-    low, high = min(low, always), max(high, always)
-    if high - low < least:
-        low, high = low - 0.5 * (least - high + low), high + 0.5 * (least - high + low)
-    step = 10.0 ** math.floor(math.log10((high - low) / 4))
-    step = next(step * mantissa for mantissa in (1, 2, 5, 10) if step * mantissa >= (high - low) / 5)
-    first, last = math.floor(low / step), math.ceil(high / step)
-    first -= always <= first * step + 0.05 * (high - low)
-    last += always >= last * step - 0.05 * (high - low)
-    return round(first * step, 9), round(last * step, 9)
 
 
 def length_text(length: float, unit: str) -> str:

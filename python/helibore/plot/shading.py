@@ -17,6 +17,8 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats
 
+HATCH_BYTES = (33, 48, 61)
+"""Red, green, blue of the hatching of what is interpolated between arms."""
 Single = npt.NDArray[np.float32]
 
 _LIGHTS = (  # direction towards the light (right, to the viewer, down), strength
@@ -27,6 +29,7 @@ _AMBIENT = 0.27
 _FINER = 2  # pixels drawn for each pixel shown, along each axis
 _BLOCK = 96  # rows of points drawn at once: few enough for the cache
 _DENSITY = 1.2  # points for each pixel drawn, along each axis
+_HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 
 
 @dataclass(frozen=True)
@@ -39,6 +42,7 @@ class View:
     shape: float = 3.0
     width: int = 480
     height: int = 1000
+    hatch: int = 8  # pixels between two lines of the hatching
 
 
 @dataclass(frozen=True)
@@ -57,11 +61,12 @@ class Shaded:
 
 def shade(
     radius: Floats, colors: Floats, sectors: int, pitch: float, first: tuple[float, float], bit_diameter: float,
-    view: View,
+    view: View, interpolated: Floats | None = None,
 ) -> Shaded:  # fmt: skip
     """Draw vertices of a wall, from a whole number of turns: (n,) radii, none missing, and (n, 3) colours in [0, 1].
 
-    ``first`` is depth and toolface of the first vertex. The shape is exaggerated about ``bit_diameter``.
+    ``first`` is depth and toolface of the first vertex. The shape is exaggerated about ``bit_diameter``. Vertices that
+    are 1 in ``interpolated``, (n,), are hatched.
     """
     turns = radius.size // sectors - 1
     length = turns * abs(pitch)
@@ -71,7 +76,7 @@ def shade(
 
     rows = _rows(radius, sectors, turns, pitch, view, _DENSITY * scale)
     canvas = _Canvas(_FINER * view.width, _FINER * view.height)
-    channels = np.column_stack([radius, colors])
+    channels = np.column_stack([radius, colors] if interpolated is None else [radius, colors, interpolated])
     for start in range(0, rows.size - 1, _BLOCK):
         turn = rows[max(start - 1, 0) : start + _BLOCK + 2]
         # The inside shows through the open end only; elsewhere what faces away is hidden.
@@ -94,7 +99,10 @@ def shade(
         x, y, z = x[seen], y[seen], z[seen]
         right = x * scale + 0.5 * canvas.width
         down = (z * fall + y * rise - 0.5 * length * fall) * scale + 0.5 * canvas.height
-        canvas.put(right, down, y * fall - z * rise, _light(normal[:, seen], facing[seen], fine[1:, seen], rise, fall))
+        lit = _light(normal[:, seen], facing[seen], fine[1:4, seen], rise, fall)
+        if interpolated is not None:
+            lit[(fine[4, seen] > 0.5) & ((right + down) % (_FINER * view.hatch) < _FINER)] = _HATCH_COLOR
+        canvas.put(right, down, y * fall - z * rise, lit)
     middle = first[0] + 0.5 * turns * pitch
     side, span = 0.5 * canvas.width / scale, 0.5 * canvas.height / scale / fall
     return Shaded(canvas.mean(), -side, side, middle - span, middle + span)

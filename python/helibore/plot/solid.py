@@ -17,7 +17,7 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
 from helibore.plot.shading import View, shade
-from helibore.plot.tracks import GREY
+from helibore.plot.tracks import GREY, HATCH
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -99,12 +99,13 @@ def _nearest_step(value: float) -> float:
 
 def draw_solid(
     sheet: Sheet, box: tuple[float, float, float, float], wall: Wall, one: Stretched, scale: ColorScale, values: Floats,
-    name: str,
+    name: str, interpolated: Floats | None = None,
 ) -> Axes:  # fmt: skip
     """Draw a stretch of the wall as a body with its depth axis and its caption.
 
     ``box`` is left, top, width and height in millimetres; the caption takes the uppermost 10. ``values``, of which
     ``scale`` makes colours and ``name`` the caption, are one a vertex of the stretch; NaN where missing.
+    ``interpolated`` is 1 at vertices of the wall that lie between arms: they are hatched.
     """
     x, y, width, height = box
     settings = wall.settings
@@ -118,10 +119,11 @@ def draw_solid(
     tube, shape = exaggeration(one, bit)
     view = View(
         facing=float((largest + 50.0) % 360.0), tube=tube, shape=shape,
-        width=sheet.pixels(width - 14.0), height=sheet.pixels(height - 10.0),
+        width=sheet.pixels(width - 14.0), height=sheet.pixels(height - 10.0), hatch=max(sheet.pixels(HATCH), 2),
     )  # fmt: skip
     start = (wall.start_depth + one.first // sectors * settings.pitch, settings.start_toolface)
-    picture = shade(body, colors, sectors, settings.pitch, start, bit, view)
+    between = None if interpolated is None else interpolated[one.first : one.first + flat.size]
+    picture = shade(body, colors, sectors, settings.pitch, start, bit, view, between)
     axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
     edges = (picture.left, picture.right, picture.bottom, picture.top)
     axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="nearest")

@@ -11,9 +11,9 @@ A track has a width and draws itself between two depths; ``log`` places it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 
@@ -23,11 +23,13 @@ from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.base.units import INCH, MILLIMETRE
 from helibore.images.sector_image import SectorImage
+from helibore.logs.curves import ScalarCurve
 from helibore.logs.zones import KINDS, Zone
 from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
-from helibore.plot.scales import Lines, length_text, nice_limits
+from helibore.plot.scales import Lines, length_text
+from helibore.plot.shading import HATCH_BYTES
 from helibore.samples.caliper import Basis
 from helibore.trajectory.true_depth import TrueDepth
 
@@ -48,7 +50,6 @@ SCALAR = "#1d6b3a"
 """Of the line of a curve along the hole."""
 HATCH = 1.4
 """Millimetres from line to line of the hatching of what is interpolated between arms."""
-HATCH_BYTES = (33, 48, 61)
 HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
@@ -115,13 +116,14 @@ class DepthTrack:
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the numbers beside their lines."""
-        axes = _bare(sheet, x, self.width, stretch)
+        axes = bare_axes(sheet, x, self.width, stretch)
         for depth in stretch.lines.major(stretch.top, stretch.bottom):
             room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
             if stretch.top + room <= depth <= stretch.bottom - room:
                 axes.text(0.5, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT)
                 if depth + 3.1 * room <= stretch.bottom:
                     self._true(axes, depth, depth + 2.1 * room)
+        self._ends(axes, stretch, room=1.3 * (stretch.bottom - stretch.top) / stretch.height)
         axes.set_xlim(0, 1)
         major, minor = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.major, stretch.lines.minor))
         for zone in self.zones:
@@ -135,6 +137,15 @@ class DepthTrack:
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)
         return axes
+
+    def _ends(self, axes: Axes, stretch: Stretch, room: float) -> None:
+        """Write the first and the last depth where no other number is near."""
+        look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
+        major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
+        if all(depth - stretch.top > 3.2 * room for depth in major):
+            axes.text(0.5, stretch.top + 0.1 * room, f"{stretch.top:.1f}", va="top", **look)
+        if all(stretch.bottom - depth > 5.4 * room for depth in major):
+            axes.text(0.5, stretch.bottom - 0.1 * room, f"{stretch.bottom:.1f}", va="bottom", **look)
 
     def _true(self, axes: Axes, depth: float, place: float) -> None:
         """Write the true depth of ``depth`` at ``place``, where the path reaches so far."""
@@ -221,7 +232,7 @@ class CaliperTrack:
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the curves; grey where a turn has no radius at all."""
-        axes = _bare(sheet, x, self.width, stretch)
+        axes = bare_axes(sheet, x, self.width, stretch)
         step = (self.limits[1] - self.limits[0]) / 5
         for at in range(1, 5):
             axes.axvline(self.limits[0] + at * step, color=RULE, linewidth=0.3, alpha=0.6)
@@ -247,7 +258,7 @@ class CaliperTrack:
         axes.axvline(self.bit, color=INK, linewidth=0.9, dashes=(4, 2))
         self._missing(axes, sheet, stretch)
         axes.set_xlim(*self.limits)
-        _depth_lines(axes, stretch)
+        depth_lines(axes, stretch)
         return axes
 
     def _missing(self, axes: Axes, sheet: Sheet, stretch: Stretch) -> None:
@@ -264,22 +275,6 @@ class CaliperTrack:
 
             box = (*self.limits, stretch.bottom, stretch.top)
             axes.imshow(grey, extent=box, aspect="auto", cmap=ListedColormap([GREY]), interpolation="nearest", zorder=3)
-
-
-@dataclass(frozen=True, eq=False)
-class ScalarCurve:
-    """A curve along the hole, such as a gamma ray: depth (m, rising) and values, (n,), NaN where missing.
-
-    ``limits``: values at the left and the right edge of its track, the first may be the larger one; None: round numbers
-    around its values.
-    """
-
-    name: str
-    unit: str
-    depth: Floats
-    values: Floats
-    limits: tuple[float, float] | None = None
-    log: bool = False
 
 
 class ScalarTrack:
@@ -299,17 +294,7 @@ class ScalarTrack:
         inside = (curve.depth >= top) & (curve.depth <= bottom) & np.isfinite(curve.values)
         if not inside.any():
             raise InputError(place, "has no value there")
-        values = curve.values[inside]
-        if curve.log:
-            values = values[values > 0]
-        found = curve.limits
-        if found is None and curve.log and values.size:
-            found = (10.0 ** np.floor(np.log10(values.min())), 10.0 ** np.ceil(np.log10(values.max()) + 1e-9))
-        elif found is None:
-            found = nice_limits(values, float(np.median(values)) if values.size else 0.0, 0.0)
-        if curve.log and not min(found) > 0:
-            raise InputError(place, "a logarithmic scale needs limits above 0")
-        self.limits = found
+        self.limits = curve.ends()
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write name and unit, the line, and the values at the edges."""
@@ -325,7 +310,7 @@ class ScalarTrack:
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the curve; it ends where values are missing, and where rows are ten usual steps or more apart."""
-        axes = _bare(sheet, x, self.width, stretch)
+        axes = bare_axes(sheet, x, self.width, stretch)
         curve = self.curve
         first, last = np.searchsorted(curve.depth, [stretch.top, stretch.bottom])
         part = slice(max(first - 1, 0), last + 1)
@@ -339,7 +324,7 @@ class ScalarTrack:
             axes.minorticks_off()
         axes.plot(np.insert(values, gaps, np.nan), np.insert(depth, gaps, np.nan), color=SCALAR, linewidth=0.8)
         axes.set_xlim(*self.limits)
-        _depth_lines(axes, stretch)
+        depth_lines(axes, stretch)
         return axes
 
 
@@ -360,6 +345,8 @@ class ImageTrack:
         Millimetres.
     interpolated
         Of a wall: (n,) 1 at vertices that lie between the arms, whose pixels are hatched, else 0; None: none are.
+    ink
+        Draws on the pixels: called with the axes, whose x goes from 0 to 360 degrees from the left edge.
     """
 
     def __init__(
@@ -370,9 +357,10 @@ class ImageTrack:
         left: float,
         width: float,
         interpolated: Floats | None = None,
+        ink: Callable[[Axes], None] = lambda _: None,
     ) -> None:
         self.shown, self.source, self.reference, self.left, self.width = shown, source, reference, left, width
-        self.interpolated = interpolated
+        self.interpolated, self.ink = interpolated, ink
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write name and unit, draw the colour bar with its numbers, and the letters of the sides."""
@@ -394,7 +382,7 @@ class ImageTrack:
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the pixels, and a line a quarter of the way round."""
-        axes = _bare(sheet, x, self.width, stretch)
+        axes = bare_axes(sheet, x, self.width, stretch)
         grid = Grid(stretch.top, stretch.bottom, sheet.pixels(stretch.height), sheet.pixels(self.width), self.left)
         source, values = self.source
         if isinstance(source, SectorImage):
@@ -411,11 +399,19 @@ class ImageTrack:
         for quarter in (90, 180, 270):
             axes.axvline(quarter, color="white", linewidth=0.35, alpha=0.5)
         axes.set_xlim(0, 360)
-        _depth_lines(axes, stretch)
+        self.ink(axes)
+        depth_lines(axes, stretch)
         return axes
 
 
-Track = DepthTrack | CaliperTrack | ScalarTrack | ImageTrack
+class PlacedTrack(Protocol):
+    """What `log` places: a head over a stretch of hole, both as wide as it says."""
+
+    width: float
+
+    def head(self, sheet: Sheet, x: float, y: float) -> None: ...
+    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes: ...
+
 
 LENGTHS = {"in": INCH, "mm": MILLIMETRE}
 """Units of diameters, in metres."""
@@ -437,7 +433,7 @@ def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float,
         sheet.text(x + at * width, y + 4.9, text, SMALL, ha=ha)
 
 
-def _bare(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
+def bare_axes(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
     """Axes of a track: depth grows downwards, no ticks, a frame."""
     axes = sheet.axes(x, stretch.y, width, stretch.height)
     axes.set_xticks([])
@@ -451,7 +447,7 @@ def _bare(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:
     return axes
 
 
-def _depth_lines(axes: Axes, stretch: Stretch) -> None:
+def depth_lines(axes: Axes, stretch: Stretch) -> None:
     left, right = axes.get_xlim()
     minor, major = (lines(stretch.top, stretch.bottom) for lines in (stretch.lines.minor, stretch.lines.major))
     axes.hlines(minor, left, right, color=INK, linewidth=0.2, alpha=0.22, zorder=4)

@@ -29,6 +29,12 @@ WASHED = GAUGE + 0.02
 GAP = np.where(TOOLFACE < 30, np.nan, BIT / 2)
 
 
+def test_a_hole_much_smaller_than_the_bit_is_reported() -> None:
+    assert summarize(wall_of((10, GAUGE - 0.006))).warnings == ()
+    text = "half of the turns are at least 50 % smaller than the bit: are bit size and units right?"
+    assert summarize(wall_of((10, GAUGE / 2), (4, WASHED))).warnings == (text,)
+
+
 def test_every_number_is_that_of_the_full_turns() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
     found = summarize(wall)

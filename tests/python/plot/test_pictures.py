@@ -12,7 +12,7 @@ from click.testing import CliRunner
 
 from helibore.cli import cli
 from helibore.plot.shading import View, shade
-from helibore.simulation.demo import drill, error, rebuild
+from helibore.simulation.demonstration import drill, error, rebuild
 
 SECTORS, PITCH, TURNS = 32, 0.1, 31
 

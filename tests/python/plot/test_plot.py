@@ -16,12 +16,14 @@ from plotted_wall import BIT, image_of, plotted_wall
 import helibore as hb
 from helibore import plot
 from helibore.base.colors import MISSING
+from helibore.logs.curves import nice_limits
 from helibore.plot.content import content_of
 from helibore.plot.cross_sections import sections_at
 from helibore.plot.diameters import Diameters, diameters, thinned
+from helibore.plot.header import header_height
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
-from helibore.plot.scales import Lines, nice_limits, usual_scale
+from helibore.plot.scales import Lines, usual_scale
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -135,10 +137,10 @@ def test_a_picture_claims_no_reference_that_nothing_states() -> None:
     assert {"0°", "90°", "180°", "270°"} <= set(words)
     assert not {"U", "L", "N", "S"} & set(words)
     assert_readable(figure)
-    named = [text.get_text() for text in texts(plot.log(wall, dpi=60, reference="north"))]
+    named = [text.get_text() for text in texts(plot.log(wall, dpi=60, reference="north", body=()))]
     assert {"N", "E", "S", "W"} <= set(named)
     wall.images["GR"] = image_of(np.arange(1000.0, 1010.0, 0.5), np.arange(160.0).reshape(20, 8))
-    assert {"U", "R", "D", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60))}
+    assert {"U", "R", "D", "L"} <= {text.get_text() for text in texts(plot.log(wall, dpi=60, body=()))}
     with pytest.raises(ValueError, match="reference = '': must be one of high-side, north, parallel-transport"):
         plot.log(wall, reference="")  # type: ignore[arg-type]
 
@@ -375,7 +377,7 @@ def test_images_that_cannot_be_shown() -> None:
         with pytest.raises(ValueError, match=message):
             plot.log(wall)
     constant = wall_with(depth, np.full_like(values, 7.0))
-    assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40)
+    assert plot.log(constant, looks={"X": plot.Look(limits=(0, 10))}, dpi=40, body=())
 
 
 @pytest.mark.parametrize("own", ["high-side", "north", "parallel-transport"])
@@ -462,3 +464,16 @@ def test_pages_of_a_long_well_are_divided_at_numbers(wall: hb.Wall) -> None:
     assert all(bottom > top for top, bottom in parts)
     assert max(bottom - top for top, bottom in parts) <= 250.0 / 50
     assert MARGIN + HEAD < 60
+
+
+def test_the_last_page_is_no_stub_and_the_ends_have_their_depths(wall: hb.Wall) -> None:
+    content = content_of(wall, plot.Drawing(scale=40, start=2000.3, stop=2021.7, polar=(), body=()))
+    length = content.paper_length()
+    parts = _divided(content, (length - 20.0 + header_height(content)) / 2)
+    assert [top for top, _ in parts[1:]] == [bottom for _, bottom in parts[:-1]]
+    assert (parts[0][0], parts[-1][1]) == (2000.3, 2021.7)
+    assert min(bottom - top for top, bottom in parts) * 1000 / 40 >= 40
+    figure = plot.log(wall, scale=40, start=2000.3, stop=2021.7, polar=(), body=(), dpi=60)
+    assert_readable(figure)
+    words = [text.get_text() for text in tracks_of(figure)[0].texts]
+    assert {"2000.3", "2021.7"} <= set(words)

@@ -1,0 +1,80 @@
+"""Curves along the hole: gamma ray, rate of penetration, and what `Wall.logs` measures.
+
+The page and the print draw a curve on the same scale: its limits, or round numbers around all of its values.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+
+from helibore.base.arrays import Floats
+from helibore.base.errors import InputError
+from helibore.logs.turn_logs import Logs
+
+NEARLY_ALL = (0.2, 99.8)
+"""Percentiles between which an axis shows everything."""
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarCurve:
+    """A curve along the hole, such as a gamma ray: depth (m, rising) and values, (n,), NaN where missing.
+
+    ``limits``: values at the left and the right edge of its track, the first may be the larger one; None: round numbers
+    around its values.
+    """
+
+    name: str
+    unit: str
+    depth: Floats
+    values: Floats
+    limits: tuple[float, float] | None = None
+    log: bool = False
+
+    def ends(self) -> tuple[float, float]:
+        """Return the values at the edges of its track."""
+        if self.limits is not None:
+            if self.log and not min(self.limits) > 0:
+                raise InputError(f"curve {self.name!r}", "a logarithmic scale needs limits above 0")
+            return self.limits
+        values = self.values[np.isfinite(self.values) & ((self.values > 0) | (not self.log))]
+        if self.log and values.size:
+            least, most = float(values.min()), float(values.max())
+            return 10.0 ** math.floor(math.log10(least)), 10.0 ** math.ceil(math.log10(most) + 1e-9)
+        if self.log:
+            raise InputError(f"curve {self.name!r}", "a logarithmic scale needs values above 0")
+        return nice_limits(values, float(np.median(values)) if values.size else 0.0, 0.0)
+
+
+def nice_limits(values: Floats, always: float, least: float) -> tuple[float, float]:
+    """Return round ends of an axis, at least ``least`` long, for nearly all values and for ``always``, off its edge.
+
+    The outermost 0.2 % of the values at each end may lie beyond the axis; NaN do not count.
+    """
+    there = values[np.isfinite(values)]
+    low, high = (always, always) if not there.size else np.percentile(there, NEARLY_ALL).tolist()
+    low, high = min(low, always), max(high, always)
+    if high == low:
+        least = least or 0.01 * max(abs(low), 0.001)
+    if high - low < least:
+        low, high = low - 0.5 * (least - high + low), high + 0.5 * (least - high + low)
+    step = 10.0 ** math.floor(math.log10((high - low) / 4))
+    step = next(step * mantissa for mantissa in (1, 2, 5, 10) if step * mantissa >= (high - low) / 5)
+    first, last = math.floor(low / step), math.ceil(high / step)
+    first -= always <= first * step + 0.05 * (high - low)
+    last += always >= last * step - 0.05 * (high - low)
+    return round(first * step, 9), round(last * step, 9)
+
+
+def curves_of(logs: Logs) -> list[ScalarCurve]:
+    """Return the curves of the logs of a wall that have a value, by their mnemonics, shallow end first."""
+    depth, *columns = logs.table()
+    order = np.argsort(depth.values, kind="stable")
+    rising = depth.values[order]
+    return [
+        ScalarCurve(one.mnemonic, one.unit, rising, one.values[order])
+        for one in columns
+        if np.isfinite(one.values).any()
+    ]

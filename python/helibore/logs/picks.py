@@ -1,0 +1,243 @@
+"""Features picked on a wall, with their class: planes (beds, fractures, faults) and breakouts.
+
+    wall.picks.append(Pick(kind="bed", depth=2054.2, apparent_dip=21.0, toolface=140.0))
+    wall.picks[0].dip(wall.path)                      # true dip and its azimuth, degrees
+    wall.picks.save("f12.wall.picks.csv", wall.path)  # `hb.load("f12.wall")` reads it again
+
+A plane crosses the axis of the hole at ``depth``. In the frame of the hole there it is
+
+    along = tan(apparent_dip) (cos(toolface) high side + sin(toolface) right)
+
+so on a hole of radius R it is a sinusoid of height 2 R tan(apparent_dip), deepest at ``toolface``. A breakout is a box
+``height`` metres high and ``opening`` degrees wide, and the same on the other side of the hole.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import math
+import os
+import secrets
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields, replace
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from helibore.base.atomic_file import write_whole
+from helibore.base.errors import InputError
+from helibore.trajectory.survey import Path
+
+ENDING = ".picks.csv"
+PLANES = ("bed", "fracture", "healed fracture", "induced fracture", "fault")
+BREAKOUT = "breakout"
+CLASSES = (*PLANES, BREAKOUT)
+MOST = 5000
+LONGEST_NOTE = 80
+LIMITS: dict[str, tuple[float, float]] = {
+    "depth": (-1e6, 1e6), "toolface": (0.0, 360.0), "apparent_dip": (0.0, 89.9), "radius": (0.001, 10.0),
+    "misfit": (0.0, 10.0), "height": (0.0, 1000.0), "opening": (0.0, 180.0), "tilt": (-90.0, 90.0),
+}  # fmt: skip
+COLUMNS = {
+    "class": "kind", "depth_m": "depth", "toolface_deg": "toolface", "apparent_dip_deg": "apparent_dip",
+    "radius_m": "radius", "misfit_m": "misfit", "points": "points", "height_m": "height", "opening_deg": "opening",
+    "tilt_deg": "tilt", "note": "note",
+}  # fmt: skip
+"""Columns of the table and the fields they hold; the true dip and its azimuth stand beside them."""
+DIP = ("dip_deg", "dip_azimuth_deg")
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pick:
+    """A plane or a breakout on the wall. Lengths in metres, angles in degrees.
+
+    Attributes
+    ----------
+    kind
+        One of `CLASSES`.
+    depth
+        Where a plane crosses the axis; the middle of a breakout.
+    toolface
+        Where a plane is deepest; the middle of one side of a breakout.
+    apparent_dip
+        Angle between a plane and the plane at right angles to the hole. 0 for a breakout.
+    radius
+        Of the hole where the plane was picked; None: bit size.
+    misfit, points
+        Of the points that the plane was fitted to: root mean square along the hole, and their number.
+    height, opening, tilt
+        Of a breakout: its length, its width around the hole, and how far it leans from the axis, to the right.
+    note
+        At most 80 characters.
+    key
+        What two edits of one pick have in common; made at random.
+    """
+
+    kind: str
+    depth: float
+    toolface: float
+    apparent_dip: float = 0.0
+    radius: float | None = None
+    misfit: float = 0.0
+    points: int = 0
+    height: float = 0.0
+    opening: float = 0.0
+    tilt: float = 0.0
+    note: str = ""
+    key: str = field(default_factory=lambda: secrets.token_hex(6), compare=False)
+
+    def __post_init__(self) -> None:
+        if self.kind not in CLASSES:
+            raise InputError("class", f"must be one of {', '.join(CLASSES)}", repr(self.kind))
+        for name, (low, high) in LIMITS.items():
+            value = getattr(self, name)
+            if value is not None and not (isinstance(value, (int, float)) and low <= value <= high):
+                raise InputError(name, f"must be {low:g} to {high:g}", str(value))
+        if self.kind == BREAKOUT and not (self.height > 0 and self.opening > 0):
+            raise InputError("breakout", "height and opening must be above 0")
+        if not (isinstance(self.points, int) and self.points >= 0):
+            raise InputError("points", "must be a whole number", str(self.points))
+        for name, most in (("note", LONGEST_NOTE), ("key", 32)):
+            if not isinstance(getattr(self, name), str) or len(getattr(self, name)) > most:
+                raise InputError(name, f"must be a text of at most {most} characters")
+
+    @property
+    def slopes(self) -> tuple[float, float]:
+        """How far the plane goes along the hole per metre towards toolface 0 and 90."""
+        slope, toolface = math.tan(math.radians(self.apparent_dip)), math.radians(self.toolface)
+        return slope * math.cos(toolface), slope * math.sin(toolface)
+
+    def dip(self, path: Path | None) -> tuple[float, float]:
+        """Return true dip and dip azimuth of a plane; NaN without a path, beyond it, and for a breakout."""
+        if path is None or self.kind == BREAKOUT or not path.start_depth <= self.depth <= path.stop_depth:
+            return math.nan, math.nan
+        try:
+            high, right, along = path.frame(np.array([self.depth]))[0]
+        except InputError:  # no high side where the hole is vertical
+            return math.nan, math.nan
+        normal = along - self.slopes[0] * high - self.slopes[1] * right
+        north, east, down = normal if normal[2] <= 0 else -normal
+        dip = math.degrees(math.atan2(math.hypot(north, east), -down))
+        return dip, math.degrees(math.atan2(east, north)) % 360 if dip > 1e-3 else math.nan
+
+
+def plane(kind: str, depth: float, dip: float, azimuth: float, path: Path) -> Pick:
+    """Return the pick of a plane with a true dip and a dip azimuth, degrees, where it crosses the path at a depth."""
+    steep, towards = math.radians(dip), math.radians(azimuth)
+    normal = np.array([math.sin(steep) * math.cos(towards), math.sin(steep) * math.sin(towards), -math.cos(steep)])
+    high, right, along = path.frame(np.array([depth]))[0] @ normal
+    if abs(along) < 1e-6:
+        raise InputError(f"plane at {depth:g} m", "is parallel to the hole")
+    slopes = -high / along, -right / along
+    return Pick(
+        kind=kind, depth=depth, apparent_dip=math.degrees(math.atan(math.hypot(*slopes))),
+        toolface=math.degrees(math.atan2(slopes[1], slopes[0])) % 360,
+    )  # fmt: skip
+
+
+class Picks(list[Pick]):
+    """The picks of a wall: a list that is saved as a table."""
+
+    def put(self, pick: Pick) -> None:
+        """Add a pick, or replace the one with the same key."""
+        for at, old in enumerate(self):
+            if old.key == pick.key:
+                self[at] = pick
+                return
+        if len(self) >= MOST:
+            raise InputError(f"{len(self)} picks", f"must be at most {MOST}")
+        self.append(pick)
+
+    def remove_key(self, key: str) -> None:
+        """Remove the pick with this key, if it is there."""
+        self[:] = [pick for pick in self if pick.key != key]
+
+    def table(self, path: Path | None = None) -> str:
+        """Return the picks as CSV, by depth, with the true dips on a path."""
+        text = io.StringIO()
+        writer = csv.writer(text)
+        writer.writerow([*COLUMNS, *DIP])
+        for pick in sorted(self, key=lambda one: one.depth):
+            own = [getattr(pick, name) for name in COLUMNS.values()]
+            dips = ("" if math.isnan(angle) else angle for angle in pick.dip(path))
+            writer.writerow([_cell(value) for value in (*own, *dips)])
+        return text.getvalue()
+
+    def save(self, filename: str | os.PathLike[str], path: Path | None = None) -> None:
+        """Write `table` to a file, whole or not at all."""
+        content = self.table(path).encode()
+        write_whole(filename, lambda file: file.write(content))
+
+    @classmethod
+    def load(cls, filename: str | os.PathLike[str], path: Path | None = None) -> Picks:
+        """Read a table as `save` writes it; columns that it does not know are left out.
+
+        A table without ``apparent_dip_deg`` has true dips: then the path of the wall makes apparent ones of them.
+        """
+        try:
+            return cls.parse(FilePath(filename).read_text("utf-8-sig"), path)
+        except InputError as error:
+            raise error.within(str(filename)) from error
+        except UnicodeDecodeError as error:
+            raise InputError(str(filename), "must be UTF-8 text") from error
+
+    @classmethod
+    def parse(cls, text: str, path: Path | None = None) -> Picks:
+        """Return the picks of a table's text: `load` without the file."""
+        reader = csv.DictReader(io.StringIO(text, newline=""))
+        names = reader.fieldnames or []
+        needed = {"class", "depth_m", *(("toolface_deg",) if "apparent_dip_deg" in names else DIP)}
+        if missing := sorted(needed - set(names)):
+            raise InputError("line 1", f"must have the columns {', '.join(missing)}")
+        picks = cls()
+        try:
+            for row in reader:
+                picks.put(_parsed(row, path, "apparent_dip_deg" in names, f"line {reader.line_num}"))
+        except csv.Error as error:
+            raise InputError(f"line {reader.line_num}", str(error)) from error
+        return picks
+
+
+def _parsed(row: Mapping[str, Any], path: Path | None, apparent: bool, line: str) -> Pick:
+    """Make a pick of a row of the table."""
+
+    def number(column: str) -> float:
+        try:
+            return float(row[column])
+        except (TypeError, ValueError):
+            raise InputError(f"{line}, {column}", "must be a number", repr(row[column])) from None
+
+    texts: dict[str, Any] = {
+        name: row[column] for column, name in COLUMNS.items() if name in ("kind", "note") and row.get(column)
+    }
+    numbers: dict[str, Any] = {
+        name: number(column) for column, name in COLUMNS.items() if name not in ("kind", "note") and row.get(column)
+    }
+    try:
+        if apparent:
+            return Pick(**texts, **{**numbers, "points": int(numbers.get("points", 0))})
+        if path is None:
+            raise InputError("dip_deg", "a true dip needs the path of the wall")
+        found = plane(texts["kind"], numbers["depth"], number(DIP[0]), number(DIP[1]), path)
+        return replace(found, note=texts.get("note", ""))
+    except InputError as error:
+        raise error.within(line) from error
+    except (TypeError, KeyError) as error:
+        raise InputError(line, "class, depth and toolface must not be empty") from error
+
+
+def _cell(value: Any) -> str:
+    return f"{value:.10g}" if isinstance(value, float) else "" if value is None else str(value)
+
+
+def pick_of(values: Any) -> Pick:
+    """Return the pick that a page sends as a JSON object."""
+    known = {each.name for each in fields(Pick)}
+    if not isinstance(values, dict) or not values.keys() <= known:
+        raise InputError("pick", f"must be an object with some of {', '.join(sorted(known))}")
+    try:
+        return Pick(**values)
+    except TypeError as error:
+        raise InputError("pick", "must have class, depth and toolface") from error

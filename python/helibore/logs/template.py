@@ -1,0 +1,108 @@
+"""A template of a log: which tracks it has, in which order, how wide. Page, print and report read the same file.
+
+    units = "mm"               # of diameters: "mm" or "in"; "ft": inches, and feet for depths on the page
+    scale = 200                # 1:200
+
+    [[track]]                  # the depth stands first in any case
+    kind = "caliper"
+    width = 136                # pixels of 1/96 in; may be left out
+
+    [[track]]
+    kind = "image"
+    name = "Radius"            # the wall over bit size, or an image of the wall
+
+    [[track]]
+    kind = "curves"
+    names = ["GR", "RUGO"]     # curves of files, and mnemonics of `Wall.logs`
+
+The page writes it: *Curves*, *template …*. A name that a wall does not have is left out, so that one template
+serves many wells.
+"""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+from helibore.base.errors import InputError
+from helibore.base.units import INCH, MILLIMETRE
+
+KINDS = ("caliper", "image", "curves", "dips")
+UNITS = ("mm", "in", "ft")
+WIDTHS = (20.0, 4000.0)
+PIXEL = INCH / MILLIMETRE / 96  # millimetres
+
+
+@dataclass(frozen=True)
+class TemplateTrack:
+    """One track: its kind, the name of its image or the names of its curves, its width in pixels (None: the usual)."""
+
+    kind: str
+    name: str = ""
+    names: tuple[str, ...] = ()
+    width: float | None = None
+
+    @property
+    def millimetres(self) -> float | None:
+        """Width on paper."""
+        return None if self.width is None else self.width * PIXEL
+
+
+@dataclass(frozen=True)
+class Template:
+    """Units, depth scale (None: not chosen) and tracks from left to right."""
+
+    units: Literal["mm", "in", "ft"] = "mm"
+    scale: int | None = None
+    tracks: tuple[TemplateTrack, ...] = ()
+
+    @classmethod
+    def load(cls, filename: str | os.PathLike[str]) -> Template:
+        """Read a template; an InputError names file and place of what breaks a rule."""
+        try:
+            return template_of(tomllib.loads(Path(filename).read_text("utf-8")))
+        except InputError as error:
+            raise error.within(str(filename)) from error
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise InputError(str(filename), f"not TOML: {error}") from error
+
+
+def template_of(content: dict[str, Any]) -> Template:
+    """Return the template that parsed TOML holds."""
+    _known("", content, ("units", "scale", "track"))
+    units, scale, rows = content.get("units", "mm"), content.get("scale"), content.get("track", [])
+    if units not in UNITS:
+        raise InputError("units", f"must be one of {', '.join(UNITS)}", repr(units))
+    if scale is not None and not (type(scale) is int and scale >= 1):
+        raise InputError("scale", "must be a whole number, 200 for 1:200", repr(scale))
+    if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
+        raise InputError("track", "must be tables, [[track]]")
+    return Template(units, scale, tuple(_track(f"track {number}", row) for number, row in enumerate(rows, 1)))
+
+
+def _track(place: str, row: dict[str, Any]) -> TemplateTrack:
+    _known(place, row, ("kind", "name", "names", "width"))
+    kind, name, names, width = row.get("kind"), row.get("name", ""), row.get("names", []), row.get("width")
+    if kind not in KINDS:
+        raise InputError(f"{place}: kind", f"must be one of {', '.join(KINDS)}", repr(kind))
+    if not isinstance(name, str) or (kind == "image") != bool(name):
+        raise InputError(f"{place}: name", "must name the image of an image track, and stand in no other", repr(name))
+    if not (isinstance(names, list) and all(isinstance(one, str) for one in names)) or (kind == "curves") != bool(
+        names
+    ):
+        raise InputError(
+            f"{place}: names", "must list the curves of a track of curves, and stand in no other", repr(names)
+        )
+    if width is not None and not (isinstance(width, (int, float)) and WIDTHS[0] <= width <= WIDTHS[1]):
+        raise InputError(f"{place}: width", f"must be {WIDTHS[0]:g} to {WIDTHS[1]:g} pixels", repr(width))
+    return TemplateTrack(kind, name, tuple(names), width)
+
+
+def _known(place: str, content: dict[str, Any], names: tuple[str, ...]) -> None:
+    """Refuse a name that has no meaning."""
+    for name in content:
+        if name not in names:
+            raise InputError(": ".join(part for part in (place, name) if part), f"must be one of {', '.join(names)}")

@@ -1,0 +1,104 @@
+"""What was picked on the wall, on paper: curves and boxes on the images, tadpoles on a track of their own.
+
+A tadpole's head stands at the true dip, 0 to 90 degrees across the track; its tail points to where the plane dips,
+north up. Without a survey it is the dip to the hole, and the tail counts from toolface 0.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from helibore.base.colors import PICK_COLORS
+from helibore.logs.picks import BREAKOUT, PLANES, Pick
+from helibore.plot.paper import INK, SMALL, Sheet
+from helibore.plot.tracks import HEAD, Stretch, bare_axes, depth_lines
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from helibore.trajectory.survey import Path
+
+MARKERS: dict[str, dict[str, Any]] = {
+    "bed": {"marker": "o", "markerfacecolor": INK},
+    "fracture": {"marker": "s", "markerfacecolor": "white"},
+    "healed fracture": {"marker": "s", "markerfacecolor": INK},
+    "induced fracture": {"marker": "D", "markerfacecolor": "white"},
+    "fault": {"marker": "^", "markerfacecolor": INK},
+}
+DASHES: dict[str, tuple[float, ...]] = {
+    "fracture": (4, 2),
+    "healed fracture": (1.5, 2),
+    "induced fracture": (7, 2, 1, 2),
+}
+TAIL = 3.0
+"""Millimetres of a tadpole from the middle of its head."""
+
+
+class DipTrack:
+    """Tadpoles of the planes that were picked."""
+
+    width = 24.0
+
+    def __init__(self, picks: Sequence[Pick], path: Path | None) -> None:
+        self.planes = [(pick, *_attitude(pick, path)) for pick in picks if pick.kind in PLANES]
+        self.known = path is not None
+
+    def head(self, sheet: Sheet, x: float, y: float) -> None:
+        """Write what the numbers are, and the symbols of the classes."""
+        title = "Dip [°]" if self.known else "Dip to hole [°]"
+        sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
+        for row, kind in enumerate(kind for kind in PLANES if any(pick.kind == kind for pick, *_ in self.planes)):
+            at = y + 6.2 + 2.9 * row
+            sheet.line((x + 2.0, x + 2.0), (at, at), color=INK, markersize=3.2, markeredgewidth=0.7, **MARKERS[kind])
+            sheet.text(x + 4.2, at, kind, 5.2, within=self.width - 4.6)
+        for degrees, ha, inward in ((0, "left", 0.6), (30, "center", 0), (60, "center", 0), (90, "right", -0.6)):
+            sheet.text(x + degrees / 90 * self.width + inward, y + HEAD - 2.0, f"{degrees}", SMALL, ha=ha)
+
+    def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
+        """Draw a tadpole a plane."""
+        axes = bare_axes(sheet, x, self.width, stretch)
+        axes.set_xlim(0, 90)
+        for degrees in (30, 60):
+            axes.axvline(degrees, color=INK, linewidth=0.2, alpha=0.22)
+        depth_lines(axes, stretch)
+        across, along = 90.0 / self.width, (stretch.bottom - stretch.top) / stretch.height  # a millimetre of paper
+        for pick, angle, towards in self.planes:
+            if not stretch.top <= pick.depth <= stretch.bottom:
+                continue
+            if math.isfinite(towards):
+                turn = math.radians(towards)
+                ends = (
+                    (angle, angle + TAIL * across * math.sin(turn)),
+                    (pick.depth, pick.depth - TAIL * along * math.cos(turn)),
+                )
+                axes.plot(*ends, color=INK, linewidth=0.8, zorder=6)
+            look: dict[str, Any] = {"markersize": 3.4, "markeredgecolor": INK, "markeredgewidth": 0.8, "zorder": 7}
+            axes.plot([angle], [pick.depth], linestyle="none", **look, **MARKERS[pick.kind])
+        return axes
+
+
+def _attitude(pick: Pick, path: Path | None) -> tuple[float, float]:
+    return (pick.apparent_dip, pick.toolface) if path is None else pick.dip(path)
+
+
+def draw_picks(axes: Axes, picks: Sequence[Pick], left: float, bit_diameter: float) -> None:
+    """Draw the curves of planes and the boxes of breakouts on an image whose left edge is toolface ``left``."""
+    toolface = np.linspace(0.0, 360.0, 181)
+    for pick in picks:
+        radius = 0.5 * bit_diameter if pick.radius is None else pick.radius
+        color = PICK_COLORS[pick.kind]
+        if pick.kind == BREAKOUT:
+            side = 0.5 * pick.height * np.array([-1, -1, 1, 1, -1])
+            lean = np.degrees(side * math.tan(math.radians(pick.tilt)) / radius)
+            edge = 0.5 * pick.opening * np.array([-1, 1, 1, -1, -1]) + lean + (pick.toolface - left) % 360
+            lines = [(edge + turn, pick.depth + side) for turn in (-360, -180, 0, 180, 360)]
+        else:
+            height = radius * math.tan(math.radians(pick.apparent_dip))
+            lines = [(toolface, pick.depth + height * np.cos(np.radians(toolface + left - pick.toolface)))]
+        for across, depth in lines:
+            axes.plot(across, depth, color="white", linewidth=1.8, zorder=5)
+            axes.plot(across, depth, color=color, linewidth=0.9, dashes=DASHES.get(pick.kind, (None, None)), zorder=6)

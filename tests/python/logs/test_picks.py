@@ -1,0 +1,136 @@
+"""Picks: their dips against a plane in space, their table, and the file beside an archive."""
+
+from __future__ import annotations
+
+import copy
+import pickle
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import helibore as hb
+from helibore.base.errors import InputError
+from helibore.logs.picks import Pick, Picks, pick_of, plane
+
+
+def path(inclination: float, azimuth: float) -> hb.Path:
+    return hb.Survey([0.0, 100.0], [inclination] * 2, [azimuth] * 2).path()
+
+
+@pytest.mark.parametrize(("inclination", "azimuth"), [(0.001, 0.0), (40.0, 200.0), (88.0, 300.0), (120.0, 45.0)])
+@pytest.mark.parametrize(("dip", "towards"), [(12.0, 75.0), (35.0, 340.0), (60.0, 180.0)])
+def test_a_plane_has_the_dip_it_was_made_with_and_lies_in_space(
+    inclination: float, azimuth: float, dip: float, towards: float
+) -> None:
+    hole = path(inclination, azimuth)
+    pick = plane("bed", 50.0, dip, towards, hole)
+    assert pick.dip(hole) == pytest.approx((dip, towards), abs=1e-9)
+    steep, leaning = np.radians([dip, towards])
+    normal = np.array([np.sin(steep) * np.cos(leaning), np.sin(steep) * np.sin(leaning), -np.cos(steep)])
+    high, right, along = hole.frame(np.array([50.0]))[0]
+    for toolface in np.radians([0.0, 77.0, 200.0]):
+        outwards = np.cos(toolface) * high + np.sin(toolface) * right
+        deeper = np.tan(np.radians(pick.apparent_dip)) * np.cos(toolface - np.radians(pick.toolface))
+        assert abs((0.1 * (outwards + deeper * along)) @ normal) < 1e-12
+
+
+def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
+    pick = Pick(kind="bed", depth=150.0, toolface=10.0, apparent_dip=30.0)
+    assert np.isnan(pick.dip(None)).all()
+    assert np.isnan(pick.dip(path(10.0, 0.0))).all()
+    box = Pick(kind="breakout", depth=50.0, toolface=10.0, height=2.0, opening=30.0)
+    assert np.isnan(box.dip(path(10.0, 0.0))).all()
+    with pytest.raises(InputError, match=r"^plane at 50 m: is parallel to the hole$"):
+        plane("bed", 50.0, 90.0, 90.0, hb.Survey([0.0, 100.0], [0.0] * 2, [0.0] * 2).path(reference="north"))
+    assert np.isnan(Pick(kind="bed", depth=50.0, toolface=1.0).dip(path(0.0, 0.0))).all(), "no high side: no frame"
+
+
+@pytest.mark.parametrize(
+    ("values", "text"),
+    [
+        ({"kind": "layer"}, "class = 'layer': must be one of bed, fracture, "),
+        ({"depth": float("nan")}, "depth = nan: must be -1e+06 to 1e+06"),
+        ({"apparent_dip": 90.0}, "apparent_dip = 90.0: must be 0 to 89.9"),
+        ({"toolface": "east"}, "toolface = east: must be 0 to 360"),
+        ({"kind": "breakout"}, "breakout: height and opening must be above 0"),
+        ({"points": 1.5}, "points = 1.5: must be a whole number"),
+        ({"note": "x" * 81}, "note: must be a text of at most 80 characters"),
+        ({"colour": "red"}, "pick: must be an object with some of apparent_dip, "),
+        ({"depth": None}, "depth = None"),
+    ],
+)
+def test_what_breaks_a_rule_is_refused(values: dict[str, object], text: str) -> None:
+    if values == {"depth": None}:
+        with pytest.raises(InputError, match=r"^pick: must have class, depth and toolface$"):
+            pick_of({"kind": "bed", "toolface": 1.0})
+        return
+    with pytest.raises(InputError) as error:
+        pick_of({"kind": "bed", "depth": 1.0, "toolface": 0.0} | values)
+    assert str(error.value).startswith(text)
+
+
+def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
+    hole = path(30.0, 60.0)
+    picks = Picks(
+        [
+            Pick(kind="breakout", depth=20.0, toolface=359.5, height=2.0, opening=40.0, tilt=-5.0),
+            Pick(kind="fracture", depth=10.25, toolface=12.0, apparent_dip=61.5, note='open, "wide"\nindeed'),
+            plane("bed", 15.0, 20.0, 100.0, hole),
+        ]
+    )
+    file = tmp_path / "well.wall.picks.csv"
+    picks.save(file, hole)
+    again = Picks.load(file)
+    assert [one.depth for one in again] == [10.25, 15.0, 20.0]
+    for one, before in zip(again, sorted(picks, key=lambda pick: pick.depth), strict=True):
+        assert vars(one) == pytest.approx(vars(before) | {"key": one.key})
+    rows = file.read_text().splitlines()
+    assert rows[0].startswith("class,depth_m,toolface_deg,apparent_dip_deg,radius_m,")
+    assert rows[-2].endswith(",20,100"), "the true dip stands in the table"
+
+
+def test_true_dips_of_others_become_picks_on_a_path() -> None:
+    hole = path(30.0, 60.0)
+    text = "well,depth_m,class,dip_deg,dip_azimuth_deg\nA,15,bed,20,100\nA,16,fault,70,280\n"
+    bed, fault = Picks.parse(text, hole)
+    assert bed.dip(hole) == pytest.approx((20.0, 100.0))
+    assert (fault.kind, fault.dip(hole)) == ("fault", pytest.approx((70.0, 280.0)))
+    with pytest.raises(InputError, match=r"^line 2: dip_deg: a true dip needs the path of the wall$"):
+        Picks.parse(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "error"),
+    [
+        ("", "line 1: must have the columns class, depth_m, dip_azimuth_deg, dip_deg"),
+        ("class,depth_m,apparent_dip_deg\n", "line 1: must have the columns toolface_deg"),
+        ("class,depth_m,toolface_deg,apparent_dip_deg\nbed,x,1,2\n", "line 2, depth_m = 'x': must be a number"),
+        (
+            "class,depth_m,toolface_deg,apparent_dip_deg\nbed,1,,2\n",
+            "line 2: class, depth and toolface must not be empty",
+        ),
+        ("class,depth_m,toolface_deg,apparent_dip_deg\nrock,1,1,2\n", "line 2: class = 'rock': must be one of bed, "),
+    ],
+)
+def test_a_table_that_breaks_a_rule_names_the_line(tmp_path: Path, text: str, error: str) -> None:
+    file = tmp_path / "x.picks.csv"
+    file.write_text(text)
+    with pytest.raises(InputError) as raised:
+        Picks.load(file)
+    assert str(raised.value).startswith(f"{file}: {error}")
+
+
+def test_the_picks_of_a_wall_stand_beside_its_archive_and_go_with_its_copies(tmp_path: Path) -> None:
+    wall = hb.reconstruct(hb.Caliper.gauge(0.0, 5.0, 0.2), bit_diameter=0.2, sectors=16)
+    file = tmp_path / "a.wall"
+    wall.save(file)
+    assert not (tmp_path / "a.wall.picks.csv").exists()
+    assert hb.load(file).picks == []
+    wall.picks.append(Pick(kind="bed", depth=2.0, toolface=10.0, apparent_dip=30.0))
+    wall.save(file)
+    assert hb.load(file).picks == wall.picks
+    for other in (copy.deepcopy(wall), pickle.loads(pickle.dumps(wall))):
+        assert other.picks == wall.picks
+        other.picks.clear()
+        assert len(wall.picks) == 1

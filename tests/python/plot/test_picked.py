@@ -1,0 +1,93 @@
+"""Picks on paper, the tracks of a template, and hatching of the shaded body between arms."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from plotted_wall import plotted_wall
+
+import helibore as hb
+from helibore.logs.picks import Pick
+from helibore.logs.template import Template, template_of
+from helibore.plot.content import Drawing, content_of
+from helibore.plot.html_report import page
+from helibore.plot.picked import DipTrack
+from helibore.plot.shading import HATCH_BYTES, View, shade
+from helibore.plot.tracks import CaliperTrack, DepthTrack, ImageTrack, ScalarTrack
+
+BED = Pick(kind="bed", depth=2010.0, toolface=90.0, apparent_dip=60.0, radius=0.1)
+BOX = Pick(kind="breakout", depth=2005.0, toolface=350.0, height=2.0, opening=40.0)
+
+
+@pytest.fixture(scope="module")
+def wall() -> hb.Wall:
+    wall = plotted_wall()
+    wall.picks += [BED, BOX, Pick(kind="fault", depth=2050.0, toolface=0.0)]
+    return wall
+
+
+def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
+    wall.path = hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2).path()
+    figure = hb.plot.log(wall, polar=(), body=())
+    wall.path = None
+    lines = [line for axes in figure.axes for line in axes.lines]
+    (head,) = [line for line in lines if line.get_marker() == "o"]
+    assert (head.get_xdata()[0], head.get_ydata()[0]) == pytest.approx((BED.dip(wall_path())[0], 2010.0))
+    (curve, *_others) = [line for line in lines if np.size(line.get_xdata()) == 181 and line.get_color() != "white"]
+    across, depth = curve.get_data()
+    assert depth.max() == pytest.approx(2010 + 0.1 * np.tan(np.radians(60)))
+    assert across[np.argmax(depth)] == 90
+    boxes = [line for line in lines if np.size(line.get_xdata()) == 5]
+    assert {(float(min(line.get_ydata())), float(max(line.get_ydata()))) for line in boxes} == {(2004.0, 2006.0)}
+    edges = sorted({float(min(line.get_xdata())) for line in boxes})
+    assert edges == [-30.0, 150.0, 330.0, 510.0, 690.0], "both sides, and what crosses the edge of the image"
+    texts = [text.get_text() for text in figure.texts]
+    assert "Dip [°]" in texts
+    assert "fault" not in texts, "none of it lies in the interval"
+
+
+def wall_path() -> hb.Path:
+    return hb.Survey([0.0, 3000.0], [30.0] * 2, [0.0] * 2).path()
+
+
+def test_without_a_survey_the_dip_is_that_to_the_hole(wall: hb.Wall) -> None:
+    assert DipTrack([BED, BOX], None).planes == [(BED, 60.0, 90.0)]
+    assert content_of(wall, Drawing(start=2016.5, polar=(), body=())).tracks[-1].__class__ is ImageTrack
+    report = page(wall, body=(), polar=(), dpi=30)
+    assert "<th>breakout</th>" not in report
+    rows = report[report.index('<section id="picks">') :]
+    assert '<td>bed</td><td class="number">2,010.00</td><td class="number">–</td>' in rows
+    assert '<td>breakout</td><td class="number">2,005.00</td>' in rows
+
+
+def test_a_template_says_which_tracks_there_are_and_how_wide(wall: hb.Wall) -> None:
+    tracks = [
+        {"kind": "image", "name": "GR", "width": 192},
+        {"kind": "dips"},
+        {"kind": "curves", "names": ["RUGO", "NONE", "DEQ"], "width": 192},
+        {"kind": "image", "name": "Radius"},
+        {"kind": "image", "name": "none"},
+        {"kind": "caliper"},
+    ]
+    found = content_of(wall, Drawing(template=template_of({"track": tracks}), polar=(), body=())).tracks
+    kinds = [DepthTrack, ImageTrack, DipTrack, ScalarTrack, ScalarTrack, ImageTrack, CaliperTrack]
+    assert [type(track) for track in found] == kinds
+    assert [found[at].width for at in (1, 3, 4)] == pytest.approx([50.8, 25.4, 25.4])
+    assert [type(one) for one in content_of(wall, Drawing(template=Template(), polar=(), body=())).tracks] == [
+        DepthTrack
+    ]
+
+
+def test_the_body_is_hatched_where_it_lies_between_arms_and_nowhere_else() -> None:
+    radius, colors = np.full(60 * 32, 0.1), np.ones((60 * 32, 3))
+    between = (np.arange(60 * 32) < 30 * 32).astype(float)
+    view = View(0.0, tube=5.0, shape=1.0, width=200, height=400, hatch=8)
+    args = (radius, colors, 32, 0.1, (0.0, 0.0), 0.2, view)
+    plain, hatched = shade(*args).pixels, shade(*args, between).pixels
+    differs = np.abs(plain - hatched).max(axis=2) > 0.05
+    rows = np.flatnonzero(differs.any(axis=1))
+    assert rows.max() < 230, "the lower half is as it was"
+    seen = plain[..., 3] > 0.9
+    assert 0.1 < differs[:200][seen[:200]].mean() < 0.5, "lines, not a surface"
+    darkest = hatched[differs].reshape(-1, 4)[:, :3].min(axis=0) * 255
+    assert darkest == pytest.approx(HATCH_BYTES, abs=3)
