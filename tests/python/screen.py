@@ -120,6 +120,16 @@ class Screen:
             assert time.monotonic() < end, f"never: {condition}; page errors {self.errors}"
             time.sleep(0.05)
 
+    def point_at(self, across: float = 0.5, down: float = 0.5) -> None:
+        """Move the pointer over the image track, shares of its width and height."""
+        left, top, width, height = self.page.evaluate(
+            "(({ left, top }, { image }) => [left + image.left, top + image.top, image.width, image.height])"
+            "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.rects)"
+        )
+        self.page.mouse.move(left + across * width, top + down * height)
+        self.until("window.__wall.app.view.cursor")
+        self.settle()
+
     def settle(self) -> None:
         """Wait until nothing arrives and everything is drawn; what glows is made to stop."""
         self.page.evaluate(AT_REST)

@@ -10,11 +10,11 @@ import itertools
 import json
 import subprocess
 import tempfile
-import time
 from pathlib import Path
 from types import TracebackType
 from typing import Any
 
+from live_servers import until
 from screen import CHROMIUM, FLAGS, PATIENCE
 
 
@@ -78,11 +78,3 @@ class Tabs:
         self._browser.terminate()
         self._browser.wait(20)
         self._folder.cleanup()
-
-
-def until(condition: Any) -> None:
-    """Wait for something that must come; give up after `PATIENCE`."""
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, "never"
-        time.sleep(0.02)

@@ -3,27 +3,34 @@
     feed.py      reads a wall that grows        client.py       what a page has not received
     scene.py     what is shown                  web_app.py      addresses and websocket
     levels.py    the wall and its overview      page_server.py  the server's thread
-    messages.py  the bytes                      web/            the page
+    messages.py  the bytes                      notebook_view.py  a notebook's widget
+                                                web/            the page
 
-The page needs no other machine and gets every new quad once, in about 12 bytes. Serving needs the extra ``view``; this
-module itself imports NumPy only.
+The page needs no other machine and gets every new quad once, in about 12 bytes. Serving needs the extra ``view``, a
+notebook the extra ``notebook``; this module itself imports NumPy only.
 """
 
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Mapping
+import importlib.util
+import os
+import sys
+from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
 from helibore.base.errors import InputError
 from helibore.images.normalization import image_scale
+from helibore.logs.curves import ScalarCurve
+from helibore.logs.template import Template
 from helibore.trajectory.survey import Path
 from helibore.viewer.feed import Feed, ViewedWall
 from helibore.viewer.scene import Attribute
 
 if TYPE_CHECKING:
+    from helibore.viewer.notebook_view import NotebookView
     from helibore.viewer.page_server import PageServer
 
 __all__ = ["Attribute", "Viewer", "attributes_of", "view"]
@@ -35,15 +42,19 @@ class Viewer:
     Attributes
     ----------
     url : str
-        Address of the page, with its token if there is one.
+        Address of the page, with its token if there is one; empty in a notebook's widget.
+    widget : NotebookView or None
+        In a notebook: the widget, whose traits ``depths`` and ``cursor`` follow what the reader does.
     scene : Scene
         What is shown; `Scene.update_state` sets bit depth, time of the newest sample and more.
     """
 
-    def __init__(self, feed: Feed, server: PageServer) -> None:
-        self._feed, self._server = feed, server
+    def __init__(
+        self, feed: Feed, server: PageServer | None = None, widget: NotebookView | None = None, card: str = ""
+    ) -> None:
+        self._feed, self._server, self.widget, self._card = feed, server, widget, card
         self.scene = feed.scene
-        self.url = server.url
+        self.url = server.url if server else ""
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Show what an append changed. Returns at once; another thread does the work.
@@ -67,13 +78,17 @@ class Viewer:
         self._feed.set_attribute(name, values)
 
     def wait(self) -> None:
-        """Serve until Ctrl-C."""
-        self._server.wait()
+        """Serve until Ctrl-C; in a notebook's widget, return at once."""
+        if self._server:
+            self._server.wait()
 
     def close(self) -> None:
         """Stop serving and free the port. May be called twice."""
         self._feed.close()
-        self._server.close()
+        if self._server:
+            self._server.close()
+        if self.widget:
+            self.widget.close()
 
     def __enter__(self) -> Viewer:
         return self
@@ -84,8 +99,16 @@ class Viewer:
     def _repr_html_(self) -> str:
         return f'<iframe src="{self.url}" style="width: 100%; height: 720px; border: 0" title="helibore"></iframe>'
 
+    def _ipython_display_(self) -> None:
+        from IPython.display import HTML, display
+
+        if self.widget is None:
+            display(HTML(self._repr_html_()))
+        else:
+            display(HTML(self.widget.still(self._card)), self.widget)
+
     def __repr__(self) -> str:
-        return f"Viewer({self.url})"
+        return f"Viewer({self.url or 'in a notebook'})"
 
 
 def view(
@@ -93,13 +116,17 @@ def view(
     *,
     path: Path | None = None,
     attributes: Mapping[str | Attribute, npt.ArrayLike] | None = None,
+    curves: Iterable[ScalarCurve] = (),
+    template: Template | None = None,
+    picks_file: str | os.PathLike[str] | None = None,
     well: str = "",
     host: str = "127.0.0.1",
     port: int = 0,
     token: str | None = None,
     browser: bool = False,
+    inline: bool | None = None,
 ) -> Viewer:
-    """Show a wall on a page in the browser, growing or finished.
+    """Show a wall on a page in the browser or in a notebook, growing or finished.
 
     Parameters
     ----------
@@ -110,6 +137,12 @@ def view(
     attributes
         Values to colour by, one per quad (quad k has the number of its first vertex), by name or by `Attribute`. None:
         `attributes_of` the wall.
+    curves
+        Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ...
+    template
+        Which tracks the page shows at first, in which order and how wide.
+    picks_file
+        Where the page saves what is picked on it: `Picks.save`. ``wall.picks`` has the picks in any case.
     well
         The well's name, for the page.
     host, port
@@ -118,11 +151,14 @@ def view(
         Secret that the address must carry. Required if other machines can reach `host`.
     browser
         Open the page in the default browser.
+    inline
+        True: a widget in a notebook, which needs no port. False: a server. None: a widget in a Jupyter notebook if
+        anywidget is installed and neither `port`, `token` nor `browser` is given, else a server.
 
     Returns
     -------
     Viewer
-        Already serving. In a notebook it displays itself as a frame.
+        Already serving. In a notebook it displays itself.
 
     Raises
     ------
@@ -134,17 +170,38 @@ def view(
     OSError
         If the port is in use; the text names it.
     """
-    from helibore.viewer.page_server import PageServer
+    from helibore.wall.wall import Wall
 
     values = attributes_of(wall) if attributes is None else attributes
     feed = Feed(wall, path=path, attributes=values, well=well)
-    server = PageServer(feed.scene, host=host, port=port, token=token)
+    if isinstance(wall, Wall):
+        feed.scene.picks = wall.picks
+    feed.scene.picks_file = picks_file
+    feed.scene.set_curves(curves)
+    feed.scene.template = template
+    if inline is None:
+        inline = not (port or token or browser) and _in_notebook()
+    if inline:
+        from helibore.viewer.notebook_view import NotebookView
+
+        viewer = Viewer(feed, widget=NotebookView(feed.scene), card=getattr(wall, "_repr_html_", str)())
+    else:
+        from helibore.viewer.page_server import PageServer
+
+        viewer = Viewer(feed, PageServer(feed.scene, host=host, port=port, token=token))
     feed.start()
     if browser:
         import webbrowser
 
-        webbrowser.open(server.url)
-    return Viewer(feed, server)
+        webbrowser.open(viewer.url)
+    return viewer
+
+
+def _in_notebook() -> bool:
+    """Whether this runs in a Jupyter kernel that has anywidget."""
+    shell = sys.modules.get("IPython")
+    kernel = getattr(shell.get_ipython(), "kernel", None) if shell else None  # None in a terminal, too
+    return kernel is not None and importlib.util.find_spec("anywidget") is not None
 
 
 def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:

@@ -157,7 +157,7 @@ class Client:
 
 
 def handshake(scene: Scene) -> dict[str, Any]:
-    """Return what a page must know before any value."""
+    """Return what a page must know before it receives values."""
     shape = scene.shape
     wall, over = scene.levels
     return {
@@ -178,6 +178,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
             {"sectors": over.sectors, "rows": over.rows, "pitch": shape.pitch * TURNS, "rings": True},
         ],
         "frame_step": math.copysign(messages.FRAME_STEP, shape.pitch),
+        "template": None if scene.template is None else asdict(scene.template),
         "attributes": [asdict(attribute) for attribute in shape.attributes],
     }
 
@@ -186,7 +187,14 @@ def state_message(scene: Scene) -> dict[str, Any]:
     """Return the `RunState` for a page, with the server's clock."""
     state = {name: None if value != value else value for name, value in vars(scene.state).items()}  # NaN is not JSON
     now = None if state["newest"] is None else round(time.time(), 1)
-    return {"type": "state", "begun": scene.begun, **state, "now": now}
+    rows = [list(row.values()) for row in scene.state.curves]  # name, unit, low, high, log, version
+    curves = {"curves": [row[:-1] for row in rows], "curves_version": max((row[-1] for row in rows), default=0)}
+    return {"type": "state", "begun": scene.begun, **state, **curves, "now": now}
+
+
+def picks_message(scene: Scene) -> dict[str, Any]:
+    """Return the picks for a page."""
+    return {"type": "picks", "picks": [asdict(pick) for pick in scene.picks]}
 
 
 def read_subscription(wanted: Any, attributes: int) -> Subscription:

@@ -6,7 +6,10 @@ import math
 from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
 
+import numpy as np
+
 from helibore.base.errors import InputError
+from helibore.logs.curves import ScalarCurve
 from helibore.viewer import messages
 from helibore.viewer.scene import Scene
 
@@ -37,6 +40,13 @@ def vertex(scene: Scene, k: int) -> dict[str, Any]:
             for attribute, column in zip(shape.attributes, level.columns, strict=True)
         },
     }
+
+
+def curve_bytes(curve: ScalarCurve) -> bytes:
+    """Return a curve for the page: f64 its first depth, then f32 x n depths from there, f32 x n values."""
+    first = curve.depth[:1] if curve.depth.size else np.zeros(1)
+    columns = (curve.depth - first, curve.values)
+    return first.astype("<f8").tobytes() + b"".join(column.astype("<f4").tobytes() for column in columns)
 
 
 def section_ends(query: Mapping[str, str]) -> tuple[float, float]:

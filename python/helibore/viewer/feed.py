@@ -10,6 +10,7 @@ has changed.
 
 from __future__ import annotations
 
+import atexit
 import math
 import threading
 import time
@@ -26,6 +27,7 @@ from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import percentile_limits, symmetric_limit
+from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
 from helibore.logs.zones import Classification, classify
 from helibore.samples.helix import basis_of, helix_of
@@ -87,15 +89,17 @@ class Feed:
         self._zones: Classification | None = None
         self._finding = threading.Lock()
         self._chosen: set[str] = set()  # quantities whose colours are chosen for good
+        self._logged = 0  # how often the logs were measured
         self._young = False  # the wall was short when it was first shown
         self.scene.begin(self._shape)
-        self.scene.summarize = self._summarize
+        self.scene.summarize, self.scene.path = self._summarize, path
         self._extend_path()
         self._choose_ranges()
         self._read([(0, len(wall))], wall.settled)
 
     def start(self) -> None:
-        """Start the thread that reads what `update` notes."""
+        """Start the thread that reads what `update` notes. It ends before Python does."""
+        atexit.register(self.close)  # a thread that Python stops in the core would abort the process
         self._thread = threading.Thread(target=self._run, name="helibore-view-feed", daemon=True)
         self._thread.start()
 
@@ -120,7 +124,7 @@ class Feed:
         """Replace the path; only frames are sent."""
         self._check_path(path)
         with self._changed:
-            self.path = path
+            self.path = self.scene.path = path
             self._new_path = True
             self._changed.notify()
 
@@ -134,6 +138,7 @@ class Feed:
 
     def close(self) -> None:
         """Stop the thread."""
+        atexit.unregister(self.close)
         with self._changed:
             self._closed = True
             self._changed.notify()
@@ -212,6 +217,9 @@ class Feed:
             zones.append(place | size)
         if tuple(zones) != self.scene.state.zones:
             self.scene.update_state(zones=tuple(zones))
+        if len(found.logs):
+            self._logged += 1
+            self.scene.set_curves(curves_of(found.logs), self._logged)
 
     def _summarize(self, start: float, stop: float) -> dict[str, Any]:
         """Return the figures of `Wall.summary` that the page shows of a section; a missing number is None."""

@@ -13,28 +13,32 @@ import itertools
 import json
 import math
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from typing import Any
+from urllib.parse import parse_qs
 
 from helibore.base.errors import InputError
-from helibore.viewer.client import Client, Subscription, handshake, state_message
-from helibore.viewer.exports import vertices_between
+from helibore.viewer.client import Client, Subscription, handshake, picks_message, state_message
+from helibore.viewer.exports import curve_bytes, vertices_between
 from helibore.viewer.scene import Scene
 
 MOST_VERTICES = 1_000_000
-MOST_ADDRESS = 128 * 1024  # characters: 200 dips of twelve points and 50 notes of 80 letters of any script
+MOST_ADDRESS = 128 * 1024  # characters: 50 notes of 80 letters of any script, and more
 SCRIPT = '<script type="module" src="app.js"></script>'
 POLICY = "default-src 'none'; style-src 'unsafe-inline'; script-src 'unsafe-inline'; img-src data: blob:"
 
 
-def html_export(scene: Scene, files: dict[str, str], start: float, stop: float, address: str = "") -> Iterator[str]:
+def html_export(
+    scene: Scene, files: Mapping[str, str], start: float, stop: float, address: str = "", *, hosted: bool = False
+) -> Iterator[str]:
     """Return the file in chunks. The section is copied now and written as the chunks are read.
 
     ``files`` is the built page, name to text; ``start`` and ``stop`` are depths in metres, in either order; ``address``
-    is what the page looks at, the text after the # of its address.
+    is what the page looks at, the text after the # of its address. A ``hosted`` page asks the notebook around it for
+    what comes later.
     """
     if len(address) > MOST_ADDRESS:
-        rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer dips or notes"
+        rule = f"{len(address)} characters, must be at most {MOST_ADDRESS}; keep fewer notes"
         raise InputError("address", rule)
     with scene.lock:
         tiles = tiles_between(scene, start, stop)
@@ -43,8 +47,11 @@ def html_export(scene: Scene, files: dict[str, str], start: float, stop: float, 
     enclosed = {
         "hello": handshake(copy),
         "state": state_message(copy),
+        "curves": {name: base64.b64encode(curve_bytes(copy.curves[name])).decode() for name in _curves(copy, address)},
+        "picks": picks_message(copy)["picks"],
         "made": round(time.time(), 1),
         "address": address,
+        "hosted": hosted,
         "history": copy.history.as_columns(),
         "summary": copy.summarize(*sorted((start, stop))) if copy.summarize else None,
     }
@@ -52,7 +59,13 @@ def html_export(scene: Scene, files: dict[str, str], start: float, stop: float, 
     return itertools.chain([before], _scripts(enclosed, messages_of(copy, tiles), files["app.js"]), [after])
 
 
-def _page(files: dict[str, str]) -> tuple[str, str]:
+def _curves(scene: Scene, address: str) -> list[str]:
+    """Return the names of the curves that the page shows."""
+    shown = parse_qs(address.removeprefix("#")).get("curves", [""])[0].split("~")
+    return [name for name in shown if name in scene.curves]
+
+
+def _page(files: Mapping[str, str]) -> tuple[str, str]:
     """Return the page's HTML before and after its script, with style in it."""
     policy = f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">'
     page = files["index.html"]

@@ -6,10 +6,11 @@ The scene knows no network: `messages.py` knows the bytes and `client.py` what a
 from __future__ import annotations
 
 import math
+import os
 import secrets
 import threading
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -19,7 +20,11 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, numbers
 from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
+from helibore.logs.curves import ScalarCurve
+from helibore.logs.picks import Picks
+from helibore.logs.template import Template
 from helibore.samples.caliper import Basis
+from helibore.trajectory.survey import Path
 from helibore.viewer import messages
 from helibore.viewer.levels import Level, overview_of, refresh_overview
 from helibore.viewer.messages import Texels, Vertices
@@ -112,6 +117,9 @@ class RunState:
     sources: str = ""  # what the sources are doing, in words
     # Measured depths between which the true vertical depth is known, and the "down" of its zero; None: not known.
     true_depth: tuple[float, float, float] | None = None
+    curves: tuple[
+        Mapping[str, Any], ...
+    ] = ()  # name, unit, low, high, log, version of each curve that a page may ask for
     # Ends of the colours by quantity, metres or the attribute's unit; chosen once, from the whole wall.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
@@ -158,7 +166,17 @@ class History:
 
 
 class Scene:
-    """The wall as the server holds it. Every method may be called from any thread."""
+    """The wall as the server holds it. Every method may be called from any thread.
+
+    Attributes
+    ----------
+    picks
+        Those of the wall; `change_picks` changes them for a page.
+    picks_file
+        Where a change saves them; None: nowhere.
+    path
+        Of the wall, for the dips in that file.
+    """
 
     def __init__(self) -> None:
         self.lock = threading.RLock()
@@ -167,6 +185,11 @@ class Scene:
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
         self.begun = False
         self.state = RunState()
+        self.template: Template | None = None
+        self.curves: dict[str, ScalarCurve] = {}
+        self.picks = Picks()
+        self.picks_file: str | os.PathLike[str] | None = None
+        self.path: Path | None = None
 
     def begin(self, shape: WallShape) -> None:
         """Delete everything and start a wall of this shape."""
@@ -178,7 +201,7 @@ class Scene:
             self.frames = PathFrames(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), surveyed=False)
             self.settled = 0
             self.history = History()
-            self.state = replace(self.state, true_depth=None, ranges={}, zones=())
+            self.state, self.curves = replace(self.state, true_depth=None, ranges={}, zones=(), curves=()), {}
             self.begun = True
         self.on_change()
 
@@ -251,6 +274,28 @@ class Scene:
             self.state = replace(self.state, **changes)
         self.on_change()
 
+    def set_curves(self, curves: Iterable[ScalarCurve], version: int = 0) -> None:
+        """Add or replace curves along the hole; a page asks for those it shows when their version changes."""
+        with self.lock:
+            rows = {row["name"]: row for row in self.state.curves}
+            for one in curves:
+                low, high = one.ends()
+                values = {"unit": one.unit, "low": low, "high": high, "log": one.log, "version": version}
+                rows[one.name] = {"name": one.name} | values
+                self.curves[one.name] = one
+            self.state = replace(self.state, curves=tuple(rows.values()))
+        self.on_change()
+
+    def change_picks(self, change: Callable[[Picks], object]) -> None:
+        """Change the picks, and save them if they have a file; if that fails, nothing has changed."""
+        with self.lock:
+            picks = Picks(self.picks)
+            change(picks)
+            if self.picks_file is not None:
+                picks.save(self.picks_file, self.path)
+            self.picks[:] = picks
+        self.on_change()
+
     def settle(self, below: int) -> None:
         """Note that vertices under ``below`` do not change while the hole deepens: later changes are re-scans."""
         with self.lock:
@@ -267,6 +312,7 @@ class Scene:
             copy.levels = wall.frozen_copy(start, stop), over.frozen_copy(0, over.size)
             copy.shape, copy.session, copy.frames, copy.settled = self.shape, self.session, self.frames, self.settled
             copy.history, copy.state, copy.summarize = self.history.frozen_copy(), self.state, self.summarize
+            copy.picks, copy.curves, copy.template = Picks(self.picks), dict(self.curves), self.template
         copy.begun = True
         return copy
 

@@ -5,6 +5,8 @@
     /api/vertex/K  /api/section.csv         exact values of one vertex, of a section
     /api/summary                            volume, washout and gaps of a section
     /api/history                            how long the wall was at which time
+    /api/curve?name=                        a curve along the hole
+    /api/pick  /api/picks.csv               put or delete a pick; read or add a table of them
     /api/export.html                        a section with its page, as one file
     /healthz                                alive
 
@@ -19,20 +21,22 @@ import gzip
 import hashlib
 import json
 import math
-from collections.abc import AsyncIterator, Awaitable, Callable, Iterator
+from collections.abc import AsyncIterator, Awaitable, Callable, Iterator, MutableMapping
 from importlib import resources
-from typing import Any
+from typing import Any, Protocol
 
 from starlette.applications import Starlette
 from starlette.requests import Request
 from starlette.responses import JSONResponse, PlainTextResponse, Response
 from starlette.routing import BaseRoute, Route, WebSocketRoute
 from starlette.types import ASGIApp
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocketDisconnect
 
+from helibore.base.errors import InputError
+from helibore.logs.picks import Pick, Picks, pick_of
 from helibore.viewer import exports
 from helibore.viewer.access import LOOPBACK, AccessControl
-from helibore.viewer.client import BadMessageError, Client, handshake, read_subscription, state_message
+from helibore.viewer.client import BadMessageError, Client, handshake, picks_message, read_subscription, state_message
 from helibore.viewer.downloads import Downloads
 from helibore.viewer.html_export import html_export
 from helibore.viewer.scene import Scene
@@ -40,6 +44,7 @@ from helibore.viewer.scene import Scene
 TICK = 0.05  # seconds: a growing wall is sent at most 20 times a second, the first time at once
 MOST_CLIENTS = 64
 MOST_TEXT = 8192  # bytes of a message from a page
+MOST_TABLE = 1 << 21  # bytes of a table of picks
 NOT_BEGUN = "no sample has come yet: there is no wall to show"
 TYPES = {
     "index.html": "text/html; charset=utf-8",
@@ -47,6 +52,16 @@ TYPES = {
     "app.css": "text/css; charset=utf-8",
 }
 Endpoint = Callable[[Request], Awaitable[Response]]
+
+
+class Socket(Protocol):
+    """What a page is served through: Starlette's WebSocket, or the frame of a notebook."""
+
+    async def accept(self) -> None: ...
+    async def close(self, code: int, reason: str) -> None: ...
+    async def receive(self) -> MutableMapping[str, Any]: ...
+    async def send_text(self, text: str) -> None: ...
+    async def send_bytes(self, message: bytes) -> None: ...
 
 
 def page(name: str) -> bytes | None:
@@ -87,6 +102,7 @@ class WebApp:
         api: dict[str, Endpoint] = {
             "vertex/{k:int}": self.vertex,
             "section.csv": self.section,
+            "curve": self.curve,
             "summary": self.summary,
             "history": self.history,
             "export.html": self.export,
@@ -99,12 +115,19 @@ class WebApp:
             return checked
 
         begun = [Route(f"/api/{path}", when_begun(endpoint)) for path, endpoint in api.items()]
+        begun += [
+            Route("/api/pick", when_begun(self.change_pick), methods=["PUT", "DELETE"]),
+            Route("/api/picks.csv", when_begun(self.picks_table), methods=["GET", "POST"]),
+        ]
         return [*files, Route("/healthz", self.health), *begun, WebSocketRoute("/ws", self.serve)]
+
+    def begin(self, loop: asyncio.AbstractEventLoop) -> None:
+        """Serve in a loop from now on."""
+        self.loop, self.scene.on_change = loop, self.wake
 
     @contextlib.asynccontextmanager
     async def lifespan(self, _: Starlette) -> AsyncIterator[None]:
-        self.loop = asyncio.get_running_loop()
-        self.scene.on_change = self.wake
+        self.begin(asyncio.get_running_loop())
         yield
         self.scene.on_change = lambda: None
         self.loop = None
@@ -122,7 +145,7 @@ class WebApp:
             with contextlib.suppress(RuntimeError):  # the loop was closed since the check
                 self.loop.call_soon_threadsafe(wake_connections)
 
-    async def serve(self, socket: WebSocket) -> None:
+    async def serve(self, socket: Socket) -> None:
         """Serve one page until it leaves."""
         await socket.accept()
         if len(self.connections) >= MOST_CLIENTS:
@@ -172,6 +195,14 @@ class WebApp:
                 return PlainTextResponse(f"vertex {k}: the wall has {self.scene.levels[0].size}\n", 404)
             return JSONResponse(exports.vertex(self.scene, k))
 
+    async def curve(self, request: Request) -> Response:
+        name = request.query_params.get("name", "")
+        with self.scene.lock:
+            curve = self.scene.curves.get(name)
+        if curve is None:
+            return PlainTextResponse(f"curve {name[:80]!r}: there is none of this name\n", 404)
+        return Response(await asyncio.to_thread(exports.curve_bytes, curve), media_type="application/octet-stream")
+
     async def history(self, _: Request) -> Response:
         with self.scene.lock:
             return JSONResponse(self.scene.history.as_columns())
@@ -184,6 +215,45 @@ class WebApp:
         except ValueError as error:
             return PlainTextResponse(f"{error}\n", 400)
         return JSONResponse(await asyncio.to_thread(self.scene.summarize, *ends))
+
+    async def change_pick(self, request: Request) -> Response:
+        """Put the pick that a page sends as JSON, or delete the one with ``?key=``."""
+        if request.method == "DELETE":
+            key = request.query_params.get("key", "")
+            return await self._change_picks(lambda picks: picks.remove_key(key))
+        try:
+            pick = pick_of(json.loads(await _body(request, MOST_TEXT)))
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        return await self._change_picks(lambda picks: picks.put(pick))
+
+    async def picks_table(self, request: Request) -> Response:
+        """Return the picks as a table, or add those of a table."""
+        if request.method == "GET":
+            with self.scene.lock:
+                text = self.scene.picks.table(self.scene.path)
+            return Response(
+                text, media_type="text/csv", headers={"content-disposition": "attachment; filename=picks.csv"}
+            )
+        try:
+            added = Picks.parse((await _body(request, MOST_TABLE)).decode("utf-8-sig"), self.scene.path)
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+
+        def add(picks: Picks) -> None:
+            for pick in added:
+                picks.put(pick)
+
+        return await self._change_picks(add)
+
+    async def _change_picks(self, change: Callable[[Picks], object]) -> Response:
+        try:
+            await asyncio.to_thread(self.scene.change_picks, change)
+        except ValueError as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        except OSError as error:
+            return PlainTextResponse(f"the picks were not saved: {error}\n", 500)
+        return PlainTextResponse("")
 
     async def section(self, request: Request) -> Response:
         query = request.query_params
@@ -208,11 +278,13 @@ class WebApp:
 class _Connection:
     """One connected page: a task that receives and a task that sends."""
 
-    def __init__(self, scene: Scene, socket: WebSocket) -> None:
+    def __init__(self, scene: Scene, socket: Socket) -> None:
         self.scene, self.socket = scene, socket
         self.wake = asyncio.Event()
         self.client: Client | None = None
-        self.sent_state = ""
+        self.sent_state: dict[str, Any] = {}
+        self.sent_picks: list[Pick] = []
+        self.sent_curves: Any = ()
         self.sent_at = -math.inf  # on the loop's clock
 
     def mark(self, level: int, start: int, stop: int) -> None:
@@ -240,10 +312,18 @@ class _Connection:
             if self.scene.begun and (self.client is None or self.client.session != self.scene.session):
                 self.client = Client(self.scene)
                 texts.append(json.dumps(handshake(self.scene)))
-            state = json.dumps(state_message(self.scene))
-        if state != self.sent_state:
-            self.sent_state = state
-            texts.append(state)
+                self.sent_picks, self.sent_curves = [], ()
+            state = state_message(self.scene)
+            curves = state.pop("curves")
+            picks = list(self.scene.picks) if self.client is not None else []
+            picks_text = json.dumps(picks_message(self.scene)) if picks != self.sent_picks else ""
+        if state != self.sent_state or curves != self.sent_curves:
+            changed = [row for row in curves if row not in self.sent_curves]
+            texts.append(json.dumps({**state, "curves": changed}, separators=(",", ":")))
+            self.sent_state, self.sent_curves = state, curves
+        if picks_text:
+            self.sent_picks = picks
+            texts.append(picks_text)
         for text in texts:
             await self.socket.send_text(text)
 
@@ -279,6 +359,16 @@ class _Connection:
                 self.client.subscribe(read_subscription(content["subscribe"], len(self.scene.shape.attributes)))
             else:
                 raise BadMessageError("neither ack nor subscribe")
+
+
+async def _body(request: Request, most: int) -> bytes:
+    """Return what a page sends, of at most so many bytes."""
+    body = bytearray()
+    async for chunk in request.stream():
+        body += chunk
+        if len(body) > most:
+            raise InputError("body", f"must be at most {most} bytes")
+    return bytes(body)
 
 
 def _file_name(what: str, query: Any, ending: str) -> str:

@@ -20,10 +20,12 @@ from screen import NEEDS_BROWSER, Screen
 
 pytestmark = NEEDS_BROWSER
 
+from live_servers import free_port, until  # noqa: E402
 from made_wall import MadeWall, curved_path  # noqa: E402
-from tabs import Tabs, until  # noqa: E402
+from tabs import Tabs  # noqa: E402
 
 import helibore as hb  # noqa: E402
+from helibore.logs.zones import classify  # noqa: E402
 
 SEAM = 16384  # first vertex of the second tile
 ADDRESS = "#md=1025.6&sec=6&camera=outside"
@@ -81,6 +83,15 @@ def test_a_hidden_page_catches_up_in_one_frame() -> None:
             viewer.update(wall.grow(1000))
             time.sleep(0.02)
         until(lambda: page.evaluate("window.__wall.stats.size") == 100_000)
+        turns = len(classify(wall).logs)  # found after the last append, and then sent to the page
+        until(
+            lambda: (
+                len(viewer._feed._zones.logs) == turns
+                and viewer.scene.state.curves[0]["version"] == viewer._feed._logged
+            )
+        )
+        version = viewer._feed._logged
+        until(lambda: page.evaluate("window.__wall.app.curves.offered[0]?.version") == version)
         assert page.evaluate("window.__wall.stats.frames") == before["frames"], "nothing is drawn for nobody"
         assert page.evaluate("window.asked") == 1, "one frame waits, however much has arrived"
         page.show()
@@ -112,15 +123,6 @@ def answers(url: str) -> bool:
             return True
     except (urllib.error.URLError, OSError):
         return False
-
-
-def free_port() -> int:
-    import socket
-
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 def test_a_killed_server_is_found_again_when_it_is_back(browser: Any) -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import time
 import urllib.error
 import urllib.request
 from collections.abc import Iterator
@@ -16,9 +17,13 @@ from made_wall import MadeWall, curved_path, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
+from helibore.logs.curves import ScalarCurve
+from helibore.logs.picks import Pick, Picks
+from helibore.logs.template import Template, TemplateTrack
 
 pytestmark = NEEDS_BROWSER
 
+DIPS = "window.__wall.app.picking.planes().kept.map(({ dip, azimuth }) => [dip, azimuth])"
 GREY = [0x9A, 0xA3, 0xAA]
 
 
@@ -63,25 +68,26 @@ def test_picked_points_give_the_bed_that_was_made(browser: Any, viewer: Any) -> 
     assert plane["depth"] == pytest.approx(1009, abs=0.03)
     assert plane["misfit"] < 0.03
     screen.keyboard.press("Enter")
-    screen.until("document.getElementById('dipText').textContent.includes('1009.')")
-    text = screen.inner_text("#dipText")
-    assert "to the hole" in text
+    screen.until("window.__wall.app.picking.kept.length")
+    screen.settle()
+    assert screen.inner_text("#dipText").startswith("1 plane, 0 breakouts.")
+    labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
+    assert "Dip [°]" in labels
+    assert screen.inner_text("#netText") == "1 pole, lower hemisphere; rose: dip azimuths"
     with screen.expect_download() as saved:
         screen.click("#dipSave")
     rows = Path(saved.value.path()).read_text().splitlines()
-    assert rows[0].startswith("depth_m,dip_deg,dip_azimuth_deg,apparent_dip_deg")
     assert float(rows[1].split(",")[3]) == pytest.approx(plane["apparent"], abs=0.01)
-    labels = [one["text"] for one in screen.evaluate("document.getElementById('ink').labels")]
-    assert "Dip [°]" in labels
+    (pick,) = viewer.scene.picks
+    assert pick.dip(viewer.scene.path) == pytest.approx(screen.evaluate(DIPS)[0], abs=0.2)
     screen.keyboard.press("Escape")
     assert not screen.is_visible("#dips")
-    again = Screen(browser, viewer.url, screen.address())
-    again.settle()
-    kept = again.evaluate("window.__wall.app.picking.planes().kept.map((p) => [p.dip, p.azimuth])")
-    own = screen.evaluate("window.__wall.app.picking.planes().kept.map((p) => [p.dip, p.azimuth])")
-    np.testing.assert_allclose(kept, own, atol=0.2)
+    again = Screen(browser, viewer.url, screen.address(), drawn=False)
+    again.until("window.__wall.app.picking.kept.length")
+    np.testing.assert_allclose(again.evaluate(DIPS), screen.evaluate(DIPS), atol=1e-6)
     again.close()
     screen.close()
+    viewer.scene.change_picks(Picks.clear)
 
 
 def test_replay_shows_the_wall_as_it_was_and_comes_back(browser: Any) -> None:
@@ -300,35 +306,46 @@ def test_fingers_move_and_zoom_the_tracks(browser: Any, viewer: Any) -> None:
     screen.close()
 
 
-def test_a_pick_is_selected_moved_and_deleted(browser: Any, viewer: Any) -> None:
-    first, second = (f"{d}.0_10_108~{d}.3_130_108~{d - 1}.8_250_108" for d in (1009, 1015))
-    screen = Screen(browser, viewer.url, f"#md=1012&sec=12&dips={first}!{second}", (1366, 768), drawn=False)
-    screen.keyboard.press("d")
-    screen.settle()
-    depths = "window.__wall.app.picking.planes().kept.map(({ depth }) => depth)"
-    before = screen.evaluate(depths)
-    left, top, width, height, up = screen.evaluate(
-        "(({ left, top }, { rects: { image }, path }) =>"
-        " [left + image.left, top + image.top, image.width, image.height,"
-        " path.dial(1009).up])(document.getElementById('stage').getBoundingClientRect(), window.__wall.app)"
-    )
-    at = left + (10 - up) % 360 / 360 * width  # the first point of the first pick
-    y = top + (1009.0 - 1006.0) / 12 * height
-    screen.mouse.click(at, y)
-    screen.settle()
-    assert screen.evaluate("window.__wall.app.picking.selected?.length") == 3
-    screen.mouse.move(at, y)
-    screen.mouse.down()
-    screen.mouse.move(at, y + 40, steps=4)
-    screen.mouse.up()
-    screen.settle()
-    moved = screen.evaluate(depths)
-    assert moved[0] - before[0] == pytest.approx(40 / height * 12, abs=0.03)
-    assert moved[1] == before[1]
-    screen.keyboard.press("Delete")
-    screen.settle()
-    assert screen.evaluate(depths) == before[1:]
-    screen.close()
+def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser: Any, tmp_path: Path) -> None:
+    """Select, class, drag, type a number, delete, a box; the file beside the wall holds it, and the print shows it."""
+    wall, file = MadeWall(20_000), tmp_path / "a.wall.picks.csv"
+    with hb.view(wall, path=curved_path(), picks_file=file) as viewer:
+        viewer.scene.picks += [
+            Pick(kind="bed", depth=depth, toolface=40.0, apparent_dip=60.0) for depth in (1009.0, 1015.0)
+        ]
+        screen = Screen(browser, viewer.url, "#md=1012&sec=12", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.picking.kept.length === 2")
+        screen.keyboard.press("d")
+        screen.mouse.click(*place(screen, 130, 1009.0))
+        screen.until("window.__wall.app.picking.pick")
+        screen.page.select_option("#pickClass", "fracture")
+        down, beside = place(screen, 130, 1009.0), place(screen, 130, 1009.6)
+        screen.mouse.move(*down)
+        screen.mouse.down()
+        screen.mouse.move(*beside, steps=4)
+        screen.mouse.up()
+        screen.page.fill("#pickFields [name=apparent_dip]", "50")
+        screen.keyboard.press("Enter")
+        screen.until("window.__wall.app.picking.pick.apparent_dip === 50")
+        screen.mouse.click(*place(screen, 130, 1012.5))  # beside it: no longer selected
+        screen.mouse.click(*place(screen, 130, 1015.0))
+        screen.until("window.__wall.app.picking.pick?.kind === 'bed'")
+        screen.locator("#dipRemove").click()
+        screen.page.select_option("#pickClass", "breakout")
+        screen.mouse.move(*place(screen, 230, 1010.5))
+        screen.mouse.down()
+        screen.mouse.move(*place(screen, 270, 1013.5), steps=4)
+        screen.mouse.up()
+        screen.until("window.__wall.app.picking.boxes.length")
+        end = time.monotonic() + 20
+        while not (file.exists() and "breakout" in file.read_text()) and time.monotonic() < end:
+            time.sleep(0.05)
+        screen.close()
+    fracture, box = Picks.load(file)
+    assert (fracture.kind, fracture.apparent_dip) == ("fracture", 50.0)
+    assert fracture.depth == pytest.approx(1009.6, abs=0.03)
+    assert (box.kind, box.depth, box.height) == ("breakout", pytest.approx(1012, abs=0.03), pytest.approx(3, abs=0.05))
+    assert (box.toolface, box.opening) == (pytest.approx(250, abs=1), pytest.approx(40, abs=2))
 
 
 def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: Any) -> None:
@@ -355,3 +372,47 @@ def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: A
     assert screen.evaluate("window.__wall.app.view.length") == pytest.approx(height / 96 * 0.0254 * 200)
     assert screen.evaluate("document.getElementById('sectionLength').value") == "1:200"
     screen.close()
+
+
+def test_curves_stand_beside_the_image_and_tracks_are_dragged_into_a_template(browser: Any, tmp_path: Path) -> None:
+    wall = MadeWall(20_000)
+    depth = np.arange(1000.0, 1031.0, 0.5)
+    template = Template("ft", None, (TemplateTrack("curves", "", ("ROP",), 100), TemplateTrack("image", "Radius")))
+    curve = ScalarCurve("ROP", "m/h", depth, depth - 1000, (0.0, 40.0))
+    with hb.view(wall, path=curved_path(), curves=[curve], template=template) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1012&sec=12&at=1012.25_10", (1366, 768), drawn=False)
+        screen.until("window.__wall.app.curves.held.get('ROP')")
+        screen.settle()
+        assert screen.readout()["ROP"] == "12.25 m/h"
+        assert screen.readout()["MD"] == f"{1012.25 / 0.3048:.2f} ft"
+        rects = "window.__wall.app.rects"
+        assert screen.evaluate(f"[{rects}.curves.width, {rects}.curves.left < {rects}.image.left]") == [100, True]
+        names = screen.evaluate("[...document.getElementById('curve').options].map(({ text }) => text)")
+        assert {"Curves", "✓ ROP", "DEQ", "template …"} <= set(names)
+        left, top = screen.evaluate(
+            f"(({{ left, top }}) => [left + {rects}.curves.left, top])"
+            "(document.getElementById('stage').getBoundingClientRect())"
+        )
+        screen.mouse.move(left + 99, top + 60)
+        screen.mouse.down()
+        screen.mouse.move(left + 139, top + 60, steps=3)
+        screen.mouse.up()
+        screen.settle()
+        assert screen.evaluate(f"{rects}.curves.width") == 140
+        image = screen.evaluate(f"{rects}.image.left + {rects}.image.width")
+        screen.mouse.move(left + 60, top + 60)
+        screen.mouse.down()
+        screen.mouse.move(image + 10, top + 60, steps=3)
+        screen.mouse.up()
+        screen.settle()
+        assert screen.evaluate(f"{rects}.curves.left > {rects}.image.left")
+        with screen.expect_download() as saved:
+            screen.page.select_option("#curve", label="template …")
+        file = tmp_path / "template.toml"
+        saved.value.save_as(file)
+        read = Template.load(file)
+        assert read.units == "ft"
+        kinds = [(track.kind, track.width) for track in read.tracks]
+        assert ("curves", 140) in kinds
+        assert kinds.index(("curves", 140)) > [kind for kind, _ in kinds].index("image")
+        screen.close()

@@ -30,21 +30,10 @@ def with_gamma(caliper: hb.Caliper) -> hb.Wall:
     return wall
 
 
-def point_at(screen: Screen) -> None:
-    """Move the pointer to the middle of the image track."""
-    place = screen.evaluate(
-        "(({ left, top }, { image }) => [left + image.left + image.width / 2, top + image.top + image.height / 2])"
-        "(document.getElementById('stage').getBoundingClientRect(), window.__wall.app.rects)"
-    )
-    screen.mouse.move(*place)
-    screen.until("window.__wall.app.view.cursor")
-    screen.settle()
-
-
 def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> None:
     with hb.view(with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))) as viewer:
         screen = Screen(browser, viewer.url, "#md=2020&sec=30")
-        point_at(screen)
+        screen.point_at()
         assert screen.inner_text("#basis") == "Gauge hole at bit size: not measured."
         assert screen.is_visible("#basis")
         assert not screen.is_visible("#crossSection")

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-import time
 import urllib.error
 import urllib.request
 from types import SimpleNamespace
@@ -18,6 +17,7 @@ starlette = pytest.importorskip("starlette", reason='the viewer needs the extra:
 pytest.importorskip("uvicorn", reason='the viewer needs the extra: pip install "helibore[view]"')
 pytest.importorskip("httpx2", reason="starlette's test client needs httpx2")
 
+from live_servers import until  # noqa: E402
 from made_wall import MadeWall, curved_path, gamma  # noqa: E402
 from page_messages import Message, unpack  # noqa: E402
 from starlette.testclient import TestClient  # noqa: E402
@@ -254,14 +254,6 @@ def test_view_serves_a_wall_on_a_real_port() -> None:
     viewer.close()
 
 
-def until(condition: Any) -> None:
-    """Wait for the feed's thread; a condition that never comes fails the test."""
-    end = time.monotonic() + 20
-    while not condition():
-        assert time.monotonic() < end, "the feed never got there"
-        time.sleep(0.01)
-
-
 def follows(scene: Scene, wall: hb.Wall) -> bool:
     """Whether the scene shows the wall to its last radius."""
     texels = scene.levels[0].texels[: scene.levels[0].size]
@@ -372,22 +364,64 @@ def test_what_cannot_be_viewed_is_said() -> None:
         viewer.close()
 
 
+def test_picks_of_a_page_are_saved_and_shown_on_every_page(client: TestClient, feed: Any, tmp_path: Any) -> None:
+    file = tmp_path / "a.wall.picks.csv"
+    feed.scene.picks_file = file
+    pick = {"key": "one", "kind": "bed", "depth": 1010.0, "toolface": 20.0, "apparent_dip": 30.0}
+    with client.websocket_connect(f"ws://{HOST}/ws") as socket:
+        Talk(socket)
+
+        def shown() -> list[tuple[str, str, float]]:
+            while True:
+                message = json.loads(socket.receive().get("text") or '{"type": "values"}')
+                if message["type"] == "picks":
+                    return [(one["key"], one["kind"], one["depth"]) for one in message["picks"]]
+
+        assert client.put("/api/pick", json=pick).status_code == 200
+        assert shown() == [("one", "bed", 1010.0)]
+        assert client.put("/api/pick", json=pick | {"kind": "fault"}).status_code == 200
+        assert shown() == [("one", "fault", 1010.0)]
+        table = client.get("/api/picks.csv").text
+        assert file.read_bytes().decode() == table
+        assert table.splitlines()[1].startswith("fault,1010,20,30,")
+        assert client.post("/api/picks.csv", content=table).status_code == 200
+        assert [kind for _, kind, _ in shown()] == ["fault", "fault"]
+        assert client.delete("/api/pick?key=one").status_code == 200
+        assert len(shown()) == 1
+        assert len(file.read_text().splitlines()) == 2
+
+
+def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: TestClient, feed: Any) -> None:
+    pick = {"kind": "bed", "depth": 1010.0, "toolface": 20.0}
+    refused = client.put("/api/pick", json=pick | {"toolface": 400})
+    assert (refused.status_code, refused.text) == (400, "toolface = 400: must be 0 to 360\n")
+    assert client.put("/api/pick", content="{").status_code == 400
+    assert client.put("/api/pick", content="x" * 9000).text == "body: must be at most 8192 bytes\n"
+    assert client.post("/api/picks.csv", content="a,b\n").status_code == 400
+    feed.scene.picks_file = "/nowhere/a.picks.csv"
+    refused = client.put("/api/pick", json=pick)
+    assert refused.status_code == 500
+    assert refused.text.startswith("the picks were not saved: [Errno 2]")
+    assert feed.scene.picks == []
+    other = client.put("/api/pick", json=pick, headers={"Origin": "http://elsewhere.example"})
+    assert other.status_code == 403, "another page may not pick"
+
+
 def enclosed_address(answer: str) -> str:
     found = re.search(r'id="enclosed">(.*?)</script>', answer)
     assert found is not None
     return str(json.loads(found[1])["address"])
 
 
-def test_a_snapshot_holds_every_dip_and_note_that_a_page_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """As the page writes them (picking.js, notes.js, panel.js), over a real port: its own limits count."""
+def test_a_snapshot_holds_every_note_that_a_page_keeps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """As the page writes them (notes.js, panel.js), over a real port: its own limits count."""
     page = {
         "index.html": '<meta charset="utf-8"><link rel="stylesheet" href="app.css">'
         '<script type="module" src="app.js"></script>',
     }
     monkeypatch.setattr("helibore.viewer.web_app.page", lambda name: page.get(name, "").encode())
-    dips = "!".join("~".join(["12345.678_123.4_1234.5_bit"] * 12) for _ in range(200))
     notes = "~".join(f"12345.678_{quote('字' * 80)}" for _ in range(50))
-    address = f"#{urlencode({'md': '12345.678', 'dips': dips, 'notes': notes})}"
+    address = f"#{urlencode({'md': '12345.678', 'notes': notes})}"
     with hb.view(MadeWall(4000)) as viewer:
         asked = f"{viewer.url}api/export.html?start=1000&stop=1003&address="
         with urllib.request.urlopen(asked + quote(address, safe="")) as answer:
@@ -395,7 +429,7 @@ def test_a_snapshot_holds_every_dip_and_note_that_a_page_keeps(monkeypatch: pyte
         with pytest.raises(urllib.error.HTTPError) as refused:
             urllib.request.urlopen(asked + "a" * 131_073)
         assert refused.value.code == 400
-        rule = "address: 131073 characters, must be at most 131072; keep fewer dips or notes\n"
+        rule = "address: 131073 characters, must be at most 131072; keep fewer notes\n"
         assert refused.value.read().decode() == rule
 
 

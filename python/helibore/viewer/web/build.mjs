@@ -1,5 +1,5 @@
 // Bundles the page:  node build.mjs OUT_DIR [NODE_MODULES]
-// Writes index.html, app.css and app.js, which hold this project's own sources and nothing else.
+// Writes index.html, app.css, app.js and notebook.js, which hold this project's own sources and nothing else.
 // The output depends on the sources and the lock file alone.
 import { createRequire } from 'node:module';
 import { copyFileSync, mkdirSync } from 'node:fs';
@@ -24,4 +24,4 @@ await esbuild.build({
   nodePaths: [modules],
   outfile: join(out, 'app.js'),
 });
-for (const name of ['index.html', 'app.css']) copyFileSync(join(here, name), join(out, name));
+for (const name of ['index.html', 'app.css', 'notebook.js']) copyFileSync(join(here, name), join(out, name));

@@ -2,15 +2,20 @@
 // silences them (A), also over a reload.
 
 import { byId } from './panel.js';
-import { showSigned } from './units.js';
+import { showSigned, showSpan } from './units.js';
 
 const KEPT = 'helibore.alarms';
 const overlap = (a, b) => a.kind === b.kind && a.start < b.stop && b.start < a.stop;
 export const newZones = (before, now) => now.filter((zone) => !before.some((old) => overlap(old, zone)));
 
 export class Alarms {
+  zones = [];
+  feed = [];
+  session = '';
+  silenced = [];
+
   constructor(app) {
-    Object.assign(this, { app, zones: [], feed: [], session: '', silenced: [] });
+    this.app = app;
     byId('silence').addEventListener('click', () => this.silence());
   }
 
@@ -48,7 +53,7 @@ export class Alarms {
   text(units) {
     const [worst, ...others] = [...this.zones].sort((a, b) => b.severity - a.severity);
     const more = others.length ? ` and ${others.length} more` : '';
-    const zone = worst ? [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} at ${worst.start.toFixed(1)}–${worst.stop.toFixed(1)} m`] : [];
+    const zone = worst ? [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} at ${showSpan(worst.start, worst.stop, units)}`] : [];
     return [...zone, ...this.feed.filter((one) => !this.silenced.includes(one))].join(' · ');
   }
 

@@ -3,9 +3,16 @@
 import { cross, dot, length, minus, normalised, plus, scaled } from './vectors.js';
 
 export class Camera {
+  position = [0, 0, 1];
+  axes = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+  aspect = 1;
+  near = 0.1;
+  far = 1e5;
+  /** @type {{ x: number, y: number, width: number, height: number } | null} */
+  pixel = null;
+
   constructor(fieldOfView) {
     this.tangent = Math.tan((fieldOfView * Math.PI) / 360); // of half the field of view
-    Object.assign(this, { position: [0, 0, 1], axes: [[1, 0, 0], [0, 1, 0], [0, 0, 1]], aspect: 1, near: 0.1, far: 1e5, pixel: null });
   }
 
   // Look from the camera's position at a point, `up` upwards on the picture.
@@ -55,8 +62,14 @@ const NEAREST = 0.5;
 
 // Moves a camera around a point: a drag turns, a drag with the right button (or two fingers) shifts, the wheel comes nearer.
 export class Orbit {
+  target = [0, 0, 0];
+  enabled = true;
+  fingers = new Map();
+
   constructor(pane, camera, changed) {
-    Object.assign(this, { pane, camera, changed, target: [0, 0, 0], enabled: true, fingers: new Map() });
+    this.pane = pane;
+    this.camera = camera;
+    this.changed = changed;
     pane.addEventListener('contextmenu', (event) => event.preventDefault());
     pane.addEventListener('pointerdown', (event) => {
       pane.setPointerCapture(event.pointerId);

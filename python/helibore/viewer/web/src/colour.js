@@ -56,8 +56,8 @@ export function quantities(store) {
 export const quantityOf = (all, id) => all.find((quantity) => quantity.id === id) ?? all[0];
 
 // Take the ends that the server chose, unless the user or the address chose others.
-export function takeRanges(quantities, ranges) {
-  for (const quantity of quantities) {
+export function takeRanges(all, ranges) {
+  for (const quantity of all) {
     const ends = ranges[quantity.id];
     if (ends && !quantity.chosen) [quantity.low, quantity.high] = ends;
   }

@@ -13,9 +13,14 @@ const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages a
 const FAULT = 4401; // our own closing code
 
 export class Connection {
-  constructor(address, on) {
+  socket = /** @type {WebSocket} */ (/** @type {unknown} */ (null));
+
+  // `host` stands for the server in a notebook (host.js).
+  /** @param {any} address @param {any} on @param {any} host */
+  constructor(address, on, host = null) {
     this.address = address;
-    this.on = on; // {handshake, state, write, frames, status}
+    this.host = host;
+    this.on = on; // {handshake, state, picks, write, frames, status}
     this.wait = 500;
     this.stats = { bytes: 0, messages: 0, sent: 0, reconnects: -1 };
     this.session = null;
@@ -25,7 +30,7 @@ export class Connection {
 
   open() {
     this.stats.reconnects++;
-    this.socket = new WebSocket(this.address);
+    this.socket = this.host ? this.host.connect() : new WebSocket(this.address);
     this.socket.binaryType = 'arraybuffer';
     this.fault = '';
     this.socket.onmessage = ({ data }) => this.tryReceive(data);
@@ -63,6 +68,7 @@ export class Connection {
         this.on.status('live', '');
         this.on.handshake(message);
       } else if (message.type === 'state') this.on.state(message);
+      else if (message.type === 'picks') this.on.picks(message.picks);
       return;
     }
     this.stats.bytes += data.byteLength;
@@ -82,7 +88,7 @@ export class Connection {
   }
 
   send(text) {
-    if (this.socket.readyState !== WebSocket.OPEN) return;
+    if (this.socket.readyState !== 1) return;
     this.stats.sent += text.length;
     this.socket.send(text);
   }

@@ -6,7 +6,7 @@ export const SOFTWARE = typeof document !== 'undefined' && drawnInSoftware();
 function drawnInSoftware() {
   const probe = document.createElement('canvas').getContext('webgl2');
   const about = probe?.getExtension('WEBGL_debug_renderer_info');
-  const name = about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
+  const name = probe && about ? probe.getParameter(about.UNMASKED_RENDERER_WEBGL) : '';
   probe?.getExtension('WEBGL_lose_context')?.loseContext();
   return /swiftshader|llvmpipe|software/i.test(name);
 }

@@ -1,6 +1,6 @@
-// Picked planes on the picture: a curve on the image, a disc through the hole in 3-D, and a tadpole: its head at the dip (0
-// to 90 degrees across the track), its tail towards where the bed dips, north up. Without a survey the dip is that to the
-// hole, its head is hollow and its tail counts from the tool's zero.
+// Picks on the picture. A plane is a curve on the image, a disc through the hole in 3-D, and a tadpole: its head, a symbol
+// of its class, at the dip (0 to 90 degrees across the track), its tail towards where the plane dips, north up. Without a
+// survey the dip is that to the hole and its tail counts from the tool's zero. A breakout is two boxes on the image.
 
 import { columnCurve } from './column.js';
 import { planeDepth, wallPoint } from './dips.js';
@@ -8,13 +8,18 @@ import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { line } from './strokes.js';
 
+const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
+
 export function drawDips(ink, look, planes, gpu) {
   const palette = PALETTES[look.view.theme];
-  const all = [...planes.kept.map((plane) => [plane, plane === planes.selected ? palette.cursor : palette.pin]), ...(planes.current ? [[planes.current, palette.cursor]] : [])];
-  for (const [plane, colour] of all) {
-    for (const one of look.images) curve(ink, one, plane, colour, palette, planes.open && plane === planes.current ? [5, 4] : []);
-    if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colour, gpu);
+  const colourOf = (plane) => (plane === planes.current || plane.pick === planes.selected ? palette.cursor : palette.picks[plane.kind]);
+  for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
+    if (Math.abs(plane.depth - look.view.middle) > look.view.length) continue;
+    const dash = planes.open && plane === planes.current ? [5, 4] : DASHES[plane.kind];
+    for (const one of look.images) curve(ink, one, plane, colourOf(plane), palette, dash);
+    if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colourOf(plane), gpu);
   }
+  for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
   if (look.rects.dips) tadpoles(ink, look, planes, palette);
 }
 
@@ -50,6 +55,29 @@ function curve(ink, { view, path, rects }, plane, colour, palette, dash) {
       ink.stroke();
     }
     ink.setLineDash([]);
+  });
+}
+
+// Both sides of a breakout; what crosses the edge of the image is drawn at both edges.
+function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
+  const radius = pick.radius ?? 0.1;
+  const left = leftEdge(path, view.cut, pick.depth).toolface;
+  const x = (degrees) => image.left + (degrees / 360) * image.width;
+  const lean = (Math.tan((pick.tilt * Math.PI) / 180) * pick.height * 90) / Math.PI / radius;
+  const middle = (((pick.toolface - left) % 360) + 360) % 360;
+  const [top, bottom] = [-1, 1].map((side) => yOf(view, image, pick.depth + (side * pick.height) / 2));
+  within(ink, image, () => {
+    for (const turn of [-360, -180, 0, 180, 360]) {
+      const [a, b] = [-1, 1].map((side) => middle + turn + (side * pick.opening) / 2);
+      ink.beginPath();
+      for (const [degrees, y] of [[a - lean, top], [b - lean, top], [b + lean, bottom], [a + lean, bottom]]) ink.lineTo(x(degrees), y);
+      ink.closePath();
+      for (const [width, style] of [[4, palette.paper], [2, colour]]) {
+        ink.lineWidth = width;
+        ink.strokeStyle = style;
+        ink.stroke();
+      }
+    }
   });
 }
 
@@ -91,22 +119,38 @@ function tadpoles(ink, { view, path, rects }, { kept, current, selected }, palet
   within(ink, rects.dips, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];
-      tadpole(ink, x(angle), yOf(view, rects.dips, plane.depth), towards, path.surveyed, plane === current || plane === selected ? palette.cursor : palette.pin);
+      const colour = plane === current || plane.pick === selected ? palette.cursor : palette.picks[plane.kind];
+      tadpole(ink, x(angle), yOf(view, rects.dips, plane.depth), towards, plane.kind, colour, palette);
     }
   });
 }
 
-function tadpole(ink, x, y, towards, filled, colour) {
-  ink.strokeStyle = ink.fillStyle = colour;
+function tadpole(ink, x, y, towards, kind, colour, palette) {
+  ink.strokeStyle = colour;
   ink.lineWidth = 2;
+  if (Number.isFinite(towards)) {
+    const [dx, dy] = [Math.sin((towards * Math.PI) / 180), -Math.cos((towards * Math.PI) / 180)];
+    ink.beginPath();
+    ink.moveTo(x, y);
+    ink.lineTo(x + 14 * dx, y + 14 * dy);
+    ink.stroke();
+  }
+  symbol(ink, x, y, kind, colour, palette.panel);
+}
+
+// The symbol of a class: circle, squares, diamond, triangle; open ones are filled with the ground.
+export function symbol(ink, x, y, kind, colour, ground) {
+  const corners = { fault: 3, 'induced fracture': 4, fracture: 4, 'healed fracture': 4 }[kind] ?? 24;
+  const from = kind === 'fault' || kind === 'induced fracture' ? 0 : Math.PI / corners;
   ink.beginPath();
-  ink.arc(x, y, 4, 0, 2 * Math.PI);
-  if (filled) ink.fill();
-  ink.stroke();
-  if (!Number.isFinite(towards)) return;
-  const [dx, dy] = [Math.sin((towards * Math.PI) / 180), -Math.cos((towards * Math.PI) / 180)];
-  ink.beginPath();
-  ink.moveTo(x + 4 * dx, y + 4 * dy);
-  ink.lineTo(x + 14 * dx, y + 14 * dy);
+  for (let i = 0; i < corners; i++) {
+    const angle = from + (2 * Math.PI * i) / corners;
+    ink.lineTo(x + 5 * Math.sin(angle), y - 5 * Math.cos(angle));
+  }
+  ink.closePath();
+  ink.fillStyle = kind === 'fracture' || kind === 'induced fracture' ? ground : colour;
+  ink.fill();
+  ink.strokeStyle = colour;
+  ink.lineWidth = 1.6;
   ink.stroke();
 }

@@ -33,13 +33,21 @@ export function fitPlane(path, points) {
   if (!solved) return null;
   const [a, b, c] = solved;
   const misfit = Math.sqrt(local.reduce((sum, [x, y, z]) => sum + (z - c - a * x - b * y) ** 2, 0) / local.length);
-  const normal = frame.tangent.map((t, i) => t - a * frame.high[i] - b * frame.right[i]);
   const plane = { a, b, c, frame: { ...frame, depth }, depth: depth + c, radius, misfit, points };
-  return { ...plane, ...attitude(normal, path.surveyed), apparent: Math.atan(Math.hypot(a, b)) * DEG, deepest: wrap360(Math.atan2(b, a) * DEG) };
+  return { ...plane, ...attitude(plane, path.surveyed), apparent: Math.atan(Math.hypot(a, b)) * DEG, deepest: wrap360(Math.atan2(b, a) * DEG) };
 }
 
-function attitude(normal, surveyed) {
+// The plane of a pick: apparent dip and the toolface where it is deepest, where it crosses the axis of the hole.
+export function planeOf(path, pick, bitRadius) {
+  const { depth, kind, misfit = 0, apparent_dip: apparent, toolface: deepest } = pick;
+  const slope = Math.tan(apparent / DEG);
+  const plane = { a: slope * Math.cos(deepest / DEG), b: slope * Math.sin(deepest / DEG), c: 0, frame: { ...path.at(depth), depth }, depth, radius: pick.radius ?? bitRadius, misfit, kind, pick };
+  return { ...plane, ...attitude(plane, path.surveyed), apparent, deepest };
+}
+
+function attitude({ a, b, frame }, surveyed) {
   if (!surveyed) return { dip: NaN, azimuth: NaN };
+  const normal = frame.tangent.map((t, i) => t - a * frame.high[i] - b * frame.right[i]);
   const up = normal[2] > 0 ? normal.map((x) => -x) : normal;
   const dip = Math.atan2(Math.hypot(up[0], up[1]), -up[2]) * DEG;
   return { dip, azimuth: dip < 1e-3 ? NaN : wrap360(Math.atan2(up[1], up[0]) * DEG) };

@@ -11,10 +11,11 @@ export class Exported {
     setTimeout(() => this.play(contents, on));
   }
 
-  play({ hello, state, messages }, on) {
+  play({ hello, state, picks, messages }, on) {
     on.status('live', '');
     on.handshake(hello);
     on.state(state);
+    on.picks(picks);
     for (const text of messages) {
       const bytes = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
       const message = decode(bytes.buffer);

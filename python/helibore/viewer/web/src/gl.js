@@ -12,8 +12,17 @@ const SAMPLERS = ['texels', 'column', 'frames', 'colours', 'dynamicRange']; // a
 
 // An array as a texture; uploaded when it is first used, after `change`, and in a new context.
 export class Texture {
+  /** @type {any} */
+  context = null;
+  /** @type {WebGLTexture | null} */
+  texture = null;
+  changed = true;
+
   constructor(array, width, height, format) {
-    Object.assign(this, { array, width, height, format: FORMATS[format], context: null, changed: true });
+    this.array = array;
+    this.width = width;
+    this.height = height;
+    this.format = FORMATS[format];
   }
 
   change() {
@@ -24,7 +33,9 @@ export class Texture {
     const { gl } = context;
     gl.activeTexture(gl.TEXTURE0 + unit);
     if (this.context !== context) {
-      Object.assign(this, { context, texture: gl.createTexture(), changed: true });
+      this.context = context;
+      this.texture = gl.createTexture();
+      this.changed = true;
       gl.bindTexture(gl.TEXTURE_2D, this.texture);
       for (const side of ['S', 'T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_WRAP_${side}`], gl.CLAMP_TO_EDGE);
       for (const way of ['MIN', 'MAG']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${way}_FILTER`], gl.NEAREST);
@@ -81,6 +92,9 @@ class Program {
 
 // What belongs to one context: when it is lost, so is all of this.
 export class Context {
+  /** @type {any} */
+  spot = null; // framebuffer of one pixel
+
   constructor(gl, shaders) {
     this.gl = gl;
     this.programs = Object.fromEntries(Object.entries(shaders).map(([name, pair]) => [name, new Program(this, ...pair)]));

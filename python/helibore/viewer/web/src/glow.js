@@ -4,9 +4,8 @@ export const SECONDS = 3;
 const MOST = 8;
 
 export class Glow {
-  constructor() {
-    this.ranges = [];
-  }
+  ranges = [];
+  rows = 0; // turns in a tile of the wall
 
   // Vertices [start, stop) arrived; `again` when they were there before. A range that continues another joins it.
   add(start, stop, again, now) {

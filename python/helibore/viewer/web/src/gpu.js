@@ -26,6 +26,8 @@ const PROGRAMS = {
 };
 
 export class Gpu {
+  context = /** @type {Context} */ (/** @type {unknown} */ (null));
+
   constructor(canvas) {
     this.canvas = canvas;
     this.gl = canvas.getContext('webgl2', { antialias: !SOFTWARE, alpha: false, powerPreference: 'high-performance' });
@@ -47,7 +49,9 @@ export class Gpu {
   }
 
   resize(width, height) {
-    Object.assign(this, { width, height, ratio: 0 });
+    this.width = width;
+    this.height = height;
+    this.ratio = 0;
   }
 
   // Give the canvas its size in pixels; a coarse picture has half of them each way.
@@ -104,6 +108,7 @@ export class Gpu {
   }
 
   // Restrict drawing to a rectangle, and clear it to a colour if there is one.
+  /** @type {(rect: any, colour?: number | null) => void} */
   begin({ left, top, width, height }, colour = null) {
     const { gl, ratio } = this;
     const [x, y, w, h] = [left, this.height - top - height, width, height].map((side) => Math.round(side * ratio));

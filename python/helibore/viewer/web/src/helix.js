@@ -13,7 +13,11 @@ export const wrap180 = (angle) => wrap360(angle + 180) - 180;
 
 export class Helix {
   constructor({ sectors, pitch, startDepth, startToolface, rings = false }) {
-    Object.assign(this, { sectors, pitch, startDepth, startToolface, rings });
+    this.sectors = sectors;
+    this.pitch = pitch;
+    this.startDepth = startDepth;
+    this.startToolface = startToolface;
+    this.rings = rings;
   }
 
   depth(k) {

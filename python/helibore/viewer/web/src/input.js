@@ -3,12 +3,13 @@
 
 import { Orbit } from './camera.js';
 import { fitRange } from './colour.js';
-import { depthAt, HEAD, imageRects, inside, tracksEnd } from './layout.js';
+import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
 import { turnHead } from './inside.js';
 import { byId } from './panel.js';
 import { CAMERAS } from './view.js';
 
+const EDGE = 5; // pixels at the right edge of a head
 const CURVE = 6; // pixels from a curve that still hit it
 const CLICK = 4; // pixels a pointer may move and still click
 
@@ -28,26 +29,36 @@ export function bindTracks(app) {
     const [x, y] = at(event);
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
-    const cursor = app.picking.selected && cursorAt(app, x, y);
-    const grabbed = Number.isFinite(cursor?.toolface) && app.picking.near(cursor, reachOf(app)) === app.picking.selected;
-    drag = { pick: grabbed ? app.picking.selected : null, x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
+    const head = headAt(app.rects, x, y);
+    const cursor = app.picking.on && imageRects(app.rects).some((rect) => inside(rect, x, y)) ? cursorAt(app, x, y) : null;
+    drag = { head, width: head && app.rects[head.name].width, pick: cursor && app.picking.grab(cursor, reachOf(app)), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
     if (!app.store) return;
     const [x, y] = at(event);
     if (pointers.size === 2 && pointers.has(event.pointerId)) return pinch(app, pointers, event.pointerId, [x, y]);
-    if (!drag || event.buttons === 0) return hover(app, x, y);
+    if (!drag || event.buttons === 0) {
+      const head = headAt(app.rects, x, y);
+      ink.style.cursor = head?.edge ? 'col-resize' : head ? 'grab' : '';
+      return hover(app, x, y);
+    }
     drag.moved ||= Math.hypot(x - drag.x, y - drag.y) > CLICK;
     if (!drag.moved) return undefined;
+    if (drag.head) return drag.head.edge ? app.view.set({ widths: { ...app.view.widths, [drag.head.name]: Math.max(64, Math.round(drag.width + x - drag.x)) } }) : undefined;
     if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
     const perPixel = app.view.length / app.rects.image.height;
-    if (drag.pick) return app.picking.shift(drag.pick, (y - drag.y) * perPixel);
+    if (drag.pick) {
+      const cursor = cursorAt(app, x, y);
+      return cursor && app.picking.drag(drag.pick, cursor);
+    }
     if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.set({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
     return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
   });
   const up = (event) => {
     pointers.delete(event.pointerId);
+    app.picking.drop();
+    if (drag?.head && drag.moved && !drag.head.edge) reorder(app, drag.head.name, at(event)[0]);
     if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') clickAt(app, ...at(event));
     drag = null;
   };
@@ -57,6 +68,19 @@ export function bindTracks(app) {
     if (!app.view.pinned && !drag) app.view.set({ cursor: null });
   });
   ink.addEventListener('wheel', (event) => wheel(app, event), { passive: false });
+}
+
+// The head of a track under the pointer, and whether it is at its right edge: a drag there changes the width, else the order.
+function headAt(rects, x, y) {
+  if (y >= HEAD) return null;
+  const name = movable(rects).find((one) => x >= rects[one].left && x < rects[one].left + rects[one].width + EDGE);
+  return name ? { name, edge: x > rects[name].left + rects[name].width - EDGE } : null;
+}
+
+function reorder({ view, rects }, name, x) {
+  const others = movable(rects).filter((one) => one !== name);
+  const at = others.filter((one) => rects[one].left + rects[one].width / 2 < x).length;
+  view.set({ order: [...others.slice(0, at), name, ...others.slice(at)] });
 }
 
 const reachOf = ({ view, rects }) => (CURVE * view.length) / rects.image.height; // metres within which a curve is hit
@@ -190,10 +214,11 @@ function bindHistogram(app) {
 
 export function bindKeys(app) {
   window.addEventListener('keydown', (event) => {
-    const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(event.target.tagName) || byId('help').open || byId('note').open;
+    const { tagName } = /** @type {HTMLElement} */ (event.target);
+    const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(tagName) || byId('help').open || byId('note').open;
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
-    const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[event.key - 1]?.id) : null);
-    if (!act || (/^(Enter| )$/.test(event.key) && event.target.tagName === 'BUTTON')) return;
+    const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[Number(event.key) - 1]?.id) : null);
+    if (!act || (/^(Enter| )$/.test(event.key) && tagName === 'BUTTON')) return;
     event.preventDefault();
     act(app);
   });

@@ -5,6 +5,7 @@ import { HEAD, label, PALETTES, SMALL, BOLD } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { wallPoint } from './dips.js';
 import { eastNorthUp, minus, plus } from './vectors.js';
+import { LENGTHS, showDepth } from './units.js';
 import { ticks } from './view.js';
 
 export const WIDE = 75; // degrees of view
@@ -35,14 +36,14 @@ export function drawInsideInk(ink, look, gpu) {
   const radius = store.bitRadius * view.tubeFactor(store);
   const eye = view.camera === 'down' ? view.top : view.bottom;
   const near = Math.max(0.9 * radius, 0.02 * view.length);
-  const { values, digits } = ticks(view.top, view.bottom, rects.wall.height, 76);
+  const { values, digits } = ticks(view.top, view.bottom, rects.wall.height, 76, LENGTHS[view.units].depth.scale);
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
   const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rects.wall);
   ahead.forEach((depth, nearest) => {
     ring(ink, (toolface) => at(depth, toolface), palette);
     const zero = path.dial(depth).up ?? 0;
     const top = at(depth, zero, 0.94);
-    if (top) label(ink, `${depth.toFixed(digits)} m`, top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 3 });
+    if (top) label(ink, showDepth(depth, view.units, digits), top[0], top[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL, yields: true, margin: 3 });
     if (nearest === 0) letters(ink, look, depth, at, palette);
   });
 }
@@ -68,6 +69,6 @@ function letters(ink, { view, path }, depth, at, palette) {
   if (!known) return;
   names.slice(0, 4).forEach((name, i) => {
     const place = at(depth, toolface + 90 * i, 0.8);
-    if (place) label(ink, name, ...place, { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
+    if (place) label(ink, name, place[0], place[1], { colour: palette.ink, halo: palette.paper, align: 'center', font: BOLD, yields: true });
   });
 }

@@ -1,7 +1,7 @@
 // The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit.
 
 import { byId } from './panel.js';
-import { showAge, showClock, showCount } from './units.js';
+import { showAge, showClock, showCount, showDepth } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
@@ -18,7 +18,7 @@ export function lamp(app) {
 // Seconds since the newest sample, or since the last new value; NaN for a saved wall.
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
-export function lampWords({ status, words, store, bitDepth, newest, ended, sources, lastWrite, replay, contents }) {
+export function lampWords({ status, words, store, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
@@ -28,16 +28,16 @@ export function lampWords({ status, words, store, bitDepth, newest, ended, sourc
   if (ended) parts.push('run ended');
   if (Number.isFinite(seconds)) parts.push(`newest sample ${showAge(seconds)} ago`);
   else parts.push('saved wall');
-  if (bitDepth !== null) parts.push(behind(store, bitDepth));
+  if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const late = !ended && seconds > LATE;
   parts.push(late && sources ? sources : `${showCount(store.levels[0].size)} vertices`); // then the reason matters more
   return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
 }
 
 // A bit that was lifted is within the wall.
-function behind(store, bitDepth) {
+function behind(store, bitDepth, units) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
-  return ahead > -0.05 ? `${Math.max(0, ahead).toFixed(1)} m behind bit` : `bit back ${(-ahead).toFixed(1)} m in the wall`;
+  return ahead > -0.05 ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit back ${showDepth(-ahead, units, 1)} in the wall`;
 }
 
 // The cursor in words, for screen readers.

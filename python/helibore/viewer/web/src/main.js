@@ -5,21 +5,24 @@
 // Nothing is drawn unless something changed; a page at rest costs nothing.
 
 import { Alarms } from './alarms.js';
-import { fromAddress, toAddress } from './address.js';
+import { fromAddress, looked, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
 import { MAPS, quantities, quantityOf, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
+import { Curves } from './curves.js';
 import { drawColumn } from './column.js';
 import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
 import { lamp, spokenText } from './lamp.js';
 import { Gpu } from './gpu.js';
+import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
 import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
+import { drawNet } from './net.js';
 import { drawNotes, Notes } from './notes.js';
-import { applyTheme, byId, disableControls, fillSelects, Histogram, links, listZones, nameCuts, options, readout, reflect, sectionText, showBasis, write, writeBrief } from './panel.js';
+import { applyTheme, byId, disableControls, fillSelects, Histogram, links, listZones, nameCuts, options, paperScale, readout, reflect, sectionText, showBasis, write, writeBrief } from './panel.js';
 import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
@@ -27,9 +30,10 @@ import { Replay } from './replay.js';
 import { recent, toggleRig, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnAt, turnText } from './polar.js';
+import { fromTemplate } from './template.js';
 import { coverage, Store } from './tiles.js';
 import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, scaleLength } from './tracks.js';
-import { scaleOf, showLength } from './units.js';
+import { scaleOf, showLength, showSpan } from './units.js';
 import { MOST_BESIDE, View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
 import { jump } from './zones.js';
@@ -44,14 +48,63 @@ const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figu
 const seconds = () => performance.now() / 1000;
 
 class App {
+  // The wall and its path, once the server has begun it; null before.
+  store = /** @type {Store} */ (/** @type {unknown} */ (null));
+  path = /** @type {Path} */ (/** @type {unknown} */ (null));
+  /** @type {any[]} */
+  quantities = [];
+  /** @type {number | null} */
+  bitDepth = null;
+  /** @type {number | null} */
+  newest = null;
+  ended = false;
+  sources = '';
+  /** @type {number | null} */
+  lastWrite = null;
+  /** @type {any[]} */
+  zones = [];
+  /** @type {any} */
+  zonesBefore = null; // those of the state before, of the same wall
+  /** @type {any} */
+  summary = null;
+  summarized = '';
+  summaryPending = false;
+  status = 'connecting';
+  words = '';
+  frames = 0;
+  /** @type {number | null} */
+  firstPicture = null;
+  scheduled = false;
+  fitted = false;
+  painted = ''; // what the WebGL canvas shows
+  paintedAt = 0;
+  arranged = '';
+  /** @type {any} */
+  colours = null; // of the address, for the quantities to come
+  /** @type {any} */
+  quad = null; // under the cursor
+  /** @type {string[][]} */
+  read = []; // the read-out: pairs of name and text
+  /** @type {any} */
+  rects = null;
+  /** @type {any} */
+  notebook = null; // that shows the page
+  /** @type {any} */
+  contents = null; // of an exported file
+  /** @type {any} */
+  gpu = null; // where there is WebGL 2
+  /** @type {any} */
+  controls = null;
+  // Timers.
+  /** @type {Record<'noticed' | 'unseen' | 'sharpening' | 'glowing' | 'addressing' | 'speaking', number | undefined>} */
+  timers = { noticed: undefined, unseen: undefined, sharpening: undefined, glowing: undefined, addressing: undefined, speaking: undefined };
+
   constructor() {
     this.redraw = () => this.schedule();
     this.view = new View(this.redraw);
     this.glow = new Glow();
     this.map = new DepthMap();
     this.histogram = new Histogram(byId('histogram'));
-    Object.assign(this, { store: null, path: null, quantities: [], bitDepth: null, newest: null, ended: false, sources: '', lastWrite: null, zones: [], ranges: {}, summary: null, summarized: '' });
-    Object.assign(this, { status: 'connecting', words: '', frames: 0, firstPicture: null, scheduled: false, fitted: false });
     fillSelects();
     disableControls(true);
     this.openGpu();
@@ -60,6 +113,7 @@ class App {
     bindKeys(this);
     bindSaving(this);
     this.replay = new Replay(this);
+    this.curves = new Curves(this);
     this.picking = new Picking(this);
     this.notes = new Notes(this);
     this.alarms = new Alarms(this);
@@ -73,11 +127,18 @@ class App {
     const on = {
       handshake: (handshake) => this.begin(handshake),
       state: (state) => this.takeState(state),
+      picks: (picks) => this.picking.receive(picks),
       write: (message) => this.write(message),
       frames: (message) => this.takeFrames(message),
       status: (status, words) => this.say(status, words),
     };
     this.connection = this.contents ? new Exported(this.contents, on) : new Connection(`${protocol === 'https:' ? 'wss' : 'ws'}://${host}/ws${search}`, on);
+    if (this.contents?.hosted) {
+      whenHosted((notebook) => {
+        Object.assign(this, { contents: null, notebook, connection: new Connection('', on, notebook) });
+        notebook.show = (top, bottom) => this.store && this.view.show(top, bottom - top, this.store);
+      });
+    }
   }
 
   openGpu() {
@@ -89,24 +150,25 @@ class App {
         this.redraw();
       });
     } catch (error) {
-      this.gpu = null;
       this.plain = new PlainImage();
       this.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${error.message})`);
     }
   }
 
-  notice(text, seconds = 0) {
+  notice(text, shownFor = 0) {
     byId('notice').textContent = text;
     byId('notice').hidden = !text;
-    clearTimeout(this.noticed);
-    if (seconds) this.noticed = setTimeout(() => (byId('notice').hidden = true), 1000 * seconds);
+    clearTimeout(this.timers.noticed);
+    if (shownFor) this.timers.noticed = setTimeout(() => (byId('notice').hidden = true), 1000 * shownFor);
   }
 
   begin(handshake) {
     this.replay.close();
     if (this.store) this.forget();
     this.store = new Store(handshake);
+    this.curves.offered = [];
     disableControls(false);
+    byId('gl').hidden = false;
     showBasis(handshake);
     this.alarms.begin(handshake.session);
     this.path = new Path(handshake.start_depth, handshake.frame_step);
@@ -117,6 +179,7 @@ class App {
       return old ? { ...q, ...old } : q;
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
+    if (handshake.template) this.arrange(handshake.template);
     if (this.colours) Object.assign(this.quantity, this.colours);
     this.colours = null;
     byId('well').textContent = handshake.well || 'helibore';
@@ -128,17 +191,26 @@ class App {
     this.redraw();
   }
 
+  // Show the tracks of a template, unless the address has chosen some.
+  arrange(template) {
+    if (this.view.order.length) return;
+    this.view.set(fromTemplate(template, this.quantities));
+    this.resize();
+    if (template.scale) this.setLength(`1:${template.scale}`);
+  }
+
   forget() {
     for (const level of this.store.levels) for (const tile of level.tiles.values()) tile.textures?.dispose();
     this.fitted = this.view.follow ? this.fitted : true;
     this.zonesBefore = null;
   }
 
-  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, alarms = [] }) {
+  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [] }) {
     this.sources = sources;
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
+    this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;
     takeRanges(this.quantities, ranges);
     this.bitDepth = bit;
@@ -165,7 +237,7 @@ class App {
       this.ask();
     }
     if (this.rects && this.look().imagePieces.some((piece) => piece.tile === tile)) this.redraw();
-    else this.unseen ??= setTimeout(this.redraw, UNSEEN); // mostly the map: every write changes the overview
+    else this.timers.unseen ??= setTimeout(this.redraw, UNSEEN); // mostly the map: every write changes the overview
   }
 
   takeFrames(message) {
@@ -218,21 +290,26 @@ class App {
 
   // Keep the first image beside the others, or no longer.
   keepBeside() {
-    const { view, quantity, quantities } = this;
+    const { view, quantity } = this;
     if (view.beside.includes(quantity.id)) return view.set({ beside: view.beside.filter((id) => id !== quantity.id) });
-    const next = quantities.find(({ id }) => id !== quantity.id && !view.beside.includes(id));
+    const next = this.quantities.find(({ id }) => id !== quantity.id && !view.beside.includes(id));
     return view.set({ beside: [quantity.id, ...view.beside].slice(0, MOST_BESIDE), quantity: next?.id ?? quantity.id });
   }
 
   // What the places of the panels depend on, besides the size of the stage.
   get arrangement() {
     const { view, store, straight, picking } = this;
-    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, beside: NARROW.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, curves: this.curves.shown.length > 0, list: this.zones.length > 0, chosen: view.widths, order: view.order, beside: NARROW.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
   // Is the hole drawn straightened, on the depth axis of the tracks?
   get straight() {
     return this.view.camera === 'straight' && Boolean(this.gpu);
+  }
+
+  // The scale of paper of the tracks, if it is a usual one.
+  get paper() {
+    return paperScale(this.view, this.rects.image);
   }
 
   get quantity() {
@@ -276,8 +353,8 @@ class App {
     applyTheme(this.view);
     if (!this.store || !this.path.count || !this.rects) return;
     const began = performance.now();
-    clearTimeout(this.unseen);
-    this.unseen = null;
+    clearTimeout(this.timers.unseen);
+    this.timers.unseen = undefined;
     this.ask();
     if (this.controls) this.controls.enabled = this.view.camera === 'outside';
     if (JSON.stringify(this.arrangement) !== this.arranged) this.resize();
@@ -289,8 +366,8 @@ class App {
     this.frames++;
     if (this.firstPicture === null && look.imagePieces.length) this.firstPicture = performance.now();
     if (this.glow.fade(seconds())) this.glowOn(began);
-    clearTimeout(this.addressing);
-    this.addressing = setTimeout(() => history.replaceState(null, '', toAddress(this)), 400);
+    clearTimeout(this.timers.addressing);
+    this.timers.addressing = setTimeout(() => (this.notebook ? this.notebook.look(looked(this)) : history.replaceState(null, '', toAddress(this))), 400);
   }
 
   // Draw the WebGL canvas if it would look different: the cursor is in the ink. While a slow machine moves the picture, it
@@ -304,18 +381,24 @@ class App {
     const began = performance.now();
     const coarse = gpu.cost > SLOW && began - this.paintedAt < MOVING + 2 * gpu.cost && !this.glow.ranges.length && gpu.stats.pictures > 2;
     Object.assign(this, { painted: key, paintedAt: began });
-    clearTimeout(this.sharpening);
-    this.sharpening = coarse ? setTimeout(() => Object.assign(this, { painted: '', sharpening: null, paintedAt: 0 }) && this.redraw(), MOVING + Math.min(gpu.cost, 1000)) : null;
+    clearTimeout(this.timers.sharpening);
+    this.timers.sharpening = coarse ? setTimeout(() => this.sharpen(), MOVING + Math.min(gpu.cost, 1000)) : undefined;
     gpu.draw(look, coarse);
     if (!coarse) gpu.whenDrawn(() => (gpu.cost = performance.now() - began));
   }
 
+  sharpen() {
+    Object.assign(this, { painted: '', paintedAt: 0 });
+    this.timers.sharpening = undefined;
+    this.redraw();
+  }
+
   // Fading takes at most a quarter of the time, so that new values need not wait for it.
   glowOn(began) {
-    clearTimeout(this.glowing);
+    clearTimeout(this.timers.glowing);
     const later = () => {
-      clearTimeout(this.glowing);
-      this.glowing = setTimeout(this.redraw, Math.max(200, 4 * (performance.now() - began)));
+      clearTimeout(this.timers.glowing);
+      this.timers.glowing = setTimeout(this.redraw, Math.max(200, 4 * (performance.now() - began)));
     };
     if (this.gpu) this.gpu.whenDrawn(later);
     else later();
@@ -329,6 +412,7 @@ class App {
     drawAxis(ink, look);
     if (this.rects.image.width) for (const one of look.images) drawImageHead(ink, one);
     const calipers = drawCaliper(ink, look);
+    if (this.rects.curves) this.curves.draw(ink, look);
     for (const one of look.images) drawAhead(ink, one);
     this.map.draw(ink, look);
     const planes = this.picking.planes();
@@ -336,13 +420,15 @@ class App {
     if (this.rects.image.width) drawNotes(ink, look);
     if (this.picking.on) for (const one of look.images) drawPoints(ink, one, this.picking.points);
     this.picking.write(planes);
+    byId('netSection').hidden = !this.picking.kept.length;
+    if (byId('net').clientHeight) byId('netText').textContent = drawNet(byId('net'), look, planes);
     drawCursor(ink, look);
     drawAxisLabels(ink, look);
     if (this.straight && this.rects.wall.width) drawColumn(ink, look, calipers);
     else if (this.gpu && this.rects.wall.width && !this.straight) drawWallInk(ink, look, this.gpu, calipers);
     ink.strokeStyle = PALETTES[this.view.theme].line;
     ink.lineWidth = 1;
-    for (const { left, top, width, height } of imageRects(this.rects)) ink.strokeRect(left - 0.5, top - 0.5, width + 1, height + 1);
+    for (const rect of imageRects(this.rects)) ink.strokeRect(rect.left - 0.5, rect.top - 0.5, rect.width + 1, rect.height + 1);
   }
 
   drawPanels(look) {
@@ -352,6 +438,7 @@ class App {
     const covered = cursor && Number.isFinite(cursor.toolface) && cursor.toolface !== null;
     this.quad = covered ? store.quad(wall.quadAt(cursor.depth, cursor.toolface)) : null;
     this.read = readout({ store, view, path, quad: this.quad });
+    this.read.push(...this.curves.readout(cursor?.depth));
     write('readout', this.read);
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
     const turned = turnAt(store, view, cursor?.depth ?? view.middle);
@@ -359,9 +446,9 @@ class App {
     if (byId('polar').clientHeight) drawPolar(byId('polar'), look, turned);
     write('turn', figures);
     if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
-    byId('sectionTitle').textContent = `${view.top.toFixed(1)} – ${view.bottom.toFixed(1)} m`;
+    byId('sectionTitle').textContent = showSpan(view.top, view.bottom, view.units);
     this.summarize();
-    write('section', sectionText(store, this.summary));
+    write('section', sectionText(store, this.summary, view.units));
     this.alarms.write(view.units);
     listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
     writeRig(this);
@@ -500,8 +587,8 @@ class App {
     const to = Math.min(bottom, Math.max(top, depth + metres));
     if (to < view.top || to > view.bottom) view.show(view.top + to - depth, view.length, store);
     view.set({ cursor: { depth: to, toolface: degrees ? ((toolface ?? 0) + degrees + 360) % 360 : toolface }, pinned: true });
-    clearTimeout(this.speaking);
-    this.speaking = setTimeout(() => (byId('spoken').textContent = spokenText(this)), 400);
+    clearTimeout(this.timers.speaking);
+    this.timers.speaking = setTimeout(() => (byId('spoken').textContent = spokenText(this)), 400);
   }
 
   copy() {
@@ -518,7 +605,7 @@ class App {
 
 const app = new App();
 // For tests: what is loaded, and what the page can do.
-window.__wall = {
+Object.assign(window, { __wall: {
   app,
   get ready() {
     return app.firstPicture !== null;
@@ -530,4 +617,4 @@ window.__wall = {
   addressed: () => location.hash === toAddress(app),
   fit: () => app.fit(),
   pick: (x, y) => app.gpu.pick(app.look(), x, y),
-};
+} });

@@ -7,6 +7,7 @@ import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';
 import { line } from './strokes.js';
+import { depthNumber, depthUnit } from './units.js';
 import { drawZones } from './zones.js';
 
 const WIDE = 24; // pixels of colour; the rest of the track is the enlargement
@@ -46,8 +47,8 @@ export class DepthMap {
     ink.lineWidth = 1;
     ink.strokeRect(rect.left + 2.5, rect.top + 0.5, rect.width - 5, rect.height - 1);
     label(ink, 'well', rect.left + 3, 11, { colour: palette.soft, font: SMALL });
-    label(ink, 'MD m', rect.left + 3, 29, { colour: palette.soft, font: SMALL });
-    label(ink, a.toFixed(0), rect.left + rect.width / 2, rect.top - 9, { colour: palette.soft, align: 'center', font: SMALL });
+    label(ink, `MD ${depthUnit(view.units)}`, rect.left + 3, 29, { colour: palette.soft, font: SMALL });
+    label(ink, depthNumber(a, view.units, 0), rect.left + rect.width / 2, rect.top - 9, { colour: palette.soft, align: 'center', font: SMALL });
     const size = Math.max(6, y(view.bottom) - y(view.top));
     const middle = (y(view.top) + y(view.bottom)) / 2;
     const upper = Math.max(rect.top + 1, middle - size / 2);
@@ -60,7 +61,7 @@ export class DepthMap {
     for (const { depth } of notes) line(ink, rect.left + rect.width - 9, y(depth), rect.left + rect.width, y(depth), palette.pin);
     if (view.cursor) line(ink, rect.left, y(view.cursor.depth), rect.left + rect.width, y(view.cursor.depth), palette.cursor);
     if (bitDepth !== null) label(ink, '◀', rect.left + rect.width, y(bitDepth), { colour: palette.ink, align: 'right', font: SMALL });
-    label(ink, b.toFixed(0), rect.left + rect.width / 2, rect.top + rect.height - 8, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
+    label(ink, depthNumber(b, view.units, 0), rect.left + rect.width / 2, rect.top + rect.height - 8, { colour: palette.ink, halo: palette.paper, align: 'center', font: SMALL });
   }
 
   // Make the picture of the well anew only when the overview, the colours or the ends changed.
@@ -93,17 +94,17 @@ export class DepthMap {
 function paintRow({ pixels, width, colours, missing, bar }, y, { means, between, most, lacks }, { low, high, log }) {
   const f = log ? Math.log : (v) => v;
   const [a, b] = [f(low), f(high)];
-  const line = y * width;
+  const row = y * width;
   means.forEach((mean, c) => {
     if (mean === undefined) return;
     const share = Math.min(1, Math.max(0, (f(mean) - a) / (b - a)));
     const colour = Number.isNaN(share) ? missing : colours[Math.round(255 * share)];
-    const [from, to] = [c, c + 1].map((end) => line + Math.round((end * WIDE) / means.length));
+    const [from, to] = [c, c + 1].map((end) => row + Math.round((end * WIDE) / means.length));
     pixels.fill(colour, from, to);
-    if (between[c]) for (let x = from; x < to; x++) if ((x - line - y) % 4 === 0) pixels[x] = missing;
+    if (between[c]) for (let x = from; x < to; x++) if ((x - row - y) % 4 === 0) pixels[x] = missing;
   });
-  if (lacks) pixels.fill(missing, line, line + EDGE);
-  pixels.fill(bar, line + WIDE + 4, line + WIDE + 4 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 4)));
+  if (lacks) pixels.fill(missing, row, row + EDGE);
+  pixels.fill(bar, row + WIDE + 4, row + WIDE + 4 + Math.round(Math.min(1, most / FULL) * (width - WIDE - 4)));
 }
 
 // A colour of the palette as one pixel, alpha last in memory.

@@ -9,6 +9,7 @@ import { INTERPOLATED, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js'
 export function rowOf(store, quantity, pass, from, to) {
   const over = store.levels[1];
   const [x0, x1] = [Math.min(from, to), Math.max(from, to)];
+  /** @type {{ means: (number | undefined)[], between: boolean[], most: number, lacks: boolean }} */
   const row = { means: [], between: [], most: 0, lacks: false };
   for (let c = 0; c < over.sectors; c++) {
     let [sum, count, between] = [0, 0, false];

@@ -11,8 +11,13 @@ const LONGEST = 80; // characters
 const NEAR = 8; // pixels within which a note is the one that is there
 
 export class Notes {
+  /** @type {any[]} */
+  kept = [];
+  /** @type {any} */
+  at = null;
+
   constructor(app) {
-    Object.assign(this, { app, kept: [], at: null });
+    this.app = app;
     const card = byId('note');
     card.addEventListener('close', () => this.close(card.returnValue));
   }
@@ -22,7 +27,7 @@ export class Notes {
     const depth = view.cursor?.depth ?? view.middle;
     const near = (NEAR / rects.image.height) * view.length;
     this.at = this.kept.find((note) => Math.abs(note.depth - depth) < near) ?? { depth, text: '' };
-    byId('noteTitle').textContent = `Note at ${showDepth(this.at.depth)}`;
+    byId('noteTitle').textContent = `Note at ${showDepth(this.at.depth, view.units)}`;
     byId('noteText').value = this.at.text;
     const card = byId('note');
     card.returnValue = '';

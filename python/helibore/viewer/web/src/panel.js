@@ -6,10 +6,11 @@ import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
 import { scaleLength } from './tracks.js';
-import { scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, unitOf } from './units.js';
+import { scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
 import { bySeverity, LETTERS, zoneAt, zoneText } from './zones.js';
 
+/** @type {(id: string) => any} */
 export const byId = (id) => document.getElementById(id);
 const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const SCALES = [20, 50, 100, 200, 500, 1000];
@@ -57,7 +58,7 @@ export function applyTheme({ theme }) {
 
 // The controls of the wall are disabled until there is one.
 export function disableControls(on) {
-  for (const part of document.querySelectorAll('aside, #wallHead, #follow, #bar label')) part.inert = on;
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #wallHead, #follow, #bar label'))) part.inert = on;
 }
 
 // What the wall is made from, as a warning, if it was not measured all around; panels of what was not measured are hidden.
@@ -67,12 +68,15 @@ export function showBasis({ basis, basis_text: text }) {
   byId('crossSection').hidden = basis !== 'azimuthal';
 }
 
+// The scale of paper that the tracks have, if it is one of those offered.
+export const paperScale = (view, image) => SCALES.find((one) => Math.abs(scaleLength(image, one) / view.length - 1) < 1e-6);
+
 // Show the view's own settings in the controls, whoever changed them.
 export function reflect(view, quantity, image) {
   for (const id of ['cut', 'pass', 'units', 'median', 'camera']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'fit']) byId(id).closest('label, button').hidden = view.camera === 'straight';
-  const paper = SCALES.find((one) => Math.abs(scaleLength(image, one) / view.length - 1) < 1e-6);
+  const paper = paperScale(view, image);
   byId('sectionLength').value = paper ? `1:${paper}` : String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
   byId('beside').textContent = view.beside.includes(quantity.id) ? 'Alone' : 'Beside';
   for (const tab of byId('tabs').children) tab.setAttribute('aria-selected', String(tab.value === view.tab));
@@ -102,10 +106,12 @@ export function readout({ store, view, path, quad }) {
   const gauge = store.basis === 'gauge';
   const measured = gauge ? null : quad;
   const { state = 0 } = measured ?? {};
-  const marks = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'between arms']].filter(([bit]) => state & bit).map(([, word]) => word);
+  /** @type {[number, string][]} */
+  const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'between arms']];
+  const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
   return [
-    ['MD', showDepth(cursor?.depth)],
-    ['TVD', showDepth(tvd)],
+    ['MD', showDepth(cursor?.depth, units)],
+    ['TVD', showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
     ['Radius', measured ? showLength(measured.radius, units) : cursor ? (gauge ? 'not measured' : 'no data') : '–'],
@@ -121,25 +127,25 @@ export function readout({ store, view, path, quad }) {
 export function writeBrief({ view, zones, path }, read, figures) {
   const depth = view.cursor?.depth ?? view.middle;
   const values = Object.fromEntries([...read, ...figures]);
-  byId('briefDepth').textContent = showDepth(depth);
+  byId('briefDepth').textContent = showDepth(depth, view.units);
   const zone = zoneAt(zones, depth);
   byId('briefZone').hidden = !zone;
   byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : '';
   if (zone) byId('briefZone').style.borderColor = PALETTES[view.theme].zones[zone.kind];
-  write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ['Over bit', values['Over bit radius']], ['TVD', showDepth(path.tvd(depth))]]);
+  write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ['Over bit', values['Over bit radius']], ['TVD', showDepth(path.tvd(depth), view.units)]]);
 }
 
 // The figures of a section, as `Wall.summary` has them.
-export function sectionText(store, summary) {
+export function sectionText(store, summary, units) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
   const { volume, excess, coverage, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
   const number = (value) => value ?? NaN;
   return [
     ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`],
-    ['Volume', measured ? `${volume.toFixed(3)} m³ in ${measured.toFixed(1)} m` : '–'],
+    ['Volume', measured ? `${volume.toFixed(3)} m³ in ${showDepth(measured, units, 1)}` : '–'],
     ['Over bit volume', showPercent(number(excess))],
-    [`Washed out${washed === null ? '' : ` (${showPercent(washed / (measured + gaps))})`}`, washed === null ? '–' : `${washed.toFixed(1)} m`],
+    [`Washed out${washed === null ? '' : ` (${showPercent(washed / (measured + gaps))})`}`, washed === null ? '–' : showDepth(washed, units, 1)],
   ];
 }
 
@@ -158,7 +164,7 @@ export function listZones(zones, { units, theme }, alarms, show) {
     button.title = `${zone.kind} (N, Shift N: next, previous)`;
     button.style.borderColor = PALETTES[theme].zones[zone.kind];
     button.classList.toggle('new', alarms.isNew(zone));
-    button.textContent = `${alarms.isNew(zone) ? 'new ' : ''}${LETTERS[zone.kind]}  ${zone.start.toFixed(1)}–${zone.stop.toFixed(1)} m  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
+    button.textContent = `${alarms.isNew(zone) ? 'new ' : ''}${LETTERS[zone.kind]}  ${showSpan(zone.start, zone.stop, units)}  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
     button.addEventListener('click', () => show(zone));
     return button;
   }));
@@ -177,6 +183,8 @@ export function links({ view, contents }, address) {
 
 // The histogram of the section with the ends of the range; `ends` maps between values and pixels for the drag.
 export class Histogram {
+  scale = [0, 1]; // values at its ends
+
   constructor(canvas) {
     this.canvas = canvas;
     this.sorted = new Float64Array(0);

@@ -57,7 +57,7 @@ export class Path {
   // True vertical depth; NaN where the survey does not give one.
   tvd(depth) {
     const [start, stop, down] = this.trueDepth ?? [NaN, NaN, NaN];
-    return this.count > 1 && depth >= start && depth <= stop ? this.at(depth).centre[2] - down : NaN;
+    return depth >= start && depth <= stop ? (this.at(depth)?.centre[2] ?? NaN) - down : NaN;
   }
 
   // Toolface of up and of north at a depth, degrees; null where undefined.

@@ -1,25 +1,77 @@
-// Picking dips on the image: click points of a bed, three or more; the plane through them is shown at once, with the
-// cursor as one more point; Enter keeps it. A click on a kept curve selects it: a drag moves it, Delete removes it. Kept planes are curves on the image, discs in 3-D and tadpoles beside the caliper.
+// Picking on the image. A plane: click three points or more of a bed or fracture; the plane through them is shown at once,
+// with the cursor as one more point; Enter keeps it. A breakout: drag a box. A click on what is kept selects it: dragging
+// moves it, dragging a sine at its crest or trough changes its dip, Delete removes it. The server holds the picks of the
+// wall, and saves them beside it; every page shows them. An exported file holds its own.
 
-import { fitPlane, planeDepth } from './dips.js';
-import { byId } from './panel.js';
-import { save } from './saving.js';
+import definition from '../../../base/color_maps.json' with { type: 'json' };
+import { fitPlane, planeDepth, planeOf } from './dips.js';
+import { byId, options } from './panel.js';
+import { download } from './saving.js';
 import { showAngle, showDepth, showLength } from './units.js';
 
-const MOST = 200;
+export const BREAKOUT = 'breakout';
+export const CLASSES = Object.keys(definition.picks);
+const MOST = 5000;
+const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
+const LEAST = { opening: 5, height: 0.02 }; // of a box that is dragged
+const FIELDS = {
+  plane: [['depth', 'MD m', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
+  breakout: [['depth', 'MD m', 2], ['height', 'high m', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
+};
+const turned = (degrees) => ((degrees % 360) + 360) % 360;
+const apart = (a, b) => Math.abs(turned(a - b + 180) - 180);
 
 export class Picking {
+  on = false;
+  kind = CLASSES[0]; // of the next pick
+  /** @type {any[]} */
+  points = []; // of the plane that is being picked
+  /** @type {any[]} */
+  kept = []; // the picks of the wall
+  /** @type {string | null} */
+  selected = null; // key of one
+  /** @type {any} */
+  dragged = null;
+  planesOf = new WeakMap();
+
   constructor(app) {
-    Object.assign(this, { app, on: false, points: [], kept: [], selected: null });
-    byId('dipOpen').addEventListener('click', () => this.toggle());
-    byId('dipKeep').addEventListener('click', () => this.keep());
-    byId('dipUndo').addEventListener('click', () => this.undo());
-    byId('dipSave').addEventListener('click', () => this.save());
-    byId('dipClose').addEventListener('click', () => this.toggle(false));
+    this.app = app;
+    options('pickClass', CLASSES.map((name) => [name, name]));
+    const on = (id, act) => byId(id).addEventListener('click', act);
+    on('dipOpen', () => this.toggle());
+    on('dipKeep', () => this.keep());
+    on('dipUndo', () => this.undo());
+    on('dipRemove', () => this.remove());
+    on('dipClose', () => this.toggle(false));
+    on('dipSave', (event) => {
+      event.preventDefault();
+      download(app, this.address('picks.csv'), 'The picks were');
+    });
+    on('dipLoad', () => byId('dipFile').click());
+    byId('dipFile').addEventListener('change', ({ target }) => this.load(target));
+    byId('pickClass').addEventListener('change', ({ target }) => this.setClass(target.value));
+    byId('pickFields').addEventListener('change', ({ target }) => this.setField(target));
+  }
+
+  // The picks of the server, or of an exported file.
+  receive(picks) {
+    const { dragged } = this;
+    this.kept = picks.map((pick) => (pick.key === dragged?.key ? dragged : pick));
+    if (!this.pick) this.selected = null;
+    this.app.redraw();
+  }
+
+  // The selected pick.
+  get pick() {
+    return this.kept.find(({ key }) => key === this.selected) ?? null;
+  }
+
+  get boxes() {
+    return this.kept.filter(({ kind }) => kind === BREAKOUT);
   }
 
   get shown() {
-    return this.on || this.kept.length > 0;
+    return this.on || this.kept.some(({ kind }) => kind !== BREAKOUT);
   }
 
   toggle(on = !this.on) {
@@ -44,107 +96,194 @@ export class Picking {
     this.app.redraw();
   }
 
-  // The kept pick whose curve passes within `reach` metres of the cursor; null if there is none.
-  near({ depth, toolface }, reach) {
-    const { path } = this.app;
-    return this.kept.find((points) => {
-      const plane = fitPlane(path, points);
-      return plane && Math.abs(planeDepth(path, plane, toolface) - depth) < reach;
-    }) ?? null;
+  // The plane of a kept pick on the path as it is now.
+  plane(pick) {
+    const { path, store } = this.app;
+    let known = this.planesOf.get(pick);
+    if (known?.version !== path.version) {
+      known = { version: path.version, plane: planeOf(path, pick, store.bitRadius) };
+      this.planesOf.set(pick, known);
+    }
+    return known.plane;
   }
 
-  // A click on the image: on a curve it selects the pick or lets it be; elsewhere it adds a point.
+  // The kept pick whose curve passes within `reach` metres of the cursor, or whose box holds it; null if there is none.
+  near({ depth, toolface }, reach) {
+    const hit = (pick) => (pick.kind === BREAKOUT
+      ? Math.abs(depth - pick.depth) < pick.height / 2 && apart(2 * toolface, 2 * pick.toolface) < pick.opening
+      : Math.abs(planeDepth(this.app.path, this.plane(pick), toolface) - depth) < reach);
+    return this.kept.find(hit) ?? null;
+  }
+
+  // A click on the image: on a pick it selects it or ends that; elsewhere it adds a point.
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
-    if (!found && !this.selected) return this.add(cursor);
-    this.selected = found === this.selected ? null : found;
+    if (!found && !this.selected) return this.kind === BREAKOUT ? undefined : this.add(cursor);
+    this.selected = !found || found.key === this.selected ? null : found.key;
+    if (found) this.kind = found.kind;
     return this.app.redraw();
   }
 
-  // Move the selected pick along the hole: `from` are its points before.
-  shift(from, metres) {
-    const moved = from.map((point) => this.point({ depth: point.depth + metres, toolface: point.toolface }));
-    this.kept[this.kept.indexOf(this.selected)] = this.selected = moved;
+  // A drag begins on the image: it moves the selected pick, draws a box, or is not for picking (null).
+  grab(cursor, reach) {
+    const { pick } = this;
+    if (pick && this.near(cursor, reach)?.key === pick.key) {
+      const crest = [0, 180].find((turn) => pick.kind !== BREAKOUT && apart(cursor.toolface, pick.toolface + turn) < HANDLE);
+      return { pick, cursor, act: crest === undefined ? 'move' : 'dip', crest };
+    }
+    return !pick && this.kind === BREAKOUT ? { pick: null, cursor, act: 'box' } : null;
+  }
+
+  // The drag goes on: `pick` is as it was when it began.
+  drag({ pick, cursor, act, crest }, { depth, toolface }) {
+    const { store } = this.app;
+    if (act === 'box') {
+      const opening = apart(toolface, cursor.toolface);
+      const middle = turned(cursor.toolface + (turned(toolface - cursor.toolface + 180) - 180) / 2);
+      this.dragged = { key: this.dragged?.key ?? newKey(), kind: BREAKOUT, depth: (depth + cursor.depth) / 2, toolface: middle, height: Math.abs(depth - cursor.depth), opening: Math.min(180, opening) };
+    } else if (act === 'dip') {
+      const height = crest ? pick.depth - depth : depth - pick.depth;
+      this.dragged = { ...pick, toolface: turned(toolface + crest), apparent_dip: (Math.atan(Math.max(0, height) / (pick.radius ?? store.bitRadius)) * 180) / Math.PI };
+    } else this.dragged = { ...pick, depth: pick.depth + depth - cursor.depth, ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - cursor.toolface) } : {}) };
+    this.replace(this.dragged);
+  }
+
+  drop() {
+    const made = this.dragged;
+    this.dragged = null;
+    if (!made) return;
+    const small = made.kind === BREAKOUT && (made.opening < LEAST.opening || made.height < LEAST.height);
+    if (small) this.replace(made, true);
+    else this.put(made);
+  }
+
+  // Show a pick, in place of the one with its key; `gone`: no longer.
+  replace(pick, gone = false) {
+    const known = this.kept.some(({ key }) => key === pick.key);
+    if (gone) this.kept = this.kept.filter(({ key }) => key !== pick.key);
+    else this.kept = known ? this.kept.map((one) => (one.key === pick.key ? pick : one)) : [...this.kept, pick];
     this.app.redraw();
   }
 
-  remove() {
-    this.kept = this.kept.filter((points) => points !== this.selected);
+  put(pick) {
+    this.replace(pick);
+    this.send('pick', { method: 'PUT', body: JSON.stringify(pick) });
+  }
+
+  remove(pick = this.pick) {
+    if (!pick) return;
+    this.replace(pick, true);
     this.selected = null;
+    this.send('pick', { method: 'DELETE' }, { key: pick.key });
     this.app.resize();
   }
 
   undo() {
-    if (this.points.length) this.points.pop();
-    else this.kept.pop();
-    this.app.resize();
+    if (this.points.pop()) this.app.redraw();
+    else this.remove(this.kept.at(-1));
   }
 
   keep() {
     const plane = fitPlane(this.app.path, this.points);
     if (!plane) return;
-    if (this.kept.length >= MOST) return this.app.notice(`There are ${MOST} dips, as many as are kept: save them as a table and undo some first. This one was not kept: ${showDepth(plane.depth)}`, 10);
-    this.kept.push(this.points);
+    if (this.kept.length >= MOST) return this.app.notice(`There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(plane.depth, this.app.view.units)}`, 10);
+    const radius = this.points.some(({ measured }) => measured) ? plane.radius : null;
+    this.put({ key: newKey(), kind: this.kind, depth: plane.depth, toolface: plane.deepest, apparent_dip: plane.apparent, radius, misfit: plane.misfit, points: this.points.length });
     this.points = [];
     this.app.resize();
   }
 
-  // Planes to draw: the kept ones, and the one being picked, `open` while the cursor is one of its points.
+  // The class of the selected pick, and of the next one.
+  setClass(kind) {
+    const { pick } = this;
+    if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) this.selected = null;
+    else if (pick) this.put({ ...pick, kind });
+    this.kind = kind;
+    this.points = kind === BREAKOUT ? [] : this.points;
+    this.app.redraw();
+  }
+
+  setField({ name, value, valueAsNumber }) {
+    const { pick } = this;
+    if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber });
+  }
+
+  address(name, more = {}) {
+    const query = new URLSearchParams(location.search); // the token
+    for (const [key, value] of Object.entries(more)) query.set(key, value);
+    return `api/${name}?${query}`;
+  }
+
+  // Tell the server; what it refuses is said, and its own picks come back.
+  async send(name, request, more) {
+    if (this.app.contents) return;
+    const answer = await fetch(this.address(name, more), request).catch((error) => ({ ok: false, text: () => error.message }));
+    if (!answer.ok) this.app.notice(`Not saved: ${(await answer.text()).trim().slice(0, 300)}`, 10);
+  }
+
+  async load(input) {
+    const [file] = input.files;
+    if (file) await this.send('picks.csv', { method: 'POST', body: await file.text() });
+    input.value = '';
+  }
+
+  // Planes and boxes to draw: the kept ones, and the plane being picked, `open` while the cursor is one of its points.
   planes() {
     const { app } = this;
-    const kept = this.kept.map((points) => fitPlane(app.path, points)).filter(Boolean);
-    const selected = kept.find(({ points }) => points === this.selected);
-    if (!this.on || selected) return { kept, selected, current: null };
+    const kept = this.kept.filter(({ kind }) => kind !== BREAKOUT).map((pick) => this.plane(pick));
+    const selected = this.pick;
+    if (!this.on || selected) return { kept, boxes: this.boxes, selected, current: null, open: false };
     const { cursor } = app.view;
     const more = this.points.length && Number.isFinite(cursor?.toolface) ? [this.point(cursor)] : [];
     const done = fitPlane(app.path, this.points);
-    return { kept, current: done ?? fitPlane(app.path, [...this.points, ...more]), open: !done };
+    const current = done ?? fitPlane(app.path, [...this.points, ...more]);
+    return { kept, boxes: this.boxes, selected, current: current && { ...current, kind: this.kind }, open: !done };
   }
 
-  // The card beside the picture: the plane being picked in words, then the kept ones.
-  write({ kept, selected, current, open }) {
+  // The card: what to do next, the plane being picked in words, or the selected pick and its numbers to change.
+  write({ kept, boxes, current, open }) {
     if (!this.on) return;
     const { units } = this.app.view;
+    const { pick } = this;
+    byId('pickClass').value = this.kind;
     byId('dipKeep').disabled = open || !current;
-    byId('dipSave').disabled = kept.length === 0;
-    const lines = (selected ? [selected] : kept).map((plane) => `${showDepth(plane.depth)}   ${inWords(plane)}${assumed(plane)}`);
-    if (current) lines.push(`${showDepth(current.depth)}   ${inWords(current)}`, `misfit ${showLength(current.misfit, units, units === 'mm' ? 0 : 1)} along the hole${assumed(current)}`);
-    else if (selected) lines.push('Selected: drag it along the hole, Delete removes it, a click beside it ends.');
-    else lines.push(['Click three points or more of a bed, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
-    const text = lines.slice(-9).join('\n');
+    byId('dipRemove').disabled = !pick;
+    byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
+    const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
+    const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}. A click on one selects it.`];
+    if (pick) lines[0] = `Selected ${pick.kind}: drag it${plane ? ', or its crest' : ''}. A click beside it ends.`;
+    else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout.');
+    if (plane) {
+      const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
+      lines.push(`${showDepth(plane.depth, this.app.view.units)}   ${inWords(plane)}`, `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)}${assumed ? '; bit size where nothing is measured' : ''}`);
+    } else if (!pick && this.kind !== BREAKOUT) lines.push(['Click three points or more, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+    const text = lines.join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
-  }
-
-  save() {
-    const { kept } = this.planes();
-    save(new Blob([asTable(kept)], { type: 'text/csv' }), 'dips.csv');
-  }
-
-  toAddress() {
-    return this.kept.map((points) => points.map((p) => [p.depth.toFixed(3), p.toolface.toFixed(1), (1000 * p.radius).toFixed(1), ...(p.measured ? [] : ['bit'])].join('_')).join('~')).join('!');
-  }
-
-  fromAddress(text) {
-    const parts = (text ?? '').split('!');
-    if (parts.length > MOST) this.app.notice(`The address holds ${parts.length} dips: the first ${MOST} are kept, the others are not.`, 10);
-    const planes = parts.slice(0, MOST).map((plane) => plane.split('~').map(pointFrom));
-    this.kept = planes.filter((plane) => plane.length >= 3 && plane.every(Boolean));
+    writeFields(pick);
   }
 }
 
-// depth_toolface_radius in metres, degrees, millimetres; `_bit` where the radius is the bit's, for want of a measured one.
-function pointFrom(text) {
-  const [depth, toolface, radius, bit, ...rest] = text.split('_');
-  const numbers = [depth, toolface, radius].map((part) => (part ? Number(part) : NaN));
-  if (!numbers.every(Number.isFinite) || rest.length || (bit !== undefined && bit !== 'bit')) return null;
-  return { depth: numbers[0], toolface: numbers[1], radius: numbers[2] / 1000, measured: bit === undefined };
+// Numbers of the selected pick as fields, those that nobody is typing in.
+function writeFields(pick) {
+  const box = byId('pickFields');
+  const fields = pick ? FIELDS[pick.kind === BREAKOUT ? BREAKOUT : 'plane'] : [];
+  const wanted = fields.map(([name]) => name).join();
+  box.hidden = !pick;
+  if (box.dataset.fields !== wanted) {
+    box.dataset.fields = wanted;
+    box.replaceChildren(...[...fields, ...(pick ? [['note', 'note']] : [])].map(([name, words]) => {
+      const [label, input] = ['label', 'input'].map((tag) => document.createElement(tag));
+      Object.assign(input, name === 'note' ? { name, type: 'text', maxLength: 80 } : { name, type: 'number', step: 'any' });
+      label.append(`${words} `, input);
+      return label;
+    }));
+  }
+  for (const [name, , digits] of [...fields, ['note']]) {
+    const input = box.querySelector(`[name=${name}]`);
+    if (input && input !== document.activeElement) input.value = name === 'note' ? (pick.note ?? '') : String(Number((pick[name] ?? 0).toFixed(digits)));
+  }
 }
 
-const assumed = ({ points }) => (points.some(({ measured }) => !measured) ? '; bit size where nothing is measured' : '');
+const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
 const inWords = ({ dip, azimuth, apparent, deepest }) =>
   Number.isNaN(dip) ? `${showAngle(apparent)} to the hole, deepest at ${showAngle(deepest, 0)}` : `dip ${showAngle(dip)} to ${showAngle(azimuth, 0)}   (${showAngle(apparent)} to the hole)`;
-
-const cell = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits) : '');
-export const asTable = (planes) =>
-  ['depth_m,dip_deg,dip_azimuth_deg,apparent_dip_deg,toolface_of_deepest_deg,misfit_m,points,points_at_bit_size', ...planes.map((plane) =>
-    [[plane.depth, 3], [plane.dip, 2], [plane.azimuth, 2], [plane.apparent, 2], [plane.deepest, 2], [plane.misfit, 4], [plane.points.length, 0], [plane.points.filter(({ measured }) => !measured).length, 0]].map((pair) => cell(...pair)).join(','))].join('\r\n') + '\r\n';

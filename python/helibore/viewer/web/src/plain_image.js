@@ -52,10 +52,11 @@ export class PlainImage {
     return (path.dial(depth)[reference] ?? 0) + offset;
   }
 
+  /** @type {(value: number, ends: number[], log: boolean, table: Uint8Array, diagonal: number, dark: boolean) => Uint8Array} */
   colour(value, [low, high], log, table, diagonal, dark) {
     if (!Number.isFinite(value) || (log && value <= 0)) {
       const shade = diagonal % 7 < 2 ? (dark ? 92 : 158) : dark ? 61 : 204;
-      return [shade, shade, shade, 255];
+      return Uint8Array.of(shade, shade, shade, 255);
     }
     const f = log ? Math.log : (v) => v;
     const share = Math.min(1, Math.max(0, (f(value) - f(low)) / (f(high) - f(low)))) || 0;
@@ -66,7 +67,8 @@ export class PlainImage {
 
 const between = (quantity, tile, at) => quantity.mode !== Q_ATTRIBUTE && (tile.texels[TEXEL * at + STATE] & INTERPOLATED) > 0;
 
+/** @type {(pixel: Uint8Array, diagonal: number, dark: boolean) => Uint8Array} */
 function sparse([red, green, blue], diagonal, dark) {
-  if (diagonal % 10 === 0) return dark ? [117, 117, 117, 255] : [140, 140, 140, 255];
-  return [red, green, blue].map((c) => 0.45 * c + 0.55 * (dark ? 38 : 245)).concat(255);
+  if (diagonal % 10 === 0) return dark ? Uint8Array.of(117, 117, 117, 255) : Uint8Array.of(140, 140, 140, 255);
+  return Uint8Array.of(...[red, green, blue].map((c) => Math.round(0.45 * c + 0.55 * (dark ? 38 : 245))), 255);
 }

@@ -84,7 +84,7 @@ function rings(ink, { store, view }, width, height, scale, palette) {
   ink.moveTo(4, y);
   ink.lineTo(4 + length * scale, y);
   ink.stroke();
-  const digits = view.units === 'in' && length * per < 1 ? 1 : 0;
+  const digits = unit === 'in' && length * per < 1 ? 1 : 0;
   label(ink, `${(length * per).toFixed(digits)} ${unit}`, 4, y - 9, { colour: palette.soft, font: SMALL });
   label(ink, 'bit', width / 2 + R * scale * 0.7 - 14, height / 2 + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL });
 }
@@ -102,10 +102,10 @@ function outline(ink, found, place, colour, fill) {
   for (let j = 0; j < K; j++) {
     const [a, b] = [j, (j + 1) % K].map((i) => (Number.isNaN(found.radii[i]) ? null : place(found.radii[i], i)));
     if (!a || !b) continue;
-    filled[j ? 'lineTo' : 'moveTo'](...a);
+    filled[j ? 'lineTo' : 'moveTo'](a[0], a[1]);
     const edge = found.between[j] || found.between[(j + 1) % K] ? dotted : measured;
-    edge.moveTo(...a);
-    edge.lineTo(...b);
+    edge.moveTo(a[0], a[1]);
+    edge.lineTo(b[0], b[1]);
   }
   if (fill && found.measured.share === 1) {
     ink.fillStyle = fill;

@@ -27,9 +27,12 @@ async function fetchHistory() {
 export class Replay {
   constructor(app) {
     this.app = app;
+    /** @type {any} */
     this.past = null; // {moment, vertices, bitDepth} while replaying
+    /** @type {any} */
     this.points = null;
-    this.playing = null;
+    /** @type {number | undefined} */
+    this.playing = undefined;
     byId('replayOpen').addEventListener('click', () => this.toggle());
     byId('live').addEventListener('click', () => this.close());
     byId('play').addEventListener('click', () => this.play(!this.playing));
@@ -65,7 +68,7 @@ export class Replay {
 
   play(on) {
     clearInterval(this.playing);
-    this.playing = null;
+    this.playing = undefined;
     byId('play').textContent = on ? 'Pause' : 'Play';
     if (!on) return;
     const { time } = this.points;

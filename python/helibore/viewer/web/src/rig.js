@@ -3,7 +3,7 @@
 
 import { ageOf, lampWords } from './lamp.js';
 import { byId } from './panel.js';
-import { LENGTHS, showAge, showSigned } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
 import { bySeverity } from './zones.js';
 
 export const RECENT = 30; // metres of hole that "last" means
@@ -11,6 +11,7 @@ export const RECENT = 30; // metres of hole that "last" means
 // Depths of the last metres of a wall, shallow first.
 export const recent = ({ end, levels: [{ pitch }] }) => [end - RECENT * Math.sign(pitch), end].sort((a, b) => a - b);
 
+/** @type {(zones: any[], ends: number[]) => any} */
 export function worstOf(zones, [top, bottom]) {
   return bySeverity(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
@@ -20,6 +21,7 @@ export function toggleRig(view, on = !view.rig) {
 }
 
 // Text in a cell: the digits, their unit, the line below. Digits that are too wide are set narrower, not lower.
+/** @type {(id: string, digits: string, unit: string, more: string) => void} */
 function cell(id, digits, unit, more) {
   const at = byId(id);
   const text = `${digits}${unit && ` ${unit}`}`;
@@ -43,16 +45,17 @@ export function writeRig(app) {
   const { scale, unit } = LENGTHS[view.units];
   const size = (metres) => (Number.isFinite(metres ?? NaN) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
   const tvd = path.tvd(bit ?? NaN);
-  cell('rigBit', bit === null ? '–' : bit.toFixed(1), bit === null ? '' : 'm', bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${tvd.toFixed(1)} m` : 'MD');
+  cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : 'MD');
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
     ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `not measured, bit ${size(2 * store.bitRadius)} ${unit}`);
   const worst = worstOf(zones, recent(store));
-  const [number, inUnit] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
-  cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${worst.start.toFixed(1)}–${worst.stop.toFixed(1)} m` : store.basis === 'gauge' ? 'not measured' : 'no zone');
+  /** @type {string[]} */
+  const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
+  cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');
   byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
-  cell('rigLag', Number.isFinite(lag) ? Math.max(0, lag).toFixed(1) : '–', Number.isFinite(lag) ? 'm' : '', `data end at ${store.end.toFixed(1)} m`);
+  cell('rigLag', Number.isFinite(lag) ? depthNumber(Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
   const [colour, text] = lampWords(app);
   const [age, ageUnit = ''] = showAge(ageOf(app)).split(' ');
   cell('rigAge', age, ageUnit, { live: 'live', late: 'no new data', lost: text }[colour] ?? text.split(' · ')[0]);

@@ -14,20 +14,21 @@ export function bindSaving(app) {
   for (const id of ['csv', 'export']) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
-      download(app, event.currentTarget.href);
+      download(app, event.currentTarget.href, 'The section was');
     });
   }
 }
 
-async function download(app, address) {
-  app.notice('Writing the section …');
+// `what` begins the message of a failure: "The section was".
+export async function download(app, address, what) {
+  app.notice('Writing …');
   try {
     const answer = await fetch(address);
-    if (!answer.ok) return app.notice(`The section was not written: ${(await answer.text()).trim().slice(0, 300)}.`, 10);
-    const name = /filename=([^;]+)/.exec(answer.headers.get('content-disposition') ?? '')?.[1] ?? 'section';
+    if (!answer.ok) return app.notice(`${what} not written: ${(await answer.text()).trim().slice(0, 300)}.`, 10);
+    const name = /filename=([^;]+)/.exec(answer.headers.get('content-disposition') ?? '')?.[1] ?? 'helibore';
     save(await answer.blob(), name);
     return app.notice('');
   } catch (error) {
-    return app.notice(`The section was not written: ${error.message}.`, 10);
+    return app.notice(`${what} not written: ${error.message}.`, 10);
   }
 }

@@ -6,6 +6,9 @@ import { Texture } from './gl.js';
 import { eastNorthUp } from './vectors.js';
 
 export class TileTextures {
+  /** @type {any} */
+  frames = null;
+
   constructor(tile) {
     this.tile = tile;
     const { sectors, rows } = tile.level;

@@ -14,6 +14,7 @@ export class Tile {
     this.level = level;
     this.index = index;
     this.texels = new Uint16Array(TEXEL * level.sectors * (level.rows + 2));
+    /** @type {(Float32Array | null)[]} */
     this.columns = Array.from({ length: attributes }, () => null);
     this.version = 0; // counts writes: what was derived from the tile says which version it saw
     this.used = 0;
@@ -196,5 +197,5 @@ export function coverage(store, top, bottom, fine) {
     else missing = [a, b];
   }
   flush();
-  return pieces.sort((a, b) => (b.tile.level === over) - (a.tile.level === over));
+  return pieces.sort((a, b) => Number(b.tile.level === over) - Number(a.tile.level === over));
 }

@@ -5,7 +5,7 @@ import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
 import { BOLD, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
-import { LENGTHS, scaleOf, showDepth, unitOf } from './units.js';
+import { depthNumber, depthUnit, LENGTHS, scaleOf, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
 import { drawZones } from './zones.js';
 
@@ -15,7 +15,7 @@ export function drawAxis(ink, { view, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   const right = tracksEnd(rects);
-  const { values, step } = ticks(view.top, view.bottom, rect.height, APART);
+  const { values, step } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   drawZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
   ink.lineWidth = 1;
   for (let depth = Math.ceil(view.top / (step / 5)) * (step / 5); depth <= view.bottom; depth += step / 5) {
@@ -37,17 +37,18 @@ export function drawAxisLabels(ink, { view, path, rects }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
   const end = rect.left + rect.width - 12;
-  label(ink, 'MD m', end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
-  label(ink, path.trueDepth ? 'TVD m' : path.surveyed ? 'no TVD' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
+  const unit = depthUnit(view.units);
+  label(ink, `MD ${unit}`, end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
+  label(ink, path.trueDepth ? `TVD ${unit}` : path.surveyed ? 'no TVD' : 'no survey', end, HEAD - 17, { colour: palette.soft, align: 'right', font: SMALL });
   if (!view.rig) label(ink, `1:${Number((view.length / scaleLength(rect, 1)).toPrecision(3))}`, end, HEAD - 51, { colour: palette.soft, align: 'right', font: SMALL });
-  const { values, digits } = ticks(view.top, view.bottom, rect.height, APART);
+  const { values, digits } = ticks(view.top, view.bottom, rect.height, APART, LENGTHS[view.units].depth.scale);
   for (const depth of values) {
     const y = Math.round(yOf(view, rect, depth)) + 0.5;
     if (y < rect.top + 12 || y > rect.top + rect.height - 14) continue;
-    label(ink, depth.toFixed(digits), end, y - 1, { colour: palette.ink, align: 'right', baseline: 'bottom', font: FONT, yields: true });
+    label(ink, depthNumber(depth, view.units, digits), end, y - 1, { colour: palette.ink, align: 'right', baseline: 'bottom', font: FONT, yields: true });
     const tvd = path.tvd(depth);
     if (Number.isNaN(tvd)) continue;
-    label(ink, tvd.toFixed(Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
+    label(ink, depthNumber(tvd, view.units, Math.max(digits, 1)), end, y + 1, { colour: palette.soft, align: 'right', baseline: 'top', font: SMALL, yields: true });
   }
 }
 
@@ -67,7 +68,7 @@ export function drawImageHead(ink, look) {
   ink.fillStyle = bar;
   ink.fillRect(left, 20, width, 8);
   ends(ink, look, left, width, palette);
-  letters(ink, cut.letters, known, left, width, palette, path.surveyed ? cut.reference : 'none');
+  letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
 function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
@@ -76,7 +77,9 @@ function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
   label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
   label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
   if (view.rig) return;
-  const legend = [['no data', DENSE], ...(quantity.mode === Q_ATTRIBUTE || basis !== 'azimuthal' ? [] : [[width < 240 ? 'between arms' : 'interpolated between arms', SPARSE]])];
+  /** @type {[string, typeof DENSE][]} */
+  const legend = [['no data', DENSE]];
+  if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') legend.push([width < 240 ? 'between arms' : 'interpolated between arms', SPARSE]);
   legend.reduce((x, [text, hatching]) => {
     hatched(ink, x, 47, 12, 10, palette, hatching);
     ink.strokeStyle = palette.hatch;
@@ -86,13 +89,14 @@ function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
   }, left);
 }
 
-function letters(ink, names, known, left, width, palette, reference) {
+function letters(ink, view, known, left, width, palette, reference) {
   if (!known) {
-    const why = { up: 'vertical here: angles from the tool’s zero', north: 'runs north: angles from the tool’s zero', none: 'no survey: angles from the tool’s zero' }[reference];
+    const all = { up: 'vertical here: angles from the tool’s zero', north: 'runs north: angles from the tool’s zero', none: 'no survey: angles from the tool’s zero' }[reference];
+    const why = view.beside.length ? 'angles from the tool’s zero' : all;
     label(ink, why, left + width / 2, HEAD - 8, { colour: palette.soft, align: 'center', font: SMALL });
     return;
   }
-  names.forEach((name, i) => {
+  CUTS[view.cut].letters.forEach((name, i) => {
     const x = left + (i / 4) * width;
     line(ink, x, HEAD - 3, x, HEAD, palette.ink);
     label(ink, name, x + (i === 0 ? 1 : i === 4 ? -1 : 0), HEAD - 11, { colour: palette.ink, align: i === 0 ? 'left' : i === 4 ? 'right' : 'center', font: BOLD });
@@ -129,7 +133,7 @@ export function drawCursor(ink, look) {
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const y = Math.round(yOf(view, rect, view.cursor.depth)) + 0.5;
   line(ink, rect.left, y, right, y, palette.cursor);
-  const text = showDepth(view.cursor.depth);
+  const text = showDepth(view.cursor.depth, view.units);
   ink.font = BOLD;
   const wide = ink.measureText(text).width + 10;
   ink.fillStyle = palette.cursor;

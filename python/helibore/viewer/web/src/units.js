@@ -1,18 +1,26 @@
 // Numbers as text. Lengths come in metres and are shown as the user chose; a missing value is a dash, never a zero.
 
-export const LENGTHS = { mm: { unit: 'mm', scale: 1000, digits: 2 }, in: { unit: 'in', scale: 1 / 0.0254, digits: 3 } };
+const [METRES, FEET] = [{ unit: 'm', scale: 1 }, { unit: 'ft', scale: 1 / 0.3048 }];
+const INCHES = { unit: 'in', scale: 1 / 0.0254, digits: 3 };
+
+// The units that a user chooses: of sizes, and of depths.
+export const LENGTHS = { mm: { unit: 'mm', scale: 1000, digits: 2, depth: METRES }, in: { ...INCHES, depth: METRES }, ft: { ...INCHES, depth: FEET } };
 
 export const showLength = (metres, units, digits = LENGTHS[units].digits) =>
   Number.isFinite(metres) ? `${(metres * LENGTHS[units].scale).toFixed(digits)} ${LENGTHS[units].unit}` : '–';
 
 // Signed, with a true minus sign.
+/** @type {(metres: number, units: string, digits?: number) => string} */
 export const showSigned = (metres, units, digits) => {
   if (!Number.isFinite(metres)) return '–';
   const text = showLength(Math.abs(metres), units, digits);
   return `${metres < 0 ? '−' : '+'}${text}`;
 };
 
-export const showDepth = (metres, digits = 2) => (Number.isFinite(metres) ? `${metres.toFixed(digits)} m` : '–');
+export const depthUnit = (units) => LENGTHS[units].depth.unit;
+export const depthNumber = (metres, units, digits = 2) => (metres * LENGTHS[units].depth.scale).toFixed(digits);
+export const showDepth = (metres, units, digits = 2) => (Number.isFinite(metres) ? `${depthNumber(metres, units, digits)} ${depthUnit(units)}` : '–');
+export const showSpan = (start, stop, units) => `${depthNumber(start, units, 1)}–${showDepth(stop, units, 1)}`;
 export const showAngle = (degrees, digits = 1) => (Number.isFinite(degrees) ? `${degrees.toFixed(digits)}°` : '–');
 
 // Five significant digits: what a float32 certainly holds.

@@ -6,38 +6,52 @@ import { niceStep, tubeFor } from './lod.js';
 
 const SHORTEST = 0.5; // metres of section
 export const MOST_BESIDE = 3;
+export const MOST_CURVES = 4;
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
 
 // From where the 3-D view is seen.
 export const CAMERAS = { straight: 'straight', outside: 'on its path', down: 'inside, down', up: 'inside, up' };
 
-const DEFAULTS = {
-  quantity: 'over',
-  cut: 'top',
-  units: 'mm',
-  pass: 'latest',
-  theme: 'light',
-  tube: 0, // 0: chosen from the section
-  shape: 0, // 0: 3 in the column, true elsewhere
-  median: 1,
-  follow: true,
-  camera: 'straight',
-  turn: 0, // degrees that the straightened hole is turned, so that more of it is at the right
-  tab: 'log', // of a narrow screen
-  rig: false, // large digits; follows the bit, whatever the user does
-};
+// What the user chooses, at first.
+class Settings {
+  quantity = 'over';
+  cut = 'top';
+  units = 'mm';
+  pass = 'latest';
+  theme = 'light';
+  tube = 0; // 0: chosen from the section
+  shape = 0; // 0: 3 in the column, true elsewhere
+  median = 1;
+  follow = true;
+  camera = 'straight';
+  turn = 0; // degrees that the straightened hole is turned, so that more of it is at the right
+  tab = 'log'; // of a narrow screen
+  rig = false; // large digits; follows the bit, whatever the user does
+}
+const DEFAULTS = new Settings();
 
-export class View {
+export class View extends Settings {
+  length = 30;
+  top = 0;
+  /** @type {{ depth: number, toolface: number | null } | null} */
+  cursor = null; // {depth, toolface}
+  pinned = false;
+  /** @type {any[]} */
+  pins = []; // depths of sections kept beside the polar plot
+  /** @type {any[]} */
+  beside = []; // ids of the quantities whose images stand beside the first
+  /** @type {any[]} */
+  curves = []; // names of the curves along the hole that are shown
+  /** @type {Record<string, number>} */
+  widths = {}; // pixels of the tracks that the user made wider or narrower
+  /** @type {any[]} */
+  order = []; // of the tracks, where the user changed it
+  /** @type {any[]} */
+  listeners = [];
+
   constructor(redraw) {
-    Object.assign(this, DEFAULTS);
+    super();
     this.redraw = redraw;
-    this.length = 30;
-    this.top = 0;
-    this.cursor = null; // {depth, toolface}
-    this.pinned = false;
-    this.pins = []; // depths of sections kept beside the polar plot
-    this.beside = []; // ids of the quantities whose images stand beside the first
-    this.listeners = [];
   }
 
   get bottom() {
@@ -97,7 +111,8 @@ export class View {
     for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']) {
       if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
     }
-    if (this.beside.length) parts.beside = this.beside.join('~');
+    for (const key of ['beside', 'curves', 'order']) if (this[key].length) parts[key] = this[key].join('~');
+    if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
     for (const key of ['follow', 'rig']) if (this[key]) parts[key] = 1;
     return `#${new URLSearchParams(parts)}`;
   }
@@ -115,9 +130,9 @@ export class View {
       tube: number('tube', 0, 1000),
       shape: number('shape', 0, 100),
       turn: number('turn', 0, 360),
-      median: [1, 3, 5].includes(number('median', 1, 5)) ? number('median', 1, 5) : null,
+      median: [1, 3, 5].includes(number('median', 1, 5) ?? 0) ? number('median', 1, 5) : null,
       cut: among('cut', Object.keys(CUTS)),
-      units: among('units', ['mm', 'in']),
+      units: among('units', ['mm', 'in', 'ft']),
       pass: among('pass', ['latest', 'first', 'change']),
       theme: among('theme', ['light', 'dark']),
       tab: among('tab', ['log', '3d', 'section', 'zones']),
@@ -125,7 +140,12 @@ export class View {
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
     for (const [key, value] of Object.entries(taken)) if (value !== null) this[key] = value;
-    this.beside = parts.get('beside')?.split('~').slice(0, MOST_BESIDE) ?? [];
+    const listed = (key, most) => parts.get(key)?.split('~').slice(0, most) ?? [];
+    this.beside = listed('beside', MOST_BESIDE);
+    this.curves = listed('curves', MOST_CURVES);
+    this.order = listed('order', 20);
+    const widths = listed('widths', 40);
+    this.widths = Object.fromEntries(widths.flatMap((name, i) => (i % 2 === 0 && Number(widths[i + 1]) > 0 ? [[name, Number(widths[i + 1])]] : [])));
     this.rig = parts.get('rig') === '1';
     if (this.rig) this.follow = true;
     const depth = number('md', -1e5, 1e6);
@@ -137,9 +157,10 @@ export class View {
 }
 
 // Depths of the ticks between two depths so that labels are at least `apart` pixels from each other.
-export function ticks(top, bottom, pixels, apart) {
-  const step = niceStep(((bottom - top) / pixels) * apart);
+// `scale`: round numbers of a unit of which a metre has so many.
+export function ticks(top, bottom, pixels, apart, scale = 1) {
+  const step = niceStep(((bottom - top) / pixels) * apart * scale);
   const out = [];
-  for (let i = Math.ceil(top / step - 1e-9); i * step <= bottom + 1e-9; i++) out.push(i * step);
-  return { step, values: out, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
+  for (let i = Math.ceil((top * scale) / step - 1e-9); i * step <= bottom * scale + 1e-9; i++) out.push((i * step) / scale);
+  return { step: step / scale, values: out, digits: Math.max(0, -Math.floor(Math.log10(step) + 1e-9)) };
 }

@@ -5,11 +5,14 @@ import { drawInsideInk } from './inside.js';
 import { BOLD, FONT, HEAD, label, PALETTES, SMALL } from './layout.js';
 import { line } from './strokes.js';
 import { turn } from './turns.js';
-import { showDepth } from './units.js';
+import { LENGTHS, showDepth } from './units.js';
 import { dot, eastNorthUp, minus } from './vectors.js';
 import { CAMERAS, ticks } from './view.js';
 
 // In the 3-D view: the hole's axis in gaps, zones and depths beside the hole, the compass, the exaggerations in words.
+/** @type {[string, number[]][]} */
+const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
+
 export function drawWallInk(ink, look, gpu, calipers) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
@@ -36,7 +39,7 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   const tube = view.tubeFactor(store);
   unmeasured(ink, look, gpu, calipers, palette);
   zonesBeside(ink, look, gpu, palette);
-  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76);
+  const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
   const beside = store.bitRadius * tube * 1.3;
   const used = [];
   const [shallow, deep] = store.span;
@@ -47,7 +50,7 @@ function outsideInk(ink, look, gpu, calipers, palette) {
     used.push(at);
     const axis = gpu.project(frame, rect);
     const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
-    const text = `${depth.toFixed(digits)} m`;
+    const text = showDepth(depth, view.units, digits);
     label(ink, text, at[0] + (level ? 0 : 8), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
     if (level) line(ink, at[0], at[1] - 6, at[0], at[1] + 2, palette.soft);
     else line(ink, at[0] - 2, at[1], at[0] + 6, at[1], palette.soft);
@@ -88,13 +91,13 @@ function cursorLabel(ink, look, gpu, beside, palette) {
   const frame = path.at(view.cursor.depth);
   if (frame) cursorRing(ink, look, gpu, palette);
   const at = frame && gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
-  if (at) label(ink, showDepth(view.cursor.depth), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
+  if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
 }
 
 function compass(ink, gpu, rect, palette) {
   const [x, y] = [rect.left + 44, rect.height - 46];
   const used = [];
-  for (const [name, direction] of [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]]) {
+  for (const [name, direction] of ARROWS) {
     const [dx, dy, towards] = gpu.facing(direction);
     line(ink, x, y, x + 26 * dx, y - 26 * dy, towards > 0 ? palette.ink : palette.soft);
     const clear = used.every(([a, b]) => Math.hypot(dx - a, dy - b) > 0.45);

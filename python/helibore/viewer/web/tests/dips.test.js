@@ -1,7 +1,8 @@
 import assert from 'node:assert/strict';
 import { test } from 'node:test';
-import { asTable, Picking } from '../src/picking.js';
-import { fitPlane, planeDepth, wallPoint } from '../src/dips.js';
+import { fitPlane, planeDepth, planeOf, wallPoint } from '../src/dips.js';
+import { pole, rose } from '../src/net.js';
+import { Picking } from '../src/picking.js';
 import { Path } from '../src/path.js';
 
 const RAD = Math.PI / 180;
@@ -95,44 +96,72 @@ test('points that say no plane give none, and no survey no true dip', () => {
   assert.ok(Number.isNaN(fitPlane(path(0, 0), [point(0), point(120), point(240)]).azimuth), 'level beds lean nowhere');
 });
 
-test('picks in an address say which radius was measured and which is the bit’s', () => {
-  globalThis.document = { getElementById: () => ({ addEventListener() {} }) };
-  const picking = new Picking({});
-  const text = '1009.300_10.0_108.0~1009.600_130.0_108.0_bit~1008.700_250.0_108.2';
-  picking.fromAddress(`${text}!1_2_3~1_2_3~1_2_x!1_2_3~1_2_3~1_2_3_rig!1_2_3_bit_4~1_2_3~1_2_3!1_2_3~1_2_3!1__3~1_2_3~1_2_3`);
-  assert.equal(picking.kept.length, 1, 'the rest is not taken');
-  assert.deepEqual(picking.kept[0].map(({ measured }) => measured), [true, false, true]);
-  assert.equal(picking.toAddress(), text);
-  const table = asTable([{ depth: 1, dip: 2, azimuth: 3, apparent: 4, deepest: 5, misfit: 0, points: picking.kept[0] }]);
-  assert.match(table, /,points,points_at_bit_size\r\n.*,3,1\r\n$/);
+test('a kept pick is the plane that was fitted', () => {
+  const made = path(35, 80);
+  const fitted = fitPlane(made, bed(made, 25, 310, 1013, [10, 95, 140, 260, 310]));
+  const pick = { kind: 'bed', depth: fitted.depth, apparent_dip: fitted.apparent, toolface: fitted.deepest, radius: fitted.radius };
+  const plane = planeOf(made, pick, 0.2);
+  near(plane.dip, 25, 0.02);
+  near(plane.azimuth, 310, 0.02);
+  for (const toolface of [0, 77, 200]) near(planeDepth(made, plane, toolface), planeDepth(made, fitted, toolface), 1e-4);
+  near(planeOf(made, { ...pick, radius: null }, 0.2).radius, 0.2, 0, 'bit size where none was measured,');
 });
 
-test('one dip too many is not kept and says so; its points stay, and so do the other dips', () => {
-  globalThis.document = { getElementById: () => ({ addEventListener() {} }) };
-  const shown = [];
-  const picking = new Picking({ path: path(20, 0), resize() {}, notice: (text) => shown.push(text) });
-  const bed = (depth) => [0, 120, 240].map((toolface) => ({ depth, toolface, radius: 0.1, measured: true }));
-  const keep = (depth) => {
-    picking.points = bed(depth);
-    picking.keep();
-  };
-  for (let i = 0; i < 200; i++) keep(1000 + i / 10);
-  assert.deepEqual(shown, []);
-  const before = [...picking.kept];
-  keep(1030);
-  assert.deepEqual(picking.kept, before);
-  assert.deepEqual(picking.points, bed(1030));
-  const rule = 'There are 200 dips, as many as are kept: save them as a table and undo some first.';
-  assert.deepEqual(shown, [`${rule} This one was not kept: 1030.00 m`]);
-  picking.points = [];
-  picking.undo();
-  keep(1030);
-  assert.deepEqual(picking.kept.at(-1), bed(1030));
-  const address = picking.toAddress();
-  picking.fromAddress(address);
-  assert.equal(picking.kept.length, 200);
-  assert.equal(shown.length, 1);
-  picking.fromAddress(`${address}!${address}`);
-  assert.equal(picking.kept.length, 200);
-  assert.equal(shown[1], 'The address holds 400 dips: the first 200 are kept, the others are not.');
+function picking(more = {}) {
+  globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
+  globalThis.Option = class {};
+  const sent = [];
+  const app = { path: path(20, 0), store: { bitRadius: 0.1 }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  return { made: new Picking(app), sent };
+}
+
+test('a drag of the crest changes dip and azimuth, elsewhere the depth', () => {
+  const { made } = picking();
+  made.receive([{ key: 'a', kind: 'bed', depth: 1010, toolface: 90, apparent_dip: 45, radius: 0.1 }]);
+  made.selected = 'a';
+  const crest = made.grab({ depth: 1010.1, toolface: 92 }, 0.02);
+  made.drag(crest, { depth: 1010.2, toolface: 100 });
+  made.drop();
+  near(made.pick.apparent_dip, Math.atan(2) / RAD, 1e-9);
+  assert.deepEqual([made.pick.toolface, made.pick.depth], [100, 1010]);
+  const body = made.grab({ depth: 1010, toolface: 10 }, 0.02);
+  assert.equal(body.act, 'move');
+  made.drag(body, { depth: 1010.5, toolface: 30 });
+  made.drop();
+  assert.deepEqual([made.pick.toolface, made.pick.depth], [100, 1010.5]);
+  assert.equal(made.grab({ depth: 1009, toolface: 10 }, 0.02), null, 'beside the curve nothing is moved');
+});
+
+test('a box is dragged over a breakout, across the edge of the image as well; a tiny one is none', () => {
+  const { made } = picking();
+  made.setClass('breakout');
+  const began = made.grab({ depth: 1010, toolface: 350 }, 0.02);
+  made.drag(began, { depth: 1012, toolface: 20 });
+  made.drop();
+  const [{ key, ...box }] = made.kept;
+  assert.match(key, /^[0-9a-f]{12}$/);
+  assert.deepEqual(box, { kind: 'breakout', depth: 1011, toolface: 5, height: 2, opening: 30 });
+  assert.equal(made.near({ depth: 1011.5, toolface: 192 }, 0), made.kept[0], 'its other side is part of it');
+  assert.equal(made.near({ depth: 1011.5, toolface: 90 }, 0), null);
+  made.drag(made.grab({ depth: 1020, toolface: 50 }, 0.02), { depth: 1020, toolface: 51 });
+  made.drop();
+  assert.equal(made.kept.length, 1);
+});
+
+test('one pick too many is not kept and says so; its points stay', () => {
+  const { made, sent } = picking();
+  made.receive(Array.from({ length: 5000 }, (_, i) => ({ key: String(i), kind: 'bed', depth: i, toolface: 0, apparent_dip: 1 })));
+  made.points = [0, 120, 240].map((toolface) => ({ depth: 1003, toolface, radius: 0.1, measured: true }));
+  made.keep();
+  assert.equal(made.kept.length, 5000);
+  assert.equal(made.points.length, 3);
+  assert.deepEqual(sent, ['There are 5000 picks, as many as a wall has. This one was not kept: 1003.00 m']);
+});
+
+test('poles of level planes are in the middle of the net, of steep ones opposite to their dip', () => {
+  assert.deepEqual(pole(0, 70).map((x) => Math.abs(x)), [0, 0]);
+  const [x, y] = pole(90, 90);
+  near(x, -1, 1e-12);
+  near(y, 0, 1e-12);
+  assert.deepEqual(rose([0, 14.9, 359, -1, 15]).filter(Boolean), [2, 1, 2]);
 });

@@ -55,7 +55,7 @@ test('true depth is known where the server says so, and nowhere else', () => {
 
 test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
   const words = (bitDepth, pitch, more = {}) => lampWords({
-    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null,
+    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
     store: { end: 1050, levels: [{ size: 12345, pitch }] }, ...more,
   });
   assert.deepEqual(words(1052.5, 0.1), ['live', 'newest sample 5 s ago · 2.5 m behind bit · 12\u2009345 vertices']);

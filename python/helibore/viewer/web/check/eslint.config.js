@@ -1,0 +1,16 @@
+import js from '@eslint/js';
+
+const BROWSER = ['atob', 'btoa', 'clearInterval', 'clearTimeout', 'crypto', 'devicePixelRatio', 'document', 'fetch', 'history', 'location', 'navigator', 'performance', 'requestAnimationFrame', 'sessionStorage', 'setInterval', 'setTimeout', 'window', 'Blob', 'Option', 'Response', 'TextEncoder', 'Path2D', 'ResizeObserver', 'TextDecoder', 'URL', 'URLSearchParams', 'WebSocket', 'innerHeight', 'innerWidth'];
+
+export default [
+  {
+    ...js.configs.recommended,
+    languageOptions: { ecmaVersion: 2025, sourceType: 'module', globals: Object.fromEntries([...BROWSER, 'globalThis', 'console', 'process'].map((name) => [name, 'readonly'])) },
+    rules: {
+      ...js.configs.recommended.rules,
+      'array-callback-return': 'error', curly: ['error', 'multi-line'], 'default-case-last': 'error', eqeqeq: 'error', 'no-else-return': 'error', 'no-implicit-coercion': 'error',
+      'no-param-reassign': 'error', 'no-self-compare': 'error', 'no-shadow': 'error', 'no-template-curly-in-string': 'error', 'no-throw-literal': 'error', 'no-unmodified-loop-condition': 'error',
+      'no-unused-vars': ['error', { ignoreRestSiblings: true }], 'no-use-before-define': ['error', { functions: false, variables: false, classes: false }], 'no-useless-return': 'error', 'no-var': 'error', 'object-shorthand': 'error', 'prefer-const': 'error', 'prefer-template': 'error',
+    },
+  },
+];

@@ -1,0 +1,172 @@
+// Curves along the hole on a track of their own: those of the files (gamma ray, rate of penetration) and those that the
+// wall's logs measure. The server offers them with the ends of their scales; the page asks for the values of those it
+// shows, and again when their version changes.
+
+import { BOLD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { byId, options } from './panel.js';
+import { save } from './saving.js';
+import { line } from './strokes.js';
+import { toTemplate } from './template.js';
+import { LENGTHS, showValue } from './units.js';
+import { MOST_CURVES } from './view.js';
+
+const SAVE = '\n'; // no curve has this name
+const AGAIN = 5000; // milliseconds between two requests for a curve that grows
+const GAP = 10; // usual steps of depth; a curve ends where its rows are farther apart
+/** @type {[string, number[]][]} */
+const STYLES = [['max', []], ['min', [6, 3]], ['pin', [2, 3]], ['ink', [8, 3, 2, 3]]]; // colours of the palette, dashes
+
+// Depths and values of the bytes that the server sends: f64 first depth, f32 depths from there, f32 values.
+export function decodeCurve(buffer) {
+  const count = (buffer.byteLength - 8) / 8;
+  const first = new Float64Array(buffer, 0, 1)[0];
+  const depth = Float64Array.from(new Float32Array(buffer, 8, count), (offset) => first + offset);
+  const steps = Float64Array.from(depth.subarray(1), (value, i) => value - depth[i]).sort();
+  return { depth, values: new Float32Array(buffer, 8 + 4 * count, count), step: steps[steps.length >> 1] ?? Infinity };
+}
+
+// First row at or below a depth.
+export function rowAt(depth, wanted) {
+  let low = 0;
+  let high = depth.length;
+  while (low < high) {
+    const middle = (low + high) >> 1;
+    if (depth[middle] < wanted) low = middle + 1;
+    else high = middle;
+  }
+  return low;
+}
+
+// The value at a depth, linear between rows; NaN beyond them and in gaps.
+export function curveAt({ depth, values, step }, wanted) {
+  const i = rowAt(depth, wanted);
+  if (depth[i] === wanted) return values[i];
+  if (i === 0 || i === depth.length || depth[i] - depth[i - 1] > GAP * step) return NaN;
+  const share = (wanted - depth[i - 1]) / (depth[i] - depth[i - 1]);
+  return values[i - 1] + share * (values[i] - values[i - 1]);
+}
+
+export class Curves {
+  offered = [];
+  held = new Map();
+  asked = new Map();
+
+  constructor(app) {
+    this.app = app;
+    byId('curve').addEventListener('change', ({ target }) => this.choose(target.value));
+    this.list();
+  }
+
+  // Curves of the server that are new or have other ends: name, unit, low, high, log. `version` is that of all values.
+  offer(rows, version) {
+    const known = new Map(this.offered.map((one) => [one.name, one]));
+    for (const [name, unit, low, high, log] of rows) known.set(name, { name, unit, low, high, log });
+    const curves = [...known.values()].map((one) => ({ ...one, version }));
+    const names = (list) => list.map(({ name }) => name).join('\n');
+    const same = names(curves) === names(this.offered);
+    this.offered = curves;
+    if (!same) this.list();
+    for (const one of this.shown) this.ask(one);
+  }
+
+  get shown() {
+    return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter(Boolean);
+  }
+
+  list() {
+    const { view } = this.app;
+    options('curve', [['', 'Curves'], ...this.offered.map(({ name }) => [name, `${view.curves.includes(name) ? '✓ ' : ''}${name}`]), [SAVE, 'template …']]);
+  }
+
+  // Show a curve, or no longer.
+  choose(name) {
+    const { view } = this.app;
+    if (name === SAVE) {
+      save(new Blob([toTemplate(this.app)], { type: 'application/toml' }), 'helibore-template.toml');
+      return this.list();
+    }
+    view.set({ curves: view.curves.includes(name) ? view.curves.filter((one) => one !== name) : [...view.curves, name].slice(-MOST_CURVES) });
+    return this.list();
+  }
+
+  // Ask for the values of a curve, unless the page has them or has just asked.
+  ask({ name, version }) {
+    const { contents } = this.app;
+    if (this.held.get(name)?.version === version || performance.now() - (this.asked.get(name) ?? -AGAIN) < AGAIN) return;
+    this.asked.set(name, performance.now());
+    const query = new URLSearchParams(location.search);
+    query.set('name', name);
+    const bytes = contents
+      ? Promise.resolve(Uint8Array.from(atob(contents.curves[name] ?? ''), (letter) => letter.charCodeAt(0)).buffer)
+      : fetch(`api/curve?${query}`).then((answer) => (answer.ok ? answer.arrayBuffer() : Promise.reject(new Error(answer.statusText))));
+    bytes.then((buffer) => {
+      this.held.set(name, { version, ...decodeCurve(buffer) });
+      this.app.redraw();
+    }).catch((error) => this.app.notice(`The curve ${name} did not come: ${error.message}`, 10));
+  }
+
+  draw(ink, look) {
+    const { view, rects: { curves: rect } } = look;
+    const palette = PALETTES[view.theme];
+    ink.fillStyle = palette.panel;
+    ink.fillRect(rect.left, rect.top, rect.width, rect.height);
+    for (const share of [0.25, 0.5, 0.75]) line(ink, rect.left + share * rect.width, rect.top, rect.left + share * rect.width, rect.top + rect.height, palette.grid);
+    this.shown.forEach((one, i) => {
+      const [colour, dash] = STYLES[i];
+      this.head(ink, one, rect, 10 + 18 * i, palette, palette[colour], dash, view.units);
+      this.ask(one);
+      const held = this.held.get(one.name);
+      if (held?.depth.length) within(ink, rect, () => trace(ink, one, held, rect, view, palette[colour], dash));
+    });
+    ink.strokeStyle = palette.line;
+    ink.lineWidth = 1;
+    ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
+  }
+
+  head(ink, { name, unit, low, high }, { left, width }, y, palette, colour, dash, units) {
+    const { scale, unit: length } = unit === 'm' ? LENGTHS[units] : { scale: 1, unit };
+    const end = (value) => String(Number((value * scale).toPrecision(3))).replace('-', '−');
+    label(ink, end(low), left, y, { colour: palette.soft, font: SMALL });
+    label(ink, end(high), left + width, y, { colour: palette.soft, align: 'right', font: SMALL });
+    label(ink, `${name} ${length}`, left + width / 2, y, { colour: palette.ink, align: 'center', font: BOLD, yields: true });
+    line(ink, left, y + 8, left + width, y + 8, colour, dash, 1.6);
+  }
+
+  // Name and value of the curves that are shown, at a depth.
+  readout(depth) {
+    return this.shown.map(({ name, unit }) => {
+      const held = this.held.get(name);
+      const value = held && depth !== undefined ? curveAt(held, depth) : NaN;
+      const { scale, unit: length } = unit === 'm' ? LENGTHS[this.app.view.units] : { scale: 1, unit };
+      return [name, showValue(value * scale, length)];
+    });
+  }
+}
+
+// The line of a curve in view: its rows, or the least and the greatest of each pixel where there are more.
+function trace(ink, { low, high, log }, { depth, values, step }, rect, view, colour, dash) {
+  const f = log ? Math.log : (v) => v;
+  const x = (value) => rect.left + ((f(value) - f(low)) / (f(high) - f(low))) * rect.width;
+  const [first, stop] = [Math.max(0, rowAt(depth, view.top) - 1), Math.min(depth.length, rowAt(depth, view.bottom) + 1)];
+  const every = Math.max(1, Math.floor((stop - first) / (2 * rect.height)));
+  ink.beginPath();
+  let drawing = false;
+  for (let i = first; i < stop; i += every) {
+    let [least, most] = [Infinity, -Infinity];
+    for (let j = i; j < Math.min(stop, i + every); j++) {
+      if (values[j] < least) least = values[j];
+      if (values[j] > most) most = values[j];
+    }
+    if (least > most || (log && least <= 0) || (i > 0 && depth[i] - depth[Math.max(0, i - every)] > GAP * every * step)) drawing = false;
+    if (least > most || (log && least <= 0)) continue;
+    const y = yOf(view, rect, depth[i]);
+    ink[drawing ? 'lineTo' : 'moveTo'](x(least), y);
+    if (most > least) ink.lineTo(x(most), y);
+    drawing = true;
+  }
+  ink.strokeStyle = colour;
+  ink.lineWidth = 1.4;
+  ink.setLineDash(dash);
+  ink.stroke();
+  ink.setLineDash([]);
+}

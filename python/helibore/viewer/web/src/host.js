@@ -1,0 +1,69 @@
+// In a notebook the page is a frame without a server. The notebook gives it a port, through which the kernel's messages
+// come as from a websocket, and its answers as to `fetch`; what the reader looks at goes back (notebook.js).
+
+export class Host {
+  /** @type {any} */
+  socket = null;
+  asked = new Map(); // requests without an answer
+  looked = '';
+  /** @type {((top: number, bottom: number) => void) | null} */
+  show = null;
+
+  constructor(port) {
+    this.port = port;
+    port.onmessage = ({ data }) => this.take(data);
+  }
+
+  // A socket for `Connection`.
+  connect() {
+    const socket = { readyState: 1, send: (text) => this.port.postMessage({ text }), close: (code) => this.close(code, '') };
+    this.socket = socket;
+    this.port.postMessage({ open: true });
+    return socket;
+  }
+
+  close(code, reason) {
+    const { socket } = this;
+    if (!socket || socket.readyState === 3) return;
+    socket.readyState = 3;
+    socket.onclose({ code, reason });
+  }
+
+  take(data) {
+    if (typeof data === 'string' || data instanceof ArrayBuffer) this.socket?.onmessage({ data });
+    else if ('id' in data) this.answer(data);
+    else if ('close' in data) this.close(data.close, data.reason);
+    else if (data.depths) this.show?.(data.depths[0], data.depths[1]);
+  }
+
+  // As `fetch` of the server.
+  /** @type {(address: any, request?: any) => Promise<any>} */
+  fetch(address, { method = 'GET', body = '' } = {}) {
+    const id = crypto.randomUUID();
+    this.port.postMessage({ id, method, address: /api\/.*/.exec(address)?.[0], body });
+    return new Promise((answer) => this.asked.set(id, answer));
+  }
+
+  answer({ id, status, headers, body }) {
+    this.asked.get(id)?.(new Response(body, { status, headers }));
+    this.asked.delete(id);
+  }
+
+  // Send the kernel what the reader looks at, if it has changed.
+  look(traits) {
+    const text = JSON.stringify(traits);
+    if (text !== this.looked) this.port.postMessage({ traits });
+    this.looked = text;
+  }
+}
+
+// Call `begin(host)` when the notebook offers a port.
+export function whenHosted(begin) {
+  window.addEventListener('message', ({ source, data, ports }) => {
+    if (source !== window.parent || data !== 'helibore' || !ports[0]) return;
+    const host = new Host(ports[0]);
+    window.fetch = (address, options) => host.fetch(address, options);
+    begin(host);
+  });
+  window.parent.postMessage('helibore', '*');
+}

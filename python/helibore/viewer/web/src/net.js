@@ -1,0 +1,74 @@
+// The picks in view as a stereonet (poles of planes on the lower hemisphere, equal area, north up) and as a rose (dip
+// azimuths of planes; both ends of breakout axes, from north). Without a survey both count from the tool's zero.
+
+import { symbol } from './dip_ink.js';
+import { wrap360 } from './helix.js';
+import { label, PALETTES, SMALL } from './layout.js';
+import { BREAKOUT } from './picking.js';
+import { sized } from './polar.js';
+
+const RAD = Math.PI / 180;
+const SECTOR = 15; // degrees of the rose
+
+// Where the pole of a plane is on a net of radius 1: right, up. The pole of a level plane is in the middle.
+export function pole(dip, azimuth) {
+  const far = Math.SQRT2 * Math.sin((dip / 2) * RAD);
+  return [-far * Math.sin(azimuth * RAD), -far * Math.cos(azimuth * RAD)];
+}
+
+// Counts of directions by sector.
+export function rose(directions) {
+  const counts = new Array(360 / SECTOR).fill(0);
+  for (const direction of directions) counts[Math.floor(wrap360(direction) / SECTOR) % counts.length]++;
+  return counts;
+}
+
+const attitude = ({ dip, azimuth, apparent, deepest }, { surveyed }) => (surveyed ? [dip, azimuth] : [apparent, deepest]);
+
+// Draw both, and return what they show in words.
+export function drawNet(canvas, { view, path }, { kept, boxes }) {
+  const palette = PALETTES[view.theme];
+  const { ink, width, height } = sized(canvas);
+  ink.clearRect(0, 0, width, height);
+  const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
+  const planes = kept.filter(inView);
+  const breakouts = boxes.filter(inView);
+  const radius = Math.min(width / 4, height / 2) - 14;
+  const [net, flower] = [width / 4, (3 * width) / 4].map((x) => ({ x, y: height / 2, radius }));
+  for (const place of [net, flower]) circle(ink, place, palette, path.surveyed ? ['N', 'E', 'S', 'W'] : ['0°', '', '', '']);
+  for (const plane of planes) {
+    const [x, y] = pole(...attitude(plane, path).map((angle) => (Number.isFinite(angle) ? angle : 0)));
+    symbol(ink, net.x + radius * x, net.y - radius * y, plane.kind, palette.picks[plane.kind], palette.panel);
+  }
+  const north = (depth) => path.dial(depth).north ?? 0;
+  const axes = breakouts.flatMap(({ depth, toolface }) => [0, 180].map((turn) => toolface - north(depth) + turn));
+  const dips = planes.map((plane) => attitude(plane, path)[1]).filter(Number.isFinite);
+  petals(ink, flower, rose(dips), palette.soft);
+  petals(ink, flower, rose(axes), palette.picks[BREAKOUT]);
+  return `${planes.length} pole${planes.length === 1 ? '' : 's'}, lower hemisphere; rose: ${[dips.length ? 'dip azimuths' : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
+}
+
+function circle(ink, { x, y, radius }, palette, names) {
+  ink.strokeStyle = palette.line;
+  ink.lineWidth = 1;
+  for (const share of [Math.SQRT2 * Math.sin(15 * RAD), Math.SQRT2 * Math.sin(30 * RAD), 1]) {
+    ink.beginPath();
+    ink.arc(x, y, share * radius, 0, 2 * Math.PI);
+    ink.stroke();
+  }
+  names.forEach((name, i) => label(ink, name, x + (radius + 8) * Math.sin(i * 90 * RAD), y - (radius + 8) * Math.cos(i * 90 * RAD), { colour: palette.soft, align: 'center', font: SMALL }));
+}
+
+function petals(ink, { x, y, radius }, counts, colour) {
+  const most = Math.max(...counts);
+  ink.fillStyle = colour;
+  counts.forEach((count, i) => {
+    if (!count) return;
+    ink.beginPath();
+    ink.moveTo(x, y);
+    ink.arc(x, y, radius * Math.sqrt(count / most), (i * SECTOR - 90) * RAD, ((i + 1) * SECTOR - 90) * RAD);
+    ink.globalAlpha = 0.75;
+    ink.fill();
+    ink.globalAlpha = 1;
+  });
+}

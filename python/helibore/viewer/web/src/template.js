@@ -1,0 +1,42 @@
+// The arrangement of the tracks as a template (TOML), which page, print and report read, and back.
+
+import { movable } from './layout.js';
+
+const RADIUS = 'Radius'; // the name in templates of the wall over bit size
+const text = (name) => JSON.stringify(name); // a TOML string has the escapes of JSON
+
+// The tracks of the page, as TOML.
+export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
+  const images = [quantity, ...besides];
+  const lines = [`units = "${view.units}"`, ...(paper ? [`scale = ${paper}`] : [])];
+  for (const name of movable(rects)) {
+    lines.push('', '[[track]]');
+    const image = name === 'image' ? images[0] : images[Number(name.slice('beside'.length)) + 1];
+    if (name === 'caliper' || name === 'dips') lines.push(`kind = "${name}"`);
+    else if (name === 'curves') lines.push('kind = "curves"', `names = [${curves.shown.map((one) => text(one.name)).join(', ')}]`);
+    else lines.push('kind = "image"', `name = ${text(image.id === 'over' ? RADIUS : image.id)}`);
+    lines.push(`width = ${Math.round(rects[name].width)}`);
+  }
+  return `${lines.join('\n')}\n`;
+}
+
+// Changes of the view that show the tracks of a template; images that the wall does not have are left out.
+export function fromTemplate({ units, tracks }, quantities) {
+  /** @type {{ units: string, beside: string[], curves: string[], order: string[], widths: Record<string, number>, quantity?: string }} */
+  const changes = { units, beside: [], curves: [], order: [], widths: {} };
+  let images = 0;
+  for (const { kind, name, names, width } of tracks) {
+    let track = kind;
+    if (kind === 'image') {
+      const id = name === RADIUS ? 'over' : name;
+      if (!quantities.some((one) => one.id === id)) continue;
+      track = images ? `beside${images - 1}` : 'image';
+      if (images++) changes.beside.push(id);
+      else changes.quantity = id;
+    }
+    changes.curves.push(...names);
+    changes.order.push(track);
+    if (width !== null) changes.widths[track] = width;
+  }
+  return changes;
+}
