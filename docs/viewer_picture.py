@@ -12,13 +12,14 @@ import io
 import shutil
 import sys
 import time
+from functools import partial
 from pathlib import Path
 
-import numpy as np
 from PIL import Image
 from playwright.sync_api import Page, sync_playwright
 
 import helibore as hb
+from helibore.logs.picks import Pick, Picks
 from helibore.simulation.tool import Bed, Hole, Simulation, Tool, simulate
 from helibore.viewer import Attribute, Viewer
 
@@ -46,12 +47,9 @@ def show() -> tuple[Viewer, Simulation]:
     return viewer, run
 
 
-def picks(run: Simulation, bed: Bed) -> str:
-    """Points of a bed's top as the page's address spells them."""
-    toolface = np.array([20.0, 95.0, 170.0, 245.0, 320.0])
-    radius = 0.5 * run.hole.bit_diameter
-    depth = bed.depth + radius * np.tan(np.radians(bed.dip)) * np.cos(np.radians(toolface - bed.direction))
-    return "~".join(f"{d:.3f}_{t:.1f}_{1e3 * radius:.1f}" for d, t in zip(depth, toolface, strict=True))
+def pick(bed: Bed) -> Pick:
+    """A bed's top as a pick."""
+    return Pick(kind="bed", depth=bed.depth, apparent_dip=bed.dip, toolface=bed.direction % 360)
 
 
 def settle(page: Page) -> None:
@@ -65,8 +63,9 @@ def settle(page: Page) -> None:
 
 def main(output: Path) -> None:
     viewer, run = show()
-    beds = [bed for bed in run.hole.beds if AGAIN[0] - 5 < bed.depth < AGAIN[1] + 2][:3]
-    address = f"#md=2054&sec=24&quantity=GR&dips={'!'.join(picks(run, bed) for bed in beds)}"
+    for bed in [bed for bed in run.hole.beds if AGAIN[0] - 5 < bed.depth < AGAIN[1] + 2][:3]:
+        viewer.scene.change_picks(partial(Picks.put, pick=pick(bed)))
+    address = "#md=2054&sec=24&quantity=GR"
     with viewer, sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         page = browser.new_page(viewport={"width": 1366, "height": 768})

@@ -6,7 +6,7 @@ A sector image lies on the same helix as the radius.
 """
 
 import helibore as hb
-from helibore.simulation.demo import drill, rebuild
+from helibore.simulation.demonstration import drill, rebuild
 
 demonstration = rebuild(drill())
 wall = demonstration.wall
