@@ -42,8 +42,12 @@ UNIT = 256
 """Turns: blocks of logs begin at multiples of it, in the core too."""
 BIN_TURNS = 64
 """Turns in the height of a bin."""
+CROWDED = 4
+"""Times `block_samples` that the smallest block, of `UNIT` turns, may have: a worker takes 100 bytes for each."""
 BATCH = 1 << 18
 """Rows read at a time."""
+AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
+"""How a Parquet file is read in little memory, whatever its size and row groups; a pre-buffer keeps all that it read."""
 BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
 """Settings of a preparation that a block may have; the last two only as false."""
 
@@ -127,7 +131,7 @@ def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
     preparation = run.settings.preparation
     bit = run.settings.wall.bit_diameter if run.settings.wall else None
     log, names = run.files.log_set(only), [role.channel for role in only.channel if role.role != "none"]
-    with parquet.ParquetFile(only.file, buffer_size=1 << 20, page_checksum_verification=True) as file:
+    with parquet.ParquetFile(only.file, **AS_STREAM) as file:
         for batch in file.iter_batches(BATCH, columns=names):
             channels = []
             for name in batch.schema.names:
@@ -183,6 +187,12 @@ def _blocks(wall: Settings, plan: Json, most_samples: int) -> list[list[int]]:
             found[-1][1] = stop
         else:
             found.append([first, stop])
+            counted = _samples(wall, plan, first, stop)
+            if counted > CROWDED * most_samples:
+                rule = f"{UNIT} turns from {plan['start_depth'] + first * wall.pitch:.6g} m on have {counted:,}"
+                raise InputError(
+                    "block_samples", f"{rule}; a block must have at most {CROWDED} times it", f"{most_samples}"
+                )
     return found
 
 
@@ -210,9 +220,9 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
-    overlap = max(1.001 * (settings.max_distance or 1.0), settings.gap_reach)
+    up = down = max(1.001 * (settings.max_distance or 1.0), settings.gap_reach)
+    low, high = shallow - up, deep + down
     while True:
-        low, high = shallow - overlap, deep + overlap
         wall = Wall(threads=1, **vars(settings) | own)
         columns = _load(store, plan, low, high)
         if columns[0].size:
@@ -220,9 +230,20 @@ def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int)
         if settings.max_distance is not None and settings.window is None:
             return wall
         least, most = wall.reach(first, stop) if len(wall) else (-math.inf, math.inf)
-        if (least >= low or low <= plan["ends"][0]) and (most <= high or high >= plan["ends"][1]):
+        is_low, is_high = least >= low or low <= plan["ends"][0], most <= high or high >= plan["ends"][1]
+        if is_low and is_high:
             return wall
-        overlap *= 2
+        if not is_low:
+            low, up = max(least, -_beyond_gap(plan, -low, -1) - up), 2 * up
+        if not is_high:
+            high, down = min(most, _beyond_gap(plan, high, 1) + down), 2 * down
+
+
+def _beyond_gap(plan: Json, along: float, sign: int) -> float:
+    """Return a depth times ``sign``, or the edge of the next bin beyond it, along the sign, that has samples."""
+    edges = (min(sign * at * plan["height"], sign * (at + 1) * plan["height"]) for at in map(int, plan["counts"]))
+    reached = along - plan["height"]  # the bin that a depth lies in has samples beyond it
+    return max(along, min((edge for edge in edges if edge >= reached), default=along))
 
 
 def radii(wall: Wall, count: int) -> tuple[Floats, Floats]:

@@ -16,6 +16,7 @@ from pyarrow import parquet
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.runs.blocks import AS_STREAM, _beyond_gap
 from helibore.runs.manifest import OUTPUTS, Job, read_jobs
 from helibore.runs.output_store import Store
 from helibore.runs.reprocess import Progress, status
@@ -263,6 +264,34 @@ def test_what_needs_the_whole_well_is_refused_in_blocks_by_name(
     with pytest.raises(hb.InputError) as caught:
         reprocess_well(Job("A", tree, str(tmp_path), block_samples=1000))
     assert str(caught.value).startswith(place)
+
+
+def test_a_stretch_of_hole_with_too_many_samples_for_a_block_is_refused(field: Path, tmp_path: Path) -> None:
+    settings = {"bit_diameter": 0.2159, "sectors": 8}
+    tree = {"caliper": [{"file": f"{field}/0.parquet"}], "wall": settings, "preparation": BY_ROW}
+    with pytest.raises(hb.InputError) as caught:
+        reprocess_well(Job("A", tree, str(tmp_path), block_samples=999))
+    rule = "256 turns from 1000 m on have 4,000; a block must have at most 4 times it"
+    assert str(caught.value) == f"block_samples = 999: {rule}"
+
+
+def test_a_block_skips_a_gap_and_reads_no_more_than_it_needs_beyond() -> None:
+    plan = {"height": 2.0, "counts": {"-1": 5, "0": 3, "500": 9, "501": 4}}
+    ways = [_beyond_gap(plan, at, 1) for at in (0.5, 2.5, 1000.5, 1005.0)]
+    assert ways == [0.5, 1000.0, 1000.5, 1005.0]
+    ways = [-_beyond_gap(plan, -at, -1) for at in (1003.0, 1000.0, 900.0, -1.5, -9.0)]
+    assert ways == [1003.0, 1000.0, 2.0, -1.5, -9.0]
+
+
+def test_a_parquet_file_is_read_in_little_memory(tmp_path: Path) -> None:
+    values = np.random.default_rng(0).uniform(1.0, 2.0, 600_000)
+    table = pyarrow.table(dict.fromkeys(("depth_m", "toolface_deg", "radius_m"), values))
+    for rows in (60_000, values.size):
+        parquet.write_table(table, tmp_path / "a.parquet", row_group_size=rows, use_dictionary=False)
+        size, begin = (tmp_path / "a.parquet").stat().st_size, pyarrow.total_allocated_bytes()
+        with parquet.ParquetFile(tmp_path / "a.parquet", **AS_STREAM) as file:
+            most = max(pyarrow.total_allocated_bytes() - begin for _ in file.iter_batches(10_000))
+        assert most < size / 2, (most, size)
 
 
 @pytest.fixture(scope="module")
