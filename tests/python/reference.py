@@ -162,3 +162,17 @@ def bits_by_vertex(wall: Any) -> npt.NDArray[np.void]:
 def exactly(text: str) -> str:
     """The pattern that `pytest.raises` finds in this text only."""
     return f"^{re.escape(text)}$"
+
+
+def instruction_sets() -> list[str]:
+    """Those of this processor; the others are refused by name."""
+    here = []
+    for name in ("plain", "avx2", "avx512"):
+        try:
+            hb.Wall(bit_diameter=0.2, instruction_set=name)
+        except hb.InputError as error:
+            if error.rule != "this processor does not have it":
+                raise
+        else:
+            here.append(name)
+    return here

@@ -5,7 +5,6 @@ Each holds to the last bit unless it says otherwise. (The law of the path is in 
 
 from __future__ import annotations
 
-import contextlib
 import hashlib
 import itertools
 from typing import Any
@@ -14,7 +13,7 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
-from reference import Floats, bits, bits_by_vertex, canonical, exactly, random_hole
+from reference import Floats, bits, bits_by_vertex, canonical, exactly, instruction_sets, random_hole
 
 import helibore as hb
 
@@ -150,16 +149,6 @@ def test_a_rescan_touches_its_metres_and_the_reach_around_them(window: int | Non
     assert np.mean(wall.radius != before[1]) > 0.06
 
 
-def available(instruction_set: str) -> bool:
-    with contextlib.suppress(ValueError):
-        hb.Wall(bit_diameter=BIT, instruction_set=instruction_set)
-        return True
-    text = f"instruction_set = {instruction_set}: this processor does not have it"
-    with pytest.raises(ValueError, match=exactly(text)):
-        hb.Wall(bit_diameter=BIT, instruction_set=instruction_set)
-    return False
-
-
 @pytest.mark.parametrize(
     "chosen",
     [
@@ -179,7 +168,7 @@ def test_threads_and_instruction_sets(chosen: dict[str, Any]) -> None:
     columns = (*columns, np.arange(columns[0].size, dtype=float))
     order = np.random.default_rng(5).permutation(columns[0].size)
     columns = tuple(c[order] for c in columns)
-    sets = [name for name in ("plain", "avx2", "avx512") if available(name)]
+    sets = instruction_sets()
     chosen = {"bit_diameter": BIT, "sectors": 48, "pitch": 0.1} | chosen
     hashes = {
         hashlib.sha256(bits(whole(columns, chosen | {"threads": threads, "instruction_set": name}))).hexdigest()
@@ -192,7 +181,7 @@ def test_threads_and_instruction_sets(chosen: dict[str, Any]) -> None:
 @given(samples(), wall_settings)
 def test_instruction_sets_on_small_holes(columns: Columns, chosen: dict[str, Any]) -> None:
     """Ties, gaps and lists that do not fill a vector."""
-    sets = [name for name in ("plain", "avx2", "avx512") if available(name)]
+    sets = instruction_sets()
     assert len({bits(whole(columns, chosen | {"instruction_set": name})) for name in sets}) == 1
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from reference import Floats, exactly
+from reference import Floats, exactly, instruction_sets
 
 import helibore as hb
 from helibore.wall.estimates import in_depth_order
@@ -146,7 +146,7 @@ def test_kept_while_estimating_or_computed_afterwards(settings: dict[str, Any]) 
     np.testing.assert_array_equal(kept.radius, later.radius)
     np.testing.assert_array_equal(kept.sigma, later.sigma)
     np.testing.assert_array_equal(pickle.loads(pickle.dumps(kept)).sigma, later.sigma)
-    for instruction_set in ("plain", "avx2", "avx512"):
+    for instruction_set in instruction_sets():
         wall = hb.Wall(instruction_set=instruction_set, threads=2, **vars(kept.settings))
         for part in np.array_split(np.random.default_rng(1).permutation(2000), 7):
             wall.append(samples.depth[part], samples.toolface[part], samples.radius[part])
