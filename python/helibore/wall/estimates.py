@@ -21,7 +21,7 @@ from helibore.samples.caliper import Caliper
 FEWEST_SAMPLES = 100
 MOST_UNMEASURED = 0.5
 """Share of the turns: a tool that leaves more unmeasured has few arms, or sends few samples."""
-_MOST_BOX_DEPTH, _BOXES = 0.5, 500
+_MOST_BOX_DEPTH, _BOXES = 1.0, 500
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -66,8 +66,9 @@ def choose_left_out(samples: Columns, settings: Settings, most: int, seed: int, 
 def empty_boxes(samples: Columns, settings: Settings, count: int, rng: np.random.Generator) -> Boxes:
     """Return half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
 
-    The height is the depth to the nearest sample within half a sector of angle, at most 0.5 m; the width is the angle
-    to the nearest sample within half a pitch of depth. At most `_BOXES` different boxes, repeated.
+    The height is the depth to the nearest sample within half a sector of angle, at most 1 m (at 0.5 m the same arm,
+    with the same bias, still says much); the width is the angle to the nearest sample within half a pitch of depth. At
+    most `_BOXES` different boxes, repeated.
     """
     depth, toolface, _ = samples
     some = min(count, _BOXES)

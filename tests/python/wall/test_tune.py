@@ -150,7 +150,7 @@ def test_boxes_are_empty() -> None:
     samples = (depth, np.tile([0.0, 90.0, 180.0, 270.0], 200), np.full(800, 0.11))
     height, width = empty_boxes(samples, hb.Settings(bit_diameter=BIT), 400, np.random.default_rng(1))
     assert 40 < width.max() <= 45
-    assert height.max() == 0.5
+    assert height.max() == 1.0
 
 
 BAD: list[tuple[int, dict[str, Any], str]] = [
