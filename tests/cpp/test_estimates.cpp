@@ -143,14 +143,18 @@ void kept_sums() {
             Settings other = settings;
             other.instruction_set = set;
             other.threads = 3;
-            Wall split(other);
-            const std::size_t third = hole.depth.size() / 3;
-            split.append(hole.rows(2 * third, hole.depth.size() - 2 * third));
-            split.append(hole.rows(0, third));
-            split.append(hole.rows(third, third));
-            const auto same = split.sums();
-            for (std::size_t k = 0; k < n; ++k)
-                for (std::size_t i = 0; i < 4; ++i) CHECK(v.support[k] == 0 || near(same[i][k], sums[i][k], 0.0));
+            try {
+                Wall split(other);
+                const std::size_t third = hole.depth.size() / 3;
+                split.append(hole.rows(2 * third, hole.depth.size() - 2 * third));
+                split.append(hole.rows(0, third));
+                split.append(hole.rows(third, third));
+                const auto same = split.sums();
+                for (std::size_t k = 0; k < n; ++k)
+                    for (std::size_t i = 0; i < 4; ++i) CHECK(v.support[k] == 0 || near(same[i][k], sums[i][k], 0.0));
+            } catch (const helibore::InputError& error) {  // not this processor
+                CHECK(error.place == "instruction_set");
+            }
         }
     }
 }
