@@ -1,8 +1,9 @@
-"""The live wall under load over loopback TCP, journal on: ``python -m bench.live.load --minutes 10``.
+"""The live wall under load over loopback TCP, journal on: ``python -m bench.live.load --minutes 10 [--page]``.
 
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
 deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.
 The wall that grew is compared with the batch reconstruction of its samples before anything is printed.
+``--page`` shows the wall in Debian's chromium, which draws with the processor, and tells when each vertex was drawn.
 """
 
 from __future__ import annotations
@@ -10,17 +11,25 @@ from __future__ import annotations
 import argparse
 import multiprocessing
 import resource
+import shutil
 import socket
+import sys
 import tempfile
 import time
 from collections import deque
+from multiprocessing.synchronize import Event
+from pathlib import Path
 
 import numpy as np
 
 import helibore as hb
+from helibore.cli.live_view import Window
 from helibore.live import wits
 from helibore.live.configuration import parse
 from helibore.live.server import Server
+from helibore.live.update import Update
+
+sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
 CONFIGURATION = """
 [wall]
@@ -33,6 +42,41 @@ units = "metric"
 items = {{ bit_depth = "0108", hole_depth = "0110", rotation = "0120" }}
 caliper = {{ first = "5010", groups = 30, order = ["toolface", "depth", "radius"] }}
 """
+
+
+# Notes when the page has drawn more vertices than before: time (ms since 1970) and number.
+RECORDER = """() => {
+  window.drawn = [];
+  const pixel = new Uint8Array(4);
+  let size = 0, frames = 0;
+  const look = () => {
+    requestAnimationFrame(look);
+    const app = window.__wall?.app;
+    const now = app?.store?.levels[0].size ?? 0;
+    if (size && app.frames > frames) {
+      app.gpu.gl.readPixels(0, 0, 1, 1, app.gpu.gl.RGBA, app.gpu.gl.UNSIGNED_BYTE, pixel);
+      window.drawn.push([Date.now(), size]);
+      size = 0;
+    }
+    if (!size && now > (window.drawn.at(-1)?.[1] ?? 0)) [size, frames] = [now, app.frames];
+  };
+  look();
+}"""
+
+
+def watch(url: str, stop: Event, drawn: multiprocessing.Queue[list[tuple[float, int]]]) -> None:
+    """A driller's page, open until ``stop``."""
+    from playwright.sync_api import sync_playwright
+    from screen import FLAGS
+
+    with sync_playwright() as playwright:
+        browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
+        page = browser.new_page(viewport={"width": 1366, "height": 768})
+        page.goto(url)
+        page.evaluate(RECORDER)
+        stop.wait()
+        drawn.put(page.evaluate("window.drawn"))
+        browser.close()
 
 
 def send(port: int, seconds: float, triples: int, items: int, counts: multiprocessing.Queue[int]) -> None:
@@ -75,16 +119,30 @@ def main() -> None:
     options.add_argument("--minutes", type=float, default=1.0)
     options.add_argument("--triples", type=int, default=2000)
     options.add_argument("--items", type=int, default=4000)
+    options.add_argument("--page", action="store_true")
     chosen = options.parse_args()
     seconds = 60 * chosen.minutes
     with socket.create_server(("127.0.0.1", 0)) as probe:
         port = probe.getsockname()[1]
     with tempfile.TemporaryDirectory() as folder:
         live = hb.Live(parse(CONFIGURATION.format(port=port)), folder)
-        server = Server(live)
+        context = multiprocessing.get_context("spawn")
+        window, told = (Window("load") if chosen.page else None), deque[tuple[float, int]]()
+
+        def updated(update: Update) -> None:
+            told.append((time.time(), len(live.wall)))
+            if window:
+                window.show(update)
+
+        server = Server(live, updated)
         server.latency.latest = deque()
         server.start()
-        context = multiprocessing.get_context("spawn")
+        stop = context.Event()
+        drawn: multiprocessing.Queue[list[tuple[float, int]]] = context.Queue()
+        if window:
+            window.follow(live)
+            watcher = context.Process(target=watch, args=(window.url, stop, drawn))
+            watcher.start()
         counts: multiprocessing.Queue[int] = context.Queue()
         rig = context.Process(target=send, args=(port, seconds, chosen.triples, chosen.items, counts))
         rig.start()
@@ -93,9 +151,16 @@ def main() -> None:
         cpu, clock, marks = time.process_time(), time.monotonic(), []
         while rig.is_alive():
             time.sleep(1.0)
+            if window:
+                window.refresh({"rig": "connected"})
             marks.append((memory(), live.wall.sample_count))
         busy = (time.process_time() - cpu) / (time.monotonic() - clock)
         server.wait(1.0)
+        if window:
+            stop.set()
+            pixels = np.array(drawn.get())
+            watcher.join()
+            window.close()
         server.stop()
         live.close()
         assert server.failure is None
@@ -110,6 +175,13 @@ def main() -> None:
         each = 1e6 * (last - warm) / max(count - first, 1)
         print(f"{live.wall.sample_count:,} triples drawn, {lost} lost, {bad} bad lines")
         print(f"packet in to vertices out: p50 {half:.2f} ms, p99 {most:.2f} ms, most {1e3 * late.max():.1f} ms")
+        if window:
+            known, size = np.array(told).T
+            first = np.searchsorted(pixels[:, 1], size)  # the first picture with all vertices of that moment
+            inside = (size >= pixels[0, 1]) & (first < len(pixels))
+            delay = 1e-3 * pixels[first[inside], 0] - known[inside]
+            half, most = np.quantile(delay, [0.5, 0.99])
+            print(f"{len(pixels)} pictures; vertices out to pixels: p50 {half:.3f} s, p99 {most:.3f} s")
         print(f"{100 * busy:.0f} % of a core; {warm:.0f} to {last:.0f} MB, {each:.0f} bytes a sample of the wall")
 
 
