@@ -47,7 +47,7 @@ CROWDED = 4
 BATCH = 1 << 18
 """Rows read at a time."""
 AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
-"""How a Parquet file is read in little memory, whatever its size and row groups; a pre-buffer keeps all that it read."""
+"""How a Parquet file is read in little memory, whatever its row groups; a pre-buffer keeps all that it read."""
 BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_offset", "saturated", "drop_closed")
 """Settings of a preparation that a block may have; the last two only as false."""
 
