@@ -22,6 +22,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
+from helibore.base.notebook import card
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
 from helibore.samples.caliper import Caliper
@@ -136,10 +137,19 @@ class Tuning:
         title = f"Cross-validated error, 0 to {1e3 * most:.3g} mm: grey beside samples, blue in gaps"
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 {18 * len(self.candidates) + 36}" '
-            f'font-family="sans-serif" font-size="11"><text x="10" y="16">{title}</text>{"".join(marks)}</svg>'
+            f'font-family="sans-serif" font-size="11" fill="currentColor"><text x="10" y="16">{title}</text>{"".join(marks)}</svg>'
         )
 
-    _repr_svg_ = svg
+    def _repr_html_(self) -> str:
+        first, best = self.candidates[0], self.best
+        numbers = {
+            "chosen": best.name if best is not first else f"{best.name}, as without tuning",
+            "error beside samples": f"{1e3 * first.alone:.3g} mm, tuned {1e3 * best.alone:.3g} mm",
+            "error in gaps": f"{1e3 * first.box:.3g} mm, tuned {1e3 * best.box:.3g} mm",
+            "left out": f"{self.targets} samples",
+        }
+        picture = self.svg().replace(' xmlns="http://www.w3.org/2000/svg"', "")  # HTML needs none
+        return card("Tuning", numbers, f'<div style="flex:0 1 30em">{picture}</div>')
 
 
 def _millimetres(of: Candidate) -> str:

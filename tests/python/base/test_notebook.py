@@ -6,6 +6,7 @@ import base64
 import re
 import struct
 import zlib
+from functools import cache
 from xml.etree import ElementTree
 
 import numpy as np
@@ -16,6 +17,7 @@ from helibore.base.colors import MISSING
 from helibore.base.notebook import curve_picture, map_picture
 
 
+@cache
 def everything():
     k = np.arange(40_000)
     caliper = hb.Caliper(1000 + k * 0.0005, k * 37.0, 0.11 + 0.004 * np.sin(k / 900))
@@ -23,7 +25,9 @@ def everything():
     survey = hb.Survey([0, 500, 1000, 1100], [0, 10, 40, 60], [10, 20, 30, 40])
     image = hb.SectorImage(1000 + np.arange(300) * 0.1, np.random.default_rng(3).uniform(0, 150, (300, 16)), "GR",
                            "gAPI", origin="edge", reference="north")  # fmt: skip
-    return {"wall": wall, "logs": wall.logs(), "caliper": caliper, "survey": survey, "image": image}
+    tuning = hb.tune(hb.Caliper(caliper.depth[::8], caliper.toolface[::8], caliper.radius[::8]),
+                     bit_diameter=0.216, targets=100)  # fmt: skip
+    return {"wall": wall, "logs": wall.logs(), "caliper": caliper, "survey": survey, "image": image, "tuning": tuning}
 
 
 @pytest.mark.parametrize("name", everything())
@@ -32,6 +36,14 @@ def test_a_card_is_small_and_needs_nothing_else(name):
     assert 500 < len(html.encode()) < 30_000
     assert not re.search(r"https?://|url\(|<script|<link| id=| class=", html)
     assert "nan" not in html
+
+
+def test_a_tuning_shows_what_it_chose_and_every_candidate():
+    tuning = everything()["tuning"]
+    html = tuning._repr_html_()
+    assert tuning.best.name in html
+    assert f"{1e3 * tuning.best.box:.3g} mm" in html
+    assert html.count("<circle") == 2 * len(tuning.candidates)
 
 
 def test_empty_things_have_a_card():
