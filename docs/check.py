@@ -1,9 +1,13 @@
-"""Checks the built site: every public name is in it, no page asks for a network, no markup is left raw."""
+"""Checks the built site: every public name is in it, no page asks for a network, no markup is left raw.
+
+The notebooks of docs/notebooks have the output that the build has just got, and each page of one shows its wall.
+"""
 
 from __future__ import annotations
 
 import html
 import inspect
+import json
 import re
 import sys
 from pathlib import Path
@@ -45,7 +49,27 @@ def problems(site: Path) -> list[str]:
     return found
 
 
+def printed(notebook: Path) -> list[list[str]]:
+    """The words that each cell of a notebook printed, without colours and spaces, which depend on the terminal."""
+    cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
+    streams = ("".join("".join(of["text"]) for of in cell.get("outputs", []) if "text" in of) for cell in cells)
+    return [re.findall(r"[\w.%]+", re.sub(r"\x1b\[[0-9;]*m", "", text)) for text in streams]
+
+
+def problems_of_notebooks(site: Path) -> list[str]:
+    """One line for each notebook that prints something else than its saved output, or shows no picture."""
+    found = []
+    for saved in sorted((Path(__file__).parent / "notebooks").glob("*.ipynb")):
+        executed = site.parent / "jupyter_execute/notebooks" / saved.name
+        if printed(saved) != printed(executed):
+            found.append(f"docs/notebooks/{saved.name} prints something else now: cp {executed} docs/notebooks")
+        if "data:image/png" not in (site / f"notebooks/{saved.stem}.html").read_text(encoding="utf-8"):
+            found.append(f"notebooks/{saved.stem}.html shows no wall")
+    return found
+
+
 if __name__ == "__main__":
-    wrong = problems(Path(sys.argv[1]))
+    site = Path(sys.argv[1])
+    wrong = problems(site) + problems_of_notebooks(site)
     print("\n".join(wrong))
     sys.exit(bool(wrong))

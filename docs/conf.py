@@ -24,7 +24,7 @@ def take_figure(_block: Any, of: Mapping[str, Any], gallery: Mapping[str, Any]) 
 project, author, copyright = "helibore", "helibore contributors", "helibore contributors"  # noqa: A001
 release = version = installed("helibore")
 extensions = [
-    "myst_parser",
+    "myst_nb",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx_click",
@@ -47,6 +47,10 @@ html_theme_options = {
 html_sidebars = {"index": []}
 html_show_sourcelink = False
 myst_heading_anchors = 3
+nb_execution_mode = "force"
+nb_execution_raise_on_error = True
+nb_execution_timeout = 120
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}  # they would come from a network
 # Pages link to files of the repository, and classes share names of attributes.
 suppress_warnings = ["config.cache", "myst.xref_missing", "ref.python"]
 autodoc_typehints = "description"

@@ -1,8 +1,8 @@
 """Makes the files of this folder from a simulated hole: python examples/files/make.py
 
-helibore simulate writes caliper.csv, survey.csv and gamma.csv. A wireline caliper of two pairs of arms, pulled through a
-longer part of the hole, gives xy_caliper.csv. Each file in flaws is caliper.csv with one flaw of a real log; the role map
-beside it states what the file does not.
+helibore simulate writes caliper.csv, survey.csv and gamma.csv. A wireline caliper of two pairs of arms, pulled through
+a longer part of the hole, gives xy_caliper.csv. Each file in flaws is caliper.csv with one flaw of a real log; the role
+map beside it states what the file does not.
 """
 
 import subprocess
@@ -36,10 +36,12 @@ def xy_caliper() -> None:
 
 def flaws() -> None:
     """One flaw a file."""
-    time, depth, toolface, radius = np.loadtxt(HERE / "caliper.csv", delimiter=",", skiprows=1, max_rows=400).T
+    _, depth, toolface, radius = np.loadtxt(HERE / "caliper.csv", delimiter=",", skiprows=1, max_rows=400).T
     write("flaws/no_units.csv", "MD,TF,RAD", "%.4f %.6f %.5f", depth / FOOT, np.radians(toolface), radius / INCH)
     write("flaws/own_names.csv", "Q1,Q2,Q3", "%.5f %.4f %.6f", depth, toolface, radius)
-    write("flaws/arm_angle.csv", "depth_m,toolface_deg,radius_m", "%.5f %.4f %.6f", depth, (toolface - 135) % 360, radius)
+    write(
+        "flaws/arm_angle.csv", "depth_m,toolface_deg,radius_m", "%.5f %.4f %.6f", depth, (toolface - 135) % 360, radius
+    )
     write("flaws/sensor_offset.csv", "depth_m,toolface_deg,radius_m", "%.5f %.4f %.6f", depth + 14.2, toolface, radius)
     slack = depth + 3 * np.sin(depth)
     write("flaws/two_depths.csv", "MD_m,DBOT_m,toolface_deg,radius_m", "%.5f %.5f %.4f %.6f",

@@ -14,6 +14,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,6 +44,16 @@ def require_matplotlib() -> None:
         raise MissingExtraError("matplotlib", "plot") from error
 
 
+def screen_picture(figure: Figure) -> bytes:
+    """Return a figure as a small PNG for notebooks: 72 dots an inch, 64 colours."""
+    from PIL import Image
+
+    drawn, file = io.BytesIO(), io.BytesIO()
+    figure.savefig(drawn, format="png", dpi=72)
+    Image.open(drawn).convert("RGB").quantize(64).save(file, "png", optimize=True)
+    return file.getvalue()
+
+
 class Sheet:
     """A figure of a size in millimetres; ``dpi`` is the resolution of images, and of the whole figure as PNG."""
 
@@ -52,6 +63,7 @@ class Sheet:
 
         self.width, self.height, self.dpi = width, height, dpi
         self.figure: Figure = Figure(figsize=(width / MM, height / MM), dpi=dpi, facecolor="white")
+        vars(self.figure)["_repr_png_"] = partial(screen_picture, self.figure)  # notebooks show it without pyplot
 
     def axes(self, x: float, y: float, width: float, height: float, **extra: Any) -> Axes:
         """Return axes whose upper left corner is at (x, y)."""

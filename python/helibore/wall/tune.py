@@ -125,6 +125,9 @@ class Tuning:
     def __str__(self) -> str:
         return self.sentence
 
+    def __repr__(self) -> str:
+        return f"Tuning({self.best.name}; {len(self.candidates)} candidates, {self.targets} samples left out)"
+
     def svg(self) -> str:
         """Return a picture of all candidates: both errors, the chosen candidate in bold."""
         most = max(max(each.alone, each.box) for each in self.candidates) or 1.0
@@ -137,7 +140,8 @@ class Tuning:
         title = f"Cross-validated error, 0 to {1e3 * most:.3g} mm: grey beside samples, blue in gaps"
         return (
             f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 640 {18 * len(self.candidates) + 36}" '
-            f'font-family="sans-serif" font-size="11" fill="currentColor"><text x="10" y="16">{title}</text>{"".join(marks)}</svg>'
+            f'font-family="sans-serif" font-size="11" fill="currentColor">'
+            f'<text x="10" y="16">{title}</text>{"".join(marks)}</svg>'
         )
 
     def _repr_html_(self) -> str:

@@ -17,10 +17,10 @@ FLAWS = sorted(path.stem for path in FILES.glob("flaws/*.csv"))
 RIGS = sorted(path.stem for path in FILES.glob("rigs/*.toml"))
 
 
-def test_the_files_are_small_and_the_readme_names_each():
-    readme = (FILES / "README.md").read_text()
+def test_the_files_are_small_and_the_page_beside_them_names_each():
+    about = (FILES / "ABOUT.md").read_text()
     assert sum(path.stat().st_size for path in FILES.rglob("*") if path.is_file()) < 250_000
-    assert [name for name in [*FLAWS, *RIGS] if f"`{name}`" not in readme] == []
+    assert [name for name in [*FLAWS, *RIGS] if f"`{name}`" not in about] == []
 
 
 def differ(one: hb.Caliper, other: hb.Caliper) -> bool:
