@@ -21,7 +21,7 @@ from helibore.samples.caliper import Caliper
 FEWEST_SAMPLES = 100
 MOST_UNMEASURED = 0.5
 """Share of the turns: a tool that leaves more unmeasured has few arms, or sends few samples."""
-_MOST_BOX_DEPTH, _BOXES = 1.0, 500
+_MOST_BOX_DEPTH, _BOXES = 1.0, 200
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]

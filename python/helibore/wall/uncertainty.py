@@ -82,7 +82,9 @@ def calibrate(samples: Columns, settings: Settings, threads: int = 1, seed: int 
         np.maximum(scatter, _SMALLEST),
         [np.maximum(along + of * across, _SMALLEST) for of in _STRETCHES],
     )
-    fits = [_fit(squares, weights, np.log([scatter, distance])) for distance in distances]
+    fits: list[_Fit] = []
+    for distance in distances:  # the next begins where the last ended
+        fits.append(_fit(squares, weights, np.log([scatter, distance]), fits[-1] if fits else None))
     best = int(np.argmax([fit.likelihood for fit in fits]))
     fit, changes = fits[best], np.log([scatter, distances[best]])
     variance = fit.noise * (1.0 + weights) + fit.between * np.exp(fit.powers @ changes)
@@ -100,10 +102,10 @@ class _Fit(NamedTuple):
     powers: Floats
 
 
-def _fit(squares: Floats, weights: Floats, changes: Floats) -> _Fit:
+def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = None) -> _Fit:
     """Find the likeliest tau^2, c and powers for squared errors by Student's t: Fisher scoring, damped, in logarithms.
 
-    ``changes``: (2, n) logarithms of S and D.
+    ``changes``: (2, n) logarithms of S and D. Begins ``near`` a fit, or at three shares of tau^2.
     """
     usual, middle = np.log(np.median(squares) / _MEDIAN_SQUARE), changes.mean(axis=1, keepdims=True)
     terms = np.vstack([np.ones((1, squares.size)), changes - middle])
@@ -116,8 +118,12 @@ def _fit(squares: Floats, weights: Floats, changes: Floats) -> _Fit:
         return noise, variance, 0.5 * float(cost)
 
     best: tuple[float, Floats] = (np.inf, low)
-    for share in (0.1, 0.5, 0.9):
-        at = np.array([usual + np.log(share), usual + np.log(1.0 - share), 1.0, 1.0])
+    if near:
+        between = np.log(near.between) + near.powers @ middle[:, 0]
+        starts = [np.array([np.log(near.noise), between, *near.powers])]
+    else:
+        starts = [np.array([usual + np.log(share), usual + np.log(1.0 - share), 1.0, 1.0]) for share in (0.1, 0.5, 0.9)]
+    for at in starts:
         noise, variance, cost = parts(at)
         damping = 1e-2
         for _ in range(40):
