@@ -74,6 +74,7 @@ def view(**options: Any) -> None:
             template=options["template"] and Template.load(options["template"]),
             well=options["well"] or run.name, **serving,
         )  # fmt: skip
+    viewer.scene.update_state(ended=True)  # nothing appends to it
     terminal.summary([("time", terminal.times())])
     click.echo(f"{viewer.url}   (Ctrl-C ends it)")
     viewer.wait()

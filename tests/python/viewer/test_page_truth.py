@@ -84,12 +84,19 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         (zone,) = measured.zones().zones
         shown = screen.evaluate("window.__wall.app.zones")
         assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
-        assert screen.inner_text("#zones").startswith(f"W {zone.start:.1f}–{zone.stop:.1f} m")
+        row = ["W", f"{zone.start:.1f}–{zone.stop:.1f}", "+40 mm", f"{shown[0]['severity']:.1f}×"]
+        assert screen.inner_text("#zones").split("\n") == row
         screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
         screen.keyboard.press("n")
         cursor = screen.evaluate("window.__wall.app.view.cursor.depth")
         assert cursor == pytest.approx((zone.start + zone.stop) / 2, abs=1e-3)
         assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(cursor)
+        screen.keyboard.press("f")
+        assert screen.is_visible("#follow")
+        viewer.scene.update_state(ended=True)  # a saved wall: it begins with its worst zone and follows nothing
+        screen.until("!window.__wall.app.view.follow")
+        assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(cursor)
+        assert not screen.is_visible("#follow")
         screen.close()
 
 

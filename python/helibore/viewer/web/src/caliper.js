@@ -1,5 +1,5 @@
 // The caliper track: smallest and largest diameter of every turn (green, blue), filled between, bit size dashed. Orange
-// beyond the bit, strong in a zone; red where the hole is tighter than the bit; hatched where a turn has no diameter, sparsely where it is interpolated
+// beyond the bit, in a zone that zone's colour; red where the hole is tighter than the bit; hatched where a turn has no diameter, sparsely where it is interpolated
 // between arms.
 
 import { BOLD, HEAD, label, PALETTES, SMALL } from './layout.js';
@@ -66,7 +66,7 @@ export function drawCaliper(ink, look) {
     const py = rect.top + y;
     band(ink, x(min[y]), x(max[y]), py, palette.fill);
     const zone = zoneAt(zones, view.top + ((y + 0.5) / rect.height) * view.length);
-    if (max[y] > bit) band(ink, x(bit), x(max[y]), py, zone && zone.kind !== 'undergauge' ? palette.zones[zone.kind] : palette.over);
+    if (max[y] > bit) band(ink, x(bit), x(max[y]), py, zone && zone.kind !== 'undergauge' ? `${palette.zones[zone.kind]}80` : palette.over);
     if (min[y] < bit) band(ink, x(min[y]), x(bit), py, palette.tight);
   }
   runs(between, (y) => between[y], (start, tall) => hatched(ink, rect.left, rect.top + start, rect.width, tall, palette, SPARSE));

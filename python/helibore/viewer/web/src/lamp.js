@@ -25,12 +25,12 @@ export function lampWords({ status, words, store, bitDepth, newest, ended, sourc
   if (contents) return ['', `export of ${showClock(contents.made)} · ${showCount(store.levels[0].size)} vertices in the well`];
   const seconds = ageOf({ newest, lastWrite });
   const parts = [];
-  if (ended) parts.push('run ended');
-  if (Number.isFinite(seconds)) parts.push(`newest sample ${showAge(seconds)} ago`);
+  if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
   else parts.push('saved wall');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
   const late = !ended && seconds > LATE;
-  parts.push(late && sources ? sources : `${showCount(store.levels[0].size)} vertices`); // then the reason matters more
+  if (late && sources) parts.push(sources);
+  if (!Number.isFinite(seconds)) parts.push(`${showCount(store.levels[0].size)} vertices`);
   return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
 }
 

@@ -16,7 +16,7 @@ const NARROWEST = 64; // pixels of a track
 const PANE = 180; // that the hole has at least
 
 const COLUMN = 800; // pixels that the straightened hole is wide at most
-const LIST = 240; // beside it, the list of zones
+const LIST = (width) => (width < 1200 ? 240 : 330); // beside it, the list of zones
 
 /** @type {(width: number, height: number, arrangement?: any) => any} */
 export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null, beside = 0, curves = false, chosen = {}, order = [], list = true } = {}) {
@@ -33,7 +33,8 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
   rects.pane = { left: left + 4, width: tab && tab !== '3d' ? 0 : Math.max(60, width - left - 4), top: 0, height };
-  const column = Math.max(0, Math.min(COLUMN, rects.pane.width - (list && rects.pane.width >= 380 && !rig && !tab ? LIST : 4)));
+  rects.list = LIST(width);
+  const column = Math.max(0, Math.min(COLUMN, rects.pane.width - (list && rects.pane.width >= 380 && !rig && !tab ? rects.list : 4)));
   rects.wall = straight ? { ...body, left: left + 4, width: column } : rects.pane;
   return rects;
 }

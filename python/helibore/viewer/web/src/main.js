@@ -36,7 +36,7 @@ import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, scaleLe
 import { scaleOf, showLength, showSpan } from './units.js';
 import { MOST_BESIDE, View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
-import { jump } from './zones.js';
+import { bySeverity, jump } from './zones.js';
 
 const NARROW = window.matchMedia('(max-width: 999px)');
 const FINE_TILES = 64; // a longer section is drawn from the overview
@@ -58,6 +58,8 @@ class App {
   /** @type {number | null} */
   newest = null;
   ended = false;
+  /** @type {number | null} */
+  opened = null; // the top of the section that a saved wall began with
   sources = '';
   /** @type {number | null} */
   lastWrite = null;
@@ -210,6 +212,8 @@ class App {
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
+    document.body.classList.toggle('saved', ended && newest === null);
+    if (ended && newest === null && this.store && (this.view.follow || this.view.top === this.opened)) this.openSaved();
     this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;
     takeRanges(this.quantities, ranges);
@@ -219,6 +223,14 @@ class App {
     if (this.view.follow && this.store) this.view.followEnd(this.store, this.bit);
     lamp(this);
     return this.redraw();
+  }
+
+  // A saved wall does not grow: begin with its worst zone, or in its middle.
+  openSaved() {
+    const { view, store, zones } = this;
+    const [worst] = bySeverity(zones);
+    view.show(worst ? (worst.start + worst.stop - view.length) / 2 : (store.span[0] + store.span[1] - view.length) / 2, view.length, store);
+    this.opened = view.top;
   }
 
   write(message) {
@@ -468,6 +480,7 @@ class App {
     const { pane: wall } = this.rects;
     byId('orbit').hidden = this.straight;
     byId('zonesCard').classList.toggle('list', this.straight);
+    byId('zonesCard').style.setProperty('--list', `${this.rects.list}px`);
     byId('zonesCard').style.left = this.straight ? `${this.rects.wall.left + this.rects.wall.width + 8}px` : '';
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });

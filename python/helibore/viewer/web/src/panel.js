@@ -58,7 +58,7 @@ export function applyTheme({ theme }) {
 
 // The controls of the wall are disabled until there is one.
 export function disableControls(on) {
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #wallHead, #follow, #bar label'))) part.inert = on;
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #wallHead, #follow, #bar label, #pass'))) part.inert = on;
 }
 
 // What the wall is made from, as a warning, if it was not measured all around; panels of what was not measured are hidden.
@@ -124,7 +124,7 @@ export function readout({ store, view, path, quad }) {
 }
 
 // On a narrow screen: the cursor's depth in large digits, its zone, the sizes of its turn.
-export function writeBrief({ view, zones, path }, read, figures) {
+export function writeBrief({ view, zones, path, store }, read, figures) {
   const depth = view.cursor?.depth ?? view.middle;
   const values = Object.fromEntries([...read, ...figures]);
   byId('briefDepth').textContent = showDepth(depth, view.units);
@@ -132,7 +132,8 @@ export function writeBrief({ view, zones, path }, read, figures) {
   byId('briefZone').hidden = !zone;
   byId('briefZone').textContent = zone ? `${LETTERS[zone.kind]} ${zoneText(zone, view.units)}` : '';
   if (zone) byId('briefZone').style.borderColor = PALETTES[view.theme].zones[zone.kind];
-  write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ['Over bit', values['Over bit radius']], ['TVD', showDepth(path.tvd(depth), view.units)]]);
+  const over = store.basis === 'gauge' ? store.attributes.slice(0, 3).map(({ name }) => [name, values[name]]) : [['Over bit', values['Over bit radius']]];
+  write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ...over, ['TVD', showDepth(path.tvd(depth), view.units)]]);
 }
 
 // The figures of a section, as `Wall.summary` has them.
@@ -157,14 +158,15 @@ export function listZones(zones, { units, theme }, alarms, show) {
   card.dataset.key = key;
   card.parentElement.hidden = zones.length === 0;
   byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
-  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first`;
+  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}: from bit, × limit`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
     const button = document.createElement('button');
     button.type = 'button';
     button.title = `${zone.kind} (N, Shift N: next, previous)`;
-    button.style.borderColor = PALETTES[theme].zones[zone.kind];
     button.classList.toggle('new', alarms.isNew(zone));
-    button.textContent = `${alarms.isNew(zone) ? 'new ' : ''}${LETTERS[zone.kind]}  ${showSpan(zone.start, zone.stop, units)}  ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}`;
+    const texts = [LETTERS[zone.kind], `${alarms.isNew(zone) ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1), `${zone.severity.toFixed(1)}×`];
+    button.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
+    /** @type {HTMLElement} */ (button.firstChild).style.background = PALETTES[theme].zones[zone.kind];
     button.addEventListener('click', () => show(zone));
     return button;
   }));

@@ -7,7 +7,7 @@ import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
 import { depthNumber, depthUnit, LENGTHS, scaleOf, showDepth, unitOf } from './units.js';
 import { ticks } from './view.js';
-import { drawZones } from './zones.js';
+import { drawZones, letterZones } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
 
@@ -32,10 +32,11 @@ export function drawAxis(ink, { view, rects, zones }) {
 const PIXEL = 1 / LENGTHS.in.scale / 96; // metres of paper
 export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
 
-// Measured depth over true depth at every tick; both give way to the cursor's tag, which is there first.
-export function drawAxisLabels(ink, { view, path, rects }) {
+// Measured depth over true depth at every tick, letters of the zones; all give way to the cursor's tag, which is there first.
+export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
+  letterZones(ink, zones, (depth) => yOf(view, rect, depth), rect.left, 12, [rect.top, rect.top + rect.height], palette);
   const end = rect.left + rect.width - 12;
   const unit = depthUnit(view.units);
   label(ink, `MD ${unit}`, end, HEAD - 34, { colour: palette.ink, align: 'right', font: BOLD });
@@ -92,7 +93,7 @@ function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
 function letters(ink, view, known, left, width, palette, reference) {
   if (!known) {
     const all = { up: 'vertical here: angles from the tool’s zero', north: 'runs north: angles from the tool’s zero', none: 'no survey: angles from the tool’s zero' }[reference];
-    const why = view.beside.length ? 'angles from the tool’s zero' : all;
+    const why = view.beside.length || width < 225 ? 'angles from the tool’s zero' : all;
     label(ink, why, left + width / 2, HEAD - 8, { colour: palette.soft, align: 'center', font: SMALL });
     return;
   }

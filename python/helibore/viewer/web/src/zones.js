@@ -20,14 +20,22 @@ export function jump(zones, depth, step) {
 
 export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}` : 'none');
 
-// A strip of all zones, `width` wide from `left`, with letters if there is room; `y` maps a depth, `ends` bound it.
-export function drawZones(ink, zones, y, left, width, [top, bottom], palette) {
+// A strip of all zones, `width` wide from `left`; `y` maps a depth, `ends` bound it.
+export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = fill) {
   for (const { kind, start, stop } of zones) {
     const a = Math.max(top, y(start));
     const b = Math.min(bottom, Math.max(y(stop), a + 2));
     if (b <= a) continue;
-    ink.fillStyle = palette.zones[kind];
-    ink.fillRect(left, a, width, b - a);
-    if (width >= 8 && b - a > 16) label(ink, LETTERS[kind], left + width / 2, (a + b) / 2, { colour: palette.panel, align: 'center', font: BOLD, yields: true });
+    draw(ink, kind, left, a, width, b - a, palette);
   }
 }
+
+function fill(ink, kind, left, top, width, height, palette) {
+  ink.fillStyle = palette.zones[kind];
+  ink.fillRect(left, top, width, height);
+}
+
+// The letters of the same strip, if there is room; they give way to other texts.
+export const letterZones = (ink, zones, y, left, width, ends, palette) => drawZones(ink, zones, y, left, width, ends, palette, (_, kind, x, top, wide, tall) => {
+  if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: palette.panel, align: 'center', font: BOLD, yields: true });
+});

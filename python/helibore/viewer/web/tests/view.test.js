@@ -58,11 +58,11 @@ test('the lamp says how far behind the bit the wall is, or how far the bit was l
     status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
     store: { end: 1050, levels: [{ size: 12345, pitch }] }, ...more,
   });
-  assert.deepEqual(words(1052.5, 0.1), ['live', 'newest sample 5 s ago · 2.5 m behind bit · 12\u2009345 vertices']);
+  assert.deepEqual(words(1052.5, 0.1), ['live', '5 s old · 2.5 m behind bit']);
   assert.equal(words(1047.5, 0.1)[1].split(' · ')[1], 'bit back 2.5 m in the wall');
   assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
-  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', 'newest sample 3 min ago · 0.0 m behind bit · mwd: waiting to connect']);
+  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect']);
   assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['late', 'waiting for the first samples']);
   assert.deepEqual(words(1050, 0.1, { status: 'lost', words: 'Connection lost, trying again' }), ['lost', 'Connection lost, trying again']);
 });
