@@ -6,13 +6,13 @@ import { CUTS } from './path.js';
 import { sized } from './polar.js';
 import { CLIPPED, INTERPOLATED, PROVISIONAL, RESCANNED, SUPPORT_MASK } from './protocol.js';
 import { scaleLength } from './tracks.js';
-import { scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, unitOf } from './units.js';
+import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQuantity, showSigned, showSpan, unitOf } from './units.js';
 import { CAMERAS } from './view.js';
 import { bySeverity, LETTERS, zoneAt, zoneText } from './zones.js';
 
 /** @type {(id: string) => any} */
 export const byId = (id) => document.getElementById(id);
-const LENGTHS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
+const SECTIONS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const SCALES = [20, 50, 100, 200, 500, 1000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
 const SHAPES = [0, 1, 2, 3, 5, 10, 20];
@@ -20,11 +20,18 @@ const SHAPES = [0, 1, 2, 3, 5, 10, 20];
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
   options('camera', Object.entries(CAMERAS));
-  options('sectionLength', [['', 'custom'], ...SCALES.map((scale) => [`1:${scale}`, `1:${scale}`]), ...LENGTHS.map((v) => [v, `${v} m`]), ['all', 'whole well']]);
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('shape', SHAPES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('map', Object.entries(MAPS).filter(([name]) => !name.endsWith('-dark')).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
   for (const option of byId('map').options) option.title = MAPS[option.value].label;
+}
+
+// Sections of a round length in the unit of depths; values are metres.
+function sections({ unit, scale }) {
+  const select = byId('sectionLength');
+  if (select.dataset.unit === unit) return;
+  select.dataset.unit = unit;
+  options('sectionLength', [['', 'custom'], ...SCALES.map((one) => [`1:${one}`, `1:${one}`]), ...SECTIONS.map((length) => [length / scale, `${length} ${unit}`]), ['all', 'whole well']]);
 }
 
 // Without a survey nothing is up or north: the wall is cut by the tool's own angles, and two of the four ways remain.
@@ -77,7 +84,10 @@ export function reflect(view, quantity, image) {
   for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
   for (const id of ['tube', 'fit']) byId(id).closest('label, button').hidden = view.camera === 'straight';
   const paper = paperScale(view, image);
-  byId('sectionLength').value = paper ? `1:${paper}` : String(LENGTHS.find((length) => Math.abs(length - view.length) < 1e-6 * length) ?? '');
+  const { depth } = LENGTHS[view.units];
+  sections(depth);
+  const length = SECTIONS.find((one) => Math.abs(one / depth.scale - view.length) < 1e-6 * view.length);
+  byId('sectionLength').value = paper ? `1:${paper}` : length ? String(length / depth.scale) : '';
   byId('beside').textContent = view.beside.includes(quantity.id) ? 'Alone' : 'Beside';
   for (const tab of byId('tabs').children) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
@@ -158,13 +168,13 @@ export function listZones(zones, { units, theme }, alarms, show) {
   card.dataset.key = key;
   card.parentElement.hidden = zones.length === 0;
   byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
-  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}: from bit, × limit`;
+  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}: ${LENGTHS[units].unit} from bit, × limit`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
     const button = document.createElement('button');
     button.type = 'button';
     button.title = `${zone.kind} (N, Shift N: next, previous)`;
     button.classList.toggle('new', alarms.isNew(zone));
-    const texts = [LETTERS[zone.kind], `${alarms.isNew(zone) ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1), `${zone.severity.toFixed(1)}×`];
+    const texts = [LETTERS[zone.kind], `${alarms.isNew(zone) ? 'new ' : ''}${zone.kind}`, showSpan(zone.start, zone.stop, units).replace(/ .*/, ''), showSigned(zone.measure, units, units === 'mm' ? 0 : 1).replace(/ .*/, ''), `${zone.severity.toFixed(1)}×`];
     button.append(...texts.map((text) => Object.assign(document.createElement('span'), { textContent: text })));
     /** @type {HTMLElement} */ (button.firstChild).style.background = PALETTES[theme].zones[zone.kind];
     button.addEventListener('click', () => show(zone));
