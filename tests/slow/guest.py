@@ -104,9 +104,8 @@ def aarch64() -> None:
 
 
 def windows() -> None:
-    """Not test_host_state: MinGW's mathematical functions round as the host's x87 does. The tests that replace the
-    allocator need std::aligned_alloc, which Windows lacks."""
-    names = [f"test_{name}" for name in ("bits", "path", "surface", "logs", "image", "wits", "wall")]
+    """The tests that replace the allocator need std::aligned_alloc, which Windows lacks."""
+    names = [f"test_{name}" for name in ("host_state", "bits", "path", "surface", "logs", "image", "wits", "wall")]
     folder = build(
         "windows",
         "-DCMAKE_SYSTEM_NAME=Windows",

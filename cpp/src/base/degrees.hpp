@@ -11,8 +11,8 @@ namespace helibore {
 inline constexpr double degree = std::numbers::pi / 180.0;  // radians
 
 inline SineCosine sine_cosine(double degrees) {
-    const double within = std::remainder(degrees, 90.0);                                       // exact, in [-45, 45]
-    const double quarters = std::nearbyint((std::remainder(degrees, 360.0) - within) / 90.0);  // -2 to 2
+    const double within = std::remainder(degrees, 90.0);                                      // exact, in [-45, 45]
+    const double quarters = nearest_whole((std::remainder(degrees, 360.0) - within) / 90.0);  // -2 to 2
     return turned(sine_cosine_within(within * degree), static_cast<int>(quarters));
 }
 

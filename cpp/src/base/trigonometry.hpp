@@ -10,6 +10,12 @@
 
 namespace helibore {
 
+// The nearest whole number, even of two, of |x| < 2^51. MinGW's std::nearbyint rounds as the host has set the x87,
+// which StandardArithmetic leaves alone.
+inline double nearest_whole(double x) {
+    return (x + 0x1.8p52) - 0x1.8p52;
+}
+
 struct SineCosine {
     double sine, cosine;
 };
@@ -45,7 +51,7 @@ inline SineCosine turned(const SineCosine& of, int quarters) {
 
 // Of radians in [-2 pi, 2 pi].
 inline SineCosine sine_cosine_of_radians(double x) {
-    const double quarters = std::nearbyint(x * (2.0 / std::numbers::pi));
+    const double quarters = nearest_whole(x * (2.0 / std::numbers::pi));
     const double first = x - quarters * 1.57079632673412561417e+00;  // pi/2 to 33 bits: the product is exact
     const double rest = quarters * 6.07710050650619224932e-11;       // pi/2 beyond
     const double within = first - rest;
