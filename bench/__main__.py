@@ -1,7 +1,7 @@
 """All benchmarks of the wall: ``python -m bench``; ``python -m bench reconstruction appends`` for some of them.
 
-Prints a line a figure and writes everything to bench-results.json. Ratios and spread are what to compare: absolute
-times belong to the machine they were measured on.
+Prints a line a figure and writes everything to bench-results.json and bench-results.html. Ratios and spread are what
+to compare (``python -m bench compare BEFORE.json AFTER.json``): absolute times belong to their machine.
 """
 
 from __future__ import annotations
@@ -13,9 +13,22 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from bench import compare
 from bench.measure import machine
+from bench.page import page
 
-NAMES = ("reconstruction", "scaling", "appends", "memory", "emission", "images", "logs", "mesh_writing", "cliffs")
+NAMES = (
+    "reconstruction",
+    "sizes",
+    "scaling",
+    "appends",
+    "memory",
+    "emission",
+    "images",
+    "logs",
+    "mesh_writing",
+    "cliffs",
+)
 
 
 def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
@@ -30,7 +43,9 @@ def _figures(prefix: str, value: Any) -> Iterator[tuple[str, str]]:
 
 
 def main(names: list[str]) -> int:
-    """Run the named benchmarks, all by default."""
+    """Run the named benchmarks, all by default, or compare the results of two runs."""
+    if names[:1] == ["compare"] and len(names) == 3:
+        return compare.main(*names[1:])
     unknown = set(names) - set(NAMES)
     if unknown:
         print(f"no benchmark named {', '.join(sorted(unknown))}: there are {', '.join(NAMES)}", file=sys.stderr)
@@ -44,6 +59,7 @@ def main(names: list[str]) -> int:
             for figure, text in _figures("", {k: v for k, v in result.items() if k != "case"}):
                 print(f"  {figure:<34} {text}")
     Path("bench-results.json").write_text(json.dumps(results, indent=1) + "\n")
+    Path("bench-results.html").write_text(page(results, _figures))
     return 0
 
 

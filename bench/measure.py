@@ -6,6 +6,7 @@ import platform
 import statistics
 import time
 from collections.abc import Callable
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +17,8 @@ from helibore import _core
 from helibore.base.threads import thread_count
 
 A_ROUND = 0.1  # seconds
+PEERS = ("pykdtree", "scipy")
+"""The extra `bench` fixes their versions, so that a ratio changes with helibore alone."""
 
 
 def repeated(work: Callable[[], object], until: Callable[[], bool] | None = None) -> float:
@@ -73,4 +76,5 @@ def machine() -> dict[str, Any]:
         "helibore": hb.__version__,
         "python": platform.python_version(),
         "numpy": np.__version__,
+        **{name: metadata.version(name) for name in PEERS},
     }

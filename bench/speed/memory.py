@@ -17,7 +17,7 @@ def _status(name: str) -> float:
     return 1024.0 * next(int(line.split()[1]) for line in lines if line.startswith(name + ":"))
 
 
-def measure(count: int, vertices: int, order: str) -> dict[str, float]:
+def measure(count: int, vertices: int, order: str) -> float:
     """Bytes beyond input and output, by the operating system's account of this process."""
     data = samples(count, vertices, order)
     depth, toolface, radius, stop = data
@@ -26,7 +26,14 @@ def measure(count: int, vertices: int, order: str) -> dict[str, float]:
     Path("/proc/self/clear_refs").write_text("5")  # the peak counts from here
     wall = reconstruct(data)
     output = wall.radius
-    return {"bytes": _status("VmHWM") - before - output.nbytes}
+    return _status("VmHWM") - before - output.nbytes
+
+
+def measure_apart(count: int, vertices: int, order: str) -> float:
+    """`measure` in a new process."""
+    command = [sys.executable, "-m", "bench.speed.memory", str(count), str(vertices), order]
+    run = subprocess.run(command, capture_output=True, text=True, check=True, timeout=300)
+    return float(json.loads(run.stdout))
 
 
 def cases() -> list[dict[str, Any]]:
@@ -34,10 +41,7 @@ def cases() -> list[dict[str, Any]]:
     count, vertices = CASES["2.4 M samples, 256 k vertices"]
     found = []
     for order in ("as recorded", "in random order"):
-        run = subprocess.run(
-            [sys.executable, "-m", "bench.speed.memory", order], capture_output=True, text=True, check=True, timeout=300
-        )
-        used = json.loads(run.stdout)["bytes"]
+        used = measure_apart(count, vertices, order)
         found.append(
             {
                 "case": f"memory, {order}",
@@ -49,4 +53,4 @@ def cases() -> list[dict[str, Any]]:
 
 
 if __name__ == "__main__":
-    print(json.dumps(measure(*CASES["2.4 M samples, 256 k vertices"], sys.argv[1])))
+    print(json.dumps(measure(int(sys.argv[1]), int(sys.argv[2]), sys.argv[3])))
