@@ -165,7 +165,9 @@ def find_centres(
         then moves from turn to turn while the samples are taken, and what is found is the centre in the middle of the
         turn. None: the centre rests during a turn. A centre that goes around the axis by more than 100 degrees a turn
         cannot be followed: it is NaN. So is one that the samples within the turns contradict, as where the hole changes
-        much from turn to turn. (What turns with the tool, 360 degrees a turn, shows the same radius all the time.)
+        much from turn to turn. A whirl nearly as fast as the tool turns, up to 340 degrees a turn, makes the hole seem
+        to grow and shrink along the turns: a hole that does widens sigma as much. (What turns with the tool, 360
+        degrees a turn, shows the same radius all the time.)
 
     Returns
     -------
@@ -193,21 +195,23 @@ def find_centres(
     seen = np.radians(angle[order])
     reach = distance[order] * (np.cos(seen) + 1j * np.sin(seen))
     smooth_radius = _fit(result, reach, shape)
+    size_deviation = np.zeros(turns.size)
     if place is not None:
         for _ in range(_MOTION_ROUNDS):
             centre = x + 1j * y
             moved = _moving(turns, centre, place[order], row[order])
             smooth_radius = _fit(result, reach + moved - centre[row[order]], shape)
         spread = noise / np.sqrt(np.maximum(count, 1))
-        for deviation in (_motion_deviation(turns, x + 1j * y), _size_deviation(turns, mean_radius, spread)):
+        size_deviation = _size_deviation(mean_radius, spread)
+        for deviation in (_motion_deviation(turns, x + 1j * y), size_deviation):
             _widen(covariance, deviation)
             _widen(within, deviation)
         lost = _too_fast(turns, x + 1j * y, spread)
         lost |= _contradicted(result, reach, place[order], row[order])
         x[lost], y[lost], covariance[lost], within[lost] = np.nan, np.nan, np.nan, np.nan
     if bit_diameter is not None:
-        _widen(covariance, _EXCESS * np.maximum(mean_radius - 0.5 * bit_diameter, 0.0))
-        _widen(within, _EXCESS * np.maximum(smooth_radius - 0.5 * bit_diameter, 0.0))
+        for spread_of, size in ((covariance, mean_radius), (within, smooth_radius)):
+            _widen(spread_of, _EXCESS * np.maximum(size + size_deviation - 0.5 * bit_diameter, 0.0))
     return result
 
 
@@ -281,17 +285,28 @@ def _sum_around(values: Floats) -> Floats:
     return np.convolve(values, np.ones(21))[10 : 10 + values.size]  # "same" would be 21 for fewer turns
 
 
-def _size_deviation(turns: Integers, mean_radius: Floats, deviation: Floats) -> Floats:
+def _size_deviation(mean_radius: Floats, deviation: Floats) -> Floats:
     """How far the centre may be off because the tool whirls nearly as fast as it turns, (t,) m.
 
-    The tool then shows nearly the same side of its offset all the time: a hole that grows and shrinks along the turns.
-    The deviation is the root mean square of the steps of the mean radius, less its noise, in the 21 turns around.
+    A whirl of 360 - n degrees a turn shows nearly the same side of the offset all the time: the mean radius rises and
+    falls by the whole offset in 360 / n turns, as in a hole that grows and shrinks along the turns. The samples do not
+    tell the two apart. So the deviation is that of the mean radius from its own line in the 21 turns around, less its
+    noise. (A steady growth is taken for one: a whirl that rises for longer than 21 turns is not owned.)
     """
-    step = np.where(np.diff(turns, prepend=turns[:1]) == 1, np.diff(mean_radius, prepend=np.nan), np.nan)
-    excess = np.square(step) - 3.0 * np.square(deviation)
-    known = np.isfinite(excess)
-    total = _sum_around(np.where(known, excess, 0.0))
-    return np.sqrt(np.maximum(total, 0.0) / np.maximum(_sum_around(known.astype(np.float64)), 1.0))
+    known = np.flatnonzero(np.isfinite(mean_radius))
+    if known.size < 3:
+        return np.zeros(mean_radius.size)
+    rows = np.arange(mean_radius.size)
+    size, noise = (np.interp(rows, known, of[known]) for of in (mean_radius, np.square(deviation)))
+    wide = min(21, rows.size)
+    along = np.linspace(-1.0, 1.0, wide)
+    line = np.linalg.qr(np.stack([along**0, along], axis=1))[0]
+    around = np.lib.stride_tricks.sliding_window_view(size - size.mean(), wide)
+    left = np.square(around).sum(axis=1) - np.square(around @ line).sum(axis=1)
+    variance = left / (wide - 2) - np.lib.stride_tricks.sliding_window_view(noise, wide).mean(axis=1)
+    nearest = np.clip(rows - wide // 2, 0, rows.size - wide)
+    deviations: Floats = np.sqrt(np.maximum(variance, 0.0))[nearest]
+    return deviations
 
 
 def _contradicted(centres: Centres, reach: Complexes, place: Floats, row: Integers) -> Mask:

@@ -3,7 +3,7 @@
     Readings (rows x sensors, one or more files) --observe--> Samples: depth, toolface, radius, time | file, row, sensor
 
 A sensor that measures before or after its stamp, and a track with depth and toolface by time, need the time of every
-row. A file may hold several clocks, as one that starts anew with each pass; each is read by itself.
+row. A file may hold several clocks, as one that restarts with each pass; each is read by itself.
 """
 
 from __future__ import annotations
@@ -127,8 +127,8 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
         if turning is None:
             beyond = 0.0 if one.turning else np.inf
             turning = TimeSeries(*_in_order(when, one.toolface[rows]), angle=True, beyond=beyond)
-        line = ("toolface", f"{one.name}: turns by {turning.step:.0f} deg between half of its readings: too fast to "
-                            "interpolate between them")  # fmt: skip
+        line = ("toolface", f"{one.name}: half of its readings are {turning.step:.0f} deg or more apart: the turn "
+                            "between two readings is not known")  # fmt: skip
         if turning.step > FAST_TURN and line not in report:
             report.append(line)
         radii = [radius[rows] for radius in one.radii]
@@ -138,13 +138,13 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
 
 
 def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
-    """The rows that share a clock: all, or those of a pass, unless the clock starts anew among them."""
+    """The rows that share a clock: all, or those of a pass, unless the clock restarts among them."""
     rows = np.flatnonzero(np.isfinite(time))
     number = one.pass_number
     clocks = [rows] if number is None else [rows[number[rows] == each] for each in np.unique(number[rows])]
     apart = [part for clock in clocks for part in _runs(clock, time, one.depth)]
     if len(apart) > len(clocks):
-        report.append(("time", f"{one.name}: goes back, as by a clock that starts anew: read as {len(apart)} clocks"))
+        report.append(("time", f"{one.name}: goes back, as where a clock restarts: read as {len(apart)} clocks"))
     return apart
 
 

@@ -211,8 +211,8 @@ def test_a_hole_of_bit_size_needs_no_wider_sigma():
     assert np.median(centres.sigma_x) < 0.2e-3
 
 
-def whirling(seed, a_turn, samples=64, eccentering=0.010, turns=200):
-    """A tool whose centre goes around the axis by so many degrees a turn, in an oval hole with breakouts."""
+def whirling(seed, a_turn, samples=64, eccentering=0.010, turns=200, lobes=0.012, washout=0.0):
+    """A tool whose centre goes around the axis by so many degrees a turn, in an oval hole with lobes."""
     rng = np.random.default_rng(seed)
     position = (np.arange(turns * samples) + 0.8 * rng.random(turns * samples)) / samples
     angle = 2 * np.pi * (position % 1)
@@ -221,8 +221,8 @@ def whirling(seed, a_turn, samples=64, eccentering=0.010, turns=200):
         return eccentering * np.exp(1j * np.radians(a_turn * at + 60))
 
     def wall(phi):
-        lobes = lobe(phi, 1.2, 60, 0.012, "bell") + lobe(phi, 1.2 + np.pi, 60, 0.012, "bell")
-        return 0.108 + 0.003 * np.cos(2 * (phi - 0.4)) + lobes
+        enlarged = sum(lobe(phi, at, 60, lobes, "bell") for at in (1.2, 1.2 + np.pi))
+        return 0.108 + 0.003 * np.cos(2 * (phi - 0.4)) + enlarged + lobe(phi, 1.2, 200, washout, "bell")
 
     near, far = np.full(angle.size, 0.02), np.full(angle.size, 0.3)
     for _ in range(48):
@@ -271,6 +271,26 @@ def test_a_small_whirl_nearly_as_fast_as_the_tool_turns_is_owned_by_sigma():
     truth = centre(found.turn + 0.5)
     x, y = np.abs(found.x - truth.real) <= 3 * found.sigma_x, np.abs(found.y - truth.imag) <= 3 * found.sigma_y
     assert np.mean(np.isnan(found.x) | (x & y)) >= 0.95
+
+
+@pytest.mark.parametrize("a_turn", [310.0, 330.0])
+def test_a_whirl_nearly_as_fast_as_the_tool_turns_is_owned_in_a_washout_on_one_side(a_turn):
+    """The mean radius rises and falls by the offset as in a hole that grows and shrinks; the washout hides the rest."""
+    toolface, radius, position, centre, _ = whirling(33, a_turn, turns=63, lobes=0.0, washout=0.020)
+    found = find_centres(toolface, radius, np.floor(position), position=position, bit_diameter=0.216)
+    truth = centre(found.turn + 0.5)
+    x, y = np.abs(found.x - truth.real) <= 3 * found.sigma_x, np.abs(found.y - truth.imag) <= 3 * found.sigma_y
+    assert np.mean(np.isnan(found.x) | (x & y)) >= 0.99
+
+
+def test_a_hole_that_steadily_grows_does_not_widen_sigma():
+    """Sixty turns of a hole that grows by 0.2 mm a turn: no whirl rises for so long."""
+    angle = np.arange(60 * 64) * 2 * np.pi / 64
+    position = angle / (2 * np.pi)
+    noise = np.random.default_rng(34).normal(0, 0.0005, angle.size)
+    found = find_centres(np.degrees(angle), 0.108 + 0.0002 * position + noise, np.floor(position), position=position)
+    assert np.isfinite(found.x).all()
+    assert np.max(found.sigma_x) < 0.3e-3
 
 
 def test_a_tool_that_does_not_whirl_is_found_with_positions_too():

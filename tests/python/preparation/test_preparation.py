@@ -488,7 +488,7 @@ def two_passes(backwards: bool, **columns: Any) -> tuple[LogSet, Any]:
 
 
 def test_a_clock_that_starts_anew_with_each_pass() -> None:
-    anew = ["f.csv: goes back, as by a clock that starts anew: read as 2 clocks"]
+    anew = ["f.csv: goes back, as where a clock restarts: read as 2 clocks"]
     for columns, backwards, lines in (
         ({"pass": np.repeat([3.0, 7.0], 100)}, False, []), ({}, False, anew), ({}, True, anew),
     ):  # fmt: skip
@@ -514,7 +514,10 @@ def test_a_toolface_too_fast_to_be_read_between_is_reported() -> None:
     columns = {"time__s": time, "md__m": 100 + 0.01 * time, "radius__m": np.full(N, 0.1)}
     slow, fast = (prepare(log(**columns, tf__deg=time * turn % 360).readings(), Preparation(latency=0.5))
                   for turn in (80.0, 110.0))  # fmt: skip
-    line = ("toolface", "f.csv: turns by 110 deg between half of its readings: too fast to interpolate between them")
+    line = (
+        "toolface",
+        "f.csv: half of its readings are 110 deg or more apart: the turn between two readings is not known",
+    )
     assert line in fast.report
     assert not [line for line in slow.report if line[0] == "toolface"]
 
