@@ -33,7 +33,7 @@ struct Settings {
     Estimator estimator = Estimator::inverse_distance;
     double kriging_range = 0.0;         // metres in the metric of angular_scale; kriging: must be set
     double nugget = 0.1;                // kriging: variance of the noise over that of the shape, at least 1e-6
-    bool sigma = false;                 // keeps with each vertex Wall::sums; radii do not depend on it
+    bool sigma = false;                 // the wall keeps Wall::sums for uncertainties; radii do not depend on it
     bool direct = false;                // a vertex that is not settled shows its latest sample, provisionally
     Index most_vertices = 100'000'000;  // an append that would give the wall more is refused: a wrong depth
     int threads = 1;                    // 1 or more; the result does not depend on it

@@ -198,7 +198,10 @@ def _fits(channel: Channel, kind: str) -> bool:
 
 
 def _single_roles(log_set: RawSet, roles: dict[str, Role]) -> None:
-    """Give depth, time, toolface ... to the channel that fits best; the reasons of the others name that channel."""
+    """Assign each role of a single channel (depth, time, toolface ...) to the channel that fits it best.
+
+    The reasons of the other channels that fit name that channel.
+    """
     inclined = any(one.is_text and re.fullmatch(r"incl?|inclination|devi?|deviation", stem(one)) for one in log_set)
     for role, name, described in PATTERNS:
         for channel in log_set:

@@ -171,7 +171,8 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
     rows = turns.by_step(options["step"])
     if not len(rows):
         ends = f"{turns.depth.min():g} to {turns.depth.max():g} m"
-        raise InputError("step", f"no whole step among the turns, {ends}", f"{options['step']:g}")
+        rule = f"the turns, {ends}, must reach from one multiple of the step to the next"
+        raise InputError("step", rule, f"{options['step']:g}")
     return _Measured(zones, turns, rows, [])
 
 

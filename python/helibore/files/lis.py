@@ -54,6 +54,8 @@ def _pass(source: InputFile, name: str, logical: Any, spec: Any) -> RawSet:
         channels.append(Channel(label.strip(), unit, "", rows[label], nulls))
     unread = {label: block for label, block in blocks.items() if label not in {channel.name for channel in channels}}
     remarks = [
-        f"{label}: {each.samples} samples a row, not read" for label, each in unread.items() if each.samples > rate
+        f"{label}: not read, because it has {each.samples} samples in each frame instead of {rate}"
+        for label, each in unread.items()
+        if each.samples > rate
     ]
     return RawSet(source.path, name, channels, len(rows), index, {}, remarks)

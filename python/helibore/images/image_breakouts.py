@@ -6,11 +6,13 @@
               |         ####               ####      |       two dark arcs, half a turn apart: a row of a breakout
               |          ##                          |       one dark arc: a spall, a joint, a tool mark; no breakout
 
-Broken wall scatters the pulse of a televiewer and lets mud into a pad's button, so both read low there, long before the
-lobes are an inch deep. `ImageCriteria` says what is dark, how wide, how opposite and how long; every output states it.
-An image shows where a breakout is and how wide it opens. Only the radius shows how deep it is (``zones``).
+Broken rock scatters the pulse of an acoustic televiewer, and mud fills the gap between broken rock and the buttons of a
+pad. Both tools therefore read low in a breakout, long before its lobes are an inch deep. `ImageCriteria` sets how dark,
+wide, opposite and long the arcs must be; every output states these criteria. An image shows where a breakout is and how
+wide it opens. Only the radius shows how deep it is (``zones``).
 
-Not found: joints and beds, which are sinusoids. Narrow dark bands of a decentred tool may be taken for breakouts.
+The search does not find joints and beds, which are sinusoids. A decentred tool can cause narrow dark bands that the
+search takes for breakouts.
 """
 
 from __future__ import annotations

@@ -331,7 +331,7 @@ class Journal:
             raise
 
     def _recover(self) -> None:
-        """Find the end of the last segment that has records; set aside the torn bytes after it."""
+        """Find where the records of the last segment end, and move the incomplete bytes after them to another file."""
         found = paths(self.folder)
         if found:  # the lock file may be removed, so the writer also locks its segment
             last = os.open(found[-1], os.O_RDWR)

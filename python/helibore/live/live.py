@@ -248,9 +248,10 @@ class Live:
         configuration: Configuration | None = None,
         report: Callable[[Segment], None] = lambda _: None,
     ) -> Live:
-        """Read a whole journal (read only) and return the same bits as live; by default with its own configuration.
+        """Return the `Live` that a whole journal gives; the journal is only read.
 
-        ``report`` gets each segment when it is read.
+        Without ``configuration``, the journal's own configurations apply, and the wall has the same bits as the live
+        wall had. ``report`` is called with each segment when it is read.
         """
         live = cls(configuration or recorded_configuration(FilePath(folder)))
         numbers = numbers_of(FilePath(folder), configuration) if configuration else None

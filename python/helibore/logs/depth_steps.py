@@ -4,7 +4,7 @@
        step i              step i + 1           missing in any turn: missing in the step
 
 Areas are averaged, not diameters; the volume of a step is its mean area times its height, whatever the pitch. A step
-counts when turns reach within half a pitch of both its ends, as a turn counts when it is full.
+has a row only if its turns reach within half a pitch of both its ends.
 """
 
 from __future__ import annotations

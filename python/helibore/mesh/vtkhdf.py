@@ -37,7 +37,8 @@ def save_vtkhdf(path: Path, mesh: VtkMesh) -> None:
     """Write a file of one part."""
     for name in (*mesh.cell_values, *mesh.metadata):
         if "/" in name or name in ("", "."):
-            raise InputError(f"attributes[{name!r}]", "a name must not be empty, '.' or hold '/' in a VTKHDF file")
+            rule = "a name in a VTKHDF file must not be empty, be '.' or contain '/'"
+            raise InputError(f"attributes[{name!r}]", rule)
     _write(path, _columns(mesh), mesh.metadata)
 
 

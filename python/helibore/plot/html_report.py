@@ -216,8 +216,8 @@ def _diameters(content: Content) -> str:
         rest = [number(volume, 4), number(100 * row.excess, 1), number(share, 1)]
         rows.append([number(row.start, 2), number(row.stop, 2), *(in_unit(size, content) for size in lengths), *rest])
     note = (
-        "Mean: of the cylinder with the same volume. Least and greatest: across the hole. All of whole turns only; "
-        "measured: share of turns that are whole."
+        "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
+        "All these numbers come from turns without a missing radius. Measured: share of such turns."
     )
     return table(head, rows) + f"<p>{note}</p>"
 

@@ -30,7 +30,7 @@ MARGIN, GAP, FOOTER = 10.0, 2.0, 10.0
 PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
 NARROWEST = 210.0
 STUB = 40.0
-"""Millimetres of log that the last page has at least."""
+"""Least length of the log on the last page, millimetres."""
 BODY = 130.0
 """Millimetres of height of a shaded body."""
 OVERVIEW_BODY, LEAST, TIES = 96.0, 130.0, 10.0

@@ -35,7 +35,7 @@ DASHES: dict[str, tuple[float, ...]] = {
     "induced fracture": (7, 2, 1, 2),
 }
 TAIL = 3.0
-"""Millimetres of a tadpole from the middle of its head."""
+"""Length of a tadpole's tail from the middle of its head, millimetres."""
 
 
 class DipTrack:

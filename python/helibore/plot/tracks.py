@@ -47,9 +47,9 @@ SIDES = {
 """Names of toolfaces 0, 90, 180 and 270 by what toolface 0 is; "": nothing says so."""
 GREY = tuple(part / 255.0 for part in MISSING)
 SCALAR = "#1d6b3a"
-"""Of the line of a curve along the hole."""
+"""Colour of the line of a `ScalarCurve`."""
 HATCH = 1.4
-"""Millimetres from line to line of the hatching of what is interpolated between arms."""
+"""Distance of the lines that hatch values interpolated between arms, millimetres."""
 HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}

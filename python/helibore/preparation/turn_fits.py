@@ -412,10 +412,10 @@ def fit_lobes(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
 
 
 def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floats:
-    """Sums over each cell, (t, cells, P + 2): whitened terms, residuals and weights.
+    """Return the sums over each cell of the P whitened terms, the residuals and the weights, (t, cells, P + 2).
 
-    Whitened by the Cholesky factor of the normal matrix, so that the squares of their sum are what the other terms take
-    from b' W b.
+    The terms are whitened by the Cholesky factor L of the normal matrix: L^-1 X'. Let b be 1 in a sector and 0 outside,
+    as in `fit_lobes`. The squares of the sector's summed terms add up to b' W X (X' W X + ridge)^-1 X' W b of the gain.
     """
     shape, turns = fits.shape.plain(), fits.count.size
     table = powers(np.exp(1j * where), 2 * _SEARCH_HARMONICS)
@@ -465,7 +465,7 @@ def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, I
 
 @dataclass
 class Estimate:
-    """What one model says of every turn: as in ``Centres``, with x and y as one complex number.
+    """The result of one model for every turn. Names are those of ``Centres``, and ``centre`` is x + i y.
 
     ``smooth_radius`` is the mean radius without lobes.
     """

@@ -4,10 +4,12 @@ Vertex k of the wall (level 0, a helix) lies at
 
     depth = start_depth + k pitch / sectors          toolface = start_toolface + k 360 / sectors
 
-The overview (level 1) is a stack of rings, so a feature that goes straight around the hole stays level. Cell (R, C)
-holds the vertices of `TURNS` turns from R * TURNS on and of one of its eight sectors: the mean radius and the mean of
-every attribute (missing values do not count), the largest distance to a sample and the smallest support, so no mean
-hides a doubtful vertex. It is interpolated between arms if most of its vertices are.
+The overview (level 1) is a stack of rings, so a feature that goes straight around the hole stays level. A ring covers
+`TURNS` turns and has eight cells, one for each eighth of the circle; a wall of fewer sectors has one cell for each
+sector. Cell (R, C) combines the vertices of eighth C in the turns R * TURNS to (R + 1) * TURNS - 1. It holds the mean
+radius and the mean of every attribute (missing values do not count). It also holds the largest distance to a sample and
+the smallest support of its vertices, because a mean would hide a vertex that few samples support. A cell counts as
+interpolated between arms if most of its vertices are.
 """
 
 from __future__ import annotations

@@ -146,7 +146,7 @@ class WebApp:
                 self.loop.call_soon_threadsafe(wake_connections)
 
     async def serve(self, socket: Socket) -> None:
-        """Serve one page until it leaves."""
+        """Serve one page over its WebSocket until it disconnects."""
         await socket.accept()
         if len(self.connections) >= MOST_CLIENTS:
             await socket.close(4429, f"{MOST_CLIENTS} pages are connected already")

@@ -161,7 +161,7 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "--zones", "w.csv"], "--output, --zones and --breakouts: the files must differ"),
         (["-o", "w.csv", "--step", "0.01"], "step = 0.01: must be at least the pitch, 0.1 m"),
         (["-o", "w.csv", "--from", "2003.2", "--to", "2003.9", "--step", "5"],
-         "step = 5: no whole step among the turns, 2003.25 to 2003.85 m"),
+         "step = 5: the turns, 2003.25 to 2003.85 m, must reach from one multiple of the step to the next"),
         (["-o", "w.csv", "--from", "3000"],
          "--from and --to: no full turns of the wall between them: they reach from 2000.05 to 2019.95 m"),
         (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),

@@ -89,7 +89,7 @@ def test_faster_channels_are_left_out_and_named(tmp_path: Path) -> None:
     channels = (channel("DEPT", "M"), channel("GR", "GAPI"), channel("DIP1", "MMHO", samples=3))
     one = hb.open(written(tmp_path / "x", log(rows, *channels))).set()
     assert (one.names, one.rows) == (("DEPT", "GR"), ROWS)
-    assert one.remarks == ["DIP1: 3 samples a row, not read"]
+    assert one.remarks == ["DIP1: not read, because it has 3 samples in each frame instead of 1"]
 
 
 def test_damage_is_read_or_refused(tmp_path: Path) -> None:

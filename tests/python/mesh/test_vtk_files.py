@@ -206,7 +206,7 @@ def test_bad_saves_write_nothing(tmp_path: Path) -> None:
         made.save(tmp_path / "a.vtp", origin=(0, np.nan, 0))
     made.attributes["GR/1"] = made.attributes["RT"]
     with pytest.raises(
-        ValueError, match=r"attributes\['GR/1'\]: a name must not be empty, '\.' or hold '/' in a VTKHDF"
+        ValueError, match=r"attributes\['GR/1'\]: a name in a VTKHDF file must not be empty, be '\.' or contain '/'"
     ):
         made.save(tmp_path / "a.vtkhdf")
     with pytest.raises(ValueError, match="the volume has no hexahedra to save"):

@@ -60,7 +60,7 @@ template <class P>
 bool all_within(const double* values, std::int64_t n, double low, double high) {
     constexpr std::int64_t ahead = 256;  // 2 kB: processors look no further than their 4 kB page, and slowly
     std::int64_t i = 0;
-    for (; i + 4 * lanes <= n; i += 4 * lanes) {  // a branch for every few vectors
+    for (; i + 4 * lanes <= n; i += 4 * lanes) {  // one branch for every four vectors
         auto good = P::less_equal(P(low), P::load(values + i));
         for (int j = 0; j < 4; ++j) {
             __builtin_prefetch(values + i + j * lanes + ahead);

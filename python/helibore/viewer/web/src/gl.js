@@ -1,5 +1,5 @@
-// WebGL 2, as much of it as the page needs: textures and index buffers that come back after a lost context, programs whose
-// uniforms are set by name.
+// The part of WebGL 2 that the page needs: textures and index buffers, which are uploaded again after the browser has lost
+// the context, and programs, whose uniforms are set by name.
 
 const FORMATS = {
   texels: ['RGBA16UI', 'RGBA_INTEGER', 'UNSIGNED_SHORT'],

@@ -7,7 +7,8 @@ export class Glow {
   ranges = [];
   rows = 0; // turns in a tile of the wall
 
-  // Vertices [start, stop) arrived; `again` when they were there before. A range that continues another joins it.
+  // Note that values of the vertices [start, stop) arrived; `again`: the wall had these vertices before. A range that
+  // touches the latest one extends it, if that one is of the same kind and less than 0.3 s old.
   add(start, stop, again, now) {
     const last = this.ranges.at(-1);
     if (last && last.again === again && now - last.at < 0.3 && start <= last.stop && stop >= last.start) {

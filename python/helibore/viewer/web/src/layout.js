@@ -88,8 +88,8 @@ export function within(ink, { left, top, width, height }, draw) {
   ink.restore();
 }
 
-// A text with a halo of the paper's colour. The canvas keeps every text's box until the next frame (`sized` deletes them);
-// a text that `yields` is left out if it would touch another.
+// Draw a text, on a halo if a colour for it is given. The canvas keeps the box of every text until the next frame (`sized`
+// deletes the boxes). If `yields` is set, the text is not drawn where its box would touch the box of another text.
 /**
  * @typedef {{ colour: string, halo?: string, align?: CanvasTextAlign, baseline?: CanvasTextBaseline, font?: string | null, yields?: boolean, margin?: number }} Lettering
  * @param {any} ink

@@ -178,7 +178,7 @@ uniform float offset;         // radians from it to the left
 uniform float across;         // of half the picture, a metre
 uniform float relief;         // how much slopes along the hole shade
 uniform float viewTop, viewLength; // metres, from the tile's start
-out vec2 grid, side;          // side: to the right, towards the eye; of 1
+out vec2 grid, side;          // side: unit vector from the axis to the wall; x to the right, y towards the eye
 out float depthHere, shade;
 void main() {
   int row = gl_VertexID / (K + 1);
