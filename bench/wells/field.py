@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 
 import numpy as np
@@ -46,9 +48,12 @@ def write_field(
     """Write wells, unless they are there, and a manifest of them; return the manifest."""
     folder.mkdir(parents=True, exist_ok=True)
     text = f'output = "out"\n{head}[defaults.wall]\nbit_diameter = {BIT}\n{wall}{WHOLE}'
+    missing = [number for number in range(wells) if not (folder / f"{number}.parquet").exists()]
+    with ProcessPoolExecutor(2, get_context("spawn")) as pool:
+        made = [pool.submit(write_well, folder / f"{number}.parquet", number, samples, spacing) for number in missing]
+        for one in made:
+            one.result()
     for number in range(wells):
-        if not (folder / f"{number}.parquet").exists():
-            write_well(folder / f"{number}.parquet", number, samples, spacing)
         text += f'[[well]]\nname = "W{number:03}"\ncaliper = "{number}.parquet"\n'
     (folder / "manifest.toml").write_text(text)
     return folder / "manifest.toml"

@@ -3,8 +3,9 @@
     python -m bench.wells.large FOLDER [--samples 200000000] [--whole]
 
 Prints the largest memory of each worker. Then some stretches of the well are made in memory from the samples within
-``reach`` and compared, bit for bit; ``--whole`` compares archive, logs and radii with the well made in one piece, for
-one that fits. Bar: 1 GB a worker. FOLDER holds the well, 24 bytes a sample.
+``reach`` and compared, bit for bit, logs too; ``--whole`` compares archive, logs and radii with the well made in one
+piece, for one that fits. Bar: 1 GB a worker. FOLDER holds the well, 24 bytes a sample; ``--one-group`` writes it as a
+single row group (by polars, since pyarrow writes 67 million rows at most; it takes 40 bytes of memory a sample).
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ from pyarrow import parquet
 import helibore as hb
 from bench.wells.field import BIT, WHOLE, write_well
 from bench.wells.throughput import peak
+from helibore.runs.blocks import AS_STREAM
 from helibore.runs.manifest import read_jobs
 from helibore.runs.reprocess import connected, reprocess
 
@@ -31,6 +33,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--samples", type=int, default=200_000_000)
     parser.add_argument("--spacing", type=float, default=0.00002, help="metres from sample to sample")
+    parser.add_argument("--one-group", action="store_true")
     parser.add_argument("--upward", action="store_true")
     parser.add_argument("--whole", action="store_true")
     given = parser.parse_args()
@@ -38,10 +41,16 @@ def main() -> None:
     file = given.folder / "large.parquet"
     if not file.exists():
         write_well(file, 1, given.samples, given.spacing, given.upward)
+    if given.one_group and not (alone := given.folder / "one-group.parquet").exists():
+        import polars
+
+        rows = polars.scan_parquet(file)
+        rows.sink_parquet(alone, compression="snappy", row_group_size=given.samples, data_page_size=1 << 20)
+    file = given.folder / "one-group.parquet" if given.one_group else file
+    groups = parquet.read_metadata(file).num_row_groups
     pitch = -0.1 if given.upward else 0.1
-    settings = {"bit_diameter": BIT, "pitch": pitch}
     text = f'output = "out"\n[defaults.wall]\nbit_diameter = {BIT}\npitch = {pitch}\n{WHOLE}'
-    (given.folder / "m.toml").write_text(text + '[[well]]\nname = "L"\ncaliper = "large.parquet"\n')
+    (given.folder / "m.toml").write_text(text + f'[[well]]\nname = "L"\ncaliper = "{file.name}"\n')
     shutil.rmtree(given.folder / "out", ignore_errors=True)
     jobs = read_jobs(given.folder / "m.toml")
     with connected(None) as client:
@@ -52,7 +61,8 @@ def main() -> None:
     parts = sorted((given.folder / "out/wells/L").glob("*.wall"))
     logs = parquet.ParquetFile(given.folder / "out/logs/well=L/logs-0.parquet").read()
     size = file.stat().st_size
-    print(f"{given.samples:,} samples, {size / 1e9:.2f} GB of Parquet, {len(parts)} blocks, {logs.num_rows:,} turns")
+    text = f"{given.samples:,} samples, {size / 1e9:.2f} GB of Parquet in {groups} row groups"
+    print(f"{text}, {len(parts)} blocks, {logs.num_rows:,} turns")
     if given.whole:
         alone = [replace(job, output=f"{given.folder}/whole", block_samples=10**9) for job in jobs]
         shutil.rmtree(given.folder / "whole", ignore_errors=True)
@@ -68,25 +78,31 @@ def main() -> None:
         print("in one piece: the same vertices in every block, the same bytes of logs, zones and overview")
         return
     random, checked = np.random.default_rng(0), 0
-    columns = np.stack([_column(file, name) for name in ("depth_m", "toolface_deg", "radius_m")])
-    order = np.argsort(columns[0], kind="stable")
-    columns = columns[:, order]
-    start_depth = columns[0, -1 if given.upward else 0]
-    for number in random.choice(len(parts), 5, replace=False):
-        part = hb.load(parts[number])
-        first = part.settings.first_vertex
-        low, high = part.reach(first, first + len(part))
-        rows = slice(*np.searchsorted(columns[0], [low, high + 1e-9]))
-        again = hb.Wall(**settings, start_depth=float(start_depth), first_vertex=first, stop_vertex=first + len(part))
-        again.append(*columns[:, rows])
+    chosen = [hb.load(parts[number]) for number in random.choice(len(parts), min(5, len(parts)), replace=False)]
+    ends = [part.reach(part.settings.first_vertex, part.settings.first_vertex + len(part)) for part in chosen]
+    for part, columns in zip(chosen, _between(file, ends), strict=True):
+        again = hb.Wall(**vars(part.settings))
+        again.append(*columns)
         same = zip(part.vertices(), again.vertices(), strict=True)
-        assert all(a.tobytes() == b.tobytes() for a, b in same), number
+        assert all(a.tobytes() == b.tobytes() for a, b in same), part
+        turn, mine = part.settings.first_vertex // part.settings.sectors, again.logs()
+        for name, values in {"DEQ": mine.equivalent_diameter, "C1": mine.c1, "DINSC": mine.inscribed_diameter}.items():
+            assert logs[name].to_numpy()[turn : turn + len(mine)].tobytes() == values.tobytes(), (part, name)
         checked += len(part)
-    print(f"5 blocks, {checked:,} vertices: the same bits from all samples in memory")
+    print(
+        f"{len(chosen)} blocks, {checked:,} vertices and their turns in the logs: the same bits from samples in memory"
+    )
 
 
-def _column(file: Path, name: str) -> np.ndarray:
-    return parquet.read_table(file, columns=[name]).column(0).to_numpy()
+def _between(file: Path, ends: list[tuple[float, float]]) -> list[np.ndarray]:
+    """Return the columns of all samples of a file between these depths each, in their order."""
+    found: list[list[np.ndarray]] = [[] for _ in ends]
+    with parquet.ParquetFile(file, **AS_STREAM) as opened:
+        for batch in opened.iter_batches(1 << 18, columns=["depth_m", "toolface_deg", "radius_m"]):
+            rows = np.stack([column.to_numpy() for column in batch.columns])
+            for kept, (low, high) in zip(found, ends, strict=True):
+                kept.append(rows[:, (rows[0] >= low) & (rows[0] <= high)])
+    return [np.concatenate(kept, axis=1) for kept in found]
 
 
 if __name__ == "__main__":

@@ -1,12 +1,16 @@
-"""Proofs of many wells on Dask that take minutes: ``python tests/slow/wells.py kill|resume|store|apart FOLDER``.
+"""Proofs of many wells on Dask that take minutes: ``python tests/slow/wells.py VERB FOLDER``.
 
-kill    ten workers are killed at seeded moments while twelve wells, one of them in blocks, are made: the same bytes as
-        an undisturbed run
+VERB is kill, resume, store, apart or scheduler.
+
+kill    one worker is killed while the cluster starts, and ten at seeded moments while twelve wells, one of them in
+        blocks, are made: the same bytes as an undisturbed run
 resume  scheduler, workers and client are killed (-9) at seeded moments, five times, and the job is started again: the
         wells with a record are not made again, and the same bytes
 store   the same manifest on local files and on moto's S3 server on loopback: the same bytes (needs moto[server], s3fs)
 apart   scheduler and workers as processes of their own, each in an empty folder, which share the S3 store alone; a
         worker with another version of helibore is refused by name
+scheduler   the scheduler is killed (-9) when two wells are done: exit code 3, a table of what was lost, nothing half
+        written; started again without it, the same bytes
 
 FOLDER keeps the field, 50 MB.
 """
@@ -62,16 +66,32 @@ def kill(folder: Path) -> None:
     manifest, want = undisturbed(folder)
     shutil.rmtree(folder / "killed", ignore_errors=True)
     moments, killed = random.Random(11), 0
+    begun, finished = threading.Event(), threading.Event()
+
+    def workers() -> list[psutil.Process]:
+        found = []
+        for of in psutil.Process().children():
+            with contextlib.suppress(psutil.Error):  # one that has just ended
+                found += [of] if "spawn_main" in " ".join(of.cmdline()) else []
+        return found
+
+    def first() -> None:
+        while not workers():
+            time.sleep(0.01)
+        workers()[0].kill()
+
+    early = threading.Thread(target=first)
+    early.start()
     with connected(None) as client:
-        begun, finished = threading.Event(), threading.Event()
+        early.join()
+        print("a worker was killed while the cluster started")
 
         def killer() -> None:
             nonlocal killed
             begun.wait()
             while killed < 10 and not finished.wait(moments.uniform(0.1, 1.0)):
-                workers = [of for of in psutil.Process().children() if "spawn_main" in " ".join(of.cmdline())]
-                if workers:
-                    moments.choice(workers).kill()
+                if there := workers():
+                    moments.choice(there).kill()
                     killed += 1
 
         thread = threading.Thread(target=killer)
@@ -208,6 +228,47 @@ def apart(folder: Path) -> None:
     print("the same bytes by a scheduler and two workers that share the store alone")
 
 
+def scheduler(folder: Path) -> None:
+    """The scheduler is lost."""
+    manifest, want = undisturbed(folder)
+    out = folder / "lost"
+    shutil.rmtree(out, ignore_errors=True)
+    with tempfile.TemporaryDirectory() as text:
+        file, running = Path(text) / "scheduler.json", []
+        try:
+            for name in ("scheduler", "worker"):
+                options = ["--scheduler-file", str(file), "--no-dashboard"]
+                options += ["--nthreads", "1", "--no-nanny"] if name == "worker" else ["--port", "0"]
+                running.append(subprocess.Popen(
+                    [sys.executable, "-m", "dask", name, *options], cwd=text, stderr=subprocess.DEVNULL,
+                ))  # fmt: skip
+                while not file.exists():
+                    time.sleep(0.1)
+            command = [sys.executable, "-m", "helibore", "reprocess", str(manifest), "-o", str(out)]
+            address = json.loads(file.read_text())["address"]
+            with subprocess.Popen(
+                [*command, "--scheduler", address], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+            ) as process:
+                while process.poll() is None and len(list(out.glob("records/*.json"))) < 2:
+                    time.sleep(0.01)
+                running[0].kill()
+                lost = time.perf_counter()
+                told = process.communicate(timeout=120)
+                print(f"ended {time.perf_counter() - lost:.0f} s later, exit {process.returncode}")
+        finally:
+            for one in running:
+                one.kill()
+                one.wait()
+    rows = [line for line in told[1].splitlines() if line.endswith(": the scheduler was lost")]
+    print(told[0].strip(), "|", len(rows), "rows of the table, such as", rows[:1])
+    assert process.returncode == 3
+    assert rows
+    assert json.loads((out / "failures.json").read_text())
+    assert subprocess.run(command, check=False, capture_output=True).returncode == 0
+    assert {name: of for name, of in content(out).items() if not name.endswith(".part")} == want
+    print("started again without it: the same bytes as undisturbed")
+
+
 if __name__ == "__main__":
-    work = {"kill": kill, "resume": resume, "store": store, "apart": apart}[sys.argv[1]]
+    work = {"scheduler": scheduler, "kill": kill, "resume": resume, "store": store, "apart": apart}[sys.argv[1]]
     work(Path(sys.argv[2]).resolve())

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from helibore.runs.reprocess import Progress
 
 FAILED = 3
-"""Exit code where wells failed."""
+"""Exit code where wells failed, or the catalogue could not be written."""
 
 
 @click.command("reprocess", cls=Sectioned, short_help="Rebuild the walls of many wells, on this machine or a cluster.")
@@ -53,7 +53,9 @@ def reprocess(manifest: tuple[str, ...], output: str | None, scheduler: str | No
             click.echo(found.sentence())
     for well, reason in sorted(found.failed.items()):
         click.echo(f"{well}: {reason}", err=not words)
-    if found.failed:
+    for file, reason in found.unwritten.items():
+        click.echo(f"{file}: cannot be written: {reason}", err=True)
+    if found.failed or found.unwritten:
         click.get_current_context().exit(FAILED)
 
 

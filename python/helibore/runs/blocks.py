@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 import secrets
+import zlib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
@@ -83,7 +84,7 @@ def check_blocks(run: Run, most_samples: int) -> Input:
 def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int) -> Json:
     """Sort the samples of a well into bins by depth, and plan its blocks; the plan lies in the store after the bins."""
     name = f"{folder}/plan.json"
-    before: Json | None = store.read_json(name)
+    before: Json | None = store.read_checked(name)
     if before is not None and before["made_from"] == made_from:
         return before
     store.delete(list(store.sizes(folder)))
@@ -91,6 +92,7 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
     wall = _settings(run)
     height = BIN_TURNS * abs(wall.pitch)
     counts: Counter[int] = Counter()
+    sums: dict[int, int] = {}
     ends, newest, width = [math.inf, -math.inf], -math.inf, 3
     bins = f"{folder}/bins-{secrets.token_hex(4)}"
     with store.writing_folder(bins) as into:
@@ -105,8 +107,10 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
             for part in np.split(order, np.flatnonzero(np.diff(number[order])) + 1):
                 at = int(number[part[0]])
                 counts[at] += part.size
+                content = rows[part].tobytes()
+                sums[at] = zlib.crc32(content, sums.get(at, 0))
                 with (into / str(at)).open("ab") as file:
-                    rows[part].tofile(file)
+                    file.write(content)
     if not counts:
         raise InputError(only.file.name, "no row has depth, toolface and a radius")
     start, stop = ends if wall.pitch > 0 else ends[::-1]
@@ -118,9 +122,18 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
         raise InputError("most_vertices", f"the wall from {start:g} m to {stop:g} m would have {vertices:,} vertices")
     plan |= {"made_from": made_from, "bins": bins, "height": height, "width": width, "ends": ends}
     plan |= {"counts": {str(at): counts[at] for at in sorted(counts)}, "newest": newest if width > 3 else 0.0}
+    plan["checksums"] = {str(at): sums[at] for at in sorted(counts)}
     plan["blocks"] = _blocks(wall, plan, most_samples)
     plan["reference"] = _first_radius(store, plan, wall)
-    store.write_json(name, plan)
+    store.write_checked(name, plan)
+    return plan
+
+
+def read_plan(store: Store, folder: str) -> Json:
+    """Return the plan of a well."""
+    plan: Json | None = store.read_checked(f"{folder}/plan.json")
+    if plan is None:
+        raise InputError(f"{folder}/plan.json", "is missing or damaged: start again")
     return plan
 
 
@@ -132,7 +145,7 @@ def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
     bit = run.settings.wall.bit_diameter if run.settings.wall else None
     log, names = run.files.log_set(only), [role.channel for role in only.channel if role.role != "none"]
     with parquet.ParquetFile(only.file, **AS_STREAM) as file:
-        for batch in file.iter_batches(BATCH, columns=names):
+        for batch in _undamaged(only.file.name, file.iter_batches(BATCH, columns=names)):
             channels = []
             for name in batch.schema.names:
                 values, of = parquet_values(batch.column(name)), log[name]
@@ -157,6 +170,16 @@ def sample_batches(run: Run, only: Input) -> Iterator[tuple[Floats, ...]]:
                 rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
                 raise InputError(f"{only.file.name}: radius", rule, f"{samples.radius[odd][0]:g}")
             yield tuple(column[keep] for column in columns)
+
+
+def _undamaged(name: str, batches: Iterator[Any]) -> Iterator[Any]:
+    """Return the batches of a Parquet file; an InputError names the file where it is damaged."""
+    from pyarrow import ArrowException
+
+    try:
+        yield from batches
+    except (ArrowException, OSError) as error:
+        raise InputError(name, f"truncated or damaged Parquet ({str(error).splitlines()[0]})") from error
 
 
 def _between(values: Floats, low: float | None, high: float | None) -> Any:
@@ -210,7 +233,12 @@ def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
     parts = [np.empty((0, plan["width"]))]
     for at in range(first, last + 1):
         if str(at) in plan["counts"]:
-            rows = store.read_array(f"{plan['bins']}/{at}").reshape(-1, plan["width"])
+            try:
+                rows = store.read_array(f"{plan['bins']}/{at}", plan["checksums"][str(at)])
+            except InputError as error:
+                store.delete([f"{plan['bins'].rpartition('/')[0]}/plan.json"])
+                raise InputError(error.place, f"{error.rule}: start again, and the samples are sorted again") from error
+            rows = rows.reshape(-1, plan["width"])
             parts.append(rows[(rows[:, 0] >= low) & (rows[:, 0] <= high)])
     return list(np.concatenate(parts).T.copy())
 
@@ -266,8 +294,8 @@ def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
 
 def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
     """Make a block: its archive, if it has a name; then the rows of its logs and its radii, for the merge."""
-    plan, part = store.read_json(f"{folder}/plan.json"), f"{folder}/part-{number:05}.npz"
-    if part in store.sizes(folder):
+    plan, part = read_plan(store, folder), f"{folder}/part-{number:05}.npz"
+    if part in store.sizes(folder) and (archive is None or store.has(archive)):
         return
     settings, (first, stop) = _settings(run), plan["blocks"][number]
     K, last = settings.sectors, number + 1 == len(plan["blocks"])
@@ -316,7 +344,7 @@ class Merged(NamedTuple):
 
 def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
     """Return a well, its logs and its overview from the parts that its blocks left."""
-    plan, settings = store.read_json(f"{folder}/plan.json"), _settings(run)
+    plan, settings = read_plan(store, folder), _settings(run)
     parts = [store.read_arrays(f"{folder}/part-{number:05}.npz") for number in range(len(plan["blocks"]))]
 
     def joined(name: str) -> Floats:

@@ -11,9 +11,13 @@ fsspec's own configuration and the cloud's environment variables say how to log 
 from __future__ import annotations
 
 import contextlib
+import hashlib
 import io
 import json
+import shutil
 import tempfile
+import zipfile
+import zlib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -56,6 +60,10 @@ def local_file(address: str) -> Iterator[Path]:
         yield copy
 
 
+def _checksum(value: Json) -> str:
+    return hashlib.blake2b(json.dumps(value, sort_keys=True).encode(), digest_size=16).hexdigest()
+
+
 class Store:
     """The files below an address, by their names with forward slashes."""
 
@@ -94,21 +102,33 @@ class Store:
         if self.is_local:
             path = Path(self.path(name))
             path.mkdir(parents=True)
-            yield path
+            try:
+                yield path
+            except BaseException:
+                shutil.rmtree(path, ignore_errors=True)
+                raise
             return
         with tempfile.TemporaryDirectory(prefix="helibore-") as folder:
             yield Path(folder)
             files = sorted(Path(folder).iterdir())
             self.system.put([str(of) for of in files], [self.path(f"{name}/{of.name}") for of in files])
 
-    def read_array(self, name: str) -> Floats:
-        """Return a file of plain float64 numbers."""
-        return np.frombuffer(self.system.cat_file(self.path(name)))
+    def read_array(self, name: str, checksum: int) -> Floats:
+        """Return a file of plain float64 numbers; an InputError if its CRC-32 is another."""
+        content = self.system.cat_file(self.path(name))
+        if zlib.crc32(content) != checksum:
+            raise InputError(name, "is damaged")
+        return np.frombuffer(content)
 
     def read_arrays(self, name: str) -> dict[str, Array]:
-        """Return the arrays of an NPZ file."""
-        with np.load(io.BytesIO(self.system.cat_file(self.path(name)))) as found:
-            return dict(found)
+        """Return the arrays of an NPZ file; one that is damaged is deleted, and an InputError names it."""
+        content = self.system.cat_file(self.path(name))
+        try:
+            with np.load(io.BytesIO(content)) as found:
+                return dict(found)
+        except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
+            self.delete([name])
+            raise InputError(name, f"was damaged and is deleted: start again ({error})") from error
 
     def write_json(self, name: str, value: Any) -> None:
         """Write a value as JSON: the same value gives the same bytes."""
@@ -122,6 +142,20 @@ class Store:
             return json.loads(self.system.cat_file(self.path(name)))
         except (FileNotFoundError, ValueError):
             return None
+
+    def write_checked(self, name: str, value: Json) -> None:
+        """Write an object as JSON with its own checksum, which `read_checked` verifies."""
+        self.write_json(name, value | {"blake2b": _checksum(value)})
+
+    def read_checked(self, name: str) -> Any:
+        """Return what `write_checked` wrote; None if there is no such file, or a bit of it has changed."""
+        value = self.read_json(name)
+        stated = value.pop("blake2b", None) if isinstance(value, dict) else None
+        return value if stated is not None and stated == _checksum(value) else None
+
+    def has(self, name: str) -> bool:
+        """Say whether a file is there."""
+        return bool(self.system.exists(self.path(name)))
 
     def holds(self, files: dict[str, int]) -> bool:
         """Say whether all these files are there, with these numbers of bytes."""

@@ -30,8 +30,14 @@ if TYPE_CHECKING:
 CATALOGUE, FAILURES = "catalogue.parquet", "failures.json"
 DEATHS = 30
 """Workers that may die around a task before it counts as their killer. Dask's 3 fails a healthy task in a bad hour."""
+QUIET = {
+    "distributed.worker.profile.enabled": False,
+    "distributed.admin.tick.interval": "500ms",
+    "distributed.admin.system-monitor.interval": "2s",
+}
+"""How often Dask looks at itself in the workers of this machine: its defaults cost a good part of a small well."""
 TRIES = 3
-"""Times that a well is tried where a store does not answer or a worker is killed."""
+"""Times that a task is tried where a store does not answer or a worker is killed, and that a cluster is started."""
 
 
 @dataclass
@@ -42,6 +48,7 @@ class Progress:
     done: list[str] = field(default_factory=list)  # made now
     skipped: list[str] = field(default_factory=list)  # there already, from the same inputs and settings
     failed: dict[str, str] = field(default_factory=dict)  # well to reason
+    unwritten: dict[str, str] = field(default_factory=dict)  # file of all wells that could not be written, to reason
     seconds: float = 0.0
     dashboard: str | None = None  # where Dask shows what the workers do
 
@@ -85,7 +92,7 @@ def reprocess(
     Returns
     -------
     Progress
-        The wells made, there already, and failed with their reasons.
+        The wells made, there already, and failed with their reasons; and whether the catalogue could not be written.
 
     Raises
     ------
@@ -110,11 +117,16 @@ def reprocess(
     with connected(client) as cluster:
         _check_workers(cluster)
         so_far = _run(cluster, jobs, records, progress or (lambda _: None))
-    _write_catalogue(store, records)
-    if so_far.failed:
-        store.write_json(FAILURES, so_far.failed)
-    else:
-        store.delete([FAILURES])
+    try:
+        name = CATALOGUE
+        _write_catalogue(store, records)
+        name = FAILURES
+        if so_far.failed:
+            store.write_json(FAILURES, so_far.failed)
+        else:
+            store.delete([FAILURES])
+    except OSError as error:
+        so_far.unwritten[name] = _reason(error)
     return so_far
 
 
@@ -136,10 +148,18 @@ def connected(client: Client | str | None) -> Iterator[Any]:
     elif client is not None:
         yield client
     else:
-        patient = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS})
+        own = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, **QUIET})
         local = {"n_workers": thread_count(None), "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
-        with patient, LocalCluster(**local) as cluster, Client(cluster) as made:
+        with own, _started(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
             yield made
+
+
+def _started(start: Callable[[], Any]) -> Any:
+    """Start a cluster; where a worker dies before it answers, Dask gives all up, and the cluster is started again."""
+    for _ in range(TRIES - 1):
+        with contextlib.suppress(RuntimeError):
+            return start()
+    return start()
 
 
 def status(jobs: Sequence[Job]) -> Progress:
@@ -161,7 +181,7 @@ def _check_workers(client: Any) -> None:
 
 def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
     """Run one task a well, or one a block and a merge; put the records in ``records``."""
-    from distributed import KilledWorker, as_completed
+    from distributed import as_completed
 
     begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
     tell(so_far)
@@ -192,9 +212,9 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
             finish(job, "the scheduler was lost")
             continue
         error = future.exception()
-        again = isinstance(error, KilledWorker | OSError) and not isinstance(error, FileNotFoundError)
         if error is not None:
-            if again and task.tries < TRIES:
+            explained = isinstance(error, InputError | MissingExtraError | FileNotFoundError)
+            if not explained and task.tries < TRIES:
                 finished.add(submit(task._replace(tries=task.tries + 1)))
             else:
                 finish(job, _reason(error))
@@ -228,7 +248,9 @@ def _reason(error: BaseException) -> str:
 def _write_catalogue(store: Store, records: dict[str, Json]) -> None:
     """Write the rows of all records in the store, those of earlier jobs too, in the order of their wells."""
     known = {record_name(well) for well in records}
-    earlier = [store.read_json(name) for name in store.sizes("records") if name.endswith(".json") and name not in known]
+    earlier = [
+        store.read_checked(name) for name in store.sizes("records") if name.endswith(".json") and name not in known
+    ]
     records |= {record["well"]: record for record in earlier if record is not None}
     rows = [records[well]["catalogue"] for well in sorted(records)]
     if rows:

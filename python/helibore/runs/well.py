@@ -30,7 +30,16 @@ from helibore.files.log_files import save_table
 from helibore.logs.summary import WallSummary, summarize
 from helibore.logs.zones import Classification, classify
 from helibore.mesh.surface import Surface, surface_of
-from helibore.runs.blocks import Merged, check_blocks, make_block, merged, needs_blocks, overview_settings, plan_well
+from helibore.runs.blocks import (
+    Merged,
+    check_blocks,
+    make_block,
+    merged,
+    needs_blocks,
+    overview_settings,
+    plan_well,
+    read_plan,
+)
 from helibore.runs.manifest import FILES, Job, path_part, strip_maps
 from helibore.runs.output_store import Json, Store, local_file
 from helibore.runs.run import OpenFiles, Run, make_wall, read_path
@@ -77,7 +86,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     check_versions(expected)
     store = Store(job.output)
     with _opened(job) as (run, local):
-        before: Json | None = store.read_json(record_name(job.well))
+        before: Json | None = store.read_checked(record_name(job.well))
         if before is not None:
             if before["made_from"] == _made_from(job, run.files, local) and store.holds(before["files"]):
                 return before | {"made": False}
@@ -112,7 +121,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path))
         row = catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
-    made_from = store.read_json(f"{_work(job)}/plan.json")["made_from"]
+    made_from = read_plan(store, _work(job))["made_from"]
     record = _write_record(job, store, made_from, files, row)
     store.delete(list(store.sizes(_work(job))))
     return record
@@ -126,7 +135,7 @@ def _work(job: Job) -> str:
 def _write_record(job: Job, store: Store, made_from: Json, files: dict[str, int], row: Json) -> Json:
     row = row | _provenance(made_from)
     record = {"well": job.well, "made_from": made_from, "files": dict(sorted(files.items())), "catalogue": row}
-    store.write_json(record_name(job.well), record)
+    store.write_checked(record_name(job.well), record)
     return record | {"made": True}
 
 

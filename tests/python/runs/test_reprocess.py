@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import json
+import resource
 import shutil
+import zipfile
+from collections import Counter
 from collections.abc import Iterator
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +16,7 @@ import numpy as np
 import pyarrow
 import pytest
 from click.testing import CliRunner
+from fsspec.exceptions import FSTimeoutError
 from pyarrow import parquet
 
 import helibore as hb
@@ -19,7 +24,7 @@ from helibore.cli import cli
 from helibore.runs.blocks import AS_STREAM, _beyond_gap
 from helibore.runs.manifest import OUTPUTS, Job, read_jobs
 from helibore.runs.output_store import Store
-from helibore.runs.reprocess import Progress, status
+from helibore.runs.reprocess import Progress, _started, status
 from helibore.runs.run import checksum
 from helibore.runs.well import merge_well, reprocess_block, reprocess_well, versions
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -344,6 +349,170 @@ def test_the_command(field: Path, tmp_path: Path, client: Any) -> None:
     assert result.stderr.startswith("C: bad.parquet: ")
     result = CliRunner().invoke(cli, ["reprocess", "status", str(field / "b.toml"), "-o", str(tmp_path)])
     assert (result.exit_code, result.stdout.splitlines()[0]) == (3, "2 of 3 wells are done, 1 failed")
+
+
+def flip(file: Path, seed: int, above: float = 0.0) -> None:
+    """Flip a bit of a file, beyond a share of its length."""
+    random, old = np.random.default_rng(seed), bytearray(file.read_bytes())
+    old[random.integers(int(above * len(old)), len(old))] ^= 1 << random.integers(8)
+    file.write_bytes(old)
+
+
+@pytest.fixture
+def large_job(field: Path, tmp_path: Path) -> Job:
+    settings = {"bit_diameter": 0.2159, "sectors": 8, "pitch": 0.005}
+    tree = {"caliper": [{"file": f"{field}/0.parquet"}], "wall": settings, "preparation": BY_ROW}
+    return Job("A", tree, str(tmp_path / "out"), ("archive",), block_samples=2000)
+
+
+def make_large(job: Job) -> Any:
+    for number in range(reprocess_well(job)["blocks"]):
+        reprocess_block(job, number)
+    return merge_well(job)
+
+
+def test_a_flipped_bit_in_what_a_large_well_left_is_noticed(large_job: Job, tmp_path: Path) -> None:
+    make_large(large_job)
+    want, out = content(tmp_path / "out"), tmp_path / "out"
+    shutil.rmtree(out)
+    reprocess_well(large_job)
+    flip(next(out.glob("work/A/bins-*/*")), 1)
+    with pytest.raises(
+        hb.InputError, match=r"^work/A/bins-\w+/\d+: is damaged: start again, and the samples are sorted"
+    ):
+        make_large(large_job)
+    reprocess_well(large_job)
+    for number in range(2):
+        reprocess_block(large_job, number)
+    flip(out / "work/A/part-00000.npz", 2)
+    with pytest.raises(hb.InputError, match=r"^work/A/part-00000.npz: was damaged and is deleted: start again"):
+        make_large(large_job)
+    (out / "wells/A/A-00001.wall").unlink()
+    flip(out / "work/A/plan.json", 3)
+    with pytest.raises(hb.InputError, match=r"^work/A/plan.json: is missing or damaged: start again$"):
+        merge_well(large_job)
+    make_large(large_job)
+    assert content(out) == want
+
+
+@pytest.mark.parametrize("seed", range(2))
+def test_a_flipped_bit_in_input_or_output_is_refused(large_job: Job, field: Path, tmp_path: Path, seed: int) -> None:
+    table = parquet.read_table(field / "0.parquet")
+    given = tmp_path / "a.parquet"
+    parquet.write_table(table, given, write_page_checksum=True, use_dictionary=False)
+    flip_page(given, seed)
+    tree = large_job.tree | {"caliper": [{"file": str(given)}]}
+    for most in (10_000, 2000):
+        with pytest.raises(hb.InputError, match=r"^a.parquet[:,].* damaged Parquet \("):
+            reprocess_well(Job("A", tree, str(tmp_path / "out"), ("archive",), block_samples=most))
+    assert content(tmp_path / "out") == {}
+    job = Job("A", large_job.tree, str(tmp_path / "out"), ("archive", "logs"))
+    reprocess_well(job)
+    before = content(tmp_path / "out")
+    flip(tmp_path / "out/records/A.json", seed)
+    assert reprocess_well(job)["made"]
+    assert content(tmp_path / "out") == before
+    flip_page(tmp_path / "out/logs/well=A/logs-0.parquet", seed)
+    with pytest.raises(OSError, match="CRC"):
+        parquet.read_table(tmp_path / "out/logs/well=A/logs-0.parquet", page_checksum_verification=True)
+    flip_member(tmp_path / "out/wells/A/A.wall", seed)
+    with pytest.raises(hb.InputError, match=r"A\.wall"):
+        hb.load(tmp_path / "out/wells/A/A.wall")
+
+
+def flip_page(file: Path, seed: int) -> None:
+    """Flip a bit in the last bytes of the first data page of a column."""
+    chunk = parquet.read_metadata(file).row_group(0).column(seed % 3)
+    content = bytearray(file.read_bytes())
+    begin = chunk.data_page_offset if not chunk.has_dictionary_page else chunk.dictionary_page_offset
+    content[begin + chunk.total_compressed_size - 3 - seed] ^= 1 << seed
+    file.write_bytes(content)
+
+
+def flip_member(file: Path, seed: int) -> None:
+    """Flip a bit in the middle of the largest array of an archive."""
+    with zipfile.ZipFile(file) as archive:
+        member = max(archive.infolist(), key=lambda of: of.file_size)
+    content = bytearray(file.read_bytes())
+    content[member.header_offset + member.file_size // 2 + seed] ^= 1 << seed
+    file.write_bytes(content)
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_full_disk_leaves_nothing_half_written(field: Path, tmp_path: Path, client: Any) -> None:
+    jobs = read_jobs(manifest(field), str(tmp_path))
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, hard))
+    try:
+        found = hb.reprocess(jobs, client)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert sorted(found.failed) == ["15/9-F 1", "B"]
+    assert all("File too large" in reason for reason in found.failed.values())
+    assert set(content(tmp_path)) == {"failures.json"}
+    assert not list(tmp_path.rglob("*.part"))
+    assert sorted(hb.reprocess(jobs, client).done) == ["15/9-F 1", "B"]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_failures_are_told_where_the_catalogue_cannot_be_written(
+    field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def full(*_: Any) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr("helibore.runs.reprocess._write_catalogue", full)
+    where = ["-q", "-o", str(tmp_path), "--scheduler", client.scheduler.address]
+    text = MANIFEST.replace("1.parquet", "bad.parquet")
+    result = CliRunner().invoke(cli, ["reprocess", str(manifest(field, text, "b.toml")), *where])
+    assert (result.exit_code, result.stdout) == (3, "")
+    lines = result.stderr.splitlines()
+    assert lines[0].startswith("B: bad.parquet: ")
+    assert lines[1] == "catalogue.parquet: cannot be written: [Errno 28] No space left on device"
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_store_that_times_out_is_tried_again(field: Path, client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    jobs = [replace(job, outputs=("logs",)) for job in read_jobs(manifest(field), "memory://slow")]
+    system, asked = Store("memory://slow").system, Counter[str]()
+    put = type(system).put_file
+
+    def slow(self: Any, local: str, path: str, **more: Any) -> None:
+        asked[path] += 1
+        if "logs-0" in path and (asked[path] < 3 or "well=B" in path):
+            raise FSTimeoutError("no answer in 5 s")
+        put(self, local, path, **more)
+
+    monkeypatch.setattr(type(system), "put_file", slow)
+    found = hb.reprocess(jobs, client)
+    assert (found.done, found.failed) == (["15/9-F 1"], {"B": "no answer in 5 s"})
+    assert [asked[path] for path in sorted(asked) if "logs-0" in path] == [3, 3]
+    assert not [name for name in Store("memory://slow").sizes("") if "B" in name]
+
+
+def test_workers_of_another_version_are_refused_before_any_work(
+    field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("helibore.runs.reprocess.versions", lambda: versions() | {"numpy": "0.1"})
+    with pytest.raises(
+        hb.InputError, match=r"^worker inproc://.*: worker: numpy .*: must be 0.1, as where the job was"
+    ):
+        hb.reprocess(read_jobs(manifest(field), str(tmp_path)), client)
+    assert content(tmp_path) == {}
+
+
+def test_a_cluster_is_started_again_where_a_worker_dies_at_its_start() -> None:
+    left = [RuntimeError("Nanny failed to start."), RuntimeError("Nanny failed to start."), "cluster"]
+
+    def start() -> Any:
+        if isinstance(found := left.pop(0), RuntimeError):
+            raise found
+        return found
+
+    assert _started(start) == "cluster"
+    left[:] = [RuntimeError(f"Nanny failed to start, {number}.") for number in range(4)]
+    with pytest.raises(RuntimeError, match="start, 2"):
+        _started(start)
 
 
 def test_time_left_follows_from_the_wells_made() -> None:

@@ -91,3 +91,33 @@ def test_what_a_wall_makes_and_holds_travels():
     made = [wall.logs(), wall.zones(), wall.surface(), wall.volume(), wall.samples, wall.arms, wall.summary()]
     for one in made:
         assert repr(pickle.loads(pickle.dumps(one))) == repr(one)
+
+
+def test_dask_sends_arrays_out_of_band_and_without_a_further_copy():
+    """Dask's serializer for them is pickle protocol 5 with buffers: the arrays are sent as they lie in memory."""
+    protocol = pytest.importorskip("distributed.protocol")
+    wall, _ = everything()
+    arrays = {
+        "Survey": (wall.path.survey, [wall.path.survey.depth]),
+        "Path": (wall.path, [wall.path.survey.depth]),
+        "Caliper": (wall.arms, [wall.arms.radius]),
+        "Logs": (made := wall.logs(), [made.depth, made.c1]),
+        "Wall": (wall, []),
+    }
+    for name, (one, held) in arrays.items():
+        header, (pickled, *frames) = protocol.serialize(one)
+        assert header["serializer"] == "pickle", name
+        assert len(pickled) < 10_000, name
+        buffers = [np.frombuffer(frame, np.uint8) for frame in frames if memoryview(frame).nbytes]
+        assert all(any(np.shares_memory(array, of) for of in buffers) for array in held), name
+        again = protocol.deserialize(header, [pickled, *map(bytearray, frames)])
+        assert type(again) is type(one)
+        assert pickle.dumps(again) == pickle.dumps(protocol.deserialize(*protocol.serialize(one))), name
+    sent = sum(memoryview(frame).nbytes for frame in protocol.serialize(wall)[1])
+    assert sent < 1.2 * sum(of.nbytes for of in pickle_buffers(wall))
+
+
+def pickle_buffers(one):
+    buffers = []
+    pickle.dumps(one, 5, buffer_callback=lambda of: buffers.append(of.raw()))
+    return buffers
