@@ -61,6 +61,7 @@ HB_API const char* HB_CALL hb_instruction_set(void); /* that searches use: "plai
    finite". At most 1023 bytes of UTF-8, which the thread's next call overwrites. */
 HB_API const char* HB_CALL hb_last_error(void);
 
+/* Close a handle of any kind. */
 HB_API int32_t HB_CALL hb_close(int64_t handle);
 
 /* --- settings.hpp and path.hpp explain each setting ------------------------------------------------------------- */
@@ -137,6 +138,7 @@ typedef struct hb_change {
     int64_t redundant; /* samples dropped: equal to another */
 } hb_change;
 
+/* An empty wall; *wall is its handle. */
 HB_API int32_t HB_CALL hb_wall_create(const hb_settings* settings, int64_t* wall);
 
 /* n samples. time may be NULL: either all samples of a wall have a time or none has. change may be NULL. */
@@ -146,6 +148,7 @@ HB_API int32_t HB_CALL hb_wall_append(int64_t wall, int64_t n, const double* dep
 /* The vertices that this handle's last append or poll changed: *count ranges of start and stop, half-open. */
 HB_API int32_t HB_CALL hb_ranges(int64_t wall_or_live, int64_t* count, int64_t* start_stop);
 
+/* What the wall holds now. */
 HB_API int32_t HB_CALL hb_wall_get(int64_t wall, hb_wall_state* state);
 
 #define HB_DEPTH 0
@@ -179,6 +182,7 @@ HB_API int32_t HB_CALL hb_wall_surface(int64_t wall, int64_t path, int64_t start
 
 /* --- path -------------------------------------------------------------------------------------------------------- */
 
+/* The path through n stations: depth in metres, inclination and azimuth in degrees; *path is its handle. */
 HB_API int32_t HB_CALL hb_path_create(const hb_path_settings* settings, int64_t n, const double* depth,
                                       const double* inclination, const double* azimuth, int64_t* path);
 
@@ -197,6 +201,7 @@ typedef struct hb_update {
     int64_t events;   /* stations that were left out: hb_live_event */
 } hb_update;
 
+/* A live well, to which samples (time may be NULL) and stations are appended; *live is its handle. */
 HB_API int32_t HB_CALL hb_live_create(const hb_settings* settings, const hb_path_settings* path, int64_t* live);
 HB_API int32_t HB_CALL hb_live_append_samples(int64_t live, int64_t n, const double* depth, const double* toolface,
                                               const double* radius, const double* time);
@@ -223,6 +228,7 @@ HB_API int32_t HB_CALL hb_live_path(int64_t live, int64_t* path);
 
 /* --- WITS level 0 ------------------------------------------------------------------------------------------------ */
 
+/* A parser of one stream of WITS frames; *parser is its handle. */
 HB_API int32_t HB_CALL hb_wits_create(int64_t* parser);
 
 /* Takes n bytes; n = 0 ends the stream. *items and *events: what the frames that they complete hold, and how many

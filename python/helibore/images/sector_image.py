@@ -128,7 +128,7 @@ class SectorImage:
 
     @property
     def sectors(self) -> int:
-        """S, sectors a row."""
+        """S, number of sectors a row."""
         return int(self.values.shape[1])
 
     @property
@@ -140,6 +140,8 @@ class SectorImage:
 
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
         """Find where the image is dark on opposite sides of the hole: `helibore.images.image_breakouts`.
+
+        ``criteria``: how dark, how long and how opposite; None: those of the trade.
 
         Raises
         ------

@@ -163,7 +163,7 @@ class Live:
         return self.draw([self.store_change(configuration)])
 
     def store_change(self, configuration: Configuration) -> Stored:
-        """As `reconfigure`, but store the change only; the caller passes it to :meth:`draw`, as after :meth:`store`."""
+        """As `reconfigure`, but store the change to ``configuration`` only; then call `draw`, as after `store`."""
         now = changed_to(configuration, self.configuration, self.journal.folder if self.journal else None)
         stamped = self._stamp(0, 0, self._opening(now), journals.OPENED)
         self.configuration = now
@@ -248,7 +248,7 @@ class Live:
         configuration: Configuration | None = None,
         report: Callable[[Segment], None] = lambda _: None,
     ) -> Live:
-        """Return the `Live` that a whole journal gives; the journal is only read.
+        """Return the `Live` that the whole journal in ``folder`` gives; the journal is only read.
 
         Without ``configuration``, the journal's own configurations apply, and the wall has the same bits as the live
         wall had. ``report`` is called with each segment when it is read.
@@ -313,7 +313,7 @@ class Live:
         return self.model.stations.path
 
     def receive(self, source: str, payload: bytes, connection: int = 1) -> Update:
-        """Store and read bytes of one connection of a source.
+        """Store and read ``payload``, bytes of one connection (a number of the caller) of a source.
 
         Returns
         -------
@@ -335,17 +335,19 @@ class Live:
         return update
 
     def connected(self, source: str, connection: int, peer: str) -> Update:
-        """Record the beginning of a connection."""
+        """Record the beginning of a connection, a number of the caller, of ``source`` with ``peer``, for events."""
         return self._store(self._number(source), connection, peer.encode(), journals.CONNECTED)
 
     def closed(self, source: str, connection: int) -> Update:
-        """Record the end of a connection; its incomplete frame is dropped."""
+        """Record the end of a connection of ``source``; its incomplete frame is dropped."""
         return self._store(self._number(source), connection, b"", journals.CLOSED)
 
     def append_samples(
         self, depth: npt.ArrayLike, toolface: npt.ArrayLike, radius: npt.ArrayLike, time: npt.ArrayLike | None = None
     ) -> Update:
         """Store and draw samples whose depth the host knows: `Wall.append` to the layers that take ``unknown``.
+
+        ``depth`` (m), ``toolface`` (deg), ``radius`` (m) and ``time`` (s; None: without) are (n,) as of `Caliper`.
 
         Raises
         ------
@@ -373,7 +375,10 @@ class Live:
         return update
 
     def append_stations(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> Update:
-        """Store survey stations (m, deg) and add them to the survey; a wrong one is left out with an event."""
+        """Store survey stations and add them to the survey; a wrong one is left out with an event.
+
+        ``depth`` (m), ``inclination`` and ``azimuth`` (deg) are (n,) as of `Survey`.
+        """
         depths = column("depth", depth)
         table = [depths, column("inclination", inclination, depths.size, "depth"),
                  column("azimuth", azimuth, depths.size, "depth")]  # fmt: skip
@@ -484,11 +489,16 @@ class Live:
                 self.report("silent", f"nothing has come for {source.silence:g} s", name)
 
     def report(self, rule: str, text: str, source: str = "") -> None:
-        """Report an event of the host or of a source's link; no record caused it, so it is not in the journal."""
+        """Report an event of the host or of a source's link by its rule (a name that joins events) and its text.
+
+        No record caused it, so it is not in the journal.
+        """
         self.model.report(self.clock()[0], rule, text, source)
 
     def store(self, source: str, connection: int, payload: bytes, kind: int) -> Stored:
         """Store a record in the journal only; the caller passes the results to :meth:`draw` in the order of the calls.
+
+        ``source`` and ``connection`` say where ``payload`` came from; ``kind`` is a number of `helibore.live.journal`.
 
         Raises
         ------

@@ -122,7 +122,7 @@ class Volume(Mesh):
         self.attributes.units[name] = unit
 
     def hex_volume(self, threads: int | None = None) -> Floats:
-        """Return the volume of each hexahedron, cubic metres, (h,) float64.
+        """Return the volume of each hexahedron, cubic metres, (h,) float64, from ``threads`` threads (None: all cores).
 
         Exact for faces that are the bilinear patches between their corners, which neighbours share: the volumes of a
         layer add up to what lies between its shells.
@@ -157,7 +157,7 @@ class Volume(Mesh):
         save_volume(self, FilePath(filename), origin)
 
     def append_to(self, filename: str | os.PathLike[str], origin: tuple[float, float, float] = (0.0, 0.0, 0.0)) -> None:
-        """Add this volume as a further part to a .vtkhdf file, or begin one: `Surface.append_to`."""
+        """Add this volume as a part to ``filename``, a .vtkhdf file, or begin one. ``origin``: `Surface.append_to`."""
         append_mesh(self, FilePath(filename), origin)
 
 

@@ -213,7 +213,7 @@ def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Co
 def overview(wall: Wall, **options: Any) -> Figure:
     """Draw the tracks of `log` for a screen: no cross sections, and the shaded body at their right.
 
-    Parameters, result and errors are those of `log`; ``polar`` has no effect.
+    ``wall``, ``options``, result and errors are those of `log`; ``polar`` has no effect.
     """
     content = content_of(wall, Drawing(**{**options, "polar": ()}))
     length = content.paper_length()

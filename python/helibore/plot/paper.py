@@ -152,7 +152,7 @@ def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> No
 
 
 def rendered(figures: Sequence[Figure], ending: str) -> bytes:
-    """Return the bytes of a picture, or of the pages of a PDF."""
+    """Return the bytes of ``figures``: a picture, or the pages of a PDF; ``ending`` is .png, .svg or .pdf."""
     from matplotlib import rc_context
     from matplotlib.backends.backend_pdf import PdfPages
 

@@ -203,7 +203,7 @@ class Path:
         return _shaped(self._core.frame(_depths(depth)), depth)
 
     def north_to_high_side(self, depth: npt.ArrayLike) -> Floats:
-        """Degrees to add to a toolface measured from north to get it from the high side, in [0, 360).
+        """Degrees to add to a toolface from north to get it from the high side at ``depth`` (m, (n,)), in [0, 360).
 
         ``atan2(-sin A, cos I cos A)``, exact; the usual "subtract the azimuth" is 6.9 degrees off at I = 48, A = 248.
 

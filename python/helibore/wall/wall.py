@@ -478,6 +478,7 @@ class Wall:
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
 
+        ``rugosity_window``: metres of hole over which rugosity is taken. ``threads``: None: all cores.
         ``sigma``: with the uncertainty of diameters and volumes.
         """
         from helibore.logs.turn_logs import turn_logs
@@ -489,7 +490,10 @@ class Wall:
         return turn_logs(state, None, rugosity_window, threads, known)
 
     def zones(self, criteria: Criteria | None = None) -> Classification:
-        """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall."""
+        """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall.
+
+        ``criteria``: the limits, metres; None: those of the trade.
+        """
         from helibore.logs.zones import classify
 
         return classify(self._state(), criteria)
@@ -497,7 +501,10 @@ class Wall:
     def summary(
         self, start: float | None = None, stop: float | None = None, criteria: Criteria | None = None
     ) -> WallSummary:
-        """Summarize the wall or an interval of it: `helibore.logs.summary.summarize` with this wall."""
+        """Summarize the wall or an interval of it: `helibore.logs.summary.summarize` with this wall.
+
+        ``start`` and ``stop``: measured depths, metres; None: the ends of the wall. ``criteria`` as in `zones`.
+        """
         from helibore.logs.summary import summarize
 
         return summarize(self._state(), start, stop, criteria)
