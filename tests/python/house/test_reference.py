@@ -85,3 +85,7 @@ def test_every_function_of_the_c_interface_has_a_comment_and_is_counted() -> Non
     functions = re.findall(r"HB_API .*?(hb_\w+)\(", text)
     stated = re.search(r"exports the (\d+) functions", (ROOT / "docs/embedding.md").read_text())
     assert int(stated[1]) == len(functions)
+
+
+def test_the_citation_names_the_version() -> None:
+    assert f"\nversion: {hb.__version__}\n" in (ROOT / "CITATION.cff").read_text()
