@@ -113,7 +113,10 @@ def _window(well: str, port: int, access: Access) -> Window:
 
 @contextmanager
 def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
-    """Show the status page on a terminal; return what draws it again."""
+    """Show the status page on a terminal; return what draws it again.
+
+    A thread draws: a terminal that takes no text (Ctrl-S, a lost connection) delays nothing else.
+    """
     from rich.console import Console
     from rich.live import Live as Screen
 
@@ -123,8 +126,26 @@ def _screen(server: Server, quiet: bool) -> Iterator[Callable[[], None]]:
     if quiet or not console.is_terminal:
         yield lambda: None
         return
-    with Screen(page.draw(), console=console, screen=False, auto_refresh=False, transient=True) as screen:
-        yield lambda: screen.update(page.draw(), refresh=True)
+    due, ended = threading.Event(), threading.Event()
+
+    def draw() -> None:
+        try:
+            with Screen(page.draw(), console=console, screen=False, auto_refresh=False, transient=True) as screen:
+                screen.refresh()
+                while due.wait() and not ended.is_set():
+                    due.clear()
+                    screen.update(page.draw(), refresh=True)
+        except OSError as error:
+            server.live.report("terminal", f"{error}: the status is not shown any more")
+
+    thread = server.thread("status", draw)
+    thread.start()
+    try:
+        yield due.set
+    finally:
+        ended.set()
+        due.set()
+        thread.join(LAST_SECONDS)
 
 
 def _watch(
