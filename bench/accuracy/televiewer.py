@@ -19,7 +19,7 @@ import numpy as np
 
 import helibore as hb
 from helibore.images.image_breakouts import DarkLobe, ImageBreakout, ImageBreakouts, ImageCriteria
-from helibore.logs.zones import Criteria
+from helibore.logs.zone_criteria import Criteria
 
 BREAKOUT = "1"
 """The type of the picks that come in opposite pairs; 0 and 2, four of fourteen, do not. The types have no key."""

@@ -61,6 +61,8 @@ void register_wits(py::module_& m) {
     PYBIND11_NUMPY_DTYPE(Item, frame, offset, value, length, code, flags);
     PYBIND11_NUMPY_DTYPE(Frame, start, stop, first, items, line);
     PYBIND11_NUMPY_DTYPE(Event, offset, line, length, rule, unused);
+    constexpr wits::Limits limits;
+    m.attr("WITS_LIMITS") = py::make_tuple(limits.line, limits.frame, limits.items);
     py::class_<wits::Parser>(m, "WitsParser", "WITS level 0 text into rows of numbers; one stream each.")
         .def(py::init([](std::vector<double> nulls, Index line_limit, Index frame_limit, Index item_limit) {
                  return std::make_unique<wits::Parser>(std::move(nulls),

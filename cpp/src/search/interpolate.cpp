@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-#include "search/kernel/relative_weight.hpp"
+#include "search/kernel/plain_weight.hpp"
 #include "search/search.hpp"
 
 namespace helibore {

@@ -22,7 +22,8 @@ from helibore.cli.wall_options import HEADER, Sectioned, header_of, open_run, op
 if TYPE_CHECKING:
     from helibore.base.tables import LogColumn, LogTable
     from helibore.logs.turn_logs import Logs
-    from helibore.logs.zones import Classification, Criteria
+    from helibore.logs.zone_criteria import Criteria
+    from helibore.logs.zones import Classification
     from helibore.wall.wall import Wall
 
 ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST")
@@ -179,7 +180,7 @@ def _measured(wall: Wall, options: dict[str, Any], reference: Any) -> _Measured:
 def _criteria(wall: Wall, options: dict[str, Any]) -> Criteria:
     """The usual criteria, or those in proportion to the bit, with what the options set."""
     from helibore.base import units
-    from helibore.logs.zones import Criteria
+    from helibore.logs.zone_criteria import Criteria
 
     shares = ("symmetry", "opening_level")
     known = [field.name for field in fields(Criteria)]

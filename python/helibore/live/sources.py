@@ -320,7 +320,7 @@ class Source(Table):
     mapped: Derived[list[int]] = []
     records: Derived[list[int]] = []
     images: Derived[list[Image]] = []
-    limits: Derived[tuple[int, int, int]] = (1024, 65536, 512)
+    limits: Derived[tuple[int, int, int]] = (wits.LINE_LIMIT, wits.FRAME_LIMIT, wits.ITEM_LIMIT)
     message: Derived[tuple[bytes, float] | None] = None
 
     @field_validator("image", mode="before")
@@ -370,9 +370,9 @@ class WitsSource(Source):
     allow: list[Network] = [ipaddress.ip_network("127.0.0.1"), ipaddress.ip_network("::1")]
     mode: Literal["listen", "heartbeat", "poll"] = "listen"
     replace_after: Annotated[float, within(0, 86_400)] = 60.0
-    line_limit: Annotated[int, within(16, 1 << 24)] = 1024
-    frame_limit: Annotated[int, within(16, 1 << 26)] = 65536
-    item_limit: Annotated[int, within(1, 1 << 20)] = 512
+    line_limit: Annotated[int, within(16, 1 << 24)] = wits.LINE_LIMIT
+    frame_limit: Annotated[int, within(16, 1 << 26)] = wits.FRAME_LIMIT
+    item_limit: Annotated[int, within(1, 1 << 20)] = wits.ITEM_LIMIT
     caliper: WitsCaliper | None = None
     image: dict[str, WitsImage] = {}
     survey: StationItems | None = None

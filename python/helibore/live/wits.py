@@ -17,6 +17,8 @@ from helibore.base import nulls
 
 Rows = npt.NDArray[np.void]
 
+LINE_LIMIT, FRAME_LIMIT, ITEM_LIMIT = _core.WITS_LIMITS
+"""Bytes of a line, bytes and lines of a frame, by default: `Limits` in cpp/include/helibore/wits.hpp."""
 NULLS = (*nulls.NULLS, -8888.0)
 """Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` counts too."""
 
@@ -99,9 +101,9 @@ class Parser:
     def __init__(
         self,
         nulls: Sequence[float] = NULLS,
-        line_limit: int = 1024,
-        frame_limit: int = 65536,
-        item_limit: int = 512,
+        line_limit: int = LINE_LIMIT,
+        frame_limit: int = FRAME_LIMIT,
+        item_limit: int = ITEM_LIMIT,
     ) -> None:
         self._core = _core.WitsParser(list(nulls), line_limit, frame_limit, item_limit)
 

@@ -19,7 +19,8 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.axial import Axes
 from helibore.logs.turn_logs import Logs, Shape
-from helibore.logs.zones import KINDS, Classification, Criteria, classify
+from helibore.logs.zone_criteria import Criteria
+from helibore.logs.zones import KINDS, Classification, classify
 from helibore.samples.caliper import Basis
 from helibore.samples.helix import WallLike, helix_of
 

@@ -46,7 +46,8 @@ if TYPE_CHECKING:
 
     from helibore.logs.summary import WallSummary
     from helibore.logs.turn_logs import Logs
-    from helibore.logs.zones import Classification, Criteria
+    from helibore.logs.zone_criteria import Criteria
+    from helibore.logs.zones import Classification
 
 
 class Wall:

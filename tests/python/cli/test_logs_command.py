@@ -12,7 +12,7 @@ from locations import SHARED
 import helibore as hb
 from helibore.cli import cli
 from helibore.logs.annulus import annulus
-from helibore.logs.zones import Criteria
+from helibore.logs.zone_criteria import Criteria
 
 CALIPERS = SHARED / "calipers"
 

@@ -15,7 +15,7 @@ import helibore as hb
 from bench.accuracy import televiewer
 from helibore.files.log_files import save_table
 from helibore.images.image_breakouts import ImageCriteria
-from helibore.logs.zones import Criteria
+from helibore.logs.zone_criteria import Criteria
 
 CALIPERS = SHARED / "calipers"
 S, STEP = 72, 0.01

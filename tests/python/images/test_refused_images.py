@@ -14,7 +14,7 @@ from helibore.images.image_breakouts import ImageCriteria
 from helibore.images.normalization import percentile_limits, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.annulus import annulus
-from helibore.logs.zones import Criteria
+from helibore.logs.zone_criteria import Criteria
 
 HOW: Any = {"origin": "edge", "reference": "north"}
 DEPTH = 1000 + 0.1 * np.arange(6)

@@ -15,7 +15,8 @@ import helibore as hb
 from helibore.base.axial import axial_mean
 from helibore.files.log_files import save_table
 from helibore.logs.turn_logs import turn_logs
-from helibore.logs.zones import KINDS, Classification, Criteria, classify
+from helibore.logs.zone_criteria import Criteria
+from helibore.logs.zones import KINDS, Classification, classify
 from helibore.simulation.hole import Breakout, Hole
 from helibore.simulation.tool import Tool, simulate
 

@@ -1,0 +1,102 @@
+"""The criteria of washout, breakout, key seat and undergauge hole.
+
+With C1 the largest diameter, C2 the one at right angles to it and the bit, each turn is the first of these that fits:
+
+    undergauge   least diameter  < bit - 0.25 in
+    washout      C2 - bit       >= 0.5 in                                     enlarged all around
+    breakout     C1 - C2        >= 1 in, and both ends of C1 share in it      two lobes, opposite
+    key seat     one end of C1 is 0.25 in high, and the other does not share in it     one lobe
+    gauge        all else
+
+An end of C1 is as high as it stands out of the circle of C2 around the centre of the area. For a tool with few arms C1
+and C2 are diameters of arms, and the centre is the tool's (``arms``).
+
+These are the four-arm criteria of the trade (JewelSuite's defaults; the undergauge limit is ours), read from the whole
+section instead of four pads. `helibore.logs.zones` applies them.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import asdict, dataclass
+
+from helibore.base.errors import InputError, check_not_negative
+from helibore.base.units import INCH
+
+CRITERIA_BIT = 8.5 * INCH
+"""The hole that the criteria are in proportion to, where they are scaled: the trade states no size with its inches."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Criteria:
+    """What makes a turn, and a zone, of a kind. Lengths in metres.
+
+    Attributes
+    ----------
+    elongation
+        Least C1 - C2 of a breakout.
+    washout
+        Least C2 - bit of a washout.
+    key_seat
+        Least height of a key seat over the circle of C2.
+    undergauge
+        How much less than the bit the least diameter must be.
+    symmetry
+        Share of the elongation that must be symmetric about the hole's centre in a breakout, 0 to 1; with less it is
+        one-sided. 0.5 as six-arm practice has it.
+    opening_level
+        Share of a lobe's height at which its opening is measured, in (0, 1).
+    least_length
+        Metres of hole that make a zone.
+    join
+        Metres between two zones of a kind that do not part them, unless they are a zone of another kind or missing.
+    """
+
+    elongation: float = 1.0 * INCH
+    washout: float = 0.5 * INCH
+    key_seat: float = 0.25 * INCH
+    undergauge: float = 0.25 * INCH
+    symmetry: float = 0.5
+    opening_level: float = 0.25
+    least_length: float = 0.3
+    join: float = 1.0
+
+    def __post_init__(self) -> None:
+        check_not_negative(vars(self))
+        if self.symmetry > 1:
+            raise InputError("symmetry", "must be in [0, 1]", str(self.symmetry))
+        if not 0 < self.opening_level < 1:
+            raise InputError("opening_level", "must be in (0, 1)", str(self.opening_level))
+
+    @classmethod
+    def scaled(cls, bit_diameter: float, **others: float) -> Criteria:
+        """Return criteria that are to this bit what the defaults are to `CRITERIA_BIT`, 8.5 in.
+
+        Elongation, washout, key seat and undergauge scale with the bit. Service companies state their limits in inches
+        for holes of any size; in a hole of 4 in, lobes of a fifth of its diameter stay below an elongation of 1 in.
+
+        Parameters
+        ----------
+        bit_diameter
+            Metres.
+        **others
+            Attributes that are to be something else.
+
+        Examples
+        --------
+        >>> round(Criteria.scaled(0.104).elongation * 1000, 1)
+        12.2
+        """
+        if not (math.isfinite(bit_diameter) and bit_diameter > 0):
+            raise InputError("bit_diameter", "must be finite and above 0", str(bit_diameter))
+        share = bit_diameter / CRITERIA_BIT
+        scaled = {name: getattr(cls, name) * share for name in ("elongation", "washout", "key_seat", "undergauge")}
+        return cls(**{**scaled, **others})
+
+    def facts(self) -> dict[str, str]:
+        """Return the criteria as texts; every output states them."""
+        shares = ("symmetry", "opening_level")
+        return {
+            f"criterion {name.replace('_', ' ')}": f"{value:.6g}" if name in shares else f"{value:.6g} m"
+            for name, value in asdict(self).items()
+        }
