@@ -50,10 +50,13 @@ def problems(site: Path) -> list[str]:
 
 
 def printed(notebook: Path) -> list[list[str]]:
-    """The words that each cell of a notebook printed, without colours and spaces, which depend on the terminal."""
+    """The words that each cell of a notebook printed or returned, without the colours and spaces of a terminal."""
     cells = json.loads(notebook.read_text(encoding="utf-8"))["cells"]
-    streams = ("".join("".join(of["text"]) for of in cell.get("outputs", []) if "text" in of) for cell in cells)
-    return [re.findall(r"[\w.%]+", re.sub(r"\x1b\[[0-9;]*m", "", text)) for text in streams]
+    texts = []
+    for cell in cells:
+        outputs = cell.get("outputs", [])
+        texts.append("".join("".join(of.get("text", of.get("data", {}).get("text/plain", ""))) for of in outputs))
+    return [re.findall(r"[\w.%]+", re.sub(r"\x1b\[[0-9;]*m", "", text)) for text in texts]
 
 
 def problems_of_notebooks(site: Path) -> list[str]:
