@@ -18,6 +18,7 @@ from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_li
 from helibore.cli.quantities import LENGTH, split_pair
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
+    BESIDE,
     HEADER,
     INCLINATION,
     SCALAR,
@@ -31,6 +32,7 @@ from helibore.cli.wall_options import (
     opts,
     section,
     takes_a_wall,
+    walls_beside,
 )  # fmt: skip
 
 if TYPE_CHECKING:
@@ -46,8 +48,10 @@ takes_a_drawing = section(
     HEADER,
     SCALAR,
     TEMPLATE,
+    BESIDE,
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
-    opt("--unit", "Unit of diameters.", type=click.Choice(["in", "mm"]), default="in"),
+    opt("--unit", "Of diameters; ft: inches, and feet for depths.", type=click.Choice(["in", "mm", "ft"]),
+        default="in"),
     opts("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
     opt("--left", "Toolface at the left edge of images; 180 puts up in the middle.",
@@ -169,12 +173,13 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
         "body": () if options["no_body"] else options["body"] or None,
         "dpi": options["dpi"],
         "elevation": options["elevation"],
+        "beside": walls_beside(options),
     }
     if options["template"] is not None:
         from helibore.logs.template import Template
 
         template = Template.load(options["template"])
-        drawing |= {"template": template, "unit": "mm" if template.units == "mm" else "in"}
+        drawing |= {"template": template, "unit": template.units}
         drawing["scale"] = scale or template.scale
     return run, options, drawing
 

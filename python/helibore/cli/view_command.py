@@ -11,6 +11,7 @@ from helibore.cli.lines import trust_lines
 from helibore.cli.outputs import QUIET, SIGMA, add_sigma
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
+    BESIDE,
     SCALAR,
     TEMPLATE,
     Sectioned,
@@ -20,6 +21,7 @@ from helibore.cli.wall_options import (
     opt,
     section,
     takes_a_wall,
+    walls_beside,
 )
 
 
@@ -28,6 +30,7 @@ from helibore.cli.wall_options import (
     "Options",
     SCALAR,
     TEMPLATE,
+    BESIDE,
     opt("--well", "Name to show.  [name of the source]", default=""),
     opt("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
@@ -72,7 +75,7 @@ def view(**options: Any) -> None:
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves_of_files(run, options), picks_file=picks,
             template=options["template"] and Template.load(options["template"]),
-            well=options["well"] or run.name, **serving,
+            beside=walls_beside(options), well=options["well"] or run.name, **serving,
         )  # fmt: skip
     viewer.scene.update_state(ended=True)  # nothing appends to it
     terminal.summary([("time", terminal.times())])

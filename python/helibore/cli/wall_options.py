@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from helibore.logs.curves import ScalarCurve
     from helibore.runs.run import OpenFiles, Run
     from helibore.runs.run_settings import ImageInput, Input, RunSettings, ScalarInput
+    from helibore.wall.wall import Wall
 
 Command = Callable[..., Any]
 SETTINGS = ".toml"
@@ -236,11 +237,26 @@ def load_picks(run: Run) -> Path | None:
 
 
 TEMPLATE = opt("--template", "Tracks, their order and widths, units and scale: TOML, as the page saves it.", type=FILE)
+BESIDE = opts(
+    "--beside besides",
+    "Archive of another well or pass, shown on the same depths; its name is that of the file.",
+    type=FILE,
+)
 SCALAR = opts(
     "--scalar scalars",
     "Curve along the hole, a track of its own; the inclination comes from the survey.",
     metavar=f"FILE:CHANNEL|{INCLINATION}",
 )
+
+
+def walls_beside(options: dict[str, Any]) -> dict[str, Wall]:
+    """Load the walls of --beside, by the name of their file."""
+    from helibore.wall.load import load
+
+    files = {Path(file).stem: Path(file) for file in options["besides"]}
+    if len(files) < len(options["besides"]):
+        raise click.UsageError("--beside: two files have the same name")
+    return {name: load(file) for name, file in files.items()}
 
 
 def curves_of_files(run: Run, options: dict[str, Any]) -> list[ScalarCurve]:

@@ -1,6 +1,6 @@
 """A template of a log: which tracks it has, in which order, how wide. Page, print and report read the same file.
 
-    units = "mm"               # of diameters: "mm" or "in"; "ft": inches, and feet for depths on the page
+    units = "mm"               # of diameters: "mm" or "in"; "ft": inches, and feet for depths
     scale = 200                # 1:200
 
     [[track]]                  # the depth stands first in any case

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import partial
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Literal
@@ -26,13 +26,13 @@ from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
 from helibore.logs.picks import PLANES
 from helibore.logs.summary import WallSummary, summarize
-from helibore.logs.template import Template
+from helibore.logs.template import UNITS, Template
 from helibore.logs.turn_logs import Logs
 from helibore.plot.cross_sections import CrossSection, sections_at, telling_depths
 from helibore.plot.diameters import diameters
 from helibore.plot.picked import DipTrack, draw_picks
 from helibore.plot.raster import at_points
-from helibore.plot.scales import Lines, usual_scale
+from helibore.plot.scales import FEET, METRES, DepthUnit, Lines, usual_scale
 from helibore.plot.solid import Stretched, most_relief, stretch_of
 from helibore.plot.tracks import (
     CURVES,
@@ -115,7 +115,7 @@ class Drawing:
     left
         Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts up in the middle.
     unit
-        Of diameters and cross sections: ``"in"`` or ``"mm"``.
+        Of diameters and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
     curves
         Of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one across
         it), ``"D0"``, ``"D90"`` (across toolfaces 0 and 180, 90 and 270).
@@ -130,6 +130,10 @@ class Drawing:
         under the measured ones where the survey says them, are then TVDSS. None: TVD.
     template
         Which tracks there are, in which order and how wide; its units and scale are not read here. None: all of them.
+    beside
+        Other walls by name (wells, or passes of the same one), drawn on the same depths at the right of the tracks:
+        caliper on one scale with the wall's own, radius in the same colours. ``start`` and ``stop`` None: the ends of
+        all of them.
     """
 
     title: str = ""
@@ -143,13 +147,14 @@ class Drawing:
     looks: Mapping[str, Look] = field(default_factory=dict)
     reference: Reference | None = None
     left: float = 0.0
-    unit: Literal["in", "mm"] = "in"
+    unit: Literal["in", "mm", "ft"] = "in"
     curves: Sequence[str] = ("C1", "C2")
     polar: Sequence[float] | None = None
     body: Sequence[float] | None = None
     dpi: int = 150
     elevation: float | None = None
     template: Template | None = None
+    beside: Mapping[str, Wall] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
@@ -160,8 +165,8 @@ class Drawing:
             raise InputError("elevation", "must be finite", str(self.elevation))
         if self.left not in (0, 90, 180, 270):
             raise InputError("left", "must be 0, 90, 180 or 270", f"{self.left:g}")
-        if self.unit not in LENGTHS:
-            raise InputError("unit", f"must be one of {', '.join(LENGTHS)}", repr(self.unit))
+        if self.unit not in UNITS:
+            raise InputError("unit", f"must be one of {', '.join(UNITS)}", repr(self.unit))
         for name in self.curves:
             if name not in CURVES:
                 raise InputError(f"curve {name!r}", f"must be one of {', '.join(CURVES)}")
@@ -171,6 +176,16 @@ class Drawing:
             raise InputError(f"polar: {len(self.polar)} depths", f"must be at most {MOST_SECTIONS}")
         if self.body is not None and len(self.body) not in (0, 2):
             raise InputError(f"body: {len(self.body)} depths", "must be two, or none for no body")
+
+    @property
+    def size_unit(self) -> str:
+        """Of diameters: ``"in"`` or ``"mm"``."""
+        return "mm" if self.unit == "mm" else "in"
+
+    @property
+    def depth_unit(self) -> DepthUnit:
+        """Of depths."""
+        return FEET if self.unit == "ft" else METRES
 
 
 @dataclass(frozen=True)
@@ -235,14 +250,19 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     shown = [_shown(image, drawing.looks.get(image.name, Look()), top, bottom) for image in images]
     turned = [_turned(image, values, wall.path, reference) for image, (_, values) in zip(images, shown, strict=True)]
     pairs = [(image, (how, image.values)) for image, (how, _) in zip(turned, shown, strict=True)]
-    tracks: list[PlacedTrack] = [DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones)]
-    tracks.append(_caliper(wall, turns, top, bottom, drawing, reference))
+    tracks: list[PlacedTrack] = [
+        DepthTrack(scale, true_depth(wall.path, drawing.elevation), zones.zones, drawing.depth_unit)
+    ]
+    others = [_Other.of(name, one) for name, one in drawing.beside.items()]
+    limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
+    tracks.append(_caliper(wall, turns, limits, drawing, reference))
     tracks += [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
     picks = [pick for pick in wall.picks if top <= pick.depth <= bottom]
     dips: list[PlacedTrack] = [DipTrack(picks, wall.path)] if any(pick.kind in PLANES for pick in picks) else []
     ink = partial(draw_picks, picks=picks, left=drawing.left, bit_diameter=wall.settings.bit_diameter)
-    count = len(images) + (wall.basis == "azimuthal")
-    room = 192.0 - sum(track.width + 2.0 for track in [*tracks, *dips]) - 2.0 * count
+    calipers = [one.caliper(limits, drawing) for one in others]
+    count = len(images) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
+    room = 192.0 - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
     width = min(130.0, max(24.0, room / max(count, 1)))
     radius = _radius(wall, drawing.looks.get(RADIUS, Look()))
     helix = (wall.settings, wall.start_depth)
@@ -256,6 +276,8 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     tracks += dips
     if drawing.template is not None:
         tracks = _arranged(drawing.template, tracks, [*drawing.scalars, *_logged(zones.logs)], top, bottom)
+    for one, caliper in zip(others, calipers, strict=True):
+        tracks += [caliper, *one.image(radius[0].scale, drawing, width)]
     stretched = _stretched(wall, drawing, top, bottom, images)
     bodies = []
     if stretched is not None:
@@ -264,7 +286,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     if polar is None:
         polar = telling_depths(turns, top, bottom) if wall.basis == "azimuthal" else []
     sections = sections_at(wall, sorted(polar), interpolated) if polar else []
-    lines = Lines.of(scale)
+    lines = Lines.of(scale, drawing.depth_unit)
     return Content(
         wall, drawing, top, bottom, scale, lines, tracks, turns, zones, sections, stretched, bodies, reference,
         interpolated,
@@ -300,8 +322,39 @@ def _arranged(
     return arranged
 
 
+@dataclass(frozen=True)
+class _Other:
+    """A wall beside the first: its name and its turns."""
+
+    name: str
+    wall: Wall
+    turns: Diameters
+
+    @classmethod
+    def of(cls, name: str, wall: Wall) -> _Other:
+        if wall.basis == "gauge" or len(wall) < wall.settings.sectors:
+            raise InputError(f"beside {name!r}", "must have a full turn that was measured")
+        zones = wall.zones()
+        return cls(name, wall, diameters(wall, zones.logs, zones.kind.astype(np.float64)))
+
+    def caliper(self, limits: tuple[float, float], drawing: Drawing) -> CaliperTrack:
+        return _caliper(self.wall, self.turns, limits, drawing, _reference(self.wall, Drawing()), f"{self.name}: ")
+
+    def image(self, scale: ColorScale, drawing: Drawing, width: float) -> list[PlacedTrack]:
+        """The radius in the colours of the first wall's, where it was measured around."""
+        if self.wall.basis != "azimuthal":
+            return []
+        shown, over = _radius(self.wall, Look(limits=(scale.low, scale.high), color_map=scale.color_map))
+        shown = replace(shown, name=f"{self.name}: over bit")
+        between = (self.wall.angular_gap > self.wall.settings.largest_gap) & np.isfinite(self.wall.radius)
+        helix = (self.wall.settings, self.wall.start_depth)
+        reference = _reference(self.wall, Drawing())
+        return [ImageTrack(shown, (helix, over), reference, drawing.left, width, between.astype(np.float64))]
+
+
 def _interval(wall: Wall, drawing: Drawing) -> tuple[float, float]:
-    ends = helix_of(wall).ends(len(wall))
+    every = [helix_of(one).ends(len(one)) for one in (wall, *drawing.beside.values())]
+    ends = min(first for first, _ in every), max(last for _, last in every)
     top = ends[0] if drawing.start is None else float(drawing.start)
     bottom = ends[1] if drawing.stop is None else float(drawing.stop)
     if not (math.isfinite(top) and math.isfinite(bottom) and top < bottom):
@@ -390,14 +443,25 @@ def _radius(wall: Wall, look: Look) -> tuple[Shown, Floats]:
     return Shown(RADIUS_TITLE, "mm", scale, remark, False, *_beyond(over, scale.low, scale.high)), over
 
 
-def _caliper(wall: Wall, turns: Diameters, top: float, bottom: float, drawing: Drawing, reference: str) -> CaliperTrack:
-    bit, unit = wall.settings.bit_diameter, drawing.unit
-    inside = (turns.depth >= top) & (turns.depth <= bottom)
-    drawn = [turns.area[inside]]
-    if wall.basis == "azimuthal":
-        drawn += [turns.least[inside], turns.greatest[inside]]
-    limits = nice_limits(np.concatenate(drawn) / LENGTHS[unit], bit / LENGTHS[unit], 0.01 / LENGTHS[unit])
-    return CaliperTrack(turns, wall.basis, bit, unit, limits, tuple(dict.fromkeys(drawing.curves)), reference)
+def _diameter_limits(
+    walls: Sequence[tuple[Wall, Diameters]], top: float, bottom: float, drawing: Drawing
+) -> tuple[float, float]:
+    """Return the ends of the caliper tracks of walls, in the unit of diameters: one scale for all."""
+    length = LENGTHS[drawing.size_unit]
+    drawn = []
+    for wall, turns in walls:
+        inside = (turns.depth >= top) & (turns.depth <= bottom)
+        drawn += [turns.area[inside], np.array([wall.settings.bit_diameter])]
+        if wall.basis == "azimuthal":
+            drawn += [turns.least[inside], turns.greatest[inside]]
+    return nice_limits(np.concatenate(drawn) / length, walls[0][0].settings.bit_diameter / length, 0.01 / length)
+
+
+def _caliper(
+    wall: Wall, turns: Diameters, limits: tuple[float, float], drawing: Drawing, reference: str, name: str = ""
+) -> CaliperTrack:
+    bit, unit, curves = wall.settings.bit_diameter, drawing.size_unit, tuple(dict.fromkeys(drawing.curves))
+    return CaliperTrack(turns, wall.basis, bit, unit, limits, curves, reference, name)
 
 
 def _stretched(wall: Wall, drawing: Drawing, top: float, bottom: float, images: list[SectorImage]) -> Stretched | None:

@@ -18,7 +18,7 @@ from helibore.base.arrays import Floats, Mask
 from helibore.base.errors import InputError
 from helibore.plot.diameters import Diameters
 from helibore.plot.paper import INK, RULE, SMALL, USUAL, Sheet
-from helibore.plot.scales import length_text
+from helibore.plot.scales import DepthUnit, length_text
 from helibore.plot.tracks import GREY, HATCH_COLOR, LENGTHS, OVER, SIDES, UNDER
 
 if TYPE_CHECKING:
@@ -94,13 +94,15 @@ def largest_shown(sections: list[CrossSection], bit_diameter: float) -> float:
 
 
 def draw_section(
-    sheet: Sheet, x: float, y: float, section: CrossSection, name: str, look: tuple[float, float, str, str]
+    sheet: Sheet, x: float, y: float, section: CrossSection, name: str, look: tuple[float, float, str, str, DepthUnit]
 ) -> Axes:
-    """Draw a section with its caption; ``look``: bit diameter and outer radius (m), unit, reference."""
-    bit, outer, unit, reference = look
+    """Draw a section with its caption; ``look``: bit diameter, outer radius (m), units, reference."""
+    bit, outer, unit, reference, depths = look
     size = HEIGHT - 14.0
     middle = x + 0.5 * WIDTH
-    sheet.text(middle, y + 2.0, f"{name}   {section.depth:,.2f} m", USUAL, ha="center", weight="bold")
+    sheet.text(
+        middle, y + 2.0, f"{name}   {depths.text(section.depth)} {depths.name}", USUAL, ha="center", weight="bold"
+    )
     axes = sheet.axes(middle - 0.5 * size, y + 7.5, size, size)
     axes.set_axis_off()
     axes.set_aspect("equal")

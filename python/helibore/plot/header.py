@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from helibore._core import __version__
 from helibore.base.units import INCH
-from helibore.plot.paper import FAINT, LARGE, RULE, SMALL, USUAL, Sheet
+from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
 from helibore.plot.scales import length_text
 from helibore.plot.tracks import GREY, HATCH_COLOR
 from helibore.samples.caliper import BASIS_TEXT
@@ -30,6 +30,13 @@ SIDES_TEXT = {
     "": "0° to 270°: toolfaces as the samples count them, clockwise looking downhole",
 }
 WARNING = "#b3261e"
+HEADER = {
+    "company": "Company", "field": "Field", "location": "Location", "date": "Date", "datum": "Depth datum",
+    "mud": "Mud",
+}  # fmt: skip
+"""What the header of a log states of every well, if only that it was not given."""
+BLOCK = 14.4
+"""Millimetres of height that the well and `HEADER` take."""
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
@@ -37,15 +44,18 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     wall, settings = content.wall, content.wall.settings
     bit = settings.bit_diameter
     made = BASIS_TEXT[wall.basis]
-    ends = f"{content.top:,.2f} to {content.bottom:,.2f} m MD"
+    unit = content.drawing.depth_unit
+    ends = f"{unit.text(content.top)} to {unit.text(content.bottom)} {unit.name} MD"
     elevation = content.drawing.elevation
-    hole = [(name.capitalize(), text, False) for name, text in content.drawing.header.items() if text]
-    below = "" if elevation is None else f"; TVDSS is TVD less {elevation:.12g} m"
+    header = content.drawing.header
+    hole = [(name.capitalize(), text, False) for name, text in header.items() if text and name not in HEADER]
+    below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.12g} {unit.name}"
+    paper = f"{1000 * unit.metres / content.scale:.4g} mm on paper a {'foot' if unit.name == 'ft' else 'metre'}"
     return [
         *hole,
-        ("Interval", f"{ends} ({content.bottom - content.top:,.1f} m)", False),
+        ("Interval", f"{ends} ({unit.text(content.bottom - content.top, 1)} {unit.name})", False),
         ("Bit size", f"{length_text(bit / INCH, 'in')} ({bit * 1e3:.1f} mm)", False),
-        ("Depth scale", f"1:{content.scale}, {1000 / content.scale:g} mm on paper a metre{below}", False),
+        ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),
         ("Samples", f"{wall.sample_count:,}", False),
@@ -58,7 +68,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
 
 def header_height(content: Content) -> float:
     """Return the millimetres that the header takes."""
-    return 16.8 + 4.3 * ((len(facts(content)) + 1) // 2)
+    return 21.6 + 4.3 * ((len(facts(content)) + 1) // 2)
 
 
 def measured_text(content: Content) -> str:
@@ -68,20 +78,30 @@ def measured_text(content: Content) -> str:
 
 
 def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
-    """Draw title, subtitle and facts in a frame."""
+    """Draw the well, who logged what and when, and the facts, in a frame."""
     title = content.drawing.title or "Borehole wall"
-    sheet.text(x, y + 3.5, title, LARGE, weight="bold", within=width)
-    sheet.text(x, y + 9.0, content.drawing.subtitle, USUAL, color=FAINT, within=width)
-    sheet.line((x, x + width), (y + 11.8, y + 11.8), color=RULE)
     rows = facts(content)
     half = (len(rows) + 1) // 2
+    sheet.box(x, y, width, header_height(content) - 3.0, facecolor="none", edgecolor=INK, linewidth=0.8)
+    sheet.line((x, x + width), (y + BLOCK, y + BLOCK), color=INK, linewidth=0.8)
     first, label = 0.48 * width, 24.0
+    sheet.text(x + 2.0, y + 5.0, title, LARGE, weight="bold", within=first - 4.0)
+    sheet.text(x + 2.0, y + 11.0, content.drawing.subtitle, USUAL, color=FAINT, within=first - 4.0)
+    for index, name in enumerate(HEADER):
+        column, row = divmod(index, 3)
+        left, at = x + first + column * (width - first) / 2, y + 3.0 + row * 4.3
+        if not row:
+            sheet.line((left - 1.0, left - 1.0), (y, y + BLOCK), color=RULE)
+        text = content.drawing.header.get(name, "")
+        sheet.text(left + 0.5, at, HEADER[name], SMALL, color=FAINT)
+        look = {"weight": "bold"} if text else {"color": FAINT}
+        sheet.text(left + 17.0, at, text or "not given", USUAL, within=(width - first) / 2 - 19.0, **look)
     for index, (name, text, warning) in enumerate(rows):
         column, row = divmod(index, half)
-        left, at = x + column * first, y + 15.0 + row * 4.3
+        left, at = x + 2.0 + column * (first - 1.5), y + BLOCK + 3.2 + row * 4.3
         sheet.text(left, at, name, SMALL, color=FAINT)
         look = {"color": WARNING, "weight": "bold"} if warning else {}
-        sheet.text(left + label, at, text, USUAL, within=(width - first if column else first) - label - 1.0, **look)
+        sheet.text(left + label, at, text, USUAL, within=(width - first if column else first) - label - 3.0, **look)
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = "") -> None:
@@ -95,7 +115,7 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
         left += 46.0
         sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
         sheet.text(left + 5.2, y, content.hatching, SMALL)
-    left += 41.0 if content.hatching else 46.0
+    left += 41.0 if content.hatching else 48.0
     sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - 24.0 - left)
     made = f"helibore {__version__}" + (f", {page}" if page else "")
     sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)

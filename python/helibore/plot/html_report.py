@@ -27,7 +27,7 @@ from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
-from helibore.plot.header import facts, measured_text
+from helibore.plot.header import HEADER, facts, measured_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
 from helibore.samples.caliper import BASIS_TEXT
@@ -117,7 +117,7 @@ def page(wall: Wall, messages: Sequence[tuple[str, str]] = (), **options: Any) -
         f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8">\n<title>{title}</title>\n'
         f'<meta name="viewport" content="width=device-width, initial-scale=1">\n<style>{STYLE}</style></head>\n'
         f'<body><h1>{title}</h1><p class="lead">{lead}</p><nav>{links}</nav>\n{body}\n'
-        f"<footer>helibore {html.escape(__version__)}. Depths are measured depths in metres; toolfaces count clockwise "
+        f"<footer>helibore {html.escape(__version__)}. Depths are measured depths; toolfaces count clockwise "
         f"looking downhole.</footer></body></html>\n"
     )
 
@@ -151,8 +151,13 @@ def number(value: float, decimals: int = 3) -> str:
 
 def in_unit(length: float, content: Content, inch_decimals: int = 3) -> str:
     """Return a length in the unit that the picture has for diameters; a millimetre has one decimal."""
-    unit = content.drawing.unit
+    unit = content.drawing.size_unit
     return number(length / LENGTHS[unit], inch_decimals if unit == "in" else 1)
+
+
+def in_depth_unit(depth: float, content: Content, decimals: int = 2) -> str:
+    """Return a depth or a length along the hole in the unit that the picture has for depths."""
+    return number(depth / content.drawing.depth_unit.metres, decimals)
 
 
 def intervals(content: Content) -> list[WallSummary]:
@@ -166,17 +171,21 @@ def intervals(content: Content) -> list[WallSummary]:
 
 def _summary(content: Content) -> str:
     summary, wall = content.summary(), content.wall
-    rows = [(label, text) for label, text, _ in facts(content)]
+    stated = [(HEADER[name], text) for name, text in content.drawing.header.items() if text and name in HEADER]
+    rows = [*stated, *((label, text) for label, text, _ in facts(content))]
+    depths = content.drawing.depth_unit.name
     if summary.measured and wall.basis != "gauge":
         ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
-        sizes = f"{size_text(summary.mean_diameter)} mean, {ends[0]} to {ends[1]} {content.drawing.unit} across"
-        volume = f"{summary.volume:,.3f} m³ over {summary.measured:,.1f} m measured"
+        sizes = f"{size_text(summary.mean_diameter)} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
+        volume = f"{summary.volume:,.3f} m³ over {in_depth_unit(summary.measured, content, 1)} {depths} measured"
         rows += [
             ("Diameter", sizes),
             ("Hole volume", f"{volume}; {100 * summary.excess:+.1f} % against bit size"),
         ]
     if wall.basis == "azimuthal":
-        kinds = ", ".join(f"{kind} {length:,.1f} m" for kind, length in summary.kinds.items())
+        kinds = ", ".join(
+            f"{kind} {in_depth_unit(length, content, 1)} {depths}" for kind, length in summary.kinds.items()
+        )
         rows.append(("Zones", kinds or "none"))
         axis = summary.breakout_axis
         if math.isfinite(axis.mean):
@@ -205,16 +214,17 @@ def _pictures(content: Content) -> str:
 def _diameters(content: Content) -> str:
     if content.wall.basis == "gauge":
         return "<p>The hole was not measured.</p>"
-    unit = content.drawing.unit
-    head = ("From [m]", "To [m]", f"Mean [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]", "Volume [m³]",
-            "Excess [%]", "Measured [%]")  # fmt: skip
+    unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
+    head = (f"From [{depths}]", f"To [{depths}]", f"Mean [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]",
+            "Volume [m³]", "Excess [%]", "Measured [%]")  # fmt: skip
     rows = []
     for row in intervals(content):
         lengths = (row.mean_diameter, row.least_diameter.value, row.greatest_diameter.value)
         volume = row.volume if row.measured else math.nan
         share = 100 * row.measured / max(row.measured + row.not_measured, 1e-9)
         rest = [number(volume, 4), number(100 * row.excess, 1), number(share, 1)]
-        rows.append([number(row.start, 2), number(row.stop, 2), *(in_unit(size, content) for size in lengths), *rest])
+        ends = (in_depth_unit(row.start, content), in_depth_unit(row.stop, content))
+        rows.append([*ends, *(in_unit(size, content) for size in lengths), *rest])
     note = (
         "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
         "All these numbers come from turns without a missing radius. Measured: share of such turns."
@@ -228,15 +238,16 @@ def _zones(zones: Classification | None, content: Content) -> str:
     found = [zone for zone in zones.zones if zone.stop > content.top and zone.start < content.bottom]
     if not found:
         return "<p>None by the criteria below: what was measured of the hole is gauge by them.</p>"
-    unit = content.drawing.unit
-    head = ("Kind", "From [m]", "To [m]", f"Enlargement [{unit}]", f"Elongation [{unit}]", "Toolface [°]", "s.d. [°]",
-            "Openings [°]")  # fmt: skip
+    unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
+    head = ("Kind", f"From [{depths}]", f"To [{depths}]", f"Enlargement [{unit}]", f"Elongation [{unit}]",
+            "Toolface [°]", "s.d. [°]", "Openings [°]")  # fmt: skip
     rows = []
     for zone in found:
         openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes)
         sizes = (in_unit(zone.enlargement, content, 2), in_unit(zone.elongation, content, 2))
         angles = (number(zone.toolface, 0) or "–", number(zone.deviation, 1) or "–", openings or "–")
-        rows.append([zone.kind, number(zone.start, 2), number(zone.stop, 2), *sizes, *angles])
+        ends = (in_depth_unit(zone.start, content), in_depth_unit(zone.stop, content))
+        rows.append([zone.kind, *ends, *sizes, *angles])
     return table(head, rows)
 
 
@@ -248,7 +259,16 @@ def _picks(content: Content) -> str:
     )
     if not picks:
         return "<p>None.</p>"
-    head = ("Class", "MD [m]", "Dip [°]", "Azimuth [°]", "Dip to hole [°]", "Toolface [°]", "Opening [°]", "Note")
+    head = (
+        "Class",
+        f"MD [{content.drawing.depth_unit.name}]",
+        "Dip [°]",
+        "Azimuth [°]",
+        "Dip to hole [°]",
+        "Toolface [°]",
+        "Opening [°]",
+        "Note",
+    )
     rows = []
     for pick in picks:
         dip, azimuth = pick.dip(wall.path)
@@ -256,7 +276,7 @@ def _picks(content: Content) -> str:
         own = ("–", number(pick.toolface, 0), number(pick.opening, 0)) if box else (
             number(pick.apparent_dip, 1), number(pick.toolface, 0), "–")  # fmt: skip
         dips = (number(dip, 1) or "–", number(azimuth, 0) or "–")
-        rows.append([pick.kind, number(pick.depth, 2), *dips, *own, pick.note or "–"])
+        rows.append([pick.kind, in_depth_unit(pick.depth, content), *dips, *own, pick.note or "–"])
     return table(head, rows)
 
 
@@ -275,9 +295,18 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
     for name, image in wall.images.items():
         share = 100 * image.missing / image.values.size
         rows.append((f"Image {name}", f"{image.depth.size:,} rows, {share:.1f} % of the values missing"))
+    depths = content.drawing.depth_unit.name
     gaps = largest_gaps(content.turns, abs(wall.settings.pitch))
     if gaps:
-        rows.append(("Largest gaps", "; ".join(f"{top:,.2f} to {bottom:,.2f} m" for top, bottom in gaps)))
+        rows.append(
+            (
+                "Largest gaps",
+                "; ".join(
+                    f"{in_depth_unit(top, content)} to {in_depth_unit(bottom, content)} {depths}"
+                    for top, bottom in gaps
+                ),
+            )
+        )
     return pairs(rows) + ("<p>What was read, left out and corrected:</p>" + pairs(messages) if messages else "")
 
 

@@ -122,9 +122,9 @@ def _divided(content: Content, room: float) -> list[tuple[float, float]]:
             cut = top + free * metres
         parts.append((top, cut))
         top, free = cut, room
-    if parts and content.bottom - top < STUB * metres:  # share the last two pages evenly
+    if parts and content.bottom - top < STUB * metres:  # the page before gives it what it lacks
         top = parts.pop()[0]
-        cut = coarse * round((top + content.bottom) / 2 / coarse)
+        cut = coarse * int((content.bottom - STUB * metres) / coarse + 1e-9)
         if top < cut < content.bottom:
             parts.append((top, cut))
             top = cut
@@ -188,10 +188,12 @@ def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
     drawing, settings = content.drawing, content.wall.settings
     if content.sections:
         room = sheet.width - 2 * MARGIN
-        sheet.text(MARGIN, y + 3.0, key_text(settings.bit_diameter, drawing.unit, settings.pitch), USUAL, within=room)
+        sheet.text(
+            MARGIN, y + 3.0, key_text(settings.bit_diameter, drawing.size_unit, settings.pitch), USUAL, within=room
+        )
         across = max(int((room + 2.0) // WIDTH), 1)
         outer = largest_shown(content.sections, settings.bit_diameter)
-        look = (settings.bit_diameter, outer, drawing.unit, content.reference)
+        look = (settings.bit_diameter, outer, drawing.size_unit, content.reference, drawing.depth_unit)
         for index, (letter, section) in enumerate(zip(content.letters, content.sections, strict=True)):
             place = (MARGIN + index % across * WIDTH, y + 7.0 + index // across * HEIGHT)
             draw_section(sheet, *place, section, letter, look)
@@ -206,7 +208,7 @@ def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
 def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Content, body: Body) -> Axes:
     """Draw the shaded body in one of its colours."""
     assert content.stretched is not None
-    coloured = (body.scale, body.values, body.name, content.interpolated)
+    coloured = (body.scale, body.values, body.name, content.interpolated, content.drawing.depth_unit)
     return draw_solid(sheet, box, content.wall, content.stretched, *coloured)
 
 

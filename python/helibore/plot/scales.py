@@ -2,6 +2,7 @@
 
 1:200     5 mm a metre     a line each metre, a number each 5 m
 1:500     2 mm a metre     a line each 2 m, a number each 10 m
+1:240     1.27 mm a foot   a line each 5 ft, a number each 20 ft
 """
 
 from __future__ import annotations
@@ -26,21 +27,39 @@ def usual_scale(length: float) -> int:
 
 
 @dataclass(frozen=True)
+class DepthUnit:
+    """The unit of depths on paper: its name, and its length in metres."""
+
+    name: str
+    metres: float
+
+    def text(self, depth: float, decimals: int = 2) -> str:
+        """The number of a depth in metres: ``6,561.68``."""
+        return f"{depth / self.metres:,.{decimals}f}"
+
+
+METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", 0.3048)
+
+
+@dataclass(frozen=True)
 class Lines:
-    """Depth lines: a thin one each ``fine`` metres, a strong one with its number each ``coarse`` metres."""
+    """Depth lines: a thin one each ``fine`` metres, a strong one with its number each ``coarse`` metres.
+
+    Both are whole numbers of ``unit``, or decimal parts of it.
+    """
 
     fine: float
     coarse: float
+    unit: DepthUnit = METRES
 
     @classmethod
-    def of(cls, scale: int) -> Lines:
+    def of(cls, scale: int, unit: DepthUnit = METRES) -> Lines:
         """Return lines at least 4 mm apart, and numbers at least 20 mm apart, on paper of this scale."""
         steps = [mantissa * 10.0**power for power in range(-3, 6) for mantissa in (1, 2, 5)]
-        coarse = next(step for step in steps if step * 1000.0 / scale >= 20.0)
-        fine = next(
-            step for step in steps if step * 1000.0 / scale >= 4.0 and abs(coarse / step - round(coarse / step)) < 1e-6
-        )
-        return cls(fine, coarse)
+        paper = unit.metres * 1000.0 / scale
+        coarse = next(step for step in steps if step * paper >= 20.0)
+        fine = next(step for step in steps if step * paper >= 4.0 and abs(coarse / step - round(coarse / step)) < 1e-6)
+        return cls(fine * unit.metres, coarse * unit.metres, unit)
 
     def major(self, top: float, bottom: float) -> Sequence[float]:
         """Depths of the strong lines from top to bottom."""
@@ -53,7 +72,8 @@ class Lines:
 
     def label(self, depth: float) -> str:
         """The number at a strong line."""
-        return f"{depth:.{max(0, -math.floor(math.log10(self.coarse)))}f}"
+        digits = max(0, -math.floor(math.log10(self.coarse / self.unit.metres) + 1e-9))
+        return f"{depth / self.unit.metres:.{digits}f}"
 
 
 def _multiples(step: float, top: float, bottom: float) -> list[float]:

@@ -16,6 +16,7 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.plot.paper import FAINT, FONT, INK, SMALL, USUAL, Sheet
+from helibore.plot.scales import METRES, DepthUnit, Lines
 from helibore.plot.shading import View, shade
 from helibore.plot.tracks import GREY, HATCH
 
@@ -99,7 +100,7 @@ def _nearest_step(value: float) -> float:
 
 def draw_solid(
     sheet: Sheet, box: tuple[float, float, float, float], wall: Wall, one: Stretched, scale: ColorScale, values: Floats,
-    name: str, interpolated: Floats | None = None,
+    name: str, interpolated: Floats | None = None, unit: DepthUnit = METRES,
 ) -> Axes:  # fmt: skip
     """Draw a stretch of the wall as a body with its depth axis and its caption.
 
@@ -127,8 +128,9 @@ def draw_solid(
     axes = sheet.axes(x + 14.0, y + 10.0, width - 14.0, height - 10.0)
     edges = (picture.left, picture.right, picture.bottom, picture.top)
     axes.imshow(picture.pixels, extent=edges, aspect="auto", interpolation="nearest")
-    _dress(axes, one)
-    title = f"{one.depth[0]:.0f} to {one.depth[1]:.0f} m, coloured by {name}"
+    _dress(axes, one, unit)
+    ends = " to ".join(f"{depth / unit.metres:.0f}" for depth in one.depth)
+    title = f"{ends} {unit.name}, coloured by {name}"
     sheet.text(x + 0.5 * width, y + 2.5, title, USUAL, within=width, ha="center", weight="bold")
     more = f", shape × {shape:g} more" if shape != 1 else ""
     words = f"tube × {tube:g} against depth{more}; seen from toolface {view.facing:.0f}°"
@@ -136,18 +138,16 @@ def draw_solid(
     return axes
 
 
-def _dress(axes: Axes, one: Stretched) -> None:
+def _dress(axes: Axes, one: Stretched, unit: DepthUnit) -> None:
     """Draw a depth axis beside the body, as long as it is."""
-    from helibore.plot.scales import Lines
-
     top, bottom = one.depth
-    lines = Lines.of(max(int((bottom - top) * 8), 1))
+    lines = Lines.of(max(int((bottom - top) * 8), 1), unit)
     axes.set_xticks([])
     axes.set_facecolor("none")
     ticks = list(lines.major(top, bottom))
     axes.set_yticks(ticks, [lines.label(at) for at in ticks])
     axes.tick_params(labelsize=SMALL, color=FAINT, labelcolor=INK, length=2, labelfontfamily=FONT)
-    axes.set_ylabel("Depth MD [m]", fontsize=SMALL, color=INK, family=FONT)
+    axes.set_ylabel(f"Depth MD [{unit.name}]", fontsize=SMALL, color=INK, family=FONT)
     for side in ("top", "right", "bottom"):
         axes.spines[side].set_visible(False)
     axes.spines["left"].set_bounds(top, bottom)

@@ -28,7 +28,7 @@ from helibore.logs.zones import KINDS, Zone
 from helibore.plot.diameters import Diameters, thinned
 from helibore.plot.paper import FAINT, FONT, INK, RULE, SMALL, USUAL, Sheet
 from helibore.plot.raster import Grid, unroll_image, unroll_wall
-from helibore.plot.scales import Lines, length_text
+from helibore.plot.scales import METRES, DepthUnit, Lines, length_text
 from helibore.plot.shading import HATCH_BYTES
 from helibore.samples.caliper import Basis
 from helibore.trajectory.true_depth import TrueDepth
@@ -99,20 +99,22 @@ class Shown:
 
 
 class DepthTrack:
-    """Measured depth in metres, the true depth under it if it is known, and the zones at the left."""
+    """Measured depth, the true depth under it if it is known, and the zones at the left."""
 
     width = 14.0
 
-    def __init__(self, scale: int, true_depth: TrueDepth | None = None, zones: Sequence[Zone] = ()) -> None:
-        self.scale, self.true_depth, self.zones = scale, true_depth, zones
+    def __init__(
+        self, scale: int, true_depth: TrueDepth | None = None, zones: Sequence[Zone] = (), unit: DepthUnit = METRES
+    ) -> None:
+        self.scale, self.true_depth, self.zones, self.unit = scale, true_depth, zones, unit
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write what the numbers are, and the scale of the paper."""
         middle = x + 0.5 * self.width
-        for down, text in ((8.0, "Depth"), (12.0, "MD [m]"), (19.0, f"1:{self.scale}")):
+        for down, text in ((8.0, "Depth"), (12.0, f"MD [{self.unit.name}]"), (19.0, f"1:{self.scale}")):
             sheet.text(middle, y + down, text, ha="center")
         if self.true_depth is not None:
-            sheet.text(middle, y + 15.2, f"{self.true_depth.name} [m]", SMALL, ha="center", color=FAINT)
+            sheet.text(middle, y + 15.2, f"{self.true_depth.name} [{self.unit.name}]", SMALL, ha="center", color=FAINT)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw the numbers beside their lines."""
@@ -143,16 +145,16 @@ class DepthTrack:
         look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
         major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
         if all(depth - stretch.top > 3.2 * room for depth in major):
-            axes.text(0.5, stretch.top + 0.1 * room, f"{stretch.top:.1f}", va="top", **look)
+            axes.text(0.5, stretch.top + 0.1 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
         if all(stretch.bottom - depth > 5.4 * room for depth in major):
-            axes.text(0.5, stretch.bottom - 0.1 * room, f"{stretch.bottom:.1f}", va="bottom", **look)
+            axes.text(0.5, stretch.bottom - 0.1 * room, f"{stretch.bottom / self.unit.metres:.1f}", va="bottom", **look)
 
     def _true(self, axes: Axes, depth: float, place: float) -> None:
         """Write the true depth of ``depth`` at ``place``, where the path reaches so far."""
         true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
         if np.isfinite(true):
             look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
-            axes.text(0.5, place, f"{true:.1f}", **look)
+            axes.text(0.5, place, f"{true / self.unit.metres:.1f}", **look)
 
 
 class CaliperTrack:
@@ -174,6 +176,8 @@ class CaliperTrack:
         Names in `CURVES` of the pairs to draw: C1 and C2, D0 and D90.
     reference
         One of `SIDES`, for the names of D0 and D90.
+    name
+        Before the title: whose caliper it is, where there are several.
     """
 
     width = 40.0
@@ -187,7 +191,9 @@ class CaliperTrack:
         limits: tuple[float, float],
         curves: Sequence[str] = (),
         reference: str = "high-side",
+        name: str = "",
     ) -> None:
+        self.name = name
         self.turns, self.basis, self.unit, self.limits = turns, basis, unit, limits
         self.bit = bit_diameter / LENGTHS[unit]
         self.curves = curves if basis == "azimuthal" else ()
@@ -196,7 +202,8 @@ class CaliperTrack:
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write the title, the scale and a key of what is drawn."""
-        sheet.text(x + 0.5 * self.width, y + 2.5, f"Diameter [{self.unit}]", ha="center", weight="bold")
+        title = f"{self.name}Diameter [{self.unit}]"
+        sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
         row = y + 6.3
         self._key(sheet, x + 1, row, f"bit size {length_text(self.bit, self.unit)}", color=INK, dashes=(4, 2))

@@ -17,14 +17,17 @@ import importlib.util
 import os
 import sys
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import numpy.typing as npt
 
 from helibore.base.errors import InputError
-from helibore.images.normalization import image_scale
-from helibore.logs.curves import ScalarCurve
-from helibore.logs.template import Template
+from helibore.base.units import MILLIMETRE
+from helibore.images.normalization import image_scale, symmetric_limit
+from helibore.logs.curves import ScalarCurve, curves_of
+from helibore.logs.template import Template, TemplateTrack
 from helibore.trajectory.survey import Path
 from helibore.viewer.feed import Feed, ViewedWall
 from helibore.viewer.scene import Attribute
@@ -32,6 +35,7 @@ from helibore.viewer.scene import Attribute
 if TYPE_CHECKING:
     from helibore.viewer.notebook_view import NotebookView
     from helibore.viewer.page_server import PageServer
+    from helibore.wall.wall import Wall
 
 __all__ = ["Attribute", "Viewer", "attributes_of", "view"]
 
@@ -119,6 +123,7 @@ def view(
     curves: Iterable[ScalarCurve] = (),
     template: Template | None = None,
     picks_file: str | os.PathLike[str] | None = None,
+    beside: Mapping[str, Wall] | None = None,
     well: str = "",
     host: str = "127.0.0.1",
     port: int = 0,
@@ -143,6 +148,9 @@ def view(
         Which tracks the page shows at first, in which order and how wide.
     picks_file
         Where the page saves what is picked on it: `Picks.save`. ``wall.picks`` has the picks in any case.
+    beside
+        Other walls by name (wells, or passes of the same one), where the wall reaches: their radius over bit size as
+        images in the colours of the wall's own, C1 and C2 as curves. The page begins with them side by side.
     well
         The well's name, for the page.
     host, port
@@ -172,7 +180,13 @@ def view(
     """
     from helibore.wall.wall import Wall
 
-    values = attributes_of(wall) if attributes is None else attributes
+    values: dict[str | Attribute, npt.ArrayLike] = dict(attributes_of(wall) if attributes is None else attributes)
+    curves = list(curves)
+    if beside:
+        others = [of_other(wall, name, other) for name, other in beside.items()]
+        values |= {key: one for key, one, _ in others}
+        curves += [curve for *_, own in others for curve in own]
+        template = template or _side_by_side([str(key.name) for key, *_ in others])
     feed = Feed(wall, path=path, attributes=values, well=well)
     if isinstance(wall, Wall):
         feed.scene.picks = wall.picks
@@ -195,6 +209,22 @@ def view(
 
         webbrowser.open(viewer.url)
     return viewer
+
+
+def of_other(wall: Any, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
+    """Return the radius of another wall over its bit size at the quads of a wall, metres, and its C1 and C2."""
+    over = np.asarray(wall.radius) - 0.5 * wall.settings.bit_diameter
+    limit = symmetric_limit(over, MILLIMETRE)
+    attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
+    values = other.at(wall.depth, wall.toolface).radius - 0.5 * other.settings.bit_diameter
+    curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
+    return attribute, values, curves
+
+
+def _side_by_side(names: list[str]) -> Template:
+    """The wall's own radius, then those of the others."""
+    images = [TemplateTrack("image", name) for name in ("Radius", *names[:3])]
+    return Template("mm", None, (*images, TemplateTrack("caliper")))
 
 
 def _in_notebook() -> bool:

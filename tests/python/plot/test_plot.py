@@ -23,7 +23,7 @@ from helibore.plot.diameters import Diameters, diameters, thinned
 from helibore.plot.header import header_height
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
-from helibore.plot.scales import Lines, usual_scale
+from helibore.plot.scales import FEET, Lines, usual_scale
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
@@ -341,7 +341,7 @@ def hb_washout(start: float, stop: float) -> Any:
         ({"reference": "up"}, "reference = 'up': must be one of high-side, north, parallel-transport"),
         ({"left": 45}, "left = 45: must be 0, 90, 180 or 270"),
         ({"curves": ("C3",)}, "curve 'C3': must be one of C1, C2, D0, D90"),
-        ({"unit": "m"}, "unit = 'm': must be one of in, mm"),
+        ({"unit": "m"}, "unit = 'm': must be one of mm, in, ft"),
         ({"start": 2010, "stop": 2001}, "interval 2010 to 2001 m: the end must be deeper than the start"),
         ({"start": 3000, "stop": 3001}, "interval 3000 to 3001 m: the wall reaches from 2000 to"),
         ({"images": ["X"]}, "image 'X': the wall has none of this name; it has GR, RES"),
@@ -477,3 +477,36 @@ def test_the_last_page_is_no_stub_and_the_ends_have_their_depths(wall: hb.Wall) 
     assert_readable(figure)
     words = [text.get_text() for text in tracks_of(figure)[0].texts]
     assert {"2000.3", "2021.7"} <= set(words)
+
+
+def test_depths_are_in_feet_and_sizes_in_inches(wall: hb.Wall) -> None:
+    lines = Lines.of(240, FEET)
+    assert (lines.fine, lines.coarse) == (pytest.approx(5 * 0.3048), pytest.approx(20 * 0.3048))
+    assert [lines.label(depth) for depth in lines.major(2000.0, 2015.0)] == ["6580", "6600"]
+    figure = plot.log(
+        wall, unit="ft", scale=40, start=2000.0, stop=2006.0, polar=(2003.0,), header={"mud": "oil"}, dpi=60
+    )
+    assert_readable(figure)
+    words = " | ".join(text.get_text() for text in texts(figure))
+    for needed in ("MD [ft]", "6,561.68 to 6,581.36 ft MD (19.7 ft)", "7.62 mm on paper a foot", "Diameter [in]",
+                   "A   6,571.52 ft", "Mud | oil", "Company | not given"):  # fmt: skip
+        assert needed in words, needed
+    assert "m MD" not in words
+
+
+def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:
+    depth = np.arange(2004, 2030, 0.02)
+    other = hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, np.full(depth.size, BIT / 2 + 0.06)), bit_diameter=BIT)
+    drawing = plot.Drawing(beside={"F-15": other}, polar=(), body=(), scale=200)
+    content = content_of(wall, drawing)
+    assert content.bottom == pytest.approx(2030, abs=0.3), "the ends of both"
+    own, images, beside, image = content.tracks[1], content.tracks[2:5], content.tracks[5], content.tracks[6]
+    assert [track.shown.name for track in images] == ["Radius − bit/2", "GR", "RES"]  # type: ignore[union-attr]
+    assert (beside.name, image.shown.name) == ("F-15: ", "F-15: over bit")  # type: ignore[union-attr]
+    assert image.shown.scale == images[0].shown.scale, "one colour is one size"  # type: ignore[union-attr]
+    assert beside.limits == own.limits  # type: ignore[union-attr]
+    assert own.limits[1] > (BIT + 0.12) / 0.0254  # type: ignore[union-attr]
+    assert_readable(plot.pages(wall, beside={"F-15": other}, polar=(), body=(), scale=200, dpi=60)[0])
+    gauge = hb.reconstruct(hb.Caliper.gauge(2000.0, 2010.0, BIT), bit_diameter=BIT)
+    with pytest.raises(hb.InputError, match=r"^beside 'F-15': must have a full turn that was measured$"):
+        content_of(wall, plot.Drawing(beside={"F-15": gauge}))
