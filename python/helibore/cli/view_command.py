@@ -58,6 +58,7 @@ def view(**options: Any) -> None:
         for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
             if options[name] is not None:
                 raise click.UsageError(f"{option}: does not go with a saved wall, which is shown whole")
+    from helibore.channels.log_header import log_header
     from helibore.logs.template import Template
     from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
@@ -67,6 +68,7 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         add_sigma(wall, terminal)
     picks = load_picks(run)
+    well = options["well"] or log_header(run.files.headers()).get("well") or run.name
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
@@ -75,7 +77,7 @@ def view(**options: Any) -> None:
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves_of_files(run, options), picks_file=picks,
             template=options["template"] and Template.load(options["template"]),
-            beside=walls_beside(options), well=options["well"] or run.name, **serving,
+            beside=walls_beside(options), well=well, **serving,
         )  # fmt: skip
     viewer.scene.update_state(ended=True)  # nothing appends to it
     terminal.summary([("time", terminal.times())])

@@ -255,7 +255,8 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     ]
     others = [_Other.of(name, one) for name, one in drawing.beside.items()]
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
-    tracks.append(_caliper(wall, turns, limits, drawing, reference))
+    if wall.basis != "gauge":
+        tracks.append(_caliper(wall, turns, limits, drawing, reference))
     tracks += [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
     picks = [pick for pick in wall.picks if top <= pick.depth <= bottom]
     dips: list[PlacedTrack] = [DipTrack(picks, wall.path)] if any(pick.kind in PLANES for pick in picks) else []

@@ -61,7 +61,8 @@ td { white-space: nowrap; } tbody th + td { white-space: normal; overflow-wrap: 
 td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 100%; display: block; }
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
 @media screen and (max-width: 700px) { body { padding: 0 3mm; margin: 1rem auto; } figure { margin: 0; }
-  section { overflow-x: auto; } nav a { display: inline-block; padding: .3rem 0; } tbody th { width: auto; } }
+  section, figure { overflow-x: auto; } img { max-width: none; width: 760px !important; }
+  nav a { display: inline-block; padding: .3rem 0; } tbody th { width: auto; } }
 @page { size: A4; margin: 12mm 0; }
 @media print { body { margin: 0; max-width: 200mm; } nav { display: none; } tr { break-inside: avoid; }
   figure { break-inside: avoid; } h2 { break-after: avoid; } thead { display: table-header-group; } }
@@ -164,7 +165,8 @@ def intervals(content: Content) -> list[WallSummary]:
     """Summarize the interval in steps of a round length."""
     length = content.bottom - content.top
     steps = (mantissa * 10.0**power for power in range(-1, 5) for mantissa in (1, 2, 5))
-    step = next(step for step in steps if length / step <= ROWS)
+    unit = content.drawing.depth_unit.metres
+    step = next(unit * step for step in steps if length / (unit * step) <= ROWS)
     cuts = [content.top, *np.arange(math.floor(content.top / step + 1) * step, content.bottom - 1e-6, step)]
     return [content.summary(float(a), float(b)) for a, b in zip(cuts, [*cuts[1:], content.bottom], strict=True)]
 

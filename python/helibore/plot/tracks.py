@@ -165,7 +165,7 @@ class CaliperTrack:
     turns
         What to draw.
     basis
-        What was measured: without directions there is no least and greatest, without a caliper no curve.
+        What was measured: without directions there is no least and greatest. A gauge hole has no such track.
     bit_diameter
         Metres.
     unit
@@ -208,10 +208,7 @@ class CaliperTrack:
         row = y + 6.3
         self._key(sheet, x + 1, row, f"bit size {length_text(self.bit, self.unit)}", color=INK, dashes=(4, 2))
         row += 3.5
-        if self.basis == "gauge":
-            sheet.text(x + 1, row, "hole not measured", SMALL, within=self.width - 2)
-        else:
-            self._key(sheet, x + 1, row, "by area", color=AREA)
+        self._key(sheet, x + 1, row, "by area", color=AREA)
         if self.basis == "azimuthal":
             sheet.box(x + 17.5, row - 1.1, 4, 2.2, facecolor=BAND, edgecolor=RULE, linewidth=0.4)
             sheet.text(x + 22.2, row, "least to greatest", 5.2, within=self.width - 22.6)
@@ -220,15 +217,14 @@ class CaliperTrack:
                 at = x + 1 + number * 9.6
                 sheet.line((at, at + 3.6), (row, row), linewidth=0.9, **CURVES[name])
                 sheet.text(at + 4.2, row, self.names.get(name, name), 5.2, within=5.2)
-        if self.basis != "gauge":
-            row += 3.5
-            for at, color, text in (
-                (1.0, OVER, "over bit"),
-                (14.0, ZONE_COLORS["washout"], "washout"),
-                (27.0, UNDER, "under bit"),
-            ):
-                sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
-                sheet.text(x + at + 3.6, row, text, 5.2, within=9.2)
+        row += 3.5
+        for at, color, text in (
+            (1.0, OVER, "over bit"),
+            (14.0, ZONE_COLORS["washout"], "washout"),
+            (27.0, UNDER, "under bit"),
+        ):
+            sheet.box(x + at, row - 1.1, 3, 2.2, facecolor=color, edgecolor="none")
+            sheet.text(x + at + 3.6, row, text, 5.2, within=9.2)
         low, high = (f"{limit:g}" for limit in self.limits)
         sheet.text(x + 0.6, y + HEAD - 2.2, low, SMALL)
         sheet.text(x + self.width - 0.6, y + HEAD - 2.2, high, SMALL, ha="right")
@@ -246,22 +242,21 @@ class CaliperTrack:
         turns = thinned(self.turns, stretch.top, stretch.bottom, 2 * sheet.pixels(stretch.height))
         scale = LENGTHS[self.unit]
         area = turns.area / scale
-        if self.basis != "gauge":
-            bit = np.full(area.size, self.bit)
-            if self.basis == "azimuthal":
-                least, greatest = turns.least / scale, turns.greatest / scale
-                axes.fill_betweenx(turns.depth, least, greatest, facecolor=BAND, edgecolor=RULE, linewidth=0.35)
-            washed = turns.kind == KINDS.index("washout")
-            for where, color in ((area >= bit, OVER), (area <= bit, UNDER), (washed, ZONE_COLORS["washout"])):
-                look: dict[str, Any] = {
-                    "where": where,
-                    "facecolor": color,
-                    "interpolate": color != ZONE_COLORS["washout"],
-                }
-                axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)
-            for name in self.curves:
-                axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
-            axes.plot(area, turns.depth, color=AREA, linewidth=0.8)
+        bit = np.full(area.size, self.bit)
+        if self.basis == "azimuthal":
+            least, greatest = turns.least / scale, turns.greatest / scale
+            axes.fill_betweenx(turns.depth, least, greatest, facecolor=BAND, edgecolor=RULE, linewidth=0.35)
+        washed = turns.kind == KINDS.index("washout")
+        for where, color in ((area >= bit, OVER), (area <= bit, UNDER), (washed, ZONE_COLORS["washout"])):
+            look: dict[str, Any] = {
+                "where": where,
+                "facecolor": color,
+                "interpolate": color != ZONE_COLORS["washout"],
+            }
+            axes.fill_betweenx(turns.depth, bit, area, linewidth=0, alpha=0.85, **look)
+        for name in self.curves:
+            axes.plot(getattr(turns, name.lower()) / scale, turns.depth, linewidth=0.8, **CURVES[name])
+        axes.plot(area, turns.depth, color=AREA, linewidth=0.8)
         axes.axvline(self.bit, color=INK, linewidth=0.9, dashes=(4, 2))
         self._missing(axes, sheet, stretch)
         axes.set_xlim(*self.limits)

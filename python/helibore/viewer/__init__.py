@@ -20,7 +20,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-import numpy as np
 import numpy.typing as npt
 
 from helibore.base.errors import InputError
@@ -211,12 +210,13 @@ def view(
     return viewer
 
 
-def of_other(wall: Any, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
+def of_other(wall: ViewedWall, name: str, other: Wall) -> tuple[Attribute, npt.ArrayLike, list[ScalarCurve]]:
     """Return the radius of another wall over its bit size at the quads of a wall, metres, and its C1 and C2."""
-    over = np.asarray(wall.radius) - 0.5 * wall.settings.bit_diameter
-    limit = symmetric_limit(over, MILLIMETRE)
+    own = wall.vertices(0, len(wall))
+    over = own.radius - 0.5 * wall.settings.bit_diameter
+    limit = symmetric_limit(over, MILLIMETRE)  # one colour is one size in all of them
     attribute = Attribute(f"Over bit {name}", "m", -limit, limit, color_map="over-bit")
-    values = other.at(wall.depth, wall.toolface).radius - 0.5 * other.settings.bit_diameter
+    values = other.at(own.depth, own.toolface).radius - 0.5 * other.settings.bit_diameter
     curves = [replace(one, name=f"{one.name} {name}") for one in curves_of(other.logs()) if one.name in ("C1", "C2")]
     return attribute, values, curves
 

@@ -17,6 +17,7 @@ import helibore as hb
 from helibore import plot
 from helibore.base.colors import MISSING
 from helibore.logs.curves import nice_limits
+from helibore.logs.zones import KINDS
 from helibore.plot.content import content_of
 from helibore.plot.cross_sections import sections_at
 from helibore.plot.diameters import Diameters, diameters, thinned
@@ -123,7 +124,7 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     (said,) = [text for text in texts(figure) if text.get_text() == hb.samples.caliper.BASIS_TEXT[wall.basis]]  # type: ignore[attr-defined]
     assert said.get_color() == "#b3261e"
     assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
-    assert ("hole not measured" in words) == (basis == "gauge")
+    assert ("Diameter [in]" in words) == (basis == "average")
     assert_readable(figure)
 
 
@@ -510,3 +511,16 @@ def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:
     gauge = hb.reconstruct(hb.Caliper.gauge(2000.0, 2010.0, BIT), bit_diameter=BIT)
     with pytest.raises(hb.InputError, match=r"^beside 'F-15': must have a full turn that was measured$"):
         content_of(wall, plot.Drawing(beside={"F-15": gauge}))
+
+
+def test_what_is_over_bit_is_no_washout_by_itself() -> None:
+    """0.3 mm (0.012 in) over bit size is drawn as over bit; what is a washout, the zones say."""
+    depth = np.arange(2000, 2010, 0.02)
+    radius = BIT / 2 + 0.00015 + 0.03 * (np.abs(depth - 2006) < 1)
+    wall = hb.reconstruct(hb.Caliper(depth, depth * 900 % 360, radius), bit_diameter=BIT, sectors=16)
+    turns = measured(wall)
+    washed = turns.kind == KINDS.index("washout")
+    assert (turns.area >= BIT).mean() > 0.9
+    (zone,) = wall.zones().zones
+    assert (turns.depth[washed].min(), turns.depth[washed].max()) == pytest.approx((zone.start, zone.stop), abs=0.2)
+    assert washed.mean() == pytest.approx(0.2, abs=0.03)

@@ -448,3 +448,25 @@ def test_the_page_is_small_on_the_wire_and_sent_again_only_if_it_changed() -> No
             assert "content-encoding" not in plain.headers
             assert plain.content == answer.content
         assert sent <= 60_000
+
+
+def test_other_walls_stand_beside_in_the_colours_of_the_first() -> None:
+    depth = np.arange(2000.0, 2010.0, 0.01)
+    walls = [
+        hb.reconstruct(
+            hb.Caliper(depth[here], depth[here] * 900 % 360, 0.108 + over + 0 * depth[here]), bit_diameter=0.216
+        )
+        for over, here in ((0.012, depth > 0), (0.004, depth > 2005))
+    ]
+    with hb.view(walls[0], beside={"pass 2": walls[1]}) as viewer:
+        (attribute,) = viewer.scene.shape.attributes
+        assert (attribute.name, attribute.unit, attribute.color_map) == ("Over bit pass 2", "m", "over-bit")
+        assert (attribute.low, attribute.high) == (-0.02, 0.02), "those of the first wall"
+        shown = viewer.scene.levels[0].columns[0][: len(walls[0]) - 65]
+        deep = walls[0].depth[: shown.size] > 2005.2
+        np.testing.assert_allclose(shown[deep], 0.004, atol=1e-5)
+        assert np.isnan(shown[walls[0].depth[: shown.size] < 2004.8]).all(), "nothing where it does not reach"
+        template = viewer.scene.template
+        assert template is not None
+        assert [track.name for track in template.tracks] == ["Radius", "Over bit pass 2", ""]
+        assert {"C1 pass 2", "C2 pass 2"} <= set(viewer.scene.curves)
