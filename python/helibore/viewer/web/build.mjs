@@ -2,7 +2,7 @@
 // Writes index.html, app.css, app.js and notebook.js, which hold this project's own sources and nothing else.
 // The output depends on the sources and the lock file alone.
 import { createRequire } from 'node:module';
-import { copyFileSync, mkdirSync } from 'node:fs';
+import { copyFileSync, mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { dirname, join, resolve } from 'node:path';
 import { fileURLToPath, pathToFileURL } from 'node:url';
 
@@ -12,6 +12,11 @@ const modules = resolve(process.argv[3] ?? join(here, 'node_modules'));
 const esbuild = await import(pathToFileURL(createRequire(join(modules, 'x.js')).resolve('esbuild')));
 
 mkdirSync(out, { recursive: true });
+const unindented = (file) => readFileSync(file, 'utf8').replace(/\n\s+/g, '\n');
+const shaders = { // their texts are strings, which esbuild keeps as they are
+  name: 'shaders',
+  setup: (build) => build.onLoad({ filter: /shaders\.js$/ }, ({ path }) => ({ contents: unindented(path) })),
+};
 await esbuild.build({
   entryPoints: [join(here, 'src', 'main.js')],
   absWorkingDir: here,
@@ -22,6 +27,9 @@ await esbuild.build({
   legalComments: 'none',
   charset: 'utf8',
   nodePaths: [modules],
+  plugins: [shaders],
   outfile: join(out, 'app.js'),
 });
-for (const name of ['index.html', 'app.css', 'notebook.js']) copyFileSync(join(here, name), join(out, name));
+await esbuild.build({ entryPoints: [join(here, 'app.css')], minify: true, target: 'es2022', charset: 'utf8', outfile: join(out, 'app.css') });
+writeFileSync(join(out, 'index.html'), unindented(join(here, 'index.html')));
+copyFileSync(join(here, 'notebook.js'), join(out, 'notebook.js'));
