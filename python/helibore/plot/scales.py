@@ -11,6 +11,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from helibore.base.units import INCH
+
 FINE_SCALES = (20, 40, 200)
 COARSEST = 500
 LONGEST = 1000.0
@@ -38,7 +40,7 @@ class DepthUnit:
         return f"{depth / self.metres:,.{decimals}f}"
 
 
-METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", 0.3048)
+METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", 12 * INCH)
 
 
 @dataclass(frozen=True)
