@@ -17,6 +17,8 @@ from helibore.base.errors import InputError
 LENGTH, ANGLE, TIME, ROTATION = "length", "angle", "time", "rotation"
 INCH = 0.0254
 """In metres: bits and casings are sold in inches."""
+FOOT = 0.3048
+"""In metres."""
 MILLIMETRE = 0.001
 """In metres."""
 
@@ -24,7 +26,7 @@ _TABLE: dict[str, tuple[str, float, str]] = {
     "m": (LENGTH, 1.0, "metre metres meter meters"),
     "cm": (LENGTH, 0.01, "centimetre centimetres centimeter centimeters"),
     "mm": (LENGTH, MILLIMETRE, "millimetre millimetres millimeter millimeters"),
-    "ft": (LENGTH, 0.3048, "f foot feet '"),
+    "ft": (LENGTH, FOOT, "f foot feet '"),
     "ftUS": (LENGTH, 1200.0 / 3937.0, "ftus ft[us] usft us-ft usfoot"),
     "in": (LENGTH, INCH, 'inch inches ins "'),
     "0.1in": (LENGTH, 0.00254, ".1in 0.1inch 0.1inches 1/10in"),

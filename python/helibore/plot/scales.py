@@ -11,7 +11,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from helibore.base.units import INCH
+from helibore.base.units import FOOT
 
 FINE_SCALES = (20, 40, 200)
 COARSEST = 500
@@ -40,7 +40,7 @@ class DepthUnit:
         return f"{depth / self.metres:,.{decimals}f}"
 
 
-METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", 12 * INCH)
+METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", FOOT)
 
 
 @dataclass(frozen=True)
