@@ -151,6 +151,7 @@ def connected(client: Client | str | None) -> Iterator[Any]:
         own = dask.config.set({"distributed.scheduler.allowed-failures": DEATHS, **QUIET})
         local = {"n_workers": thread_count(None), "threads_per_worker": 1, "dashboard_address": "127.0.0.1:0"}
         with own, _started(lambda: LocalCluster(**local)) as cluster, Client(cluster) as made:
+            cluster.adapt(minimum=local["n_workers"], maximum=local["n_workers"])  # replaces workers that do not return
             yield made
 
 
