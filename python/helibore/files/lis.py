@@ -5,11 +5,13 @@ Only the channels with the fewest samples per row are read; a remark names the c
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from typing import Any
 
 from helibore.base.errors import MissingExtraError
 from helibore.files.dlis import damage_named, dlisio_warnings, text_of
+from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets
 
@@ -21,11 +23,11 @@ def read(source: InputFile) -> RawFile:
     except ImportError as error:
         raise MissingExtraError("dlisio", "dlis") from error
     with damage_named(source, "LIS"), dlisio_warnings() as warned, lis.load(str(source.path)) as tape:
-        readers = [
-            partial(_pass, source, f"{number}/{position}", logical, spec)
-            for number, logical in enumerate(tape)
-            for position, spec in enumerate(logical.data_format_specs())
-        ]
+        readers = []
+        for number, logical in enumerate(tape):
+            header = _header(logical)
+            for position, spec in enumerate(logical.data_format_specs()):
+                readers.append(partial(_pass, source, f"{number}/{position}", logical, spec, header))
         if not readers:
             raise source.error("LIS without a log")
         sets = readable_sets(readers)
@@ -34,7 +36,29 @@ def read(source: InputFile) -> RawFile:
     return RawFile("LIS", sets)
 
 
-def _pass(source: InputFile, name: str, logical: Any, spec: Any) -> RawSet:
+def _header(logical: Any) -> dict[str, str]:
+    """Return what the well site and job records of a logical file state: ``CN``, ``WN`` and ``FN`` are for `log_header`.
+
+    A record is a table of rows with the columns MNEM and VALU, or a list of values by mnemonic.
+    """
+    found = {}
+    for read_records in (logical.wellsite_data, logical.job_identification):
+        with suppress(Exception):  # a damaged record does not keep the logs from being read
+            for record in read_records():
+                name = ""
+                for block in record.components():
+                    mnemonic, value = text_of(block.mnemonic).strip(), text_of(block.component).strip()
+                    if not record.isstructured():
+                        name = mnemonic
+                    elif mnemonic == "MNEM":
+                        name = value
+                    if name and value and (mnemonic == "VALU" or not record.isstructured()):
+                        unit = text_of(block.units).strip() if is_number(value) else ""
+                        found.setdefault(name, f"{value} {unit}".strip())
+    return found
+
+
+def _pass(source: InputFile, name: str, logical: Any, spec: Any, header: dict[str, str]) -> RawSet:
     from dlisio import lis
 
     with damage_named(source, f"log {name}"):
@@ -58,4 +82,4 @@ def _pass(source: InputFile, name: str, logical: Any, spec: Any) -> RawSet:
         for label, each in unread.items()
         if each.samples > rate
     ]
-    return RawSet(source.path, name, channels, len(rows), index, {}, remarks)
+    return RawSet(source.path, name, channels, len(rows), index, header, remarks)

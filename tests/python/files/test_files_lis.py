@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 import helibore as hb
+from helibore.channels.log_header import log_header
 
 pytest.importorskip("dlisio")
 
@@ -72,6 +73,29 @@ def test_channels_units_and_absent_values(tmp_path: Path) -> None:
         assert one["C1"].missing == 1
         caliper = one.caliper()
         np.testing.assert_allclose(np.unique(caliper.depth), expected[:, 0] * 0.3048)
+
+
+def block(kind: int, name: str, value: str) -> bytes:
+    """A component block that holds text: 73 names a table, 0 begins a row, 69 goes on with it."""
+    return bytes([kind, 65, len(value), 0]) + f"{name:<4}{'':<4}{value}".encode()
+
+
+@pytest.mark.parametrize("as_table", [True, False])
+def test_company_well_and_field_of_the_well_site_data(tmp_path: Path, as_table: bool) -> None:
+    stated = {"CN": "ACME OIL", "WN": "A-1", "FN": "NORTH", "RUN": " "}
+    rows = [block(0, "MNEM", name) + block(69, "VALU", text) for name, text in stated.items()]
+    lines = [block(0, name, text) for name, text in stated.items()]
+    site = block(73, "TYPE", "CONS") + b"".join(rows) if as_table else b"".join(lines)
+    with hb.open(written(tmp_path / "run.1", record(34, site), log(TABLE, *CALIPER))) as file:
+        header = file.set().header
+        assert header == {"CN": "ACME OIL", "WN": "A-1", "FN": "NORTH"}
+        assert log_header([header]) == {"company": "ACME OIL", "well": "A-1", "field": "NORTH"}
+
+
+def test_damaged_well_site_data_do_not_block_the_log(tmp_path: Path) -> None:
+    site = record(34, block(0, "MNEM", "CN")[:-1])
+    with hb.open(written(tmp_path / "run.1", site, log(TABLE, *CALIPER))) as file:
+        assert (file.set().rows, file.set().header) == (ROWS, {})
 
 
 def test_a_log_without_rows_does_not_block_the_others(tmp_path: Path) -> None:
