@@ -37,11 +37,11 @@ def read(source: InputFile) -> RawFile:
 
 
 def _header(logical: Any) -> dict[str, str]:
-    """Return what the well site and job records of a logical file state: ``CN``, ``WN`` and ``FN`` are for `log_header`.
+    """Return what the well site and job records of a logical file state, as ``CN``, ``WN`` and ``FN``.
 
     A record is a table of rows with the columns MNEM and VALU, or a list of values by mnemonic.
     """
-    found = {}
+    found: dict[str, str] = {}
     for read_records in (logical.wellsite_data, logical.job_identification):
         with suppress(Exception):  # a damaged record does not keep the logs from being read
             for record in read_records():

@@ -49,6 +49,10 @@ LONG_TURN = 1.0
 
 INSIDE_BIT = 0.01
 """Metres: arms that all read so much less than the bit's radius are closed."""
+STUCK_ROWS = 100
+"""Rows of one and the same value after which an arm is reported as stuck, if the other arms move."""
+MOST_PASSES = 50
+"""Rows that turn back more often are in no order: they have no runs to compare."""
 
 REFERENCES = ("north", "high-side", "automatic")
 BIASES = ("none", "arm", "side")
@@ -277,6 +281,8 @@ class _Pipeline:
                 one = self._opened(one)
             if self.settings.saturated:
                 one = self._unsaturated(one)
+            if self.settings.stuck is None:
+                self._warn_of_stuck(one)
         if self.settings.closed is None and self.settings.stuck is None:
             return one
         radii = np.stack(one.radii)
@@ -343,6 +349,21 @@ class _Pipeline:
                 for sensor in sensors:
                     radii[sensor] = np.where(step.dropped, np.nan, radii[sensor])
         return replace(one, radii=tuple(radii))
+
+    def _warn_of_stuck(self, one: Readings) -> None:
+        """Report arms that stay at one value over many rows while the others move; nothing is dropped."""
+        shown = [int(np.argmax(one.arm == arm)) for arm in np.unique(one.arm)]  # one end of each diameter
+        if len(shown) < 2:
+            return
+        radii = [one.radii[sensor] for sensor in shown]
+        for sensor, radius, still in zip(shown, radii, conditioning.stuck(radii, rows=STUCK_ROWS).dropped, strict=True):
+            rest = np.flatnonzero(still & np.isfinite(radius) & np.isfinite(one.depth))
+            if rest.size:
+                top, bottom = one.depth[rest].min(), one.depth[rest].max()
+                self.report.append((
+                    "stuck", f"{one.name}: {one.channels[int(one.arm[sensor])]} does not move in {rest.size:,} rows "
+                    f"between {top:.1f} and {bottom:.1f} m while the other arms do: kept; --drop-stuck drops them"
+                ))  # fmt: skip
 
     def _drop_single_samples(self) -> None:
         """Drop samples outside the interval or the range of radii, repeated samples and spikes."""
@@ -591,10 +612,11 @@ class _Pipeline:
     def _warn_of_bias(self) -> None:
         """Report where passes or arms disagree by more than their noise, judged by some of the samples."""
         samples, arms, number = self.samples, self._arm(), self.samples.pass_number
+        alone = len(self.readings) == 1
         if not number.size:
             stated = self.readings[0].pass_number
-            alone = len(self.readings) == 1
-            number = samples.file + 1 if not alone or stated is None else stated[samples.row]
+            stated = _runs(self.readings[0].depth) if alone and stated is None else stated
+            number = samples.file + 1 if stated is None or not alone else stated[samples.row]
         if np.ptp(arms) == 0 and np.ptp(number) == 0:
             return
         some = np.arange(arms.size)
@@ -606,7 +628,8 @@ class _Pipeline:
         names = self._arm_names()
         lines = found.disagreements([names[number] for number in found.arms])
         if lines:
-            self.report.append(("bias", f"{lines[0]}; --bias arm subtracts it"))
+            passes = "" if samples.pass_number.size or np.ptp(number) == 0 or not alone else "--split-passes 5m "
+            self.report.append(("bias", f"{lines[0]}; {passes}--bias arm subtracts it"))
 
     def _finished(self) -> Prepared:
         settings, earlier = self.settings, None
@@ -648,3 +671,14 @@ class _Pipeline:
         samples = self.samples
         few = all(len(one.sensors) > 1 and not one.is_image for one in self.readings) and not self.settings.recentre
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)
+
+
+def _runs(depth: Floats) -> Integers:
+    """Number the runs of a file that states none, from 1; all are one run if the rows turn back too often."""
+    numbers = np.ones(depth.size, dtype=np.int64)
+    known = np.flatnonzero(np.isfinite(depth))
+    _, run, count = np.unique(number_passes(depth[known]), return_inverse=True, return_counts=True)
+    long = count >= 0.01 * known.size  # others are the way back, one row long
+    if 2 <= np.count_nonzero(long) <= MOST_PASSES and count[~long].sum() <= 0.01 * known.size:
+        numbers[known] = np.maximum(np.cumsum(long), 1)[run]
+    return numbers

@@ -11,7 +11,7 @@ import pytest
 
 import helibore as hb
 from helibore.base.errors import InputError
-from helibore.logs.picks import Pick, Picks, pick_of, plane
+from helibore.logs.picks import CLASSES, MOST, Pick, Picks, pick_of, plane
 
 
 def path(inclination: float, azimuth: float) -> hb.Path:
@@ -49,25 +49,43 @@ def test_without_a_path_or_beyond_it_a_dip_is_not_known() -> None:
 @pytest.mark.parametrize(
     ("values", "text"),
     [
-        ({"kind": "layer"}, "class = 'layer': must be one of bed, fracture, "),
+        ({"kind": "layer"}, f"class = 'layer': must be one of {', '.join(CLASSES)}"),
         ({"depth": float("nan")}, "depth = nan: must be -1e+06 to 1e+06"),
         ({"apparent_dip": 90.0}, "apparent_dip = 90.0: must be 0 to 89.9"),
         ({"toolface": "east"}, "toolface = east: must be 0 to 360"),
         ({"kind": "breakout"}, "breakout: height and opening must be above 0"),
         ({"points": 1.5}, "points = 1.5: must be a whole number"),
         ({"note": "x" * 81}, "note: must be a text of at most 80 characters"),
-        ({"colour": "red"}, "pick: must be an object with some of apparent_dip, "),
-        ({"depth": None}, "depth = None"),
+        ({"key": "x" * 33}, "key: must be a text of at most 32 characters"),
+        (
+            {"colour": "red"},
+            "pick: must be an object with some of apparent_dip, depth, height, key, kind, misfit, note, opening, "
+            "points, radius, tilt, toolface",
+        ),
     ],
 )
 def test_what_breaks_a_rule_is_refused(values: dict[str, object], text: str) -> None:
-    if values == {"depth": None}:
-        with pytest.raises(InputError, match=r"^pick: must have class, depth and toolface$"):
-            pick_of({"kind": "bed", "toolface": 1.0})
-        return
     with pytest.raises(InputError) as error:
         pick_of({"kind": "bed", "depth": 1.0, "toolface": 0.0} | values)
-    assert str(error.value).startswith(text)
+    assert str(error.value) == text
+
+
+def test_a_pick_without_a_depth_and_one_too_many_are_refused() -> None:
+    with pytest.raises(InputError, match=r"^pick: must have class, depth and toolface$"):
+        pick_of({"kind": "bed", "toolface": 1.0})
+    one = Pick(kind="bed", depth=1.0, toolface=0.0)
+    picks = Picks([one] * MOST)
+    picks.put(one)
+    with pytest.raises(InputError, match=r"^5000 picks: must be at most 5000$"):
+        picks.put(Pick(kind="bed", depth=1.0, toolface=0.0))
+
+
+def test_a_table_that_is_no_text_is_refused(tmp_path: Path) -> None:
+    file = tmp_path / "x.picks.csv"
+    file.write_bytes(b"class,depth_m\xff")
+    with pytest.raises(InputError) as raised:
+        Picks.load(file)
+    assert str(raised.value) == f"{file}: must be UTF-8 text"
 
 
 def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
@@ -110,7 +128,10 @@ def test_true_dips_of_others_become_picks_on_a_path() -> None:
             "class,depth_m,toolface_deg,apparent_dip_deg\nbed,1,,2\n",
             "line 2: class, depth and toolface must not be empty",
         ),
-        ("class,depth_m,toolface_deg,apparent_dip_deg\nrock,1,1,2\n", "line 2: class = 'rock': must be one of bed, "),
+        (
+            "class,depth_m,toolface_deg,apparent_dip_deg\nrock,1,1,2\n",
+            f"line 2: class = 'rock': must be one of {', '.join(CLASSES)}",
+        ),
     ],
 )
 def test_a_table_that_breaks_a_rule_names_the_line(tmp_path: Path, text: str, error: str) -> None:
@@ -118,7 +139,7 @@ def test_a_table_that_breaks_a_rule_names_the_line(tmp_path: Path, text: str, er
     file.write_text(text)
     with pytest.raises(InputError) as raised:
         Picks.load(file)
-    assert str(raised.value).startswith(f"{file}: {error}")
+    assert str(raised.value) == f"{file}: {error}"
 
 
 def test_the_picks_of_a_wall_stand_beside_its_archive_and_go_with_its_copies(tmp_path: Path) -> None:

@@ -557,3 +557,35 @@ def test_bad_settings(settings: dict[str, Any], rule: str) -> None:
 def test_steps_of_one_kind_add_up() -> None:
     step = Step("x", {}, np.zeros(3, dtype=bool))
     assert step.kept.all()
+
+
+def test_an_arm_that_does_not_move_is_reported_and_kept() -> None:
+    rng = np.random.default_rng(5)
+    depth = 100 + 0.02 * np.arange(600)
+    moving, resting = (0.2 + 0.001 * rng.random(600) for _ in range(2))
+    resting[200:450] = 0.19
+    columns = {"md__m": depth, "rb__deg": np.arange(600.0) % 360, "calx__m": moving, "caly__m": resting}
+    found = prepare(log(**columns).readings())
+    line = ("stuck", "f.csv: caly does not move in 250 rows between 104.0 and 109.0 m while the other arms do: "
+                     "kept; --drop-stuck drops them")  # fmt: skip
+    assert [each for each in found.report if each[0] == "stuck"] == [line]
+    assert found.counts == {"kept": 2400}
+    assert not [each for each in prepare(log(**columns).readings(), Preparation(stuck=50)).report if each == line]
+    both = log(**columns | {"calx__m": np.where(resting == 0.19, 0.2, moving)})
+    assert not [each for each in prepare(both.readings()).report if each[0] == "stuck"], "a smooth pipe"
+
+
+def test_two_runs_in_one_file_that_disagree_are_reported() -> None:
+    rng = np.random.default_rng(6)
+    depth = np.tile(100 + 0.02 * np.arange(1000), 2)
+    toolface = np.arange(2000) * 23.0 % 360
+    radius = 0.108 + np.repeat([0.0, 0.002], 1000) + rng.normal(0, 0.0002, 2000)
+    found = prepare(log(md__m=depth, tf__deg=toolface, radius__m=radius).readings())
+    lines = [text for name, text in found.report if name == "bias"]
+    assert lines == [
+        "passes or arms disagree by more than their noise (0.20 mm): radius of pass 2 reads +1.01 mm, "
+        "radius of pass 1 reads -1.01 mm; --split-passes 5m --bias arm subtracts it"
+    ]
+    mixed = rng.permutation(2000)
+    none = prepare(log(md__m=depth[mixed], tf__deg=toolface[mixed], radius__m=radius[mixed]).readings())
+    assert not [text for name, text in none.report if name == "bias"], "rows in no order have no runs"
