@@ -612,10 +612,11 @@ class _Pipeline:
     def _warn_of_bias(self) -> None:
         """Report where passes or arms disagree by more than their noise, judged by some of the samples."""
         samples, arms, number = self.samples, self._arm(), self.samples.pass_number
-        alone = len(self.readings) == 1
+        alone, unsplit = len(self.readings) == 1, False
         if not number.size:
             stated = self.readings[0].pass_number
-            stated = _runs(self.readings[0].depth) if alone and stated is None else stated
+            unsplit = alone and stated is None
+            stated = _runs(self.readings[0].depth) if unsplit else stated
             number = samples.file + 1 if stated is None or not alone else stated[samples.row]
         if np.ptp(arms) == 0 and np.ptp(number) == 0:
             return
@@ -628,7 +629,7 @@ class _Pipeline:
         names = self._arm_names()
         lines = found.disagreements([names[number] for number in found.arms])
         if lines:
-            passes = "" if samples.pass_number.size or np.ptp(number) == 0 or not alone else "--split-passes 5m "
+            passes = "--split-passes 5m " if unsplit and np.ptp(number) else ""
             self.report.append(("bias", f"{lines[0]}; {passes}--bias arm subtracts it"))
 
     def _finished(self) -> Prepared:

@@ -214,6 +214,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     np.testing.assert_allclose(found.caliper.radius, samples.radius - bias.by_pass[number - 1], atol=1e-9)
     labels = ["passes", "passes", "shift", "shift", "shift", "bias", "bias", "bias", "bias", "bias"]
     assert [label for label, _ in found.report] == labels
+    assert found.report[5][1] == f"subtracted; noise after it {1e3 * found.bias.noise:.2f} mm"
     assert found.report[6][1].startswith("pass 1, mm: radius -0.")
     assert found.report[9][1].startswith("passes or arms disagree by more than their noise (0.")
     silent = prepare(one.readings(), Preparation(find_shifts=True)).report[-1]
@@ -221,6 +222,7 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert "radius of pass 3 reads +0." in silent[1]
     assert silent[1].endswith("; --bias arm subtracts it")
     given = prepare(one.readings(), Preparation(shifts=((2, 0.4),), latest=True, passes=(3, 2)))
+    assert ("shift", "pass 2: +0.400 m, as given") in given.report
     assert given.pass_number is not None
     assert set(given.pass_number.tolist()) == {2}  # the last of (3, 2)
     expected = choose(number[number > 1], (samples.depth + 0.4 * (number == 2))[number > 1], (3, 2), latest=True)
