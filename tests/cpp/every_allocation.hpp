@@ -1,12 +1,14 @@
 // Replaces the allocator of a test program by a function of its own. Include it in one file.
 //
 //     void* allocate(std::size_t bytes, std::size_t alignment) { ... }    // memory of std::aligned_alloc, or throws
+//     void deallocate(void* memory) noexcept { std::free(memory); }
 #pragma once
 
 #include <cstdlib>
 #include <new>
 
 void* allocate(std::size_t bytes, std::size_t alignment);
+void deallocate(void* memory) noexcept;
 
 void* operator new(std::size_t bytes) {
     return allocate(bytes, __STDCPP_DEFAULT_NEW_ALIGNMENT__);
@@ -28,26 +30,26 @@ void* operator new(std::size_t bytes, const std::nothrow_t&) noexcept {
     }
 }
 void operator delete(void* memory) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete[](void* memory) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete(void* memory, std::size_t) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete[](void* memory, std::size_t) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete(void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete[](void* memory, std::align_val_t) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete(void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }
 void operator delete[](void* memory, std::size_t, std::align_val_t) noexcept {
-    std::free(memory);
+    deallocate(memory);
 }

@@ -1,26 +1,10 @@
 // The n-th allocation fails, for n = 1, 2, ... until an append succeeds: each failure is a std::bad_alloc in the
 // caller's thread, leaves every bit as it was, and the append that succeeds gives what it always gives.
-#include <atomic>
-#include <cstdlib>
 #include <new>
 
 #include "check.hpp"
-#include "every_allocation.hpp"
+#include "failing_allocation.hpp"
 #include "hole.hpp"
-
-namespace {
-
-std::atomic<long> until_failure{-1};  // allocations left before one fails; negative: none does
-
-}  // namespace
-
-void* allocate(std::size_t bytes, std::size_t alignment) {
-    if (until_failure >= 0 && until_failure-- == 0) throw std::bad_alloc();
-    const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
-    void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-}
 
 namespace {
 

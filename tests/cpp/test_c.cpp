@@ -1,5 +1,6 @@
 // The C interface: the numbers of the C++ interface; a status and an exact text for every kind of bad input, in any
-// order of calls and from any thread; memory that ends at any point.
+// order of calls and from any thread; memory that ends at any point; the host's threads.
+#include <array>
 #include <atomic>
 #include <cmath>
 #include <cstring>
@@ -9,27 +10,13 @@
 #include <thread>
 
 #include "check.hpp"
-#include "every_allocation.hpp"
+#include "failing_allocation.hpp"
 #include "helibore/helibore.h"
 #include "helibore/live.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/surface.hpp"
 #include "hole.hpp"
 #include "host.hpp"
-
-namespace {
-
-std::atomic<long> until_failure{-1};  // allocations left before one fails; negative: none does
-
-}  // namespace
-
-void* allocate(std::size_t bytes, std::size_t alignment) {
-    if (until_failure >= 0 && until_failure-- == 0) throw std::bad_alloc();
-    const std::size_t whole = (bytes + alignment - 1) / alignment * alignment;
-    void* memory = std::aligned_alloc(alignment, whole == 0 ? alignment : whole);
-    if (memory == nullptr) throw std::bad_alloc();
-    return memory;
-}
 
 namespace {
 
@@ -261,9 +248,12 @@ void bad_input() {
     const std::int64_t path = new_path(), live = new_live();
     const std::string number = std::to_string(wall), of_path = std::to_string(path);
     const double good[] = {101.0, 102.0}, bad[] = {0.0, nan}, one[] = {0.1, 0.1};
+    const double beyond[] = {0.1, std::numeric_limits<double>::infinity()};
     double out[9] = {};
     std::int64_t count = 0;
     std::int32_t sectors = 0;
+
+    auto how = path_settings();
 
     // null pointers, negative and wrong lengths
     REFUSED(hb_settings_init(nullptr), "settings: must not be null");
@@ -281,6 +271,20 @@ void bad_input() {
             "n = 9223372036854775807: must be less");
     REFUSED(hb_live_image(live, "x", nullptr, &count, out, out), "sectors: must not be null");
     REFUSED(hb_wits_create(nullptr), "parser: must not be null");
+    REFUSED(hb_path_settings_init(nullptr), "settings: must not be null");
+    REFUSED(hb_wall_append(wall, 2, good, good, nullptr, nullptr, nullptr), "radius: must not be null");
+    REFUSED(hb_wall_interpolate(wall, 1, nullptr, &count, out), "samples: must not be null");
+    REFUSED(hb_wall_logs(wall, 5, nullptr, out), "count: must not be null");
+    REFUSED(hb_wall_surface(wall, 0, 0, 0, nullptr, out, nullptr, &count, nullptr), "count: must not be null");
+    REFUSED(hb_ranges(wall, nullptr, nullptr), "count: must not be null");
+    REFUSED(hb_path_create(&how, 2, good, nullptr, one, &none), "inclination: must not be null");
+    REFUSED(hb_path_read(path, -1, good, out, nullptr), "n = -1: must be 0 or more");
+    REFUSED(hb_live_append_samples(live, 2, good, good, nullptr, nullptr), "radius: must not be null");
+    REFUSED(hb_live_append_stations(live, 2, good, nullptr, one), "inclination: must not be null");
+    REFUSED(hb_live_append_image(live, "a", nullptr, 0, 1, nullptr, nullptr), "unit: must not be null");
+    REFUSED(hb_live_poll(live, nullptr), "update: must not be null");
+    REFUSED(hb_live_wall(live, nullptr), "wall: must not be null");
+    REFUSED(hb_live_path(live, nullptr), "path: must not be null");
 
     // structs of another version
     settings.size = 12;
@@ -290,6 +294,18 @@ void bad_input() {
     hb_change change = {};
     REFUSED(hb_wall_append(wall, 0, nullptr, nullptr, nullptr, nullptr, &change),
             "change.size = 0: must be " + std::to_string(sizeof change) + ", as in helibore.h of version 0.1.0");
+    auto older = path_settings();
+    older.size -= 8;  // of a header without the last member
+    REFUSED(hb_path_create(&older, 2, good, one, one, &none),
+            "settings.size = 40: must be 48, as in helibore.h of version 0.1.0");
+    REFUSED(hb_live_create(&settings, &older, &none),
+            "settings.size = 40: must be 48, as in helibore.h of version 0.1.0");
+    auto state = sized<hb_wall_state>();
+    state.size -= 8;
+    REFUSED(hb_wall_get(wall, &state), "state.size = 32: must be 40, as in helibore.h of version 0.1.0");
+    auto update = sized<hb_update>();
+    update.size += 8;  // of a header with one member more
+    REFUSED(hb_live_poll(live, &update), "update.size = 80: must be 72, as in helibore.h of version 0.1.0");
 
     // handles: none, of another kind, closed
     REFUSED(hb_close(0), "handle = 0: is not open");
@@ -309,12 +325,17 @@ void bad_input() {
     REFUSED(hb_wall_create(&settings, &none), "estimator = 7: must lie in 0 to 1");
     settings = settings_of();
     settings.start_depth = nan;
-    auto how = path_settings();
     REFUSED(hb_live_create(&settings, &how, &none),
             "start_depth: must be set: the vertices of a live wall keep their numbers");
     how.extend = std::numeric_limits<double>::infinity();
     REFUSED(hb_path_create(&how, 2, good, one, one, &none), "extend = inf: must be finite and not negative");
     REFUSED(hb_wall_append(wall, 2, good, bad, one, nullptr, nullptr), "toolface[1] = nan: must be finite");
+    REFUSED(hb_wall_append(wall, 2, beyond, good, one, nullptr, nullptr), "depth[1] = inf: must be finite");
+    REFUSED(hb_live_append_samples(live, 2, good, good, one, beyond), "time[1] = inf: must be finite");
+    settings.start_depth = beyond[1];
+    REFUSED(hb_wall_create(&settings, &none), "start_depth = inf: must be finite");
+    how = path_settings();
+    REFUSED(hb_path_create(&how, 2, good, beyond, one, &none), "inclination[1] = inf: must be finite");
     REFUSED(hb_wall_read(wall, HB_RADIUS, 0, 1, out), "range = [0, 1): must lie within the wall's 0 vertices");
     REFUSED(hb_wall_read(wall, 7, 0, 0, out), "column = 7: must lie in 0 to 6");
     REFUSED(hb_wall_samples(wall, 3, &count, out), "column = 3: must be 0, 1, 2 or 7");
@@ -341,6 +362,77 @@ void bad_input() {
     REFUSED(hb_wall_append(wall, 2, good, one, one, nullptr, nullptr), "handle = " + number + ": is not open");
     CHECK(none == 0);
     CHECK(new_wall() > wall);  // no number comes again; this wall stays open, which is no leak either
+}
+
+// Each function refuses a handle that was closed, 0 and a number that was never one.
+void not_open() {
+    const std::array<std::int64_t, 4> closed = {new_wall(), new_path(), new_live(), [] {
+                                                    std::int64_t parser = 0;
+                                                    CHECK(hb_wits_create(&parser) == HB_OK);
+                                                    return parser;
+                                                }()};
+    for (const std::int64_t handle : closed) CHECK(hb_close(handle) == HB_OK);
+    double out[9];
+    std::int64_t n = 9, whole[9];
+    std::int32_t sectors = 0;
+    char text[9];
+    auto state = sized<hb_wall_state>();
+    auto update = sized<hb_update>();
+    for (const auto& [wall, path, live, parser] :
+         {closed,
+          {0, 0, 0, 0},
+          {-1, -1, -1, -1},
+          std::array<std::int64_t, 4>{1L << 62, 1L << 62, 1L << 62, 1L << 62}}) {
+        const auto of = [](std::int64_t handle) { return "handle = " + std::to_string(handle) + ": is not open"; };
+        REFUSED(hb_close(wall), of(wall));
+        REFUSED(hb_wall_append(wall, 0, nullptr, nullptr, nullptr, nullptr, nullptr), of(wall));
+        REFUSED(hb_ranges(wall, &n, whole), of(wall));
+        REFUSED(hb_wall_get(wall, &state), of(wall));
+        REFUSED(hb_wall_read(wall, HB_RADIUS, 0, 1, out), of(wall));
+        REFUSED(hb_wall_samples(wall, HB_DEPTH, &n, out), of(wall));
+        REFUSED(hb_wall_interpolate(wall, 0, nullptr, &n, out), of(wall));
+        REFUSED(hb_wall_logs(wall, 5, &n, out), of(wall));
+        REFUSED(hb_wall_surface(wall, 0, 0, 0, &n, out, nullptr, &n, whole), of(wall));
+        REFUSED(hb_path_read(path, 0, nullptr, nullptr, nullptr), of(path));
+        REFUSED(hb_live_append_samples(live, 0, nullptr, nullptr, nullptr, nullptr), of(live));
+        REFUSED(hb_live_append_stations(live, 0, nullptr, nullptr, nullptr), of(live));
+        REFUSED(hb_live_append_image(live, "", "", 0, 1, nullptr, nullptr), of(live));
+        REFUSED(hb_live_poll(live, &update), of(live));
+        REFUSED(hb_live_event(live, 0, &n, text), of(live));
+        REFUSED(hb_live_image(live, "", &sectors, &n, out, out), of(live));
+        REFUSED(hb_live_wall(live, whole), of(live));
+        REFUSED(hb_live_path(live, whole), of(live));
+        REFUSED(hb_wits_feed(parser, 0, nullptr, &n, &n), of(parser));
+        REFUSED(hb_wits_items(parser, &n, nullptr, nullptr, nullptr, nullptr, nullptr), of(parser));
+    }
+}
+
+// A live well and a parser that three threads use at once, until one closes them: all samples and frames are there.
+void one_live_well_and_one_parser() {
+    const std::int64_t live = new_live();
+    std::int64_t wall = 0, parser = 0;
+    CHECK(hb_live_wall(live, &wall) == HB_OK && hb_wits_create(&parser) == HB_OK);
+    std::atomic<std::int64_t> polled = 0, found = 0;
+    const auto work = [&](std::size_t thread) {
+        const std::string frame = "&&\r\n01083650.40\r\n!!\r\n";
+        for (std::size_t i = thread * 10; i < thread * 10 + 10; ++i) {
+            const helibore::SampleColumns rows = hole.rows(i * 20, 20);
+            CHECK(hb_live_append_samples(live, 20, rows.depth.data(), rows.toolface.data(), rows.radius.data(),
+                                         rows.time.data()) == HB_OK);
+            auto update = sized<hb_update>();
+            std::int64_t items = 0;
+            CHECK(hb_live_poll(live, &update) == HB_OK);
+            polled += update.change.accepted;
+            CHECK(hb_wits_feed(parser, std::ssize(frame), frame.data(), &items, nullptr) == HB_OK);
+            found += items;
+        }
+    };
+    std::vector<std::jthread> threads;
+    for (std::size_t thread = 0; thread < 3; ++thread) threads.emplace_back(work, thread);
+    threads.clear();
+    auto state = sized<hb_wall_state>();
+    CHECK(hb_wall_get(wall, &state) == HB_OK && state.samples == 600 && polled == 600 && found == 30);
+    for (const std::int64_t handle : {live, wall, parser}) CHECK(hb_close(handle) == HB_OK);
 }
 
 // One wall, appended to, read and closed at any moment by four threads; each has its own text.
@@ -371,7 +463,7 @@ void threads() {
 }
 
 // Fails each allocation of `call` in turn. What `read` then finds is what it found before; the call that succeeds gives
-// what it gives without failures. Sanitizers find what leaks.
+// what it gives without failures. A call that fails keeps no memory.
 void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
                const std::function<std::int32_t(std::int64_t)>& call, const std::function<Bits(std::int64_t)>& read) {
     const std::int64_t untouched = prepare();
@@ -380,6 +472,7 @@ void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
     const Bits after = read(untouched);
     CHECK(hb_close(untouched) == HB_OK);
     for (long n = 0;; ++n) {
+        const long kept = allocated;
         const std::int64_t handle = prepare();
         until_failure = n;
         const std::int32_t status = call(handle);
@@ -392,6 +485,8 @@ void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
         if (read(handle) != after)
             fail(__FILE__, __LINE__, std::string(name) + " after allocation " + std::to_string(n));
         CHECK(hb_close(handle) == HB_OK);
+        if (allocated != kept)
+            fail(__FILE__, __LINE__, std::string(name) + " leaks at allocation " + std::to_string(n));
         if (status == HB_OK) return CHECK(n > 0);
     }
 }
@@ -450,6 +545,69 @@ void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
         },
         read);
     fail_each(
+        "surface", filled,
+        [&](std::int64_t wall) {
+            static double vertices[3 * 3000];
+            static std::int64_t quads[4 * 3000];
+            std::int64_t rows = 3000, quad_count = 3000;
+            return hb_wall_surface(wall, path, 0, 480, &rows, vertices, nullptr, &quad_count, quads);
+        },
+        read);
+    fail_each(
+        "values of samples", filled,
+        [&](std::int64_t wall) {
+            static double values[4000];
+            std::int64_t count = 4000;
+            return hb_wall_interpolate(wall, 200, small.radius.data(), &count, values);
+        },
+        read);
+    fail_each(
+        "samples of a wall", filled,
+        [&](std::int64_t wall) {
+            double values[200];
+            std::int64_t count = 200;
+            return hb_wall_samples(wall, HB_TIME, &count, values);
+        },
+        read);
+    const auto read_path = [&](std::int64_t of) {
+        double position[9] = {}, frame[27] = {};
+        CHECK(hb_path_read(of, 3, station_depth, position, frame) == HB_OK);
+        Bits bits;
+        add(bits, position);
+        add(bits, frame);
+        return bits;
+    };
+    fail_each(
+        "path", new_path,
+        [&](std::int64_t of) {
+            double position[9], frame[27];
+            return hb_path_read(of, 3, station_depth, position, frame);
+        },
+        read_path);
+    // What creates or returns an object: a failure makes none.
+    const auto opens = [&](const std::function<std::int32_t(std::int64_t, std::int64_t*)>& call) {
+        return [call](std::int64_t of) {
+            std::int64_t made = 0;
+            const std::int32_t status = call(of, &made);
+            CHECK((status == HB_OK) == (made != 0));
+            if (made != 0) CHECK(hb_close(made) == HB_OK);
+            return status;
+        };
+    };
+    fail_each("create a path", new_path, opens([&](std::int64_t, std::int64_t* made) {
+                  const hb_path_settings settings = path_settings();
+                  return hb_path_create(&settings, 3, station_depth, inclination, azimuth, made);
+              }),
+              read_path);
+    fail_each("create a live well", filled, opens([&](std::int64_t, std::int64_t* made) {
+                  const hb_settings settings = settings_of();
+                  const hb_path_settings how = path_settings();
+                  return hb_live_create(&settings, &how, made);
+              }),
+              read);
+    fail_each("wall of a live well", filled_live, opens(hb_live_wall), read_live);
+    fail_each("path of a live well", filled_live, opens(hb_live_path), read_live);
+    fail_each(
         "samples", filled_live,
         [&](std::int64_t live) {
             const helibore::SampleColumns rows = small.rows(200, 100);
@@ -470,7 +628,101 @@ void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
             return hb_live_append_image(live, "GR", "gAPI", 1, 2, depth, values);
         },
         read_live);
+
+    // A poll needs no memory; what it returns is read like all else.
+    const auto polled = [&] {
+        const std::int64_t live = filled_live();
+        const double depth[] = {1.0}, values[] = {2.0, 3.0}, bad[] = {190.0};
+        CHECK(hb_live_append_image(live, "GR", "gAPI", 1, 2, depth, values) == HB_OK);
+        CHECK(hb_live_append_stations(live, 1, station_depth + 2, bad, bad) == HB_OK);
+        auto update = sized<hb_update>();
+        until_failure = 0;
+        CHECK(hb_live_poll(live, &update) == HB_OK && update.events == 1 && update.images == 1);
+        until_failure = -1;
+        return live;
+    };
+    fail_each(
+        "image of a live well", polled,
+        [](std::int64_t live) {
+            double depth[1], values[2];
+            std::int32_t sectors = 0;
+            std::int64_t rows = 1;
+            return hb_live_image(live, "GR", &sectors, &rows, depth, values);
+        },
+        read_live);
+
+    // A parser within a frame: it has taken all of the bytes or none.
+    const std::string text = "&&\r\n01083650.40\r\n0109-9999\r\n!!\r\nstray\r\n&&\r\n01081\r\n01092";
+    const auto within_a_frame = [&] {
+        std::int64_t parser = 0, items = 0, events = 0;
+        CHECK(hb_wits_create(&parser) == HB_OK);
+        CHECK(hb_wits_feed(parser, 24, text.data(), &items, &events) == HB_OK && items == 0);
+        return parser;
+    };
+    const auto read_parser = [](std::int64_t parser) {
+        std::int64_t count = 9, frame[9], offset[9];
+        double value[9];
+        CHECK(hb_wits_items(parser, &count, frame, nullptr, value, offset, nullptr) == HB_OK);
+        Bits bits(frame, frame + count);
+        bits.insert(bits.end(), offset, offset + count);
+        add(bits, {value, static_cast<std::size_t>(count)});
+        return bits;
+    };
+    fail_each(
+        "parser", within_a_frame,
+        [&](std::int64_t parser) {
+            std::int64_t items = 0, events = 0;
+            return hb_wits_feed(parser, std::ssize(text) - 24, text.data() + 24, &items, &events);
+        },
+        read_parser);
+    fail_each("create a parser", within_a_frame,
+              opens([](std::int64_t, std::int64_t* made) { return hb_wits_create(made); }), read_parser);
     CHECK(hb_close(path) == HB_OK);
+}
+
+// A host's runner that gives workers away in any order, again, wrongly or not at all: the work is done once.
+struct Given {
+    int calls = 0;
+    std::vector<std::int32_t> order;  // of workers; empty: each, on a thread of its own
+};
+
+void give(void* host, std::int32_t workers, hb_job job, void* context) {
+    auto& given = *static_cast<Given*>(host);
+    ++given.calls;
+    if (!given.order.empty()) {
+        for (const std::int32_t worker : given.order) job(context, worker);
+        return;
+    }
+    std::vector<std::jthread> threads;
+    for (std::int32_t worker = 0; worker < workers; ++worker) threads.emplace_back(job, context, worker);
+}
+
+void threads_of_the_host() {
+    const std::int64_t path = new_path();
+    const auto rebuilt = [&](std::int32_t threads) {
+        hb_settings settings = settings_of();
+        settings.sectors = 96;
+        settings.threads = threads;
+        std::int64_t wall = 0;
+        CHECK(hb_wall_create(&settings, &wall) == HB_OK && append(wall, hole.all()) == HB_OK);
+        auto state = sized<hb_wall_state>();
+        CHECK(hb_wall_get(wall, &state) == HB_OK);
+        std::vector<double> radius(static_cast<std::size_t>(state.vertices));
+        CHECK(hb_wall_read(wall, HB_RADIUS, 0, state.vertices, radius.data()) == HB_OK && hb_close(wall) == HB_OK);
+        Bits bits;
+        add(bits, radius);
+        return bits;
+    };
+    const Bits expected = rebuilt(1);
+    for (Given given : {Given{}, Given{0, {0, 1, 2}}, Given{0, {2, 2, 7, -1}}, Given{0, {-1}}}) {
+        CHECK(hb_use_runner(give, &given) == HB_OK);
+        CHECK(rebuilt(3) == expected && given.calls > 0);
+        given.calls = 0;
+        std::jthread([&] { CHECK(rebuilt(3) == expected); }).join();  // another thread has no runner
+        CHECK(given.calls == 0);
+    }
+    CHECK(hb_use_runner(nullptr, nullptr) == HB_OK);
+    CHECK(rebuilt(3) == expected && hb_close(path) == HB_OK);
 }
 
 }  // namespace
@@ -481,7 +733,10 @@ int main() {
     live();
     wits();
     bad_input();
+    not_open();
     threads();
+    one_live_well_and_one_parser();
+    threads_of_the_host();
 #ifndef __SANITIZE_THREAD__
     memory_ends_anywhere();
 #endif

@@ -38,6 +38,10 @@ void* allocate(std::size_t bytes, std::size_t alignment) {
     return memory;
 }
 
+void deallocate(void* memory) noexcept {
+    std::free(memory);
+}
+
 namespace {
 
 using helibore::Settings;

@@ -7,8 +7,8 @@
        if (hb_wall_create(&settings, &wall) || hb_wall_append(wall, n, depth, toolface, radius, NULL, NULL))
            puts(hb_last_error());
 
-   Every function but hb_version, hb_instruction_set and hb_last_error returns a status. A call that fails changes
-   nothing, and hb_last_error then has the text.
+   Every function but hb_version, hb_instruction_set and hb_last_error returns a status. A call that fails changes no
+   object, and hb_last_error then has the text; what it has left in the host's arrays has no meaning.
 
    Handles are numbers above 0. A number is never used again, so a closed or wrong handle is an error; hb_close takes
    each kind of handle. Any thread may use any handle; calls on one wall wait for each other.
@@ -21,8 +21,8 @@
    room, it returns HB_BUFFER_TOO_SMALL and fills nothing: call with 0 and NULL first, or with the room that you have.
 
    Metres and degrees. NaN in an output: no value. Vertices, quads and toolfaces are those of wall.hpp and surface.hpp.
-   The host's floating-point state (traps, rounding) does not matter and stays as it is. Nothing is printed, called
-   back or left running. */
+   The host's floating-point state (traps, rounding) does not matter and stays as it is. Nothing is printed or left
+   running, and nothing is called back but the runner that a host has given. */
 #ifndef HELIBORE_H
 #define HELIBORE_H
 
@@ -63,6 +63,13 @@ HB_API const char* HB_CALL hb_last_error(void);
 
 /* Close a handle of any kind. */
 HB_API int32_t HB_CALL hb_close(int64_t handle);
+
+/* The host's threads in place of the library's own, for this thread's later calls; NULL: the library's own again. `run`
+   calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these calls
+   have returned; runner.hpp says more. */
+typedef void(HB_CALL* hb_job)(void* context, int32_t worker);
+typedef void(HB_CALL* hb_run)(void* host, int32_t workers, hb_job job, void* context);
+HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);
 
 /* --- settings.hpp and path.hpp explain each setting ------------------------------------------------------------- */
 

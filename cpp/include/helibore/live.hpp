@@ -14,7 +14,7 @@
 #pragma once
 
 #include <map>
-#include <mutex>
+#include <memory>
 #include <optional>
 #include <span>
 #include <string>
@@ -58,6 +58,9 @@ class Live {
   public:
     // Throws InputError on bad settings.
     explicit Live(const LiveSettings& settings);
+    ~Live();
+    Live(Live&&) noexcept;
+    Live& operator=(Live&&) noexcept;
 
     // As Wall::append. If it throws, it has taken no sample; the others likewise.
     Update append_samples(const SampleColumns& samples);
@@ -75,7 +78,7 @@ class Live {
     // Everything that changed since the last poll. If memory was short, it may name more than changed, and lack events.
     Update poll();
 
-    const Wall& wall() const { return wall_; }
+    const Wall& wall() const;
     std::optional<Survey> survey() const;  // none until there are two stations
     std::optional<Path> path() const;
     std::vector<std::string> images() const;  // the names
@@ -86,19 +89,8 @@ class Live {
     ImageArrays rows(const std::string& name, Range arrived) const;
 
   private:
-    struct ArrivedRows {
-        std::vector<double> depth, values;
-        int sectors = 0;
-        std::string unit;
-    };
-
-    const ArrivedRows& arrived(const std::string& name) const;
-
-    mutable std::mutex lock_;
-    Wall wall_;
-    mutable Stations stations_;  // it builds its path when asked
-    std::map<std::string, ArrivedRows> images_;
-    Update pending_;  // since the last poll
+    struct State;
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace helibore

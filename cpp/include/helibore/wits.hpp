@@ -10,7 +10,7 @@
 #pragma once
 
 #include <cstdint>
-#include <mutex>
+#include <memory>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -93,8 +93,11 @@ struct Counts {
 class Parser {
   public:
     explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25}, Limits limits = {});
+    ~Parser();
+    Parser(Parser&&) noexcept;
+    Parser& operator=(Parser&&) noexcept;
 
-    // The frames that these bytes complete.
+    // The frames that these bytes complete. If it throws std::bad_alloc, it has taken no byte.
     Batch feed(std::string_view bytes);
 
     // Ends the stream: a last "!!" without a line end still closes its frame. The parser is then ready for a new
@@ -110,38 +113,7 @@ class Parser {
 
   private:
     struct State;
-    enum class Place { outside, inside, dropped };
-
-    void take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch);
-    void take_item(std::string_view line, Index offset, Batch& batch);
-    void begin_frame(std::size_t start, std::size_t next, Batch& batch);
-    void end_frame(std::size_t next, Batch& batch);
-    void drop_frame(Rule rule, Batch& batch);
-    void take_unended_line(Batch& batch);
-    Batch take(std::string_view bytes);
-    void lose_frame();
-    void release_text(Batch& batch);
-    void report(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
-    void stray(std::size_t start, std::size_t length, Index line, Batch& batch);
-
-    std::vector<double> nulls_;
-    Limits limits_;
-    mutable std::mutex lock_;
-    Counts counts_;
-
-    std::string held_;            // the stream from held_base_ on: an open frame, or the line being read
-    Index held_base_ = 0;         // stream offset of held_[0]
-    std::size_t line_start_ = 0;  // in held_
-    std::size_t searched_ = 0;    // held_ before here has no line end past line_start_
-    bool skipping_line_ = false;  // the start of the line being read was dropped
-    bool in_stray_run_ = false;   // this run of stray text was reported
-    Place place_ = Place::outside;
-    std::size_t frame_start_ = 0;  // in held_, of "&&"
-    std::size_t body_start_ = 0;   // in held_, behind the "&&" line
-    Index frame_line_ = 0;
-    Index frame_lines_ = 0;
-    std::size_t frame_first_ = 0;   // its first item in the batch being made
-    std::vector<Item> open_items_;  // between two calls
+    std::unique_ptr<State> state_;
 };
 
 }  // namespace helibore::wits

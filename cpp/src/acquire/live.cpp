@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <mutex>
 #include <new>
 #include <numeric>
 #include <utility>
@@ -67,7 +68,29 @@ Settings with_a_start(const Settings& settings) {
     return settings;
 }
 
+struct ArrivedRows {
+    std::vector<double> depth, values;
+    int sectors = 0;
+    std::string unit;
+};
+
 }  // namespace
+
+struct Live::State {
+    std::mutex lock;
+    Wall wall;
+    Stations stations;  // it builds its path when asked
+    std::map<std::string, ArrivedRows> images;
+    Update pending;  // since the last poll
+
+    explicit State(const LiveSettings& settings) : wall(with_a_start(settings.wall)), stations(settings.path) {}
+
+    const ArrivedRows& arrived(const std::string& name) const {
+        const auto place = images.find(name);
+        if (place == images.end()) throw InputError("image '" + name + "'", "is not there");
+        return place->second;
+    }
+};
 
 std::vector<Range> Update::quads(int sectors) const {
     require_sectors(sectors);
@@ -77,18 +100,25 @@ std::vector<Range> Update::quads(int sectors) const {
     return bounded_union(std::move(ranges));
 }
 
-Live::Live(const LiveSettings& settings) : wall_(with_a_start(settings.wall)), stations_(settings.path) {}
+Live::Live(const LiveSettings& settings) : state_(std::make_unique<State>(settings)) {}
+Live::~Live() = default;
+Live::Live(Live&&) noexcept = default;
+Live& Live::operator=(Live&&) noexcept = default;
+
+const Wall& Live::wall() const {
+    return state_->wall;
+}
 
 Update Live::append_samples(const SampleColumns& samples) {
-    const std::lock_guard guard(lock_);
+    const std::lock_guard guard(state_->lock);
     std::vector<Range> all(1);  // if there is no memory to list the ranges of several appends
     Update update;
-    update.change = wall_.append(samples);
+    update.change = state_->wall.append(samples);
     try {
-        join(pending_, update);
+        join(state_->pending, update);
     } catch (const std::bad_alloc&) {
-        all[0] = {0, wall_.size()};
-        Change& pending = pending_.change ? *pending_.change : pending_.change.emplace();
+        all[0] = {0, state_->wall.size()};
+        Change& pending = state_->pending.change ? *state_->pending.change : state_->pending.change.emplace();
         pending.ranges = std::move(all);
         pending.settled = update.change->settled;
         pending.accepted += update.change->accepted;
@@ -99,13 +129,13 @@ Update Live::append_samples(const SampleColumns& samples) {
 
 Update Live::append_stations(std::span<const double> depth, std::span<const double> inclination,
                              std::span<const double> azimuth) {
-    const std::lock_guard guard(lock_);
-    Stations::Taken taken = stations_.take(depth, inclination, azimuth);
+    const std::lock_guard guard(state_->lock);
+    Stations::Taken taken = state_->stations.take(depth, inclination, azimuth);
     Update update;
     update.path_from = taken.path_from;
     update.events = std::move(taken.refused);
     try {
-        join(pending_, update);
+        join(state_->pending, update);
     } catch (const std::bad_alloc&) {  // the path is reported, and only events are lost
     }
     return update;
@@ -123,8 +153,8 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
     const std::size_t width = values.size() / depth.size();
     require(width <= 1000000, "sectors", static_cast<Index>(width), "must be at most 1000000");
     const int sectors = static_cast<int>(width);
-    const std::lock_guard guard(lock_);
-    const auto [place, is_new] = images_.try_emplace(name, ArrivedRows{{}, {}, sectors, unit});
+    const std::lock_guard guard(state_->lock);
+    const auto [place, is_new] = state_->images.try_emplace(name, ArrivedRows{{}, {}, sectors, unit});
     ArrivedRows& rows = place->second;
     if (rows.sectors != sectors)
         throw InputError("values has " + std::to_string(sectors) + " sectors",
@@ -136,47 +166,41 @@ Update Live::append_image(const std::string& name, std::span<const double> depth
         rows.depth.insert(rows.depth.end(), depth.begin(), depth.end());
         Update update;
         update.images[name] = {start, static_cast<Index>(rows.depth.size())};
-        join(pending_, update);
+        join(state_->pending, update);
         return update;
     } catch (...) {
         rows.values.resize(had_values);
         rows.depth.resize(had);
-        if (is_new) images_.erase(place);
+        if (is_new) state_->images.erase(place);
         throw;
     }
 }
 
 Update Live::poll() {
-    const std::lock_guard guard(lock_);
-    return std::exchange(pending_, {});
+    const std::lock_guard guard(state_->lock);
+    return std::exchange(state_->pending, {});
 }
 
 std::optional<Survey> Live::survey() const {
-    const std::lock_guard guard(lock_);
-    return stations_.survey();
+    const std::lock_guard guard(state_->lock);
+    return state_->stations.survey();
 }
 
 std::optional<Path> Live::path() const {
-    const std::lock_guard guard(lock_);
-    return stations_.path();
+    const std::lock_guard guard(state_->lock);
+    return state_->stations.path();
 }
 
 std::vector<std::string> Live::images() const {
-    const std::lock_guard guard(lock_);
+    const std::lock_guard guard(state_->lock);
     std::vector<std::string> names;
-    for (const auto& [name, rows] : images_) names.push_back(name);
+    for (const auto& [name, rows] : state_->images) names.push_back(name);
     return names;
 }
 
-const Live::ArrivedRows& Live::arrived(const std::string& name) const {
-    const auto place = images_.find(name);
-    if (place == images_.end()) throw InputError("image '" + name + "'", "is not there");
-    return place->second;
-}
-
 ImageArrays Live::rows(const std::string& name, Range some) const {
-    const std::lock_guard guard(lock_);
-    const ArrivedRows& rows = arrived(name);
+    const std::lock_guard guard(state_->lock);
+    const ArrivedRows& rows = state_->arrived(name);
     const auto count = static_cast<Index>(rows.depth.size());
     if (some.start < 0 || some.start > some.stop || some.stop > count)
         throw InputError("rows", "must lie within the " + std::to_string(count) + " rows of image '" + name + "'",
@@ -190,8 +214,8 @@ ImageArrays Live::rows(const std::string& name, Range some) const {
 
 ImageArrays Live::image(const std::string& name) const {
     const StandardArithmetic standard;
-    const std::lock_guard guard(lock_);
-    const ArrivedRows& rows = arrived(name);
+    const std::lock_guard guard(state_->lock);
+    const ArrivedRows& rows = state_->arrived(name);
     std::vector<std::size_t> order(rows.depth.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::stable_sort(order.begin(), order.end(),

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <mutex>
 #include <span>
 
 #include "base/arithmetic.hpp"
@@ -103,170 +104,224 @@ void read_value(std::string_view text, std::span<const double> nulls, Item& item
     item.value = item.flags == 0 ? value : nan;
 }
 
+enum class Place { outside, inside, dropped };
+
+// All that the parser knows but bytes and items.
+struct Position {
+    Counts counts;
+    Index held_base = 0;         // stream offset of held[0]
+    std::size_t line_start = 0;  // in held
+    std::size_t searched = 0;    // held before here has no line end past line_start
+    bool skipping_line = false;  // the start of the line being read was dropped
+    bool in_stray_run = false;   // this run of stray text was reported
+    Place place = Place::outside;
+    std::size_t frame_start = 0;  // in held, of "&&"
+    std::size_t body_start = 0;   // in held, behind the "&&" line
+    Index frame_line = 0;
+    Index frame_lines = 0;
+    std::size_t frame_first = 0;  // its first item in the batch being made
+    bool frame_is_open = false;   // it began before this call: open_items are its first items
+};
+
 }  // namespace
 
-Parser::Parser(std::vector<double> nulls, Limits limits) : nulls_(std::move(nulls)), limits_(limits) {
+struct Parser::State {
+    std::vector<double> nulls;
+    Limits limits;
+    std::mutex lock;
+    std::string held;              // the stream from at.held_base on: an open frame, or the line being read
+    std::vector<Item> open_items;  // of the open frame, read by earlier calls
+    Position at;
+
+    template <class Read>
+    Batch whole_or_nothing(const Read& read);
+    void take(std::string_view bytes, Batch& batch);
+    void end(Batch& batch);
+    void take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch);
+    void take_item(std::string_view line, Index offset, Batch& batch);
+    void begin_frame(std::size_t start, std::size_t next, Batch& batch);
+    void end_frame(std::size_t next, Batch& batch);
+    void drop_frame(Rule rule, Batch& batch);
+    void take_unended_line(Batch& batch);
+    void release(Batch& batch);
+    void report(Rule rule, Index offset, Index line, std::size_t length, Batch& batch);
+    void stray(std::size_t start, std::size_t length, Index line, Batch& batch);
+};
+
+Parser::Parser(std::vector<double> nulls, Limits limits)
+    : state_(
+          new State{.nulls = std::move(nulls), .limits = limits, .lock = {}, .held = {}, .open_items = {}, .at = {}}) {
     const StandardArithmetic standard;
-    for (std::size_t i = 0; i < nulls_.size(); ++i)
-        if (!std::isfinite(nulls_[i]))
+    const std::vector<double>& given = state_->nulls;
+    for (std::size_t i = 0; i < given.size(); ++i)
+        if (!std::isfinite(given[i]))
             throw InputError("nulls[" + std::to_string(i) + "]", "must be finite",
-                             std::isnan(nulls_[i]) ? "nan" : "inf");
+                             std::isnan(given[i]) ? "nan" : "inf");
     const auto check = [](const char* name, Index value, Index least) {
         if (value < least || value > (Index{1} << 30))
             throw InputError(name, "must be from " + std::to_string(least) + " to 1073741824", std::to_string(value));
     };
-    check("line_limit", limits_.line, 16);
-    check("frame_limit", limits_.frame, 16);
-    check("item_limit", limits_.items, 1);
+    check("line_limit", limits.line, 16);
+    check("frame_limit", limits.frame, 16);
+    check("item_limit", limits.items, 1);
 }
+Parser::~Parser() = default;
+Parser::Parser(Parser&&) noexcept = default;
+Parser& Parser::operator=(Parser&&) noexcept = default;
 
 Batch Parser::feed(std::string_view bytes) {
     const StandardArithmetic standard;
-    const std::lock_guard guard(lock_);
+    const std::lock_guard guard(state_->lock);
+    return state_->whole_or_nothing([&](Batch& batch) { state_->take(bytes, batch); });
+}
+
+Batch Parser::finish() {
+    const std::lock_guard guard(state_->lock);
+    Batch batch = state_->whole_or_nothing([&](Batch& made) { state_->end(made); });
+    state_->at.skipping_line = state_->at.in_stray_run = false;
+    return batch;
+}
+
+// If memory ends, the parser is where it was before the call. Until `release`, held only grows and open_items stays.
+template <class Read>
+Batch Parser::State::whole_or_nothing(const Read& read) {
+    const Position before = at;
+    const std::size_t had = held.size();
     try {
-        return take(bytes);
-    } catch (...) {  // no memory
-        lose_frame();
+        Batch batch;
+        at.frame_first = 0;
+        at.frame_is_open = at.place == Place::inside;
+        read(batch);
+        release(batch);
+        return batch;
+    } catch (...) {
+        held.resize(had);
+        at = before;
         throw;
     }
 }
 
-// Drops the open frame and the rest of its line: parsing continues at the next "&&".
-void Parser::lose_frame() {
-    if (place_ == Place::inside) place_ = Place::dropped;
-    open_items_.clear();
-    frame_first_ = 0;
-    line_start_ = searched_ = held_.size();
-    skipping_line_ = true;
-}
-
-Batch Parser::take(std::string_view bytes) {
-    Batch batch;
-    held_.append(bytes);
-    counts_.bytes += as_index(bytes.size());
-    batch.items = std::move(open_items_);
-    if (batch.items.empty()) batch.items.reserve(std::min<std::size_t>(bytes.size() / 12, 65536));
+void Parser::State::take(std::string_view bytes, Batch& batch) {
+    held.append(bytes);
+    at.counts.bytes += as_index(bytes.size());
+    batch.items.reserve(std::min<std::size_t>(bytes.size() / 12, 65536));
     for (;;) {
-        const std::size_t end = held_.find('\n', searched_);
+        const std::size_t end = held.find('\n', at.searched);
         if (end == std::string::npos) break;
-        const std::size_t stop = end > line_start_ && held_[end - 1] == '\r' ? end - 1 : end;
-        ++counts_.lines;
-        if (!skipping_line_) take_line(line_start_, stop, end + 1, batch);
-        skipping_line_ = false;
-        line_start_ = searched_ = end + 1;
+        const std::size_t stop = end > at.line_start && held[end - 1] == '\r' ? end - 1 : end;
+        ++at.counts.lines;
+        if (!at.skipping_line) take_line(at.line_start, stop, end + 1, batch);
+        at.skipping_line = false;
+        at.line_start = at.searched = end + 1;
     }
-    searched_ = held_.size();
+    at.searched = held.size();
     take_unended_line(batch);
-    release_text(batch);
-    return batch;
 }
 
-Batch Parser::finish() {
-    const std::lock_guard guard(lock_);
-    Batch batch;
-    batch.items = std::move(open_items_);
-    std::string_view last = std::string_view(held_).substr(line_start_);
+void Parser::State::end(Batch& batch) {
+    std::string_view last = std::string_view(held).substr(at.line_start);
     if (last.ends_with('\r')) last.remove_suffix(1);
-    counts_.lines += !last.empty();
-    if (place_ == Place::inside && last == "!!")
-        end_frame(held_.size(), batch);
-    else if (place_ == Place::inside)
+    at.counts.lines += !last.empty();
+    if (at.place == Place::inside && last == "!!")
+        end_frame(held.size(), batch);
+    else if (at.place == Place::inside)
         drop_frame(Rule::cut_off, batch);
-    else if (place_ == Place::outside && !last.empty())
-        stray(line_start_, last.size(), counts_.lines, batch);
-    place_ = Place::outside;
-    line_start_ = searched_ = held_.size();
-    release_text(batch);
-    skipping_line_ = in_stray_run_ = false;
-    return batch;
+    else if (at.place == Place::outside && !last.empty())
+        stray(at.line_start, last.size(), at.counts.lines, batch);
+    at.place = Place::outside;
+    at.line_start = at.searched = held.size();
 }
 
 Counts Parser::counts() const {
-    const std::lock_guard guard(lock_);
-    return counts_;
+    const std::lock_guard guard(state_->lock);
+    return state_->at.counts;
 }
 
+namespace {
+
 // Followed by the held text and the items of the open frame. Between two calls nothing else differs from a new parser.
-struct Parser::State {
+struct Saved {
     Counts counts;
     Index held_base, held, line_start, body_start, frame_line, frame_lines, items;
     std::int32_t place;
     std::int16_t skipping_line, in_stray_run;
 };
 
+}  // namespace
+
 std::string Parser::state() const {
-    const std::lock_guard guard(lock_);
-    const State state{counts_,
-                      held_base_,
-                      as_index(held_.size()),
-                      as_index(line_start_),
-                      as_index(body_start_),
-                      frame_line_,
-                      frame_lines_,
-                      as_index(open_items_.size()),
-                      static_cast<std::int32_t>(place_),
-                      skipping_line_,
-                      in_stray_run_};
-    std::string bytes(reinterpret_cast<const char*>(&state), sizeof state);
-    bytes += held_;
-    bytes.append(reinterpret_cast<const char*>(open_items_.data()), open_items_.size() * sizeof(Item));
+    const std::lock_guard guard(state_->lock);
+    const auto& [nulls, limits, lock, held, open_items, at] = *state_;
+    const Saved saved{at.counts,
+                      at.held_base,
+                      as_index(held.size()),
+                      as_index(at.line_start),
+                      as_index(at.body_start),
+                      at.frame_line,
+                      at.frame_lines,
+                      as_index(open_items.size()),
+                      static_cast<std::int32_t>(at.place),
+                      at.skipping_line,
+                      at.in_stray_run};
+    std::string bytes(reinterpret_cast<const char*>(&saved), sizeof saved);
+    bytes += held;
+    bytes.append(reinterpret_cast<const char*>(open_items.data()), open_items.size() * sizeof(Item));
     return bytes;
 }
 
 void Parser::restore(std::string_view bytes) {
     const StandardArithmetic standard;
-    State state{};
+    Saved saved{};
     const auto require = [](bool good) {
         if (!good) throw InputError("state", "is not the state of a parser");
     };
-    require(bytes.size() >= sizeof state);
-    std::memcpy(&state, bytes.data(), sizeof state);
-    bytes.remove_prefix(sizeof state);
+    require(bytes.size() >= sizeof saved);
+    std::memcpy(&saved, bytes.data(), sizeof saved);
+    bytes.remove_prefix(sizeof saved);
     const Index size = as_index(bytes.size());
     const auto within = [](Index value, Index most) { return value >= 0 && value <= most; };
-    const Counts& counts = state.counts;
-    require(within(state.held, size) && within(state.items, size / as_index(sizeof(Item))));
-    require(size == state.held + state.items * as_index(sizeof(Item)));
-    require(within(counts.bytes, largest_count) && state.held_base == counts.bytes - state.held);
-    for (const Index count : {state.held_base, counts.lines, counts.frames, counts.items, counts.nulls,
-                              counts.not_numbers, counts.stray_lines, state.frame_line, state.frame_lines})
+    const Counts& counts = saved.counts;
+    require(within(saved.held, size) && within(saved.items, size / as_index(sizeof(Item))));
+    require(size == saved.held + saved.items * as_index(sizeof(Item)));
+    require(within(counts.bytes, largest_count) && saved.held_base == counts.bytes - saved.held);
+    for (const Index count : {saved.held_base, counts.lines, counts.frames, counts.items, counts.nulls,
+                              counts.not_numbers, counts.stray_lines, saved.frame_line, saved.frame_lines})
         require(within(count, counts.bytes));
     for (const Index count : counts.events) require(within(count, counts.bytes));
-    require(within(state.line_start, state.held) && within(state.body_start, state.held));
-    require(within(state.place, static_cast<Index>(Place::dropped)));
-    const std::string_view held = bytes.substr(0, static_cast<std::size_t>(state.held));
-    if (static_cast<Place>(state.place) == Place::inside) {  // the text of the frame, whose line ends were read
-        require(held.starts_with("&&\n") ? state.body_start == 3 : held.starts_with("&&\r\n") && state.body_start == 4);
-        require(state.line_start >= state.body_start && held[static_cast<std::size_t>(state.line_start) - 1] == '\n');
+    require(within(saved.line_start, saved.held) && within(saved.body_start, saved.held));
+    require(within(saved.place, static_cast<Index>(Place::dropped)));
+    const std::string_view held = bytes.substr(0, static_cast<std::size_t>(saved.held));
+    if (static_cast<Place>(saved.place) == Place::inside) {  // the text of the frame, whose line ends were read
+        require(held.starts_with("&&\n") ? saved.body_start == 3 : held.starts_with("&&\r\n") && saved.body_start == 4);
+        require(saved.line_start >= saved.body_start && held[static_cast<std::size_t>(saved.line_start) - 1] == '\n');
     } else {
-        require(state.items == 0);
+        require(saved.items == 0);
     }
-    std::vector<Item> items(static_cast<std::size_t>(state.items));
-    if (!items.empty()) std::memcpy(items.data(), bytes.data() + state.held, items.size() * sizeof(Item));
+    std::vector<Item> items(static_cast<std::size_t>(saved.items));
+    if (!items.empty()) std::memcpy(items.data(), bytes.data() + saved.held, items.size() * sizeof(Item));
     for (const Item& item : items) {
-        const Index start = state.held_base + state.body_start + code_length, stop = state.held_base + state.line_start;
+        const Index start = saved.held_base + saved.body_start + code_length, stop = saved.held_base + saved.line_start;
         require(item.offset >= start && item.offset <= stop && within(item.length, stop - item.offset));
         require(item.frame == counts.frames && item.code >= 101 && item.code <= 9999);
         require(item.flags == 0 ? std::isfinite(item.value) : item.flags <= not_a_number && std::isnan(item.value));
     }
-    const std::lock_guard guard(lock_);
-    held_.assign(held);
-    open_items_ = std::move(items);
-    counts_ = state.counts;
-    held_base_ = state.held_base;
-    line_start_ = static_cast<std::size_t>(state.line_start);
-    body_start_ = static_cast<std::size_t>(state.body_start);
-    searched_ = held_.size();
-    frame_start_ = frame_first_ = 0;
-    frame_line_ = state.frame_line;
-    frame_lines_ = state.frame_lines;
-    place_ = static_cast<Place>(state.place);
-    skipping_line_ = state.skipping_line != 0;
-    in_stray_run_ = state.in_stray_run != 0;
+    const std::lock_guard guard(state_->lock);
+    state_->held.assign(held);
+    state_->open_items = std::move(items);
+    state_->at = {.counts = saved.counts,
+                  .held_base = saved.held_base,
+                  .line_start = static_cast<std::size_t>(saved.line_start),
+                  .searched = held.size(),
+                  .skipping_line = saved.skipping_line != 0,
+                  .in_stray_run = saved.in_stray_run != 0,
+                  .place = static_cast<Place>(saved.place),
+                  .body_start = static_cast<std::size_t>(saved.body_start),
+                  .frame_line = saved.frame_line,
+                  .frame_lines = saved.frame_lines};
 }
 
-void Parser::take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch) {
-    const std::string_view line(held_.data() + start, stop - start);
+void Parser::State::take_line(std::size_t start, std::size_t stop, std::size_t next, Batch& batch) {
+    const std::string_view line(held.data() + start, stop - start);
     if (!line.empty() && (line[0] == '&' || line[0] == '!')) {
         if (line == "&&") return begin_frame(start, next, batch);
         if (line == "!!") return end_frame(next, batch);
@@ -275,110 +330,118 @@ void Parser::take_line(std::size_t start, std::size_t stop, std::size_t next, Ba
             return begin_frame(start + 2, next, batch);
         }
     }
-    if (place_ == Place::dropped) return;
-    if (place_ == Place::outside) return line.empty() ? void() : stray(start, line.size(), counts_.lines, batch);
-    if (as_index(next - 1 - body_start_) > limits_.frame) return drop_frame(Rule::long_frame, batch);
-    if (++frame_lines_ > limits_.items) return drop_frame(Rule::many_items, batch);
-    const Index offset = held_base_ + as_index(start);
-    if (as_index(line.size()) > limits_.line) return report(Rule::long_line, offset, counts_.lines, line.size(), batch);
+    if (at.place == Place::dropped) return;
+    if (at.place == Place::outside) return line.empty() ? void() : stray(start, line.size(), at.counts.lines, batch);
+    if (as_index(next - 1 - at.body_start) > limits.frame) return drop_frame(Rule::long_frame, batch);
+    if (++at.frame_lines > limits.items) return drop_frame(Rule::many_items, batch);
+    const Index offset = at.held_base + as_index(start);
+    if (as_index(line.size()) > limits.line)
+        return report(Rule::long_line, offset, at.counts.lines, line.size(), batch);
     if (!line.empty()) take_item(line, offset, batch);
 }
 
-void Parser::take_item(std::string_view line, Index offset, Batch& batch) {
+void Parser::State::take_item(std::string_view line, Index offset, Batch& batch) {
     const std::uint16_t code = code_of(line);
-    if (code == 0) return report(Rule::not_an_item, offset, counts_.lines, line.size(), batch);
+    if (code == 0) return report(Rule::not_an_item, offset, at.counts.lines, line.size(), batch);
     Item& item = batch.items.emplace_back();
-    item.frame = counts_.frames;
+    item.frame = at.counts.frames;
     item.offset = offset + 4;
     item.length = static_cast<std::int32_t>(line.size() - 4);
     item.code = code;
-    read_value(line.substr(4), nulls_, item);
+    read_value(line.substr(4), nulls, item);
 }
 
-void Parser::begin_frame(std::size_t start, std::size_t next, Batch& batch) {
-    if (place_ == Place::inside) drop_frame(Rule::unclosed, batch);
-    place_ = Place::inside;
-    in_stray_run_ = false;
-    frame_start_ = start;
-    body_start_ = next;
-    frame_line_ = counts_.lines;
-    frame_lines_ = 0;
-    frame_first_ = batch.items.size();
+void Parser::State::begin_frame(std::size_t start, std::size_t next, Batch& batch) {
+    if (at.place == Place::inside) drop_frame(Rule::unclosed, batch);
+    at.place = Place::inside;
+    at.in_stray_run = false;
+    at.frame_start = start;
+    at.body_start = next;
+    at.frame_line = at.counts.lines;
+    at.frame_lines = 0;
+    at.frame_first = batch.items.size();
+    at.frame_is_open = false;
 }
 
-void Parser::end_frame(std::size_t next, Batch& batch) {
-    if (place_ == Place::outside)
-        return report(Rule::stray_end, held_base_ + as_index(line_start_), counts_.lines, 2, batch);
-    if (place_ == Place::inside) {
-        const std::span items = std::span(batch.items).subspan(frame_first_);
-        batch.frames.push_back({held_base_ + as_index(frame_start_), held_base_ + as_index(next),
-                                as_index(frame_first_), as_index(items.size()), frame_line_});
+void Parser::State::end_frame(std::size_t next, Batch& batch) {
+    if (at.place == Place::outside)
+        return report(Rule::stray_end, at.held_base + as_index(at.line_start), at.counts.lines, 2, batch);
+    if (at.place == Place::inside) {
+        if (at.frame_is_open) batch.items.insert(batch.items.begin(), open_items.begin(), open_items.end());
+        const std::span items = std::span(batch.items).subspan(at.frame_first);
+        batch.frames.push_back({at.held_base + as_index(at.frame_start), at.held_base + as_index(next),
+                                as_index(at.frame_first), as_index(items.size()), at.frame_line});
         for (const Item& item : items) {
-            counts_.nulls += (item.flags & null_value) != 0;
-            counts_.not_numbers += (item.flags & not_a_number) != 0;
+            at.counts.nulls += (item.flags & null_value) != 0;
+            at.counts.not_numbers += (item.flags & not_a_number) != 0;
         }
-        counts_.items += as_index(items.size());
-        ++counts_.frames;
+        at.counts.items += as_index(items.size());
+        ++at.counts.frames;
     }
-    place_ = Place::outside;
+    at.place = Place::outside;
 }
 
-void Parser::drop_frame(Rule rule, Batch& batch) {
-    report(rule, held_base_ + as_index(frame_start_), frame_line_, 2, batch);
-    place_ = Place::dropped;
-    batch.items.resize(frame_first_);
+void Parser::State::drop_frame(Rule rule, Batch& batch) {
+    report(rule, at.held_base + as_index(at.frame_start), at.frame_line, 2, batch);
+    at.place = Place::dropped;
+    batch.items.resize(at.frame_first);
 }
 
 // Checks a line whose end has not arrived. Within a frame its bytes are kept until the frame is too long; elsewhere
 // they are dropped when the line is too long.
-void Parser::take_unended_line(Batch& batch) {
-    const std::size_t length = held_.size() - line_start_;
-    if (skipping_line_ || length <= longest_delimiter) return;
-    if (place_ == Place::inside) {
-        if (as_index(held_.size() - body_start_) <= limits_.frame) return;
+void Parser::State::take_unended_line(Batch& batch) {
+    const std::size_t length = held.size() - at.line_start;
+    if (at.skipping_line || length <= longest_delimiter) return;
+    if (at.place == Place::inside) {
+        if (as_index(held.size() - at.body_start) <= limits.frame) return;
         drop_frame(Rule::long_frame, batch);
     } else {
-        if (as_index(length) <= limits_.line + 1) return;
-        if (place_ == Place::outside) stray(line_start_, length, counts_.lines + 1, batch);
+        if (as_index(length) <= limits.line + 1) return;
+        if (at.place == Place::outside) stray(at.line_start, length, at.counts.lines + 1, batch);
     }
-    skipping_line_ = true;
+    at.skipping_line = true;
 }
 
-// Moves the text before the open frame, or before the line being read, into the batch. If there is only an open frame,
-// its memory is kept, so that work stays linear in one-byte chunks.
-void Parser::release_text(Batch& batch) {
-    open_items_.clear();
-    if (place_ == Place::inside && frame_first_ == 0) {
-        open_items_.swap(batch.items);
-    } else if (place_ == Place::inside) {
-        open_items_.assign(batch.items.begin() + as_index(frame_first_), batch.items.end());
-        batch.items.resize(frame_first_);
+// Moves the text before the open frame, or before the line being read, into the batch, and the items of the open frame
+// out of it: what may fail comes first.
+void Parser::State::release(Batch& batch) {
+    const std::size_t keep = at.place == Place::inside ? at.frame_start
+                             : at.skipping_line        ? held.size()
+                                                       : at.line_start;
+    batch.base = at.held_base;
+    std::string rest;
+    if (keep > 0) rest = held.substr(keep);
+    if (at.place == Place::inside) {
+        const auto first = batch.items.begin() + as_index(at.frame_first);
+        if (at.frame_is_open)
+            open_items.insert(open_items.end(), first, batch.items.end());
+        else
+            open_items.assign(first, batch.items.end());
+        batch.items.erase(first, batch.items.end());
+    } else {
+        open_items.clear();
     }
-    frame_first_ = 0;
-    const std::size_t keep = place_ == Place::inside ? frame_start_ : skipping_line_ ? held_.size() : line_start_;
-    batch.base = held_base_;
     if (keep == 0) return;
-    std::string rest = held_.substr(keep);
-    held_.resize(keep);
-    batch.text = std::move(held_);
-    held_ = std::move(rest);
-    held_base_ += as_index(keep);
-    line_start_ -= std::min(keep, line_start_);
-    searched_ -= keep;
-    frame_start_ -= std::min(keep, frame_start_);
-    body_start_ -= std::min(keep, body_start_);
+    held.resize(keep);
+    batch.text = std::move(held);
+    held = std::move(rest);
+    at.held_base += as_index(keep);
+    at.line_start -= std::min(keep, at.line_start);
+    at.searched -= keep;
+    at.frame_start -= std::min(keep, at.frame_start);
+    at.body_start -= std::min(keep, at.body_start);
 }
 
-void Parser::stray(std::size_t start, std::size_t length, Index line, Batch& batch) {
-    ++counts_.stray_lines;
-    if (in_stray_run_) return;
-    in_stray_run_ = true;
-    report(Rule::stray_text, held_base_ + as_index(start), line,
-           std::min(length, static_cast<std::size_t>(limits_.line)), batch);
+void Parser::State::stray(std::size_t start, std::size_t length, Index line, Batch& batch) {
+    ++at.counts.stray_lines;
+    if (at.in_stray_run) return;
+    at.in_stray_run = true;
+    report(Rule::stray_text, at.held_base + as_index(start), line,
+           std::min(length, static_cast<std::size_t>(limits.line)), batch);
 }
 
-void Parser::report(Rule rule, Index offset, Index line, std::size_t length, Batch& batch) {
-    ++counts_.events[static_cast<std::size_t>(rule)];
+void Parser::State::report(Rule rule, Index offset, Index line, std::size_t length, Batch& batch) {
+    ++at.counts.events[static_cast<std::size_t>(rule)];
     batch.events.push_back({offset, line, static_cast<std::int32_t>(length), rule, 0});
 }
 

@@ -1,4 +1,5 @@
-// Work shared out to threads, which are joined before the call returns. No exception crosses a thread.
+// Work shared out to threads, which are joined before the call returns, or by the host's runner. No exception crosses a
+// thread.
 //
 //     thread 0   |-- part 0 --|-- part 1 --|-- part 2 --|-- part 5 --|
 //     thread 1   |-- part 3 --------|-- part 4 ---------|
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstdint>
 #include <exception>
 #include <mutex>
 #include <system_error>
@@ -20,9 +22,12 @@
 #include <vector>
 
 #include "base/arithmetic.hpp"
+#include "helibore/runner.hpp"
 #include "helibore/types.hpp"
 
 namespace helibore {
+
+Runner& runner_of_this_thread();
 
 // How many of `threads` to use for `work`, if each must have at least `least` of it.
 inline int threads_for(Index work, Index least, int threads) {
@@ -62,18 +67,33 @@ void for_each_part(int threads, Index parts, const Job& job) {
             if (!failure) failure = std::current_exception();
         }
     };
-    std::vector<std::jthread> started;
-    started.reserve(static_cast<std::size_t>(workers));
-    try {
-        for (int worker = 0; worker < workers; ++worker)
-            started.emplace_back([&work, worker] {
-                const StandardArithmetic standard;
-                work(worker);
-            });
-    } catch (const std::system_error&) {  // the system grants no more threads: those that run do the work
-        if (started.empty()) work(0);
+    if (const Runner runner = runner_of_this_thread(); runner.run) {
+        struct Work {
+            const decltype(work)& of_worker;
+            std::vector<std::atomic<bool>> begun;
+        } all{work, std::vector<std::atomic<bool>>(static_cast<std::size_t>(workers))};
+        const auto once = [](void* context, std::int32_t worker) {
+            auto& [of_worker, begun] = *static_cast<Work*>(context);
+            if (worker < 0 || worker >= std::ssize(begun) || begun[static_cast<std::size_t>(worker)].exchange(true))
+                return;
+            const StandardArithmetic standard;
+            of_worker(worker);
+        };
+        runner.run(runner.host, workers, once, &all);
+        for (int worker = 0; worker < workers; ++worker) once(&all, worker);
+    } else {
+        std::vector<std::jthread> started;
+        started.reserve(static_cast<std::size_t>(workers));
+        try {
+            for (int worker = 0; worker < workers; ++worker)
+                started.emplace_back([&work, worker] {
+                    const StandardArithmetic standard;
+                    work(worker);
+                });
+        } catch (const std::system_error&) {  // the system grants no more threads: those that run do the work
+            if (started.empty()) work(0);
+        }
     }
-    started.clear();  // joins them
     if (failure) std::rethrow_exception(failure);
 }
 

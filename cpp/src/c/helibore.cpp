@@ -6,6 +6,7 @@
 #include <limits>
 #include <utility>
 
+#include "base/threads.hpp"
 #include "c/handles.hpp"
 #include "helibore/logs.hpp"
 #include "helibore/surface.hpp"
@@ -147,6 +148,10 @@ const char* hb_instruction_set(void) {
 
 int32_t hb_close(int64_t handle) {
     return guarded([&] { handles().close(handle); });
+}
+
+int32_t hb_use_runner(hb_run run, void* host) {
+    return guarded([&] { runner_of_this_thread() = {run, host}; });
 }
 
 int32_t hb_settings_init(hb_settings* settings) {
@@ -381,7 +386,7 @@ int32_t hb_live_poll(int64_t live, hb_update* update) {
         const Update& last = handle->last;
         *update = {.size = sizeof *update,
                    .reserved = 0,
-                   .change = to_c(last.change.value_or(Change{})),
+                   .change = last.change ? to_c(*last.change) : to_c(Change{}),
                    .path_from = last.path_from.value_or(no_value),
                    .images = static_cast<Index>(last.images.size()),
                    .events = static_cast<Index>(last.events.size())};

@@ -90,8 +90,8 @@ toolface[17] = -inf: must be finite
 """
 NAMES = """close instruction_set last_error live_append_image live_append_samples live_append_stations live_create
 live_event live_image live_path live_poll live_wall path_create path_read path_settings_init ranges settings_init
-version wall_append wall_create wall_get wall_interpolate wall_logs wall_read wall_samples wall_surface wits_create
-wits_feed wits_items"""
+use_runner version wall_append wall_create wall_get wall_interpolate wall_logs wall_read wall_samples wall_surface
+wits_create wits_feed wits_items"""
 
 
 def test_the_shared_library_exports_the_names_of_its_header(build: Path) -> None:
@@ -99,6 +99,28 @@ def test_the_shared_library_exports_the_names_of_its_header(build: Path) -> None
     exported = {line.split()[-1].split("@")[0] for line in listed.splitlines()} - {"HELIBORE_0.1"}
     assert exported == {f"hb_{name}" for name in NAMES.split()}
     assert exported == set(re.findall(r"\b(hb_\w+)\(", C_HEADER.read_text()))
+
+
+# Bytes and members of each struct; they change with the minor version only.
+STRUCTS = {
+    "hb_settings": (136, 21),
+    "hb_path_settings": (48, 8),
+    "hb_wall_state": (40, 6),
+    "hb_change": (40, 6),
+    "hb_update": (72, 6),
+}
+
+
+def test_the_structs_of_the_header_are_frozen(tmp_path: Path) -> None:
+    text = C_HEADER.read_text()
+    bodies = dict(re.findall(r"typedef struct (\w+) \{(.*?)\} \1;", text, flags=re.DOTALL))
+    assert {name: len(re.findall(r"^ .*?;", body, flags=re.MULTILINE)) for name, body in bodies.items()} == {
+        name: members for name, (_, members) in STRUCTS.items()
+    }
+    sizes = (f"typedef char size_of_{name}[sizeof({name}) == {size} ? 1 : -1];" for name, (size, _) in STRUCTS.items())
+    source = tmp_path / "sizes.c"
+    source.write_text(f'#include "{C_HEADER}"\n' + "\n".join(sizes) + "\n")
+    run(CC, "-fsyntax-only", source)
 
 
 def test_hosts_in_c_and_python(prefix: Path, consumer: Path, tmp_path: Path) -> None:

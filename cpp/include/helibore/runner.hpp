@@ -1,0 +1,34 @@
+// The host's threads in place of the library's own.
+//
+//     const helibore::UseRunner use({run_on_my_pool, &pool});   // for the calls of this thread, as long as it lives
+//     wall.append(samples);
+#pragma once
+
+#include <cstdint>
+
+namespace helibore {
+
+// `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
+// calls have returned. They may run at once or one after the other: the result is the same. It must not throw. Of what
+// it leaves out, the caller's thread does the work. A worker needs 64 KB of stack at most.
+struct Runner {
+    using Job = void (*)(void* context, std::int32_t worker);
+    using Run = void (*)(void* host, std::int32_t workers, Job job, void* context);
+
+    Run run = nullptr;  // null: the library starts threads for a call and joins them
+    void* host = nullptr;
+};
+
+// Gives this thread a runner and, at its end, the one from before. Settings::threads still says how many workers.
+class UseRunner {
+  public:
+    explicit UseRunner(const Runner& runner);
+    ~UseRunner();
+    UseRunner(const UseRunner&) = delete;
+    UseRunner& operator=(const UseRunner&) = delete;
+
+  private:
+    Runner before_;
+};
+
+}  // namespace helibore
