@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numbers>
 
 #include "base/arithmetic.hpp"
@@ -100,7 +101,9 @@ void PointEstimator::group(std::size_t first, PointEstimates& out) const {
     std::vector<Neighbour> found[lanes];
     std::vector<kernel::Candidate> rows(none + 1, {kernel::none_depth, 0.0, 0.0, 0});
     std::vector<std::int32_t> at(none, static_cast<std::int32_t>(none));
-    const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0};
+    std::unique_ptr<kernel::KrigingRoom> kriging;
+    if (rules_.range > 0.0) kriging = std::make_unique_for_overwrite<kernel::KrigingRoom>();
+    const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0, kriging.get()};
     kernel::Group g{};
     for (std::size_t lane = 0; lane < used; ++lane) {
         g.depth[lane] = points_.depth[first + lane];

@@ -36,7 +36,8 @@ Search::Scratch::Scratch()
     : rows(std::make_unique_for_overwrite<kernel::Candidate[]>(kernel::list_capacity + 1)),
       across(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 17)),
       along(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 17)),
-      list{rows.get(), across.get(), along.get(), kernel::position_table(), kernel::narrow_position_table(), 0},
+      list{rows.get(), across.get(), along.get(), kernel::position_table(), kernel::narrow_position_table(),
+           0,          nullptr},
       keep(kernel::list_capacity + 1) {
     rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
 }
@@ -97,6 +98,10 @@ kernel::Group Search::start(const Helix& helix, Index group, Index vertex_count)
 // Estimates the group. The list then holds the neighbours of every vertex at its last trial radius.
 kernel::Group Search::solve(const Samples& samples, const Helix& helix, Index group, Index vertex_count,
                             Scratch& scratch) const {
+    if (rules_.range > 0.0 && !scratch.kriging) {
+        scratch.kriging = std::make_unique_for_overwrite<kernel::KrigingRoom>();
+        scratch.list.kriging = scratch.kriging.get();
+    }
     kernel::Group g = start(helix, group, vertex_count);
     Windows& windows = scratch.windows;
     if (rules_.windowed) {

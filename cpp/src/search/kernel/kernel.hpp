@@ -55,6 +55,11 @@ struct alignas(32) Candidate {
     std::int64_t rank;  // in canonical order
 };
 
+// The equations of an estimate by kriging, for eight vertices: too many for the stack of a thread.
+struct alignas(64) KrigingRoom {
+    double values[lanes * (max_kriged * (max_kriged + 3) + 2)];
+};
+
 // Columns of list_capacity + 1 values, `across` and `along` of 16 more, which may be read. Positions from count on, up
 // to the next multiple of 16, and list_capacity itself hold "none": depth none_depth, toolface and radius 0; in the
 // narrow columns 0 and narrow_none.
@@ -65,6 +70,7 @@ struct CandidateList {
     const double* position;        // the bits of the integers 0, 1, 2, ...
     const float* narrow_position;  // likewise
     std::int64_t count;
+    KrigingRoom* kriging;  // where Rules::range is above 0
 };
 
 // Writes the numbers first + i of the set bits i of a mask of 16 and returns how many; out has room for 16.

@@ -107,7 +107,8 @@ inline Kriged<P> solve_system(KrigingSystem<P>& system, int n, double nugget, P 
 template <class P>
 __attribute__((noinline)) Kriged<P> krige(const Group& g, const CandidateList& list, const Rules& rules,
                                           const std::int32_t* at, P trial, bool with_squares = false) {
-    KrigingSystem<P> system;
+    static_assert(sizeof(KrigingSystem<P>) == sizeof(KrigingRoom) && alignof(KrigingSystem<P>) <= alignof(KrigingRoom));
+    auto& system = *static_cast<KrigingSystem<P>*>(static_cast<void*>(list.kriging));
     fill_system(g, list, rules, at, trial, system);
     return rules.neighbors == 16 ? solve_system(system, 16, rules.nugget, trial, with_squares)
                                  : solve_system(system, rules.neighbors, rules.nugget, trial, with_squares);
