@@ -1,5 +1,5 @@
-// The host's threads in place of the library's: the same bits on threads with 64 KB of stack, on every instruction set.
-// It prints the most that was used. test_c.cpp has runners that break their contract.
+// The host's threads in place of the library's: the same bits on threads with 320 KB of stack, on every instruction
+// set. It prints the most that was used. test_c.cpp has runners that break their contract.
 #include "helibore/runner.hpp"
 
 #include "check.hpp"
@@ -22,7 +22,7 @@ namespace {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
 constexpr std::size_t stack_size = std::size_t{4} << 20;  // their frames are larger
 #else
-constexpr std::size_t stack_size = 64 * 1024;
+constexpr std::size_t stack_size = 320 * 1024;
 #endif
 constexpr std::size_t guard_size = 64 * 1024;
 constexpr int workers = 3;
