@@ -51,9 +51,12 @@ def test_the_core_keeps_clear_of(what: str, pattern: str) -> None:
 
 
 def test_the_core_has_no_globals_that_change() -> None:
-    """Static or thread-local variables, and any at namespace scope, are constants; only the C interface has some."""
+    """Static, thread-local and namespace-scope variables are constants, but for handles and the host's runner."""
     changing = r"\bthread_local\b|^\s*static\s+(?!const|constexpr|_assert)[\w:<>, ]+\s+\w+\s*(=|;|\{)"
-    assert {line.split(":")[0] for line in lines_with(changing, CORE)} == {"cpp/src/c/handles.cpp"}
+    assert {line.split(":")[0] for line in lines_with(changing, CORE)} == {
+        "cpp/src/c/handles.cpp",
+        "cpp/src/base/threads.cpp",
+    }
     assert not list(
         lines_with(r"^(inline\s+)?(std::\w+(<.*>)?|bool|int|double|Index|auto|long)\s+\w+\s*(=|;|\{)", CORE)
     )
