@@ -492,7 +492,7 @@ void fail_each(const char* name, const std::function<std::int64_t()>& prepare,
 }
 
 [[maybe_unused]] void memory_ends_anywhere() {
-    const Hole small = oval_hole(300, 100.0, 1.5);
+    const Hole small = oval_hole(300, 100.0, 0.6);
     const std::int64_t path = new_path();
     const auto filled = [&] {
         const std::int64_t wall = new_wall();

@@ -90,20 +90,27 @@ std::vector<std::uint64_t> work(helibore::InstructionSet set, int threads) {
     const auto samples = wall.samples();
     const std::span<const double> channel(samples[2]);
     add(wall.interpolate_samples({&channel, 1}, threads)[0]);
-    const std::vector<double> depth = wall.depth(), toolface = wall.toolface(), radius = wall.radius();
-    const std::vector<double> box(radius.size(), 0.02), nuggets = {0.5};
+    const std::vector<double> radius = wall.radius();
+    const auto some = [](std::vector<double> column) {
+        column.resize(2000);
+        return column;
+    };
+    const std::vector<double> depth = some(wall.depth()), toolface = some(wall.toolface()), trial = some(radius);
+    const std::vector<double> box(2000, 0.02), nuggets = {0.5};
     settings.estimator = helibore::Estimator::kriging;
     settings.kriging_range = 0.4;
     settings.neighbors = 64;
-    add(helibore::estimate_at({samples[0], samples[1], samples[2]}, {depth, toolface, radius, box, box}, settings,
+    settings.pitch = 0.1;  // fewer vertices
+    add(helibore::estimate_at({samples[0], samples[1], samples[2]}, {depth, toolface, trial, box, box}, settings,
                               nuggets)
             .radius);
     helibore::Wall kriged(settings);
-    kriged.append(hole.rows(0, 4000));
+    kriged.append(hole.rows(0, 1000));
     add(kriged.radius());
-    settings = {.bit_diameter = 0.216, .neighbors = 256, .window = 3000, .power = 0.7, .threads = threads};
+    settings = {
+        .bit_diameter = 0.216, .pitch = 0.1, .neighbors = 256, .window = 3000, .power = 0.7, .threads = threads};
     helibore::Wall crowded(settings);
-    crowded.append(hole.rows(0, 4000));
+    crowded.append(hole.rows(0, 1000));
     add(crowded.radius());
     const helibore::HelixVertices vertices{
         .start_depth = wall.start_depth(), .pitch = 0.05, .sectors = 64, .count = wall.size()};
