@@ -37,6 +37,7 @@ NORMAL_95 = 1.959964
 _FREEDOM = 5.0
 _MEDIAN_SQUARE = 0.455
 """Of a normal deviate with variance 1."""
+_ENOUGH = 0.1  # of the logarithm of the likelihood: what changes it by less is as likely
 _SMALLEST = 1e-18  # square metres; smaller ones are rounding
 _STRETCHES = (1.0, 16.0, 256.0)
 _POWERS = ((0.5, 1.0), (1.0, 1.0))
@@ -72,7 +73,7 @@ class Calibration:
 def calibrate(samples: Columns, settings: Settings, threads: int = 1, seed: int = 0) -> Calibration:
     """Calibrate the uncertainty of the walls that these settings make of these samples, at least 100."""
     rows, boxes = choose_left_out(samples, settings, TARGETS, seed, "for an uncertainty")
-    found = estimate_left_out(samples, rows, settings, boxes, threads)
+    found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
     known = np.isfinite(found.radius)
     if not known.any():
         raise InputError("samples", "too few samples for an uncertainty: none has another within max_distance")
@@ -133,12 +134,12 @@ def _fit(squares: Floats, weights: Floats, changes: Floats, near: _Fit | None = 
             step = np.linalg.solve(normal + damping * np.diag(np.diagonal(normal) + 1.0), moves @ slope)
             trial = np.clip(at - step, low, high)
             new = parts(trial)
+            done = abs(cost - new[2]) < _ENOUGH
             if new[2] < cost:
-                done = cost - new[2] < 1e-3
                 at, (noise, variance, cost), damping = trial, new, damping / 5.0
-                if done:
-                    break
-            elif (damping := damping * 5.0) > 1e6:
+            else:
+                damping *= 5.0
+            if done:
                 break
         best = min(best, (cost, at), key=lambda of: of[0])
     cost, at = best
