@@ -17,6 +17,7 @@ from collections.abc import Iterator
 from functools import partial
 from typing import BinaryIO
 
+from helibore.base.errors import InputError
 from helibore.files.input_file import LINE_LIMIT, InputFile
 from helibore.files.number_rows import column_of
 from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets, unique
@@ -175,7 +176,9 @@ def read(source: InputFile) -> RawFile:
             line, character = error.position
             cut = "truncated: " if "no element" in str(error) or "unclosed" in str(error) else ""
             raise source.error(f"{cut}{error.msg.split(':')[0]} (character {character})", line) from error
-        except (LookupError, UnicodeError) as error:
+        except InputError:
+            raise
+        except (LookupError, ValueError) as error:
             raise source.error(f"not in the encoding it declares ({error})") from error
     names = unique([one.header.get("name") or one.kind for one in found])
     if not found:

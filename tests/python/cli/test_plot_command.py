@@ -7,6 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from click.testing import CliRunner, Result
 from locations import SHARED
@@ -94,6 +95,35 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
         "2026-11-22",
     )
     assert "NO : One line a depth" in (tmp_path / "out.las").read_text()
+
+
+@pytest.mark.parametrize(("verb", "drawn_by"), [("plot", "plot.log"), ("report", "plot.html_report.report")])
+def test_scalar_tracks_have_the_values_of_the_file_and_the_inclination_of_the_survey(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: str, drawn_by: str
+) -> None:
+    las, survey, seen = tmp_path / "mem.las", tmp_path / "survey.csv", {}
+    las.write_text(CURVES + "2000 60 1 8.5\n2010 -999.25 10 8.5\n2022 80 100 8.5\n")
+    survey.write_text("md_m,inc_deg,azi_deg\n1990,10,20\n2030,30,20\n")
+
+    def draw(*_: object, **drawing: Any) -> None:
+        seen.update(drawing)
+        raise hb.InputError("drawing", "not drawn")
+
+    monkeypatch.setattr(f"helibore.{drawn_by}", draw)
+    arguments = [verb, "--gauge", "--from", 2000, "--to", 2022, "--bit-diameter", "8.5in", "--survey", survey]
+    scalars = ["--scalar", f"{las}:GR", "--scalar", f"{las}:RT", "--log", "RT", "--scalar", "inclination"]
+    output = tmp_path / ("well.svg" if verb == "plot" else "well.html")
+    result = CliRunner().invoke(cli, [str(word) for word in (*arguments, *scalars, "-o", output)])
+    assert result.stderr == "helibore: drawing: not drawn\n"
+    gamma, resistivity, inclination = seen["scalars"]
+    assert [(one.name, one.unit, one.log) for one in seen["scalars"]] == [
+        ("GR", "GAPI", False), ("RT", "OHMM", True), ("Inclination", "deg", False),
+    ]  # fmt: skip
+    assert gamma.depth.tolist() == resistivity.depth.tolist() == [2000, 2010, 2022]
+    np.testing.assert_array_equal(gamma.values, [60, np.nan, 80])
+    assert resistivity.values.tolist() == [1, 10, 100]
+    straight = 10 + 20 * (inclination.depth - 1990) / 40  # one arc in a vertical plane
+    np.testing.assert_allclose(inclination.values, straight, atol=1e-9)
 
 
 def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:

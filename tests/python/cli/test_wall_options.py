@@ -145,12 +145,12 @@ FEW = "a tool with few arms measured"
     [("reconstruct", "w.glb"), ("mesh", "w.vtu"), ("logs", "w.csv"), ("plot", "w.png"), ("report", "w.html"),
      ("view", "")],
 )  # fmt: skip
-def test_every_command_recognises_a_tool_with_few_arms(
+def test_every_command_recognises_a_tool_with_few_arms_and_takes_survey_and_preparation(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: str, output: str
 ) -> None:
     monkeypatch.chdir(tmp_path)
     depth = 1000 + np.arange(200) * 0.05
-    rows = np.column_stack([depth, depth * 12 % 360, 8.5 + 0 * depth, 9.0 + 0 * depth])
+    rows = np.column_stack([depth, depth * 12 % 360, 8.5 + 0 * depth, 9.0 + 0 * depth])[[0, *range(200)]]
     np.savetxt("xy.csv", rows, fmt="%.4f", delimiter=",", header="md_m,rb_deg,x_in,y_in", comments="")
     columns = ("--diameter", "x_in@0", "--diameter", "y_in@90", "--bit-diameter", "8.5in")
     if verb == "view":
@@ -163,10 +163,15 @@ def test_every_command_recognises_a_tool_with_few_arms(
 
         monkeypatch.setattr(viewer, "view", stop)
         monkeypatch.setattr(command, "check_page", lambda: None)
+    Path("s.csv").write_text("md_m,incl_deg,azim_deg\n990,40,90\n1030,41,95\n")
+    columns = (*columns, "--survey", "s.csv", "--drop-repeated")
     small = ("--dpi", "40", "--no-body", "--no-polar", "--scale", "500") if verb in ("plot", "report") else ()
     result = run(verb, "xy.csv", *columns, *small, *(("-o", output) if output else ()))
     assert result.exit_code == (2 if verb == "view" else 0), result.output
-    assert FEW in " ".join(result.output.split())
+    words = " ".join(result.output.split())
+    assert FEW in words
+    assert "dropped 4 of 804 samples (4 repeated)" in words
+    assert "survey s.csv" in words
 
 
 @pytest.mark.usefixtures("passes")

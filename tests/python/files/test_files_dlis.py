@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -120,3 +121,27 @@ def test_text_that_is_not_utf8_is_reported(tmp_path: Path) -> None:
     with hb.open(tmp_path / "w.dlis") as file:
         assert file["RADI"].description == "radius imagé"
         assert any("unable to decode" in remark for remark in file.set().remarks)
+
+
+def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path) -> None:
+    write(tmp_path / "w.dlis", 36, frames=2)
+    whole = (tmp_path / "w.dlis").read_bytes()
+    undescribed = whole.replace(b"\x03GR1", b"\x03GX1", 1)  # the channel's own description; the frame still names GR1
+    (tmp_path / "w.dlis").write_bytes(undescribed)
+    with hb.open(tmp_path / "w.dlis") as file:
+        one = file.set()
+        assert (one.name, one.rows) == ("MAIN", 60)
+        print(one.remarks)
+
+    def without_rows(content: bytes, name: bytes) -> bytes:
+        """Let the rows of a frame belong to a frame that is not there."""
+        before, description, rows = content.partition(bytes([len(name)]) + name)
+        return before + description + rows.replace(description, description[:-1] + b"X")
+
+    (tmp_path / "w.dlis").write_bytes(without_rows(whole, b"MAIN1"))
+    with hb.open(tmp_path / "w.dlis") as file:
+        assert [(one.name, one.rows) for one in file.sets] == [("MAIN", 60)]
+    (tmp_path / "w.dlis").write_bytes(without_rows(without_rows(whole, b"MAIN1"), b"MAIN"))
+    with pytest.raises(hb.InputError) as caught:
+        hb.open(tmp_path / "w.dlis")
+    assert str(caught.value) == "w.dlis: DLIS without a frame that has rows"

@@ -111,6 +111,19 @@ def test_a_damaged_or_empty_log_does_not_block_the_others(tmp_path: Path) -> Non
     empty = LOG.replace("</logs>", '<log uid="M"><name>run 2</name></log></logs>')
     one = hb.open(xml_file(tmp_path, empty)).set()
     assert one.remarks == ["another set is left out: w.xml: log 'run 2': no curves"]
+    second = re.search("<log uid.*</log>", LOG, re.DOTALL)
+    assert second
+    damaged = second[0].replace("run 1", "run 2").replace("<data>,3,-77</data>", "<data>3,-77</data>")
+    one = hb.open(xml_file(tmp_path, LOG.replace("</logs>", f"{damaged}</logs>"))).set()
+    text = "another set is left out: w.xml: log 'run 2', row 2: 2 values where 3 curves are listed"
+    assert (one.name, one.rows, one.remarks) == ("run 1", 3, [text])
+
+
+def test_a_channel_of_another_length_is_left_out_and_reported(tmp_path: Path) -> None:
+    wells = {"wells": {"W": {"header": {}, "MD": [1, 2], "GR": [50, 51, 52], "RT": [1, 2]}}}
+    one = hb.open(json_file(tmp_path, wells)).set()
+    assert one.names == ("MD", "RT")
+    assert one.remarks == ["GR: 3 values where MD has 2; the channel is left out"]
 
 
 LOG = f"""<?xml version="1.0" encoding="UTF-8"?>

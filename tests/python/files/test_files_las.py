@@ -299,3 +299,11 @@ def test_las2_returns_what_was_written(
     for position, name in enumerate(("DEPT", "GR", "CAL")):
         expected = [np.nan if row[position] in (-99, *NULLS) else row[position] for row in cells]
         np.testing.assert_array_equal(one[name].values, expected)
+
+
+def test_an_old_version_and_a_section_after_the_rows_are_reported(tmp_path: Path) -> None:
+    rows = "1 2 3\n2 3 4\n3 4 5\n"
+    one = hb.open(las2(tmp_path, rows, HEAD2.replace("2.0", "1.2"))).set()
+    assert "LAS 1.2: read as LAS 2.0; value and description are swapped in its ~Well section" in one.remarks
+    one = hb.open(las2(tmp_path, rows + "~Other\n4 5 6\n")).set()
+    assert (one.rows, one.remarks) == (3, ["line 18: ~OTHER follows the data section; its lines are not rows"])

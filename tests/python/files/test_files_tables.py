@@ -84,6 +84,16 @@ def test_columns_without_names_are_no_image_and_the_errors_say_why_they_have_no_
         one.survey()
 
 
+def test_columns_with_a_blank_name_are_numbered(tmp_path: Path) -> None:
+    one = hb.open(write(tmp_path, "md_m,,r_mm\n1,2,3\n4,5,6\n")).set()
+    assert (one.names, one.remarks) == (("md_m", "column 2", "r_mm"), [])
+    assert one["column 2"].values.tolist() == [2, 5]
+    one = hb.open(write(tmp_path, "md_m,r_mm,\n1,2,\n4,5,\n")).set()
+    said = "the header and the rows end in a delimiter: the last column has no name"
+    assert (one.names, one.remarks) == (("md_m", "r_mm", "column 3"), [said])
+    assert one["r_mm"].values.tolist() == [2, 5]
+
+
 def test_repeated_names_keep_their_unit_and_are_reported(tmp_path: Path) -> None:
     rows = "".join(f"{2000 + k},{9 * k},0.11,0.12\n" for k in range(40))
     one = hb.open(write(tmp_path, "depth_m,tf_deg,radius_m,radius_m\n" + rows)).set()

@@ -24,6 +24,7 @@ LAS3 = LAS2.replace("2.0", "3.0").replace("WRAP. NO :\n", "WRAP. NO :\nDLM. COMM
 WRAPPED = LAS2.replace("NO", "YES") + "~Curve\nDEPT.M :\nA.M :\nB.M :\n~A\n1 2\n3\n4 5\n"
 XML = '<?xml version="1.0"?>\n'
 UNITS = "<mnemonicList>MD,R</mnemonicList><unitList>m</unitList><data>1,2</data>"
+HIDDEN = '<?xml version="1.0"' + " " * 70_000 + 'encoding="%s"?>\n<logs/>'  # beyond what is looked at before parsing
 CURVES = '[{"header": {}, "curves": [{"name": "A"%s}], "data": [[%s]]}]'
 
 
@@ -93,6 +94,8 @@ CASES: list[tuple[str, str | bytes, str]] = [
      ": log 'L': 1 units for 2 mnemonics"),
     ("t.xml", XML + "<logs><log><name>L</name></logs>", ", line 2: mismatched tag (character 27)"),
     ("t.xml", XML + "<logs><log><name>L</name>", ", line 2: truncated: no element found (character 25)"),
+    ("t.xml", HIDDEN % "no-such", ": not in the encoding it declares (...)"),
+    ("t.xml", HIDDEN % "UTF-7", ": not in the encoding it declares (...)"),
     ("t.npz", npz(a=np.zeros(()), b=np.zeros((2, 2, 2))), ": no array of one or two dimensions"),
     ("t.npz", npz(a=np.array([{}], dtype=object)), ": damaged archive of arrays (...)"),
     ("t.parquet", parquet({"a": np.empty(0)}), ": Parquet without rows"),

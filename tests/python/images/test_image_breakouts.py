@@ -101,6 +101,18 @@ def test_specks_wide_shadows_and_short_stretches_are_none() -> None:
     assert len(image_of(rows_of((9, ()), (5, (90, 270)), (9, ()))).breakouts().zones) == 1
 
 
+def test_a_breakout_has_two_rows_however_high_a_row_is() -> None:
+    def found(rows: int, criteria: ImageCriteria | None = None) -> int:
+        values = rows_of((9, ()), (rows, (90, 270)), (9, ()))
+        depth = 500 + 0.2 * np.arange(len(values))  # one row is longer than the least length
+        image = hb.SectorImage(depth, values, "AMP", origin="centre", reference="north")
+        return len(image.breakouts(criteria).zones)
+
+    assert [found(rows) for rows in (1, 2)] == [0, 1]
+    assert found(1, ImageCriteria(least_rows=1)) == 1
+    assert found(2, ImageCriteria(least_rows=3)) == 0
+
+
 def test_every_criterion_can_be_set() -> None:
     faint = image_of(rows_of((9, ()), (9, (90, 270)), (9, ()), dark=70))
     assert not faint.breakouts().zones

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import gzip
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -43,6 +44,7 @@ def test_four_arms_in_an_ellipse() -> None:
         np.testing.assert_allclose(logs.arm_diameter[arm], true[arm], atol=1e-4, rtol=0)
     np.testing.assert_allclose(logs.c1, np.maximum(*true), atol=1e-4, rtol=0)
     np.testing.assert_allclose(logs.c1 - logs.c2, np.abs(true[0] - true[1]), atol=2e-4, rtol=0)
+    np.testing.assert_allclose(logs.ovality_api, np.abs(true[0] - true[1]) / (true[0] + true[1]), atol=1e-3, rtol=0)
     np.testing.assert_array_equal(logs.least_diameter, np.minimum(*logs.arm_diameter))
     larger = np.where(true[0] > true[1], 0, 90)
     apart = (logs.c1_toolface - 12 * logs.depth - larger + 90) % 180 - 90
@@ -65,13 +67,31 @@ def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path) -> N
     assert metres.arm_diameter[0][2] == pytest.approx(logs.arm_diameter[0][inside].mean(), abs=1e-12)
 
 
-def test_an_imaging_tool_has_the_walls_shape_whether_its_arms_are_known_or_not() -> None:
+def test_an_imaging_tool_has_the_walls_shape_whether_its_arms_are_known_or_not(tmp_path: Path) -> None:
     caliper = four_arms(ellipse, turn=0.05 / 20.3)
     logs = hb.reconstruct(caliper, bit_diameter=BIT).logs()
     assert (logs.shape, logs.arm_diameter) == ("wall", ())
     assert "ARM_DIAMETER_1" not in [column.mnemonic for column in logs.table()]
+    assert logs.table().facts["shape"] == "C1, C2, DMIN, ovality and class of hole come from the wall"
+    logs.save(tmp_path / "a.csv")
+    assert "class of hole come from the wall\n" in (tmp_path / "a.csv").read_text()
     assert np.isnan(logs.shape_kept)
     assert logs.warnings() == []
+
+
+@pytest.mark.parametrize("kept", [0.69, 0.71])
+def test_a_wall_with_less_than_seven_tenths_of_the_arms_shape_is_warned_of(kept: float) -> None:
+    logs = hb.reconstruct(four_arms(ellipse, length=10.0), bit_diameter=BIT).logs()
+    rounder = replace(logs, wall_out_of_roundness=kept * logs.out_of_roundness)
+    few = (
+        f"a tool with few arms measured {100 * logs.coverage.mean():.0f} % of the turns; the wall between its arms is "
+        "interpolated, and C1, C2, ovality and zones are the arms'"
+    )
+    warning = (
+        f"the wall has {kept:.2f} of the out-of-roundness that the arms measured: its sections are rounder than the "
+        "hole"
+    )
+    assert rounder.warnings() == ([few, warning] if kept < 0.7 else [few])
 
 
 def test_a_wall_that_is_rounder_than_the_arms_is_reported() -> None:

@@ -16,7 +16,7 @@ from plotted_wall import BIT, image_of, plotted_wall
 import helibore as hb
 from helibore import plot
 from helibore.base.colors import MISSING
-from helibore.logs.curves import nice_limits
+from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.zones import KINDS
 from helibore.plot.content import content_of
 from helibore.plot.cross_sections import sections_at
@@ -524,3 +524,16 @@ def test_what_is_over_bit_is_no_washout_by_itself() -> None:
     (zone,) = wall.zones().zones
     assert (turns.depth[washed].min(), turns.depth[washed].max()) == pytest.approx((zone.start, zone.stop), abs=0.2)
     assert washed.mean() == pytest.approx(0.2, abs=0.03)
+
+
+def test_a_scalar_track_draws_its_curve_to_its_gaps() -> None:
+    made = hb.reconstruct(hb.Caliper.gauge(2000.0, 2010.0, BIT), bit_diameter=BIT, sectors=8)
+    values = np.arange(11.0) * 7
+    values[4] = np.nan
+    curve = ScalarCurve("ROP", "m/h", 2000.0 + np.arange(11.0), values)
+    figure = plot.log(made, scalars=[curve], dpi=40, polar=(), body=())
+    assert "ROP [m/h]" in [text.get_text() for text in texts(figure)]
+    lines = [line for axes in figure.axes for line in axes.lines if np.size(line.get_xdata()) == 11]
+    (drawn,) = [line for line in lines if np.isnan(line.get_xdata()).sum() == 1]
+    np.testing.assert_array_equal(drawn.get_xdata(), values)
+    np.testing.assert_array_equal(drawn.get_ydata(), curve.depth)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import base64
 import html
+import io
 import math
 import re
 from html.parser import HTMLParser
@@ -194,3 +195,21 @@ def test_no_table_is_wider_than_its_page(unit: str, wall: hb.Wall, browser: Any,
     shown.close()
     assert len(found) > 4
     assert max(found) <= 0
+
+
+def test_a_tool_with_few_arms_has_its_share_of_the_turns_and_hatched_pictures() -> None:
+    from matplotlib.image import imread
+
+    from helibore.plot.tracks import HATCH_BYTES
+
+    depth = np.repeat(np.arange(2000, 2003, 0.05), 4)
+    arm = np.tile([0, 1, 0, 1], depth.size // 4)
+    toolface = (np.tile([0, 90, 180, 270], depth.size // 4) + 12 * depth) % 360
+    made = hb.reconstruct(hb.Caliper(depth, toolface, np.full(depth.size, 0.11), arm=arm), bit_diameter=BIT)
+    text = page(made, dpi=60, polar=(), body=())
+    share = 100 * np.mean(made.logs().coverage)
+    assert 5 < share < 30
+    assert cells(text).count(f"{share:.2f} % of the turns; the rest is interpolated between arms") == 2
+    (picture,) = re.findall(r"data:image/png;base64,([A-Za-z0-9+/=]+)", text)
+    pixels = np.round(imread(io.BytesIO(base64.b64decode(picture)))[..., :3] * 255)
+    assert (pixels == np.array(HATCH_BYTES)[:3]).all(axis=2).sum() > 300

@@ -133,8 +133,23 @@ def test_spikes_by_rotation_and_by_height() -> None:
     assert "by depth, 0.05 m each" in by_height.report[0][1]
     still = log(md__m=np.arange(N), radius__m=radius)
     roles = overlay(guess(still), still, {"radius": {"angle": 0.0}}, "map")
-    with pytest.raises(ValueError, match="no toolface shows the turns of the tool: give the height of a turn"):
+    with pytest.raises(hb.InputError) as caught:
         prepare(still.readings(roles), Preparation(spikes=6.0))
+    assert str(caught.value) == "f.csv: no toolface shows the turns of the tool: give the height of a turn"
+
+
+def test_what_another_pass_saw_at_its_depth_is_no_spike() -> None:
+    """A niche one sample wide and one turn high, 40 turns apart in time: what confirms it is near in depth only."""
+    k = np.arange(960)
+    columns = {"md__m": np.tile(100 + 0.001 * k, 2), "tf__deg": np.tile(k * 15.0 % 360, 2)}
+    columns["pass"] = np.repeat([1, 2], 960)
+    radius = np.full(1920, 0.1)
+    radius[[500, 960 + 500]] = 0.13
+    both = prepare(log(**columns, radius__m=radius).readings(), Preparation(spikes=6.0))
+    assert both.counts == {"spikes": 0, "kept": 1920}
+    radius[960 + 500] = 0.1
+    alone = prepare(log(**columns, radius__m=radius).readings(), Preparation(spikes=6.0))
+    assert alone.counts == {"spikes": 1, "kept": 1919}
 
 
 def test_recentre_is_that_of_the_library() -> None:
@@ -233,12 +248,13 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     rest = prepare(one.readings(), Preparation(earlier=(1,)))
     assert len(rest.caliper) == (number > 1).sum()
     for bad, rule in (
-        (Preparation(passes=(9,)), "pass 9: is not among the passes of the samples: 1, 2, 3"),
-        (Preparation(shifts=((9, 1.0),)), "shift 9=1 m: is not among the passes of the samples"),
-        (Preparation(earlier=(1, 2, 3)), "earlier: no pass is left to compare with them"),
+        (Preparation(passes=(9,)), "f.csv: pass 9: is not among the passes of the samples: 1, 2, 3"),
+        (Preparation(shifts=((9, 1.0),)), "f.csv: shift 9=1 m: is not among the passes of the samples"),
+        (Preparation(earlier=(1, 2, 3)), "f.csv: earlier: no pass is left to compare with them"),
     ):
-        with pytest.raises(ValueError, match=rule):
+        with pytest.raises(hb.InputError) as caught:
             prepare(one.readings(), bad)
+        assert str(caught.value) == rule
 
 
 def test_bias_by_side_takes_the_tool_bearing() -> None:

@@ -64,3 +64,21 @@ def test_settings_say_how_far_and_how_wide() -> None:
         hb.Wall(bit_diameter=0.2, gap_reach=0)
     with pytest.raises(hb.InputError, match=r"^largest_gap = 400\.0: must be above 0 and at most 360$"):
         hb.Wall(bit_diameter=0.2, largest_gap=400)
+
+
+@pytest.mark.parametrize(("chosen", "reach"), [({}, 0.5), ({"gap_reach": 0.12}, 0.12)])
+def test_every_vertex_knows_its_gap_within_the_reach(chosen: dict[str, float], reach: float) -> None:
+    random = np.random.default_rng(3)
+    depth, toolface = np.sort(random.uniform(10, 13, 90)), random.uniform(0, 360, 90)
+    wall = hb.reconstruct(hb.Caliper(depth, toolface, np.full(90, 0.11)), bit_diameter=0.2, sectors=16, **chosen)
+    helix = Helix(wall.start_depth, wall.settings.start_toolface, wall.settings.pitch, 16)
+    np.testing.assert_allclose(wall.angular_gap, gaps(helix, len(wall), depth, toolface, reach), atol=1e-9)
+
+
+def test_a_gap_of_60_degrees_is_the_largest_that_counts_as_measured_by_default() -> None:
+    depth = np.repeat(np.arange(0, 3, 0.05), 6)
+    toolface = np.tile([0, 59, 120, 179, 240, 299], depth.size // 6)  # 59 and 61 degrees apart by turns
+    caliper = hb.Caliper(depth, toolface, np.full(depth.size, 0.11))
+    wall = hb.reconstruct(caliper, bit_diameter=0.216, sectors=360)
+    assert set(np.round(wall.angular_gap, 6).tolist()) == {0.0, 59.0, 61.0}
+    np.testing.assert_allclose(wall.logs().coverage, 0.5, atol=1e-9)
