@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -131,7 +131,9 @@ def test_a_damaged_or_empty_frame_does_not_block_the_others(tmp_path: Path) -> N
     with hb.open(tmp_path / "w.dlis") as file:
         one = file.set()
         assert (one.name, one.rows) == ("MAIN", 60)
-        print(one.remarks)
+        (text,) = one.remarks
+    said = r"another set is left out: w.dlis: frame MAIN1: truncated or damaged \(.*GR1.* not found\)"
+    assert re.fullmatch(said, text)
 
     def without_rows(content: bytes, name: bytes) -> bytes:
         """Let the rows of a frame belong to a frame that is not there."""

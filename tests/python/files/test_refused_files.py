@@ -190,3 +190,21 @@ def test_a_frame_whose_index_does_not_fit(tmp_path: Path) -> None:
     with pytest.raises(hb.InputError) as caught:
         _ = _frame(source, "MAIN", Frame(2, 2), {})["GR"].values
     assert str(caught.value) == "t.dlis: frame MAIN: 2 of 3 rows are there: truncated or damaged"
+
+
+def test_an_array_of_two_dimensions_is_one_axis_and_reported(tmp_path: Path) -> None:
+    class Wave(Frame):
+        def dtype(self) -> np.dtype[Any]:
+            return np.dtype([("FRAMENO", "i4"), ("DEPT", "f8"), ("WAVE", "f8", (2, 3))])
+
+        def curves(self) -> np.ndarray[Any, Any]:
+            rows = np.zeros(self.rows, self.dtype())
+            rows["WAVE"] = np.arange(18.0).reshape(3, 2, 3)
+            return rows
+
+    (tmp_path / "t.dlis").write_bytes(b"x")
+    frame = Wave(2, 3)
+    frame.channels = [frame.channels[0], type("Image", (frame.channels[0],), {"dimension": [2, 3]})]
+    one = _frame(InputFile(tmp_path / "t.dlis"), "MAIN", frame, {})
+    assert one.remarks == ["WAVE: 2 x 3 elements a row, laid out as one axis"]
+    np.testing.assert_array_equal(one["WAVE"].values, np.arange(18.0).reshape(3, 6))

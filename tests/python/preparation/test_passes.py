@@ -186,6 +186,15 @@ def test_a_drifting_arm_is_named_and_the_steady_one_is_the_truth(seed, motion, s
         assert bias.lines(["CALX", "CALY"])[7].startswith("pass 18, mm: CALX +3.")
 
 
+def test_biases_shrink_to_zero_the_less_is_expected_of_them():
+    columns = drifting(1)
+    found = [find_bias(*columns, expected=expected) for expected in (1e-7, 3e-6, 3e-5, 1e-4, 2e-3)]
+    largest = [np.abs(bias.table).max() for bias in found]
+    assert (np.diff(largest) > 0).all()
+    assert largest[0] < 1e-6
+    assert largest[-1] == pytest.approx(0.15 * INCH, abs=0.01 * INCH)
+
+
 @pytest.mark.parametrize("seed", [1, 8])
 @pytest.mark.parametrize("motion", ["common rate", "one bearing", "bearings"])
 @pytest.mark.parametrize("wall", [walled, oval_that_turns, broken_out])
