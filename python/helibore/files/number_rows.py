@@ -66,13 +66,13 @@ def read_rows(
     """
 
     def is_row(line: str) -> bool:
-        return line != "" and not line.isspace() and not (comments and line.lstrip().startswith("#"))
+        return line.strip() != "" and not (comments and line.lstrip().startswith("#"))
 
     def line_of(row: int) -> int:
         numbers = (number for number, line in enumerate(lines, first_line) if is_row(line))
         return next(islice(numbers, row, None))
 
-    kept = [line for line in lines if is_row(line)]
+    kept = list(filter(is_row if comments else str.strip, lines))
     if not kept:
         raise file_error(path, "no rows below the header", max(1, first_line - 1))
 
