@@ -1,7 +1,9 @@
 """How long opening field files takes, beside the libraries that read them: plain functions that return dicts.
 
-    las()    P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it, beside lasio
-    table()  a CSV of samples of 100 MB (depth, toolface, radius, time), beside pyarrow's own read
+    las()          P11-A-02 (7,361 rows, 52 columns, 24 of them sectors) or a file written like it, beside lasio
+    table()        a CSV of samples of 100 MB (depth, toolface, radius, time), beside pyarrow's own read
+    small_table()  such a CSV of 1.6 MB, beside ``numpy.loadtxt``
+    json_log()     a log in JSON Well Log Format, 20,000 rows of 20 curves, beside json and a pandas data frame
 
 Both sides run in turn in one process; the median and spread of the ratios of all turns are printed. Every value is
 loaded on our side (nulls replaced and counted), and the values are compared first.
@@ -11,6 +13,7 @@ loaded on our side (nulls replaced and counted), and the values are compared fir
 
 from __future__ import annotations
 
+import json
 import statistics
 import sys
 import tempfile
@@ -51,6 +54,44 @@ def table(megabytes: int = 100, turns: int = 5) -> dict[str, float | str]:
         del theirs, ours
         size = path.stat().st_size
         return {"bytes": size} | alternately(lambda: load(path), lambda: csv.read_csv(path), turns)
+
+
+def small_table(turns: int = 9) -> dict[str, float | str]:
+    """Opening a CSV below 2 MiB and loading every column, beside ``numpy.loadtxt``. Bar: at most 1 time."""
+    with tempfile.TemporaryDirectory() as folder:
+        lines = written_table(Path(folder) / "all.csv", 1).read_text().splitlines(keepends=True)[:50_000]
+        path = Path(folder) / "samples.csv"
+        path.write_text("".join(lines))
+
+        def theirs() -> np.ndarray:
+            return np.loadtxt(path, delimiter=",", skiprows=1)
+
+        ours = hb.open(path).set()
+        for channel, values in zip(ours, theirs().T, strict=True):
+            np.testing.assert_array_equal(channel.values, values)
+        return {"bytes": path.stat().st_size} | alternately(lambda: load(path), theirs, turns)
+
+
+def json_log(rows: int = 20_000, curves: int = 20, turns: int = 9) -> dict[str, float | str]:
+    """Opening a JSON log and loading every curve, beside ``json.load`` and a pandas data frame. Bar: at most 1 time."""
+    import pandas as pd
+
+    with tempfile.TemporaryDirectory() as folder:
+        path = Path(folder) / "log.json"
+        values = np.round(np.random.default_rng(4).normal(50, 10, (rows, curves)), 4)
+        values[:, 0] = 1000 + 0.1524 * np.arange(rows)
+        heads = [{"name": f"C{k}", "unit": "m", "valueType": "float", "dimensions": 1} for k in range(curves)]
+        path.write_text(json.dumps([{"header": {"name": "log"}, "curves": heads, "data": values.tolist()}]))
+
+        def theirs() -> pd.DataFrame:
+            with path.open() as file:
+                (log,) = json.load(file)
+            return pd.DataFrame(log["data"], columns=[curve["name"] for curve in log["curves"]])
+
+        ours, frame = hb.open(path).set(), theirs()
+        for name in frame:
+            np.testing.assert_array_equal(ours[name].values, frame[name])
+        return {"bytes": path.stat().st_size} | alternately(lambda: load(path), theirs, turns)
 
 
 def load(path: Path) -> None:
@@ -109,4 +150,6 @@ def written_las(path: Path, rows: int = 7361, columns: int = 52) -> Path:
 
 if __name__ == "__main__":
     print("las  ", las(Path(sys.argv[1]) if len(sys.argv) > 1 else None))
+    print("json ", json_log())
+    print("small", small_table())
     print("table", table())

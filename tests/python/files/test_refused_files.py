@@ -118,6 +118,30 @@ def test_a_file_is_refused_with_its_place_and_the_rule(
 
 
 @pytest.mark.parametrize(
+    ("start", "text"),
+    [
+        (b"\xfe\xff\0a", "UTF-16 text: save it as UTF-8"),
+        (
+            b"glTF",
+            "a mesh (GLB) holds no samples: take the settings beside it (.glb.toml), a .wall or the caliper file",
+        ),
+        (b"BZh9", "bzip2: unpack it first"),
+        (b"\xfd7zXZ\0", "xz: unpack it first"),
+        (b"\x28\xb5\x2f\xfd", "zstandard: unpack it first"),
+        (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive: unpack it first"),
+        (b"\x89HDF\r\n", "HDF5: not one of the formats read"),
+        (b"\xd0\xcf\x11\xe0", "an old Excel or a Word file: save the sheet as XLSX or CSV"),
+        (b"%PDF-1.7", "a PDF: not one of the formats read"),
+    ],
+)
+def test_a_file_of_another_kind_is_refused_with_what_to_do(tmp_path: Path, start: bytes, text: str) -> None:
+    (tmp_path / "t.csv").write_bytes(start + bytes(100))
+    with pytest.raises(hb.InputError) as caught:
+        hb.open(tmp_path / "t.csv")
+    assert str(caught.value) == f"t.csv: {text}"
+
+
+@pytest.mark.parametrize(
     ("name", "content", "library", "extra"),
     [
         ("t.las", LAS2 + "~Curve\nDEPT.M :\n~A\n1\n", "lasio", "las"),

@@ -22,6 +22,7 @@ from helibore.plot.content import content_of
 from helibore.plot.cross_sections import sections_at
 from helibore.plot.diameters import Diameters, diameters, thinned
 from helibore.plot.header import header_height
+from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
 from helibore.plot.scales import FEET, Lines, usual_scale
@@ -537,3 +538,20 @@ def test_a_scalar_track_draws_its_curve_to_its_gaps() -> None:
     (drawn,) = [line for line in lines if np.isnan(line.get_xdata()).sum() == 1]
     np.testing.assert_array_equal(drawn.get_xdata(), values)
     np.testing.assert_array_equal(drawn.get_ydata(), curve.depth)
+
+
+def test_a_picture_and_a_report_state_the_header_of_the_log() -> None:
+    made = hb.reconstruct(hb.Caliper.gauge(2000.0, 2001.0, BIT), bit_diameter=BIT, sectors=8)
+    labels = {
+        "company": "Company", "field": "Field", "location": "Location", "date": "Date", "datum": "Depth datum",
+        "mud": "Mud", "bit": "Bit", "remarks": "Remarks",
+    }  # fmt: skip
+    header = {name: f"my {name}" for name in labels}
+    figure = plot.log(made, title="W-1", header=header, dpi=30, polar=(), body=())
+    words = " | ".join(text.get_text() for text in texts(figure))
+    rows = page(made, title="W-1", header=header, dpi=30, polar=(), body=())
+    assert "W-1" in words
+    assert "<h1>W-1</h1>" in rows
+    for name, label in labels.items():
+        assert f"{label} | my {name}" in words
+        assert f"<tr><th>{label}</th><td>my {name}</td></tr>" in rows
