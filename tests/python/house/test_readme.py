@@ -183,6 +183,13 @@ def read_cmake(block: Block) -> None:
     assert target in used
 
 
+def compile_c(block: Block) -> None:
+    """Only compiled: test_c.cpp runs the whole interface."""
+    Path("block.c").write_text(block.text)
+    flags = ["-std=c11", "-fsyntax-only", "-Wall", "-Wextra", "-Werror"]
+    subprocess.run([os.environ.get("CC", "cc"), *flags, "-I", ROOT / "cpp/include", "block.c"], check=True)
+
+
 def compile_cpp(block: Block) -> None:
     text = "#include <helibore/live.hpp>\n#include <helibore/surface.hpp>\n#include <helibore/wall.hpp>\n"
     if "int main" not in block.text:
@@ -203,7 +210,8 @@ def leave(_block: Block) -> None:
 SHELL = ("sh", "console")
 RUN: dict[str, Callable[[Block], None]] = {
     "python": run_python, "toml": read_toml, "sql": read_sql,
-    "cmake": read_cmake, "cpp": compile_cpp, "json": lambda block: json.loads(block.text), "ini": leave, "yaml": leave,
+    "cmake": read_cmake, "cpp": compile_cpp, "c": compile_c, "json": lambda block: json.loads(block.text),
+    "ini": leave, "yaml": leave,
 }  # fmt: skip
 
 
