@@ -35,7 +35,12 @@ def run(*command: str | Path) -> str:
 def build() -> Path:
     """The core and its tests, compiled with warnings as errors; kept between runs."""
     build = ROOT / "build" / "cpp"
-    options = ("-DHELIBORE_TESTS=ON", "-DHELIBORE_WARNINGS_AS_ERRORS=ON", "-DCMAKE_BUILD_TYPE=Release")
+    options = (
+        "-DHELIBORE_TESTS=ON",
+        "-DHELIBORE_FUZZ=OFF",
+        "-DHELIBORE_WARNINGS_AS_ERRORS=ON",
+        "-DCMAKE_BUILD_TYPE=Release",
+    )
     run("cmake", "-S", ROOT, "-B", build, "-G", "Ninja", *options)
     run("cmake", "--build", build, "-j2")
     return build
@@ -168,7 +173,7 @@ def test_the_stub_of_the_extension_is_right(tmp_path: Path) -> None:
     """What type checkers read is what the extension has: every name, argument and default."""
     pytest.importorskip("mypy")
     settings, allowed = tmp_path / "mypy.ini", tmp_path / "allowed.txt"
-    settings.write_text("[mypy]\n")
+    settings.write_text("[mypy]\n[mypy-helibore,helibore.*]\nfollow_imports = skip\n")  # the stub needs NumPy alone
     allowed.write_text("".join(f"helibore._core.{name}\n" for name in ALLOWED))
     options = ("--mypy-config-file", settings, "--allowlist", allowed)
     run(sys.executable, "-m", "mypy.stubtest", "helibore._core", *options)
