@@ -3,7 +3,7 @@
 IDW on a tree, Delaunay, thin plate     SciPy
 natural neighbour                       Sibson's, on a raster (Park and others, 2006), with SciPy's tree
 contours                                linear around each turn of samples and between turns: parallel contours
-kriging by PyKrige, by GSTools          ordinary kriging of the 16 nearest; of 500 samples around each 0.5 m
+kriging by PyKrige                       ordinary kriging of the 16 nearest
 """
 
 from __future__ import annotations

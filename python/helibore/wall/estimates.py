@@ -21,7 +21,9 @@ from helibore.samples.caliper import Caliper
 FEWEST_SAMPLES = 100
 MOST_UNMEASURED = 0.5
 """Share of the turns: a tool that leaves more unmeasured has few arms, or sends few samples."""
-_MOST_BOX_DEPTH, _BOXES = 1.0, 200
+_MOST_BOX_DEPTH = 1.0
+FEW_BOXES = 200
+"""Enough for an uncertainty; with as many as targets, chance hardly decides which settings `tune` chooses."""
 
 Columns = tuple[Floats, Floats, Floats]
 Boxes = tuple[Floats, Floats]
@@ -47,8 +49,12 @@ def in_depth_order(caliper: Caliper) -> Columns:
     return caliper.depth[order], np.where(toolface < 360.0, toolface, 0.0), caliper.radius[order]
 
 
-def choose_left_out(samples: Columns, settings: Settings, most: int, seed: int, purpose: str) -> tuple[Integers, Boxes]:
+def choose_left_out(
+    samples: Columns, settings: Settings, most: int, seed: int, purpose: str, boxes: int = FEW_BOXES
+) -> tuple[Integers, Boxes]:
     """Return rows to leave out, (m,) with m at most ``most``, and half the height and width of a box around each.
+
+    At most ``boxes`` of the boxes are different.
 
     An InputError says that there are too few samples for the ``purpose``, or that the settings have a window.
     """
@@ -60,18 +66,20 @@ def choose_left_out(samples: Columns, settings: Settings, most: int, seed: int, 
         raise InputError("samples", f"too few samples {purpose}: must be at least {FEWEST_SAMPLES}", str(count))
     rng = np.random.default_rng(seed)
     rows = np.sort(rng.choice(count, min(most, count), replace=False))
-    return rows, empty_boxes(samples, settings, rows.size, rng)
+    return rows, empty_boxes(samples, settings, rows.size, rng, boxes)
 
 
-def empty_boxes(samples: Columns, settings: Settings, count: int, rng: np.random.Generator) -> Boxes:
+def empty_boxes(
+    samples: Columns, settings: Settings, count: int, rng: np.random.Generator, different: int = FEW_BOXES
+) -> Boxes:
     """Return half the height (m) and half the width (degrees) of the empty boxes around random vertices of the wall.
 
     The height is the depth to the nearest sample within half a sector of angle, at most 1 m (at 0.5 m the same arm,
-    with the same bias, still says much); the width is the angle to the nearest sample within half a pitch of depth. At
-    most `_BOXES` different boxes, repeated.
+    with the same bias, still says much); the width is the angle to the nearest sample within half a pitch of depth.
+    There are ``different`` boxes, repeated.
     """
     depth, toolface, _ = samples
-    some = min(count, _BOXES)
+    some = min(count, different)
     where, angle = rng.uniform(depth[0], depth[-1], some), rng.uniform(0.0, 360.0, some)
     height, width = np.full(some, _MOST_BOX_DEPTH), np.full(some, 180.0)
     half_pitch, half_sector = abs(settings.pitch) / 2, 180.0 / settings.sectors

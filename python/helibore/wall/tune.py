@@ -28,6 +28,7 @@ from helibore.base.threads import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.wall.continuation import LEAST_GAIN, find_continuation
 from helibore.wall.estimates import (
+    FEW_BOXES,
     Boxes,
     Columns,
     choose_left_out,
@@ -198,20 +199,20 @@ def tune(
     """
     settings = Settings(bit_diameter=bit_diameter, **fixed)
     Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks them
-    return _tuning(in_depth_order(caliper), settings, fixed, targets, thread_count(threads), seed)
+    return _tuning(in_depth_order(caliper), settings, fixed, targets, thread_count(threads), seed, boxes=targets)
 
 
 def cross_validate(wall: Wall, targets: int = 1000, threads: int | None = None) -> Tuning:
     """Say how well the settings of a wall do on its own samples, and what tuning would gain: `tune` without changes."""
-    return _tuning(in_depth_order(wall.samples), wall.settings, {}, targets, thread_count(threads), 0)
+    return _tuning(in_depth_order(wall.samples), wall.settings, {}, targets, thread_count(threads), 0, FEW_BOXES)
 
 
 def _tuning(
-    samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int
+    samples: Columns, settings: Settings, fixed: dict[str, Any], targets: int, threads: int, seed: int, boxes: int
 ) -> Tuning:
     depth, _, radius = samples
-    rows, around = choose_left_out(samples, settings, targets, seed, "to tune")
-    boxes: tuple[Boxes | None, ...] = (None, around)
+    rows, around = choose_left_out(samples, settings, targets, seed, "to tune", boxes)
+    kinds: tuple[Boxes | None, ...] = (None, around)
     ranges: dict[float, float] = {}
 
     def ranged(settings: Settings) -> Settings:
@@ -222,18 +223,18 @@ def _tuning(
         return replace(settings, kriging_range=ranges[scale])
 
     first = settings if settings.kriging_range is not None else ranged(settings)
-    trials = [estimate_left_out(samples, rows, first, each, threads).radius for each in boxes]
+    trials = [estimate_left_out(samples, rows, first, each, threads).radius for each in kinds]
     tried, errors = [first], [[trial - radius[rows]] for trial in trials]
     for family, nuggets in _grid(first, fixed):
         ready = ranged(family)
         tried += [replace(ready, nugget=nugget) for nugget in nuggets] or [ready]
-        for each, trial, of_kind in zip(boxes, trials, errors, strict=True):
+        for each, trial, of_kind in zip(kinds, trials, errors, strict=True):
             found = estimate_left_out(samples, rows, ready, each, threads, trial, nuggets)
             of_kind += [of - radius[rows] for of in found.by_nugget or [found.radius]]
     along, gain = (None, np.nan) if TUNED_ALONG & fixed.keys() else find_continuation(samples, first, seed)
     if along:
         tried.append(along)
-        for each, of_kind in zip(boxes, errors, strict=True):
+        for each, of_kind in zip(kinds, errors, strict=True):
             of_kind.append(estimate_left_out(samples, rows, along, each, threads).radius - radius[rows])
     candidates = _compared(tried, errors, depth[rows])
     if along:  # leaving samples out says nothing of what lies between arms
