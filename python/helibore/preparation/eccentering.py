@@ -26,8 +26,9 @@ much of the circle missing, do not show that they are not, the two models are mi
 when the wall may have a first harmonic of its own, the covariance takes in both models and what lies between them, and
 less of the offset is corrected (``Centres.one_sided``, ``Centres.share``).
 
-Where the wall steps out and back, harmonics do not follow: 32 samples a turn in lobes with upright edges leave 0.6 mm.
-So a rough turn is fitted twice more, as an oval with two opposite lobes and with one, their edges found by trying all,
+Where the wall steps out and back, harmonics do not follow: 32 samples a turn in breakouts with upright edges leave
+0.6 mm.
+So a rough turn is fitted twice more, as an oval with two opposite steps and with one, their edges found by trying all,
 and the models are mixed by their evidence (``turn_fits``).
 
 What no model can tell: a smooth washout on one side, 120 deg wide or more, has hardly a third harmonic; its first and
@@ -218,7 +219,7 @@ def find_centres(
 def _fit(result: Centres, reach: Complexes, shape: Shape) -> Floats:
     """Fit all turns, some thousands at once; ``reach`` are their samples, turn by turn.
 
-    Returns the mean radius of each without its lobes, (t,) m.
+    Returns the mean radius of each without its steps, (t,) m.
     """
     smooth_radius = np.full(result.turn.size, np.nan)
     filled = np.flatnonzero(result.samples)

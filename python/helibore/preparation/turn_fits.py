@@ -3,8 +3,8 @@
     rho(phi) = |c + r u| = R + sum over n = 2 .. H of (a_n cos n phi + b_n sin n phi) + steps + noise
 
     smooth      twelve harmonics, the even ones as large as ovality and breakouts make them
-    pair        an oval with two opposite lobes that have upright edges
-    single      an oval with one such lobe: a washout on one side, a key seat
+    pair        an oval with two opposite steps that have upright edges
+    single      an oval with one such step: a washout on one side, a key seat
 
 Each model is fitted by robust Gauss-Newton, then fitted again with a wall that may be enlarged on one side, and mixed
 with that as far as the samples leave it open. Then the three are mixed by their evidence: of models with weights w, the
@@ -29,19 +29,19 @@ _REJECT = 6.0  # biweight: samples beyond so many deviations have no weight; har
 _NOISE_SAMPLES = 4.0  # how many samples the expected noise is worth beside those of the turn
 _ONE_SIDED = 4.0  # |a_1 / a_3| of a box of 150 deg; three times this covers nearly any one-sided wall
 _STRANGE = 3.0  # what a rejected sample costs beside the bounded loss: its chance is one in twenty over 0.1 m
-_SMOOTH = 8  # harmonics of a wall beside its lobes
+_SMOOTH = 8  # harmonics of a wall beside its steps
 _ROUNDS, _ROUNDS_TOGETHER = 32, 8
 _CONVERGED = 5e-7  # m: far below the best standard deviation
-_LOBE_DEPTHS = np.array([0.03, 0.003])  # m: expected of a lobe, and of how two opposite ones differ
+_STEP_DEPTHS = np.array([0.03, 0.003])  # m: expected of a step, and of how two opposite ones differ
 _STATE = ("centre", "terms", "free", "noise")  # what one round takes over from the last
 
 _CLOSED, _OPEN = 0.64, 0.72  # of the third harmonic of a washout left open: it counts from here on, and fully
-_ROUGH, _OVAL = 1.5, 2.0  # expected deviations: lobes are searched where an oval leaves more, or is more oval
-_ODDS = 8.0  # logarithm of the odds that lobes have to overcome, beside the number of their sectors
+_ROUGH, _OVAL = 1.5, 2.0  # expected deviations: steps are searched where an oval leaves more, or is more oval
+_ODDS = 8.0  # logarithm of the odds that steps have to overcome, beside the number of their sectors
 _LIKELY = 1e-6  # a model of less weight is left out
 
-_CELLS = 240  # around the hole, for the search for lobes
-_PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite lobes may take
+_CELLS = 240  # around the hole, for the search for steps
+_PAIR_WIDTHS = range(10, 61, 2)  # cells that each of two opposite steps may take
 _SINGLE_WIDTHS = range(20, 141, 4)
 _SEARCH_HARMONICS = 4
 _SAME = 1e-9  # gains that differ by less are those of the same samples
@@ -79,7 +79,7 @@ class Shape:
         return np.where(n == 2, self.even, self.odd * np.square(3.0 / n))
 
     def plain(self) -> Shape:
-        """Return what may be expected of a wall beside its lobes: oval, and else smooth."""
+        """Return what may be expected of a wall beside its steps: oval, and else smooth."""
         return replace(self, lobed=False, harmonics=min(self.harmonics, _SMOOTH))
 
     def widened(self) -> Shape:
@@ -165,18 +165,18 @@ class TurnFits:
     """One model, fitted to all turns of a chunk: Gauss-Newton on the centre.
 
     Each round is one linear fit of rho(phi) in the hole's frame. rho(c + dc) = rho(c) + u(phi) dc, so the first
-    harmonic of the fit is -dc; at the solution it is zero. ``lobes`` are further columns, one value a sample.
+    harmonic of the fit is -dc; at the solution it is zero. ``steps`` are further columns, one value a sample.
     """
 
-    def __init__(self, reach: Complexes, count: Integers, shape: Shape, lobes: Floats | None = None) -> None:
+    def __init__(self, reach: Complexes, count: Integers, shape: Shape, steps: Floats | None = None) -> None:
         self.reach, self.count, self.shape = reach, count, shape
-        self.lobes: Floats = np.empty((0, reach.size)) if lobes is None else lobes
+        self.steps: Floats = np.empty((0, reach.size)) if steps is None else steps
         self.starts = np.cumsum(count) - count
         self.turn = np.repeat(np.arange(count.size), count)
         self.waves = 1 + 2 * shape.harmonics
         deviations = np.repeat(shape.deviations(), 2)
-        lobe_deviations = _LOBE_DEPTHS[: len(self.lobes)]
-        self.precision = np.concatenate([[0.0], np.full(2, shape.reach**-2), deviations**-2, lobe_deviations**-2])
+        step_deviations = _STEP_DEPTHS[: len(self.steps)]
+        self.precision = np.concatenate([[0.0], np.full(2, shape.reach**-2), deviations**-2, step_deviations**-2])
         self.centre = np.zeros(count.size, dtype=np.complex128)
         self.terms = np.zeros((count.size, self.precision.size))
         self.terms[:, 0] = np.add.reduceat(np.abs(reach), self.starts) / count
@@ -191,7 +191,7 @@ class TurnFits:
     def solve(self, rounds: int = _ROUNDS) -> None:
         """Fit all turns for a few rounds, then only those that still move."""
         for _ in range(min(rounds, _ROUNDS_TOGETHER)):
-            moving = self._step() > _CONVERGED
+            moving = self._move() > _CONVERGED
             if not moving.any():
                 return
         if rounds > _ROUNDS_TOGETHER:
@@ -199,32 +199,32 @@ class TurnFits:
             rest.solve(rounds - _ROUNDS_TOGETHER)
             for name in _STATE:
                 getattr(self, name)[moving] = getattr(rest, name)
-            self._step()
+            self._move()
 
     def only(self, chosen: Mask) -> TurnFits:
         """Return some of the turns, to be solved again or as they are."""
         kept = chosen[self.turn]
-        part = TurnFits(self.reach[kept], self.count[chosen], self.shape, self.lobes[:, kept])
+        part = TurnFits(self.reach[kept], self.count[chosen], self.shape, self.steps[:, kept])
         for name in (*_STATE, "inverse"):
             setattr(part, name, getattr(self, name)[chosen])
         part.distance, part.residual, part.weight = self.distance[kept], self.residual[kept], self.weight[kept]
         part.table = self.table[:, kept]
         return part
 
-    def plain(self, lobes: Floats | None = None) -> TurnFits:
-        """Fit the same turns from their present centres with an oval wall, perhaps with lobes.
+    def plain(self, steps: Floats | None = None) -> TurnFits:
+        """Fit the same turns from their present centres with an oval wall, perhaps with steps.
 
-        No sample is left out at first: one in a lobe must have the time to find that it is.
+        No sample is left out at first: one in a step must have the time to find that it is.
         """
-        oval = TurnFits(self.reach, self.count, self.shape.plain(), lobes)
+        oval = TurnFits(self.reach, self.count, self.shape.plain(), steps)
         oval.centre, oval.terms[:, 0] = self.centre.copy(), self.terms[:, 0]
-        oval.noise[:] = _LOBE_DEPTHS[0]
+        oval.noise[:] = _STEP_DEPTHS[0]
         oval.solve()
         return oval
 
     def widened(self) -> TurnFits:
         """Fit the same turns from their present state with a wall that may be enlarged on one side."""
-        wide = TurnFits(self.reach, self.count, self.shape.widened(), self.lobes)
+        wide = TurnFits(self.reach, self.count, self.shape.widened(), self.steps)
         for name in _STATE:
             setattr(wide, name, getattr(self, name).copy())
         wide.solve()
@@ -236,7 +236,7 @@ class TurnFits:
         self.distance = np.abs(wall)
         self.table = powers(wall / self.distance, 2 * self.shape.harmonics)
 
-    def _step(self) -> Floats:
+    def _move(self) -> Floats:
         """One round: weights from the residuals, the linear fit, the centre moved; returns by how much, (t,) m."""
         self.look()
         self.residual = self.distance - self._wall(self.terms)
@@ -250,44 +250,44 @@ class TurnFits:
         self.inverse = np.linalg.inv(matrix).astype(np.float64, copy=False)
         self.terms = (self.inverse @ side[:, :, None])[:, :, 0]
         self.free = self.precision.size - (np.einsum("tpp->tp", self.inverse) * ridge).sum(axis=1)
-        step = self.terms[:, 1] + 1j * self.terms[:, 2]
-        self.centre = self.centre - step
+        move = self.terms[:, 1] + 1j * self.terms[:, 2]
+        self.centre = self.centre - move
         self.terms[:, 1:3] = 0.0
-        return np.abs(step)
+        return np.abs(move)
 
     def normal_equations(self) -> tuple[Floats, Floats]:
-        """Matrix and right-hand side of waves and lobes together."""
+        """Matrix and right-hand side of waves and steps together."""
         waves, side = normal_equations(self.weight, self.distance, self.table, self.starts)
-        if not len(self.lobes):
+        if not len(self.steps):
             return waves, side
         size, first = self.precision.size, self.waves
         matrix = np.empty((self.count.size, size, size))
         matrix[:, :first, :first] = waves
         sides = [side]
-        for k, lobe in enumerate(self.lobes):
-            value = self.weight * lobe
+        for k, step in enumerate(self.steps):
+            value = self.weight * step
             across = projections(value, self.table[: self.shape.harmonics + 1], self.starts)
             matrix[:, first + k, :first] = matrix[:, :first, first + k] = across
-            for j, other in enumerate(self.lobes):
+            for j, other in enumerate(self.steps):
                 matrix[:, first + k, first + j] = np.add.reduceat(value * other, self.starts)
             sides.append(np.add.reduceat(value * self.distance, self.starts)[:, None])
         return matrix, np.concatenate(sides, axis=1)
 
     def _wall(self, terms: Floats) -> Floats:
-        """Return the value of waves and lobes at every sample."""
+        """Return the value of waves and steps at every sample."""
         values = evaluate(terms[:, : self.waves], self.table, self.turn)
-        for k, lobe in enumerate(self.lobes):
-            values += terms[self.turn, self.waves + k] * lobe
+        for k, step in enumerate(self.steps):
+            values += terms[self.turn, self.waves + k] * step
         return values
 
     def leverage(self) -> Floats:
-        """Return x' B x at every sample, where x are its waves and lobes."""
+        """Return x' B x at every sample, where x are its waves and steps."""
         first = self.waves
         hat = leverage(self.inverse[:, :first, :first], self.table, self.turn)
-        for k, lobe in enumerate(self.lobes):
+        for k, step in enumerate(self.steps):
             row = self.inverse[:, first + k].copy()
             row[:, :first] *= 2.0
-            hat += lobe * self._wall(row)
+            hat += step * self._wall(row)
         return hat
 
     def _weigh(self) -> None:
@@ -371,14 +371,14 @@ class TurnFits:
         return share
 
 
-# --- lobes with upright edges ---------------------------------------------------------------------------------------
+# --- steps with upright edges ---------------------------------------------------------------------------------------
 
 
-def fit_lobes(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
-    """Fit the turns with the best sector of each as a lobe, and if ``opposite`` with the one across the hole too.
+def fit_steps(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
+    """Fit the turns with the best sector of each as a step, and if ``opposite`` with the one across the hole too.
 
-    No series of a few harmonics follows a step, and what it misses moves the centre. A wall that is smooth but for one
-    step out and one step back, or two opposite ones, is linear in everything but the two edges, so all are tried::
+    No series of a few harmonics follows an upright edge, and what it misses moves the centre. A wall that is smooth but
+    for one sector that stands out, or two opposite ones, is linear in everything but the two edges, so all are tried::
 
           D .-----.                   .-----.          e       residuals of the smooth fit
             |     |                   |     |          b       1 in the sector, 0 outside; weights W
@@ -386,13 +386,13 @@ def fit_lobes(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
           from    to                from+180
 
     The gain of a sector is what the weighted squares of the residuals lose when D is fitted with all else. With sums
-    over cells of three degrees, added up around the hole, it takes as many steps as the fit has terms. The cells are
-    laid by the second harmonic of the turn, so that turned samples give turned sectors. Opposite lobes have one depth,
+    over cells of three degrees, added up around the hole, it takes as many passes as the fit has terms. The cells are
+    laid by the second harmonic of the turn, so that turned samples give turned sectors. Opposite steps have one depth,
     but for a little that is found as well.
 
     Returns
     -------
-    The fits, and what the lobes add to the mean radius, (t,) m.
+    The fits, and what the steps add to the mean radius, (t,) m.
     """
     cells = _CELLS // 2 if opposite else _CELLS
     widths = _PAIR_WIDTHS if opposite else _SINGLE_WIDTHS
@@ -400,7 +400,7 @@ def fit_lobes(smooth: TurnFits, opposite: bool) -> tuple[TurnFits, Floats]:
     laid = 0.5 * np.arctan2(smooth.terms[:, 4], smooth.terms[:, 3])
     around = (where - laid[smooth.turn]) / (2.0 * np.pi) * _CELLS % _CELLS
     cell = np.minimum(around.astype(np.int64), _CELLS - 1)
-    least = float(np.square(smooth.shape.noise / _LOBE_DEPTHS[0]))
+    least = float(np.square(smooth.shape.noise / _STEP_DEPTHS[0]))
     first, width, widest = best_sectors(cell_sums(smooth, where, cell % cells, cells), widths, least)
     off = (cell - first[smooth.turn]) % _CELLS
     inside = off % cells < width[smooth.turn]
@@ -415,7 +415,7 @@ def cell_sums(fits: TurnFits, where: Floats, cell: Integers, cells: int) -> Floa
     """Return the sums over each cell of the P whitened terms, the residuals and the weights, (t, cells, P + 2).
 
     The terms are whitened by the Cholesky factor L of the normal matrix: L^-1 X'. Let b be 1 in a sector and 0 outside,
-    as in `fit_lobes`. The squares of the sector's summed terms add up to b' W X (X' W X + ridge)^-1 X' W b of the gain.
+    as in `fit_steps`. The squares of the sector's summed terms add up to b' W X (X' W X + ridge)^-1 X' W b of the gain.
     """
     shape, turns = fits.shape.plain(), fits.count.size
     table = powers(np.exp(1j * where), 2 * _SEARCH_HARMONICS)
@@ -467,7 +467,7 @@ def best_sectors(sums: Floats, widths: range, least: float) -> tuple[Integers, I
 class Estimate:
     """The result of one model for every turn. Names are those of ``Centres``, and ``centre`` is x + i y.
 
-    ``smooth_radius`` is the mean radius without lobes.
+    ``smooth_radius`` is the mean radius without steps.
     """
 
     centre: Complexes
@@ -502,7 +502,7 @@ def estimate(fits: TurnFits) -> Estimate:
     turns, some = np.flatnonzero(rough), fits.only(rough)
     known = np.maximum(some.evidence(), plain.only(rough).evidence())
     for opposite in (True, False):
-        model, added = fit_lobes(some, opposite)
+        model, added = fit_steps(some, opposite)
         sectors = np.square(some.count) / (4.0 if opposite else 2.0)  # that hold different samples
         evidence = model.evidence() - np.log(sectors) - _ODDS
         known = np.logaddexp(known, evidence)
@@ -516,7 +516,7 @@ def estimate(fits: TurnFits) -> Estimate:
 def _estimate(fits: TurnFits, added: Floats) -> Estimate:
     """Mix a model with the same model whose wall may be enlarged on one side.
 
-    ``added`` is what lobes add to the mean radius.
+    ``added`` is what steps add to the mean radius.
     """
     wide = fits.widened()
     weight = np.clip((wide.left_open() - _CLOSED) / (_OPEN - _CLOSED), 0.0, 1.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from helibore.preparation.eccentering import find_centres
-from helibore.preparation.turn_fits import Shape, TurnFits, best_sectors, cell_sums, fit_lobes
+from helibore.preparation.turn_fits import Shape, TurnFits, best_sectors, cell_sums, fit_steps
 
 
 def turns(opposite, seed=0, count=(48, 33), depth=0.015):
@@ -29,7 +29,7 @@ def smooth(phi, radius, count):
 @pytest.mark.parametrize("opposite", [True, False])
 def test_the_sector_is_found(opposite):
     phi, radius, count, inside = turns(opposite)
-    fits, added = fit_lobes(smooth(phi, radius, count), opposite)
+    fits, added = fit_steps(smooth(phi, radius, count), opposite)
     np.testing.assert_array_equal(fits.lobes[0], inside)
     depth = fits.terms[:, fits.waves]
     np.testing.assert_allclose(depth, 0.015, atol=1e-3)
@@ -70,7 +70,7 @@ def test_gain_of_every_sector_against_dense_least_squares():
 
 def test_leverage_and_normal_equations_with_lobes():
     phi, radius, count, _ = turns(True, seed=5)
-    fits, _ = fit_lobes(smooth(phi, radius, count), opposite=True)
+    fits, _ = fit_steps(smooth(phi, radius, count), opposite=True)
     angle = np.angle(fits.centre[fits.turn] + fits.reach)
     waves = [np.ones_like(angle)]
     waves += [f(k * angle) for k in range(1, fits.shape.harmonics + 1) for f in (np.cos, np.sin)]
