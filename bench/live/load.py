@@ -3,7 +3,7 @@
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
 deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.
 The wall that grew is compared with the batch reconstruction of its samples before anything is printed.
-``--page`` shows the wall in Debian's chromium, which draws with the processor, and tells when each vertex was drawn.
+``--page`` shows the wall in Debian's chromium, which draws with the processor, and reports when each vertex was drawn.
 """
 
 from __future__ import annotations
@@ -127,10 +127,10 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         live = hb.Live(parse(CONFIGURATION.format(port=port)), folder)
         context = multiprocessing.get_context("spawn")
-        window, told = (Window("load") if chosen.page else None), deque[tuple[float, int]]()
+        window, reported = (Window("load") if chosen.page else None), deque[tuple[float, int]]()
 
         def updated(update: Update) -> None:
-            told.append((time.time(), len(live.wall)))
+            reported.append((time.time(), len(live.wall)))
             if window:
                 window.show(update)
 
@@ -176,7 +176,7 @@ def main() -> None:
         print(f"{live.wall.sample_count:,} triples drawn, {lost} lost, {bad} bad lines")
         print(f"packet in to vertices out: p50 {half:.2f} ms, p99 {most:.2f} ms, most {1e3 * late.max():.1f} ms")
         if window:
-            known, size = np.array(told).T
+            known, size = np.array(reported).T
             first = np.searchsorted(pixels[:, 1], size)  # the first picture with all vertices of that moment
             inside = (size >= pixels[0, 1]) & (first < len(pixels))
             delay = 1e-3 * pixels[first[inside], 0] - known[inside]

@@ -253,14 +253,14 @@ def scheduler(folder: Path) -> None:
                     time.sleep(0.01)
                 running[0].kill()
                 lost = time.perf_counter()
-                told = process.communicate(timeout=120)
+                output = process.communicate(timeout=120)
                 print(f"ended {time.perf_counter() - lost:.0f} s later, exit {process.returncode}")
         finally:
             for one in running:
                 one.kill()
                 one.wait()
-    rows = [line for line in told[1].splitlines() if line.endswith(": the scheduler was lost")]
-    print(told[0].strip(), "|", len(rows), "rows of the table, such as", rows[:1])
+    rows = [line for line in output[1].splitlines() if line.endswith(": the scheduler was lost")]
+    print(output[0].strip(), "|", len(rows), "rows of the table, such as", rows[:1])
     assert process.returncode == 3
     assert rows
     assert json.loads((out / "failures.json").read_text())

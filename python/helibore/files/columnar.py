@@ -91,13 +91,17 @@ def parquet_values(column: Any) -> Array:
     return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values
 
 
+DAMAGED_NPZ = (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error)
+"""What `numpy.load` raises for an NPZ archive that is cut or has other bits than were written."""
+
+
 def read_npz(source: InputFile) -> RawFile:
     """Read all arrays of an NPZ archive. Pickled arrays are refused."""
     refuse_zip_bomb(source)
     try:
         with np.load(source.path, allow_pickle=False) as archive:
             arrays = {name: archive[name] for name in archive.files}
-    except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
+    except DAMAGED_NPZ as error:
         raise source.error(f"damaged archive of arrays ({error})") from error
     shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]
     if not shapes:

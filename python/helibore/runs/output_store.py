@@ -16,7 +16,6 @@ import io
 import json
 import shutil
 import tempfile
-import zipfile
 import zlib
 from collections.abc import Iterator
 from pathlib import Path
@@ -27,6 +26,7 @@ import numpy as np
 from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, MissingExtraError
+from helibore.files.columnar import DAMAGED_NPZ
 
 Json = dict[str, Any]
 
@@ -126,7 +126,7 @@ class Store:
         try:
             with np.load(io.BytesIO(content)) as found:
                 return dict(found)
-        except (ValueError, OSError, EOFError, KeyError, zipfile.BadZipFile, NotImplementedError, zlib.error) as error:
+        except DAMAGED_NPZ as error:
             self.delete([name])
             raise InputError(name, f"was damaged and is deleted: start again ({error})") from error
 
