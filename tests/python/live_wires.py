@@ -24,6 +24,11 @@ SENT = (
 )
 
 
+CHANGED = SENT.replace("order =", "toolface_offset = 90.0, order =") + (
+    '[source.alpha]\naddress = "host"\nunits = "fps"\n'
+)
+
+
 FROM_BIT = (
     WALL + '[source.rig]\naddress = "host"\nunits = "metric"\n'
     'items = { bit_depth = "0108", hole_depth = "0110", rotation = "0120", activity = "0107" }\n'
@@ -104,3 +109,17 @@ def rules(live) -> list[str]:
 
 def station(depth, inclination, azimuth):
     return wits.frame([(708, str(depth)), (713, str(inclination)), (715, str(azimuth))])
+
+
+def write_two_sessions(path, clock):
+    """Write a journal in segments of 40 frames; the second session is of `CHANGED`, with one source more."""
+    for text, frames in ((SENT, FRAMES[:80]), (CHANGED, FRAMES[80:])):
+        with Live(parse(text), path, clock=clock) as live:
+            assert live.journal is not None
+            live.journal._segment_bytes = 12_000
+            for frame in frames:
+                clock.step(1)
+                live.receive("mwd", frame)
+                if live.checkpoint_due:
+                    live.checkpoint()
+        clock.step(60)

@@ -9,7 +9,7 @@ import shutil
 import numpy as np
 import pytest
 from click.testing import CliRunner
-from live_wires import FRAMES, SENT, Clock, same_bits, sent_rows
+from live_wires import CHANGED, FRAMES, SENT, Clock, same_bits, sent_rows, write_two_sessions
 
 import helibore as hb
 from helibore import Live
@@ -164,23 +164,12 @@ def test_archive_remove_leaves_a_journal_that_goes_on_and_a_replay_reports_what_
 
 def test_a_restart_goes_on_after_the_segments_of_the_first_configuration_are_removed(tmp_path):
     path, clock = tmp_path / "well.journal", Clock()
-    changed = SENT.replace("order =", "toolface_offset = 90.0, order =")
-    changed += '[source.alpha]\naddress = "host"\nunits = "metric"\n'
-    for text, frames in ((SENT, FRAMES[:80]), (changed, FRAMES[80:])):
-        with Live(parse(text), path, clock=clock) as live:
-            assert live.journal is not None
-            live.journal._segment_bytes = 12_000
-            for frame in frames:
-                clock.step(1)
-                live.receive("mwd", frame)
-                if live.checkpoint_due:
-                    live.checkpoint()
-        clock.step(60)
+    write_two_sessions(path, clock)
     whole = Live.replay(path)
     run("archive", path, "--remove")
-    assert recorded_configuration(path).text == changed
+    assert recorded_configuration(path).text == CHANGED
     for _ in range(2):
-        with Live(parse(changed), path, clock=clock) as again:
+        with Live(parse(CHANGED), path, clock=clock) as again:
             assert same_bits(again.wall, whole.wall)
             assert again.model.numbers == {"mwd": 1, "alpha": 2}
             again.checkpoint()

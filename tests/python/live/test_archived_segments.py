@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 from live_servers import until
-from live_wires import FRAMES, SENT, Clock, same_bits
+from live_wires import CHANGED, FRAMES, SENT, Clock, same_bits, write_two_sessions
 
 from helibore import Live
 from helibore.live import archived_segments as archives
@@ -20,24 +20,11 @@ from helibore.live.journal import segments
 from helibore.live.server import Server
 from helibore.live.session_header import sources_of
 
-ALPHA = '[source.alpha]\naddress = "host"\nunits = "fps"\n'
-CHANGED = SENT.replace("order =", "toolface_offset = 90.0, order =") + ALPHA
-
 
 @pytest.fixture(scope="module")
 def written(tmp_path_factory):
-    """Two sessions, the second with another configuration and one source more, in segments of 40 frames."""
-    path, clock = tmp_path_factory.mktemp("written") / "well.journal", Clock()
-    for text, frames in ((SENT, FRAMES[:80]), (CHANGED, FRAMES[80:])):
-        with Live(parse(text), path, clock=clock) as live:
-            assert live.journal is not None
-            live.journal._segment_bytes = 12_000
-            for frame in frames:
-                clock.step(1)
-                live.receive("mwd", frame)
-                if live.checkpoint_due:
-                    live.checkpoint()
-        clock.step(60)
+    path = tmp_path_factory.mktemp("written") / "well.journal"
+    write_two_sessions(path, Clock())
     return path
 
 
