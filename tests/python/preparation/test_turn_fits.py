@@ -10,7 +10,7 @@ from helibore.preparation.turn_fits import Shape, TurnFits, best_sectors, cell_s
 
 
 def turns(opposite, seed=0, count=(48, 33), depth=0.015):
-    """A centred tool in an oval hole with lobes of 66 degrees; the first sector of each turn."""
+    """A centred tool in an oval hole with steps of 66 degrees; the first sector of each turn."""
     rng = np.random.default_rng(seed)
     row = np.repeat(np.arange(len(count)), count)
     phi = 360 * rng.random(row.size)
@@ -30,12 +30,12 @@ def smooth(phi, radius, count):
 def test_the_sector_is_found(opposite):
     phi, radius, count, inside = turns(opposite)
     fits, added = fit_steps(smooth(phi, radius, count), opposite)
-    np.testing.assert_array_equal(fits.lobes[0], inside)
+    np.testing.assert_array_equal(fits.steps[0], inside)
     depth = fits.terms[:, fits.waves]
     np.testing.assert_allclose(depth, 0.015, atol=1e-3)
     np.testing.assert_allclose(added, depth * (2 if opposite else 1) * 66 / 360, atol=8e-4)
     if opposite:
-        np.testing.assert_array_equal(np.abs(fits.lobes[1]), inside)
+        np.testing.assert_array_equal(np.abs(fits.steps[1]), inside)
         np.testing.assert_allclose(fits.terms[:, -1], 0.0, atol=2e-3)
 
 
@@ -68,13 +68,13 @@ def test_gain_of_every_sector_against_dense_least_squares():
     assert min(losses.values()) < 0.2 * loss(waves, ridge)
 
 
-def test_leverage_and_normal_equations_with_lobes():
+def test_leverage_and_normal_equations_with_steps():
     phi, radius, count, _ = turns(True, seed=5)
     fits, _ = fit_steps(smooth(phi, radius, count), opposite=True)
     angle = np.angle(fits.centre[fits.turn] + fits.reach)
     waves = [np.ones_like(angle)]
     waves += [f(k * angle) for k in range(1, fits.shape.harmonics + 1) for f in (np.cos, np.sin)]
-    design = np.concatenate([np.array(waves), fits.lobes]).T
+    design = np.concatenate([np.array(waves), fits.steps]).T
     fits.look()
     matrix, side = fits.normal_equations()
     hat = fits.leverage()
