@@ -3,13 +3,15 @@
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
 deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.
 The wall that grew is compared with the batch reconstruction of its samples before anything is printed.
-``--page`` shows the wall in Debian's chromium, which draws with the processor, and reports when each vertex was drawn.
+``--page`` shows the wall in Debian's chromium and reports when the page had each vertex, and when it was drawn. That
+browser draws with the processor, when nothing else wants it: at a rig a graphics card draws.
 """
 
 from __future__ import annotations
 
 import argparse
 import multiprocessing
+import os
 import resource
 import shutil
 import socket
@@ -19,6 +21,7 @@ import time
 from collections import deque
 from multiprocessing.synchronize import Event
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -44,38 +47,42 @@ caliper = {{ first = "5010", groups = 30, order = ["toolface", "depth", "radius"
 """
 
 
-# Notes when the page has drawn more vertices than before: time (ms since 1970) and number.
+# Notes when the page has more vertices than before, and when a picture of them is finished: [ms since 1970, number].
 RECORDER = """() => {
-  window.drawn = [];
-  const pixel = new Uint8Array(4);
-  let size = 0, frames = 0;
-  const look = () => {
-    requestAnimationFrame(look);
+  const seen = (window.seen = { taken: [], drawn: [] });
+  let waiting = null;  // [number, frames before, fence or null]
+  setInterval(() => {
     const app = window.__wall?.app;
-    const now = app?.store?.levels[0].size ?? 0;
-    if (size && app.frames > frames) {
-      app.gpu.gl.readPixels(0, 0, 1, 1, app.gpu.gl.RGBA, app.gpu.gl.UNSIGNED_BYTE, pixel);
-      window.drawn.push([Date.now(), size]);
-      size = 0;
+    const size = app?.store?.levels[0].size ?? 0;
+    if (size > (seen.taken.at(-1)?.[1] ?? 0)) seen.taken.push([Date.now(), size]);
+    const gl = app?.gpu?.gl;
+    if (!waiting && size > (seen.drawn.at(-1)?.[1] ?? 0)) waiting = [size, app.frames, null];
+    if (waiting && !waiting[2] && app.frames > waiting[1]) {
+      waiting[2] = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
+      gl.flush();
     }
-    if (!size && now > (window.drawn.at(-1)?.[1] ?? 0)) [size, frames] = [now, app.frames];
-  };
-  look();
+    if (waiting?.[2] && gl.getSyncParameter(waiting[2], gl.SYNC_STATUS) === gl.SIGNALED) {
+      seen.drawn.push([Date.now(), waiting[0]]);
+      gl.deleteSync(waiting[2]);
+      waiting = null;
+    }
+  }, 4);
 }"""
 
 
-def watch(url: str, stop: Event, drawn: multiprocessing.Queue[list[tuple[float, int]]]) -> None:
+def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
     """A driller's page, open until ``stop``."""
     from playwright.sync_api import sync_playwright
     from screen import FLAGS
 
+    os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     with sync_playwright() as playwright:
         browser = playwright.chromium.launch(executable_path=shutil.which("chromium"), args=FLAGS)
         page = browser.new_page(viewport={"width": 1366, "height": 768})
         page.goto(url)
         page.evaluate(RECORDER)
         stop.wait()
-        drawn.put(page.evaluate("window.drawn"))
+        seen.put(page.evaluate("window.seen"))
         browser.close()
 
 
@@ -138,10 +145,10 @@ def main() -> None:
         server.latency.latest = deque()
         server.start()
         stop = context.Event()
-        drawn: multiprocessing.Queue[list[tuple[float, int]]] = context.Queue()
+        seen: multiprocessing.Queue[dict[str, Any]] = context.Queue()
         if window:
             window.follow(live)
-            watcher = context.Process(target=watch, args=(window.url, stop, drawn))
+            watcher = context.Process(target=watch, args=(window.url, stop, seen))
             watcher.start()
         counts: multiprocessing.Queue[int] = context.Queue()
         rig = context.Process(target=send, args=(port, seconds, chosen.triples, chosen.items, counts))
@@ -158,7 +165,7 @@ def main() -> None:
         server.wait(1.0)
         if window:
             stop.set()
-            pixels = np.array(drawn.get())
+            pages = {name: np.array(of) for name, of in seen.get().items()}
             watcher.join()
             window.close()
         server.stop()
@@ -177,11 +184,12 @@ def main() -> None:
         print(f"packet in to vertices out: p50 {half:.2f} ms, p99 {most:.2f} ms, most {1e3 * late.max():.1f} ms")
         if window:
             known, size = np.array(reported).T
-            first = np.searchsorted(pixels[:, 1], size)  # the first picture with all vertices of that moment
-            inside = (size >= pixels[0, 1]) & (first < len(pixels))
-            delay = 1e-3 * pixels[first[inside], 0] - known[inside]
-            half, most = np.quantile(delay, [0.5, 0.99])
-            print(f"{len(pixels)} pictures; vertices out to pixels: p50 {half:.3f} s, p99 {most:.3f} s")
+            for name, of in pages.items():
+                first = np.searchsorted(of[:, 1], size)  # the first with all vertices of that moment
+                inside = (size >= of[0, 1]) & (first < len(of))
+                delay = of[first[inside], 0] - 1e3 * known[inside]
+                half, most = np.quantile(delay, [0.5, 0.99])
+                print(f"vertices out to {name} by the page: p50 {half:.0f} ms, p99 {most:.0f} ms, {len(of)} times")
         print(f"{100 * busy:.0f} % of a core; {warm:.0f} to {last:.0f} MB, {each:.0f} bytes a sample of the wall")
 
 
