@@ -25,6 +25,7 @@ from helibore.base import units
 from helibore.live.clock import SECOND
 from helibore.live.depth_limits import DepthLimits
 from helibore.live.events import Flag
+from helibore.live.growing_array import GrowingArray
 from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
 Times = npt.NDArray[np.int64]
@@ -39,20 +40,28 @@ DEEP_ENOUGH = 100.0
 class QuantityHistory:
     """Entries (time, order, value) of one quantity in order of arrival; each frame has a larger ``order``."""
 
-    STATE = ("time", "order", "value")
+    STATE = ("_time", "_order", "_value")
 
     def __init__(self) -> None:
-        self.time = np.empty(0, np.int64)
-        self.order = np.empty(0, np.int64)
-        self.value = np.empty(0)
+        self._time, self._order, self._value = GrowingArray(np.int64), GrowingArray(np.int64), GrowingArray(np.float64)
+
+    @property
+    def time(self) -> Times:
+        return self._time.values
+
+    @property
+    def order(self) -> Times:
+        return self._order.values
+
+    @property
+    def value(self) -> Values:
+        return self._value.values
 
     def append(self, time: Times, order: Times, value: Values) -> None:
         """Append the entries that have a value."""
         known = np.isfinite(value)
-        if known.any():
-            self.time = np.concatenate([self.time, time[known]])
-            self.order = np.concatenate([self.order, order[known]])
-            self.value = np.concatenate([self.value, value[known]])
+        for column, of in ((self._time, time), (self._order, order), (self._value, value)):
+            column.append(of[known])
 
     def before(self, order: Times) -> Times:
         """Return the index of the last entry at or before each frame; -1 if there is no such entry."""
@@ -60,20 +69,20 @@ class QuantityHistory:
 
     def forget(self, count: int) -> None:
         """Delete the first ``count`` entries."""
-        self.time, self.order, self.value = self.time[count:], self.order[count:], self.value[count:]
+        for column in (self._time, self._order, self._value):
+            column.forget(count)
 
 
 class RigHistory:
     """Bit depth, hole depth, rotation and activity over time, and the pass at each bit depth entry."""
 
-    STATE = ("tracks", "kind", "off_bottom", "hole", "_deepest", "_hole")
+    STATE = ("tracks", "_kind", "_off_bottom", "_reached", "_deepest", "_hole")
 
     def __init__(self, rules: PassRules, limits: DepthLimits) -> None:
         self.use(rules, limits)
         self.tracks = {name: QuantityHistory() for name in ("bit_depth", "hole_depth", "rotation", "activity")}
-        self.kind = np.empty(0, np.int64)
-        self.off_bottom = np.empty(0, bool)
-        self.hole = np.empty(0)  # deepest hole depth up to each entry; infinite before the first one is sent
+        self._kind, self._off_bottom = GrowingArray(np.int64), GrowingArray(np.bool_)
+        self._reached = GrowingArray(np.float64)  # greatest hole depth up to each entry; infinite before the first
         self._deepest = self._hole = -np.inf
 
     def use(self, rules: PassRules, limits: DepthLimits) -> None:
@@ -83,7 +92,7 @@ class RigHistory:
     def settle(self) -> None:
         """Decide the pass at each new bit depth entry; call this after all frames up to now are appended."""
         bit = self.tracks["bit_depth"]
-        first = len(self.kind)
+        first = len(self._kind.values)
         if first == len(bit.value):
             return
         order, time, depth = bit.order[first:], bit.time[first:], bit.value[first:]
@@ -99,9 +108,9 @@ class RigHistory:
         reached = np.where(np.isnan(hole), -np.inf, np.maximum(hole, deepest))
         reached = np.maximum.accumulate(np.concatenate([[self._hole], reached]))[1:]
         self._hole = float(reached[-1])
-        self.hole = np.concatenate([self.hole, np.where(np.isneginf(reached), np.inf, reached)])
-        self.kind = np.concatenate([self.kind, kind])
-        self.off_bottom = np.concatenate([self.off_bottom, off])
+        self._reached.append(np.where(np.isneginf(reached), np.inf, reached))
+        self._kind.append(kind)
+        self._off_bottom.append(off)
 
     def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
         """Return the last value at or before each frame; NaN if there is none, or if it is stale at ``time``."""
@@ -144,9 +153,9 @@ class RigHistory:
             flags[~sent] |= Flag.NO_DEPTH
             return depth, np.full(len(time), UNKNOWN), flags, sent | expired
         known = at >= 0
-        kind = np.where(known, self.kind[at], UNKNOWN)
+        kind = np.where(known, self._kind.values[at], UNKNOWN)
         flags[self._wrong_depth(depth, known, at)] |= Flag.RANGE
-        flags[known & self.off_bottom[at]] |= Flag.OFF_BOTTOM
+        flags[known & self._off_bottom.values[at]] |= Flag.OFF_BOTTOM
         flags[self._not_rotating(time, order)] |= Flag.NOT_ROTATING
         found, ready = self._from_bit(time, at, now)
         flags[~sent & np.isnan(found)] |= Flag.NO_DEPTH
@@ -156,9 +165,9 @@ class RigHistory:
         """Return which sent depths are below the hole, or have the ratio of feet to metres to the bit depth."""
         at = np.maximum(at, 0)
         ratio = depth / np.maximum(self.tracks["bit_depth"].value[at], 1e-9)
-        has_hole = known & np.isfinite(self.hole[at])
+        has_hole = known & np.isfinite(self._reached.values[at])
         in_feet = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
-        too_deep = depth > self.hole[at] + self._limits.beyond_hole
+        too_deep = depth > self._reached.values[at] + self._limits.beyond_hole
         wrong: npt.NDArray[np.bool_] = has_hole & (too_deep | (in_feet & (depth > DEEP_ENOUGH)))
         return wrong
 
@@ -167,7 +176,7 @@ class RigHistory:
         if self._limits.outside(np.array(depth)):
             return self._limits.rule()
         at = max(int(self.tracks["bit_depth"].before(np.array([order]))[0]), 0)
-        bit, hole = self.tracks["bit_depth"].value[at], self.hole[at]
+        bit, hole = self.tracks["bit_depth"].value[at], self._reached.values[at]
         for unit, factor in (("feet were read as metres", 1 / FOOT), ("metres were read as feet", FOOT)):
             if abs(depth / max(bit, 1e-9) / factor - 1) < NEAR:
                 return f"the bit is at {bit:g} m: it seems that {unit}"
@@ -206,5 +215,5 @@ class RigHistory:
             if spare > 4096:
                 track.forget(spare)
                 if name == "bit_depth":
-                    self.kind, self.off_bottom = self.kind[spare:], self.off_bottom[spare:]
-                    self.hole = self.hole[spare:]
+                    for column in (self._kind, self._off_bottom, self._reached):
+                        column.forget(spare)
