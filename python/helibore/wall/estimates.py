@@ -83,9 +83,11 @@ def empty_boxes(
     where, angle = rng.uniform(depth[0], depth[-1], some), rng.uniform(0.0, 360.0, some)
     height, width = np.full(some, _MOST_BOX_DEPTH), np.full(some, 180.0)
     half_pitch, half_sector = abs(settings.pitch) / 2, 180.0 / settings.sectors
+    reaches = (half_pitch, max(half_pitch, _MOST_BOX_DEPTH))
+    starts, stops = (np.searchsorted(depth, [where + sign * reach for reach in reaches]) for sign in (-1.0, 1.0))
     for i in range(some):
-        for reach in (half_pitch, max(half_pitch, _MOST_BOX_DEPTH)):  # mostly the first is enough
-            band = slice(*np.searchsorted(depth, (where[i] - reach, where[i] + reach)))
+        for k, reach in enumerate(reaches):  # mostly the first is enough
+            band = slice(starts[k, i], stops[k, i])
             along = np.abs(depth[band] - where[i])
             turn = np.abs((toolface[band] - angle[i] + 180.0) % 360.0 - 180.0)
             height[i] = along[turn <= half_sector].min(initial=_MOST_BOX_DEPTH)
