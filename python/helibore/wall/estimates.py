@@ -89,7 +89,8 @@ def empty_boxes(
         for k, reach in enumerate(reaches):  # mostly the first is enough
             band = slice(starts[k, i], stops[k, i])
             along = np.abs(depth[band] - where[i])
-            turn = np.abs((toolface[band] - angle[i] + 180.0) % 360.0 - 180.0)
+            turn = np.abs(toolface[band] - angle[i])
+            turn = np.minimum(turn, 360.0 - turn)
             height[i] = along[turn <= half_sector].min(initial=_MOST_BOX_DEPTH)
             if reach == half_pitch:
                 width[i] = turn.min(initial=180.0)
