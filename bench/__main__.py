@@ -28,6 +28,7 @@ NAMES = (
     "logs",
     "mesh_writing",
     "cliffs",
+    "kriging",
 )
 
 
