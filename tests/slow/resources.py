@@ -48,7 +48,7 @@ cli(sys.argv[1:])
 """
 SETTINGS = '[alarms]\nlost = 1.0\ndisk_gb = 0.0\ncommand = ["true"]\n'
 THREADS = ("mwd", "draw", "sync", "watch", "checkpoint", "alarms", "log", "metrics", "helibore-view-server",
-           "helibore-view-feed")  # fmt: skip
+           "helibore-view-feed", "helibore-view-zones")  # fmt: skip
 WITHOUT = {"log": "stderr", "metrics": "metrics", "helibore-view-server": "page"}
 """What the death of a thread takes away; the command still says so on stderr when it ends."""
 

@@ -4,8 +4,8 @@
 
 The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
 copies what changed, `CHUNK` vertices at a time; then the thread sleeps as long as the read took, which leaves half a
-core to the producer. The same thread finds the zones of the wall, and what is interpolated between arms, again when it
-has changed.
+core to the producer. Another thread finds the zones of the wall, and what is interpolated between arms, again when it
+has changed: of a long wall that takes a second, and new vertices must not wait for it.
 """
 
 from __future__ import annotations
@@ -85,8 +85,9 @@ class Feed:
         self._settled = 0
         self._new_path = False
         self._closed = False
-        self._thread: threading.Thread | None = None
+        self._threads: list[threading.Thread] = []
         self._zones: Classification | None = None
+        self._old_zones = True  # the wall has changed since they were found, or they were never found
         self._finding = threading.Lock()
         self._chosen: set[str] = set()  # quantities whose colours are chosen for good
         self._logged = 0  # how often the logs were measured
@@ -98,15 +99,16 @@ class Feed:
         self._read([(0, len(wall))], wall.settled)
 
     def start(self) -> None:
-        """Start the thread that reads what `update` notes. It ends before Python does."""
+        """Start the thread that reads what `update` notes, and the one that finds the zones. They end before Python."""
         atexit.register(self.close)  # a thread that Python stops in the core would abort the process
-        self._thread = threading.Thread(target=self._run, name="helibore-view-feed", daemon=True)
-        self._thread.start()
+        for name, run in (("helibore-view-feed", self._run), ("helibore-view-zones", self._run_zones)):
+            self._threads.append(threading.Thread(target=run, name=name, daemon=True))
+            self._threads[-1].start()
 
     @property
     def alive(self) -> bool:
-        """Whether the thread is running."""
-        return self._thread is not None and self._thread.is_alive()
+        """Whether the threads are running."""
+        return bool(self._threads) and all(thread.is_alive() for thread in self._threads)
 
     def update(self, change: Any = None, attributes: Mapping[str, npt.ArrayLike] | None = None) -> None:
         """Note what an append changed; None: anything may have. New attributes come as whole columns."""
@@ -118,7 +120,7 @@ class Feed:
             for start, stop in ranges:
                 self._ranges = union([*self._ranges, (max(0, int(start) - before), int(stop))], MOST_PENDING)
             self._settled = self._wall.settled if change is None else int(change.settled)
-            self._changed.notify()
+            self._changed.notify_all()
 
     def set_path(self, path: Path | None) -> None:
         """Replace the path; only frames are sent."""
@@ -126,7 +128,7 @@ class Feed:
         with self._changed:
             self.path = self.scene.path = path
             self._new_path = True
-            self._changed.notify()
+            self._changed.notify_all()
 
     def set_attribute(self, name: str, values: npt.ArrayLike) -> None:
         """Replace the values of a named attribute: one per quad, or fewer if the wall has grown since."""
@@ -134,26 +136,22 @@ class Feed:
         with self._changed:
             self._values[name] = column
             self._ranges = [(0, len(self._wall))]
-            self._changed.notify()
+            self._changed.notify_all()
 
     def close(self) -> None:
-        """Stop the thread."""
+        """Stop the threads."""
         atexit.unregister(self.close)
         with self._changed:
             self._closed = True
-            self._changed.notify()
-        if self._thread is not None:
-            self._thread.join()
-            self._thread = None
+            self._changed.notify_all()
+        for thread in self._threads:
+            thread.join()
+        self._threads = []
 
     def _run(self) -> None:
-        due, earliest = 0.0, 0.0  # when the zones must be found again, and the earliest next time
         while True:
             with self._changed:
-                self._changed.wait_for(
-                    lambda: self._ranges or self._new_path or self._closed,
-                    None if due == math.inf else max(0.0, due - time.monotonic()),
-                )
+                self._changed.wait_for(lambda: self._ranges or self._new_path or self._closed)
                 if self._closed:
                     return
                 ranges, self._ranges = self._ranges, []
@@ -164,13 +162,23 @@ class Feed:
             if ranges:
                 self._extend_path()
                 self._read(ranges, settled)
-                due = min(due, max(earliest, began))
-            if time.monotonic() >= due:
-                finding = time.monotonic()
-                self._find_zones()
-                now = time.monotonic()
-                due, earliest = math.inf, now + max(ZONES_SECONDS, 20 * (now - finding))
+                with self._changed:
+                    self._old_zones = True
+                    self._changed.notify_all()
             time.sleep(time.monotonic() - began)
+
+    def _run_zones(self) -> None:
+        while True:
+            with self._changed:
+                self._changed.wait_for(lambda: self._old_zones or self._closed)
+                if self._closed:
+                    return
+                self._old_zones = False
+            began = time.monotonic()
+            self._find_zones()
+            with self._changed:
+                rest = max(ZONES_SECONDS, 20 * (time.monotonic() - began))
+                self._changed.wait_for(lambda: self._closed, rest)
 
     def _read(self, ranges: list[Range], settled: int) -> None:
         for start, stop in ranges:
