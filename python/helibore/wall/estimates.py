@@ -44,9 +44,14 @@ class Estimates(NamedTuple):
 
 def in_depth_order(caliper: Caliper) -> Columns:
     """Depth, toolface in [0, 360) and radius by depth; samples at one depth keep their order."""
-    order = np.argsort(caliper.depth, kind="stable")
-    toolface = np.mod(caliper.toolface[order], 360.0)
-    return caliper.depth[order], np.where(toolface < 360.0, toolface, 0.0), caliper.radius[order]
+    depth, toolface, radius = caliper.depth, caliper.toolface, caliper.radius
+    if np.any(depth[1:] < depth[:-1]):
+        order = np.argsort(depth, kind="stable")
+        depth, toolface, radius = depth[order], toolface[order], radius[order]
+    if np.any((toolface < 0.0) | (toolface >= 360.0)):
+        toolface = np.mod(toolface, 360.0)
+        toolface = np.where(toolface < 360.0, toolface, 0.0)
+    return depth, toolface, radius
 
 
 def choose_left_out(
