@@ -1,15 +1,18 @@
-"""The live wall under load over loopback TCP, journal on: ``python -m bench.live.load --minutes 10 [--page]``.
+"""The live wall under load over loopback, journal on: ``python -m bench.live.load --minutes 10 [--page or --reader]``.
 
 A child process sends 2,000 triples/s in frames of 30 and 4,000 other items/s in frames of 40 while the hole gets 100 m
 deeper. Told at the end: triples lost, time from a packet's arrival to its changed vertices, share of a core, memory.
 The wall that grew is compared with the batch reconstruction of its samples before anything is printed.
 ``--page`` shows the wall in Debian's chromium and reports when the page had each vertex, and when it was drawn. That
-browser draws with the processor, when nothing else wants it, a picture of 683 by 384: at a rig a graphics card draws.
+browser draws with the processor, when nothing else wants it, a picture of 683 by 384: at a rig a graphics card draws,
+most often of another computer. ``--reader`` leaves the drawing out: a process takes what such a page takes.
 """
 
 from __future__ import annotations
 
 import argparse
+import asyncio
+import json
 import multiprocessing
 import os
 import resource
@@ -31,6 +34,7 @@ from helibore.live import wits
 from helibore.live.configuration import parse
 from helibore.live.server import Server
 from helibore.live.update import Update
+from helibore.viewer.messages import WRITE
 
 sys.path.insert(0, str(Path(__file__).parents[2] / "tests" / "python"))
 
@@ -85,6 +89,35 @@ def watch(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) ->
         browser.close()
 
 
+def read(url: str, stop: Event, seen: multiprocessing.Queue[dict[str, Any]]) -> None:
+    """A page that takes all and draws nothing, until ``stop``."""
+    from page_messages import unpack
+    from websockets.asyncio.client import connect
+
+    taken: list[tuple[float, int]] = []
+
+    async def take() -> None:
+        async with connect(url.replace("http", "ws") + "ws") as socket:
+            session = ""
+            while not stop.is_set():
+                try:
+                    said = await asyncio.wait_for(socket.recv(), 0.5)
+                except TimeoutError:
+                    continue
+                if isinstance(said, bytes):
+                    message = unpack(said)
+                    await socket.send(json.dumps({"session": session, "ack": message.sequence}))
+                    if message.kind == WRITE and message.level == 0 and message.total > (taken[-1][1] if taken else 0):
+                        taken.append((1e3 * time.time(), message.total))
+                elif (greeting := json.loads(said))["type"] == "handshake":
+                    session = greeting["session"]
+                    wanted = {"tiles": [[0, 1000]], "focus": 0, "mask": 0}
+                    await socket.send(json.dumps({"session": session, "subscribe": wanted}))
+
+    asyncio.run(take())
+    seen.put({"taken": taken})
+
+
 def send(port: int, seconds: float, triples: int, items: int, counts: multiprocessing.Queue[int]) -> None:
     """The rig: a tick every 10 ms, late ticks are caught up."""
     draw = np.random.default_rng(1)
@@ -126,6 +159,7 @@ def main() -> None:
     options.add_argument("--triples", type=int, default=2000)
     options.add_argument("--items", type=int, default=4000)
     options.add_argument("--page", action="store_true")
+    options.add_argument("--reader", action="store_true")
     chosen = options.parse_args()
     seconds = 60 * chosen.minutes
     with socket.create_server(("127.0.0.1", 0)) as probe:
@@ -133,7 +167,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as folder:
         live = hb.Live(parse(CONFIGURATION.format(port=port)), folder)
         context = multiprocessing.get_context("spawn")
-        window, reported = (Window("load") if chosen.page else None), deque[tuple[float, int]]()
+        window, reported = (Window("load") if chosen.page or chosen.reader else None), deque[tuple[float, int]]()
 
         def updated(update: Update) -> None:
             reported.append((time.time(), len(live.wall)))
@@ -147,7 +181,7 @@ def main() -> None:
         seen: multiprocessing.Queue[dict[str, Any]] = context.Queue()
         if window:
             window.follow(live)
-            watcher = context.Process(target=watch, args=(window.url, stop, seen))
+            watcher = context.Process(target=watch if chosen.page else read, args=(window.url, stop, seen))
             watcher.start()
         counts: multiprocessing.Queue[int] = context.Queue()
         rig = context.Process(target=send, args=(port, seconds, chosen.triples, chosen.items, counts))

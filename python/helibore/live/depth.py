@@ -65,7 +65,7 @@ class QuantityHistory:
 
     def before(self, order: Times) -> Times:
         """Return the index of the last entry at or before each frame; -1 if there is no such entry."""
-        return np.searchsorted(self.order, order, side="right") - 1
+        return self.order.searchsorted(order, side="right") - 1
 
     def forget(self, count: int) -> None:
         """Delete the first ``count`` entries."""
@@ -115,9 +115,11 @@ class RigHistory:
     def _latest(self, name: str, order: Times, time: Times | None = None) -> Values:
         """Return the last value at or before each frame; NaN if there is none, or if it is stale at ``time``."""
         track = self.tracks[name]
+        if not len(track.value):
+            return np.full(len(order), np.nan)
         at = track.before(order)
-        values = np.where(at >= 0, track.value[at] if len(track.value) else np.nan, np.nan)
-        if time is not None and len(track.time):
+        values = np.where(at >= 0, track.value[at], np.nan)
+        if time is not None:
             values = np.where(time - track.time[at] > self._rules.stale * SECOND, np.nan, values)
         return values
 

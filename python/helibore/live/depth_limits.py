@@ -45,6 +45,13 @@ class DepthLimits(Table):
         return f"must be in depth_range [{self.depth_range[0]:g}, {self.depth_range[1]:g}]"
 
 
+def _steps(last: float, depth: Values) -> Values:
+    """Return the length of the step to each depth from the one before it, which for the first is ``last``."""
+    joined = np.concatenate([[last], depth])
+    steps: Values = np.abs(joined[1:] - joined[:-1])
+    return steps
+
+
 class Steps:
     """Checks bit or hole depths: a value that jumps is used only if the next value does not jump back."""
 
@@ -57,12 +64,11 @@ class Steps:
     def wrong(self, values: Values) -> npt.NDArray[np.int64]:
         """Return the rows of the values that are wrong."""
         wrong = self._limits.outside(values)
-        known = np.flatnonzero(np.isfinite(values) & ~wrong)
-        steps = np.abs(np.diff(np.concatenate([[self._last], values[known]])))
-        if np.isnan(self._rejected) and not (steps > self._limits.jump).any():
-            self._last = values[known[-1]] if len(known) else self._last
+        known = np.isfinite(values) & ~wrong
+        if np.isnan(self._rejected) and not (_steps(self._last, values[known]) > self._limits.jump).any():
+            self._last = values[known][-1] if known.any() else self._last
             return np.flatnonzero(wrong)
-        for row in known.tolist():
+        for row in np.flatnonzero(known).tolist():
             value = values[row]
             near = [abs(value - other) <= self._limits.jump for other in (self._last, self._rejected)]
             if np.isnan(self._last) or any(near):
@@ -90,15 +96,14 @@ class HeldSample:
         if self._held is not None:
             rows = np.concatenate([self._held, rows])
         depth = rows["depth"]
-        known = np.flatnonzero((depth == depth) & ~self.limits.outside(depth) & ((rows["flags"] & ~int(DRAWABLE)) == 0))
-        steps = np.abs(np.diff(np.concatenate([[self._last], depth[known]])))
-        if self._held is None and not (steps > self.limits.jump).any():
-            self._last = depth[known[-1]] if len(known) else self._last
+        known = (depth == depth) & ~self.limits.outside(depth) & ((rows["flags"] & ~int(DRAWABLE)) == 0)
+        if self._held is None and not (_steps(self._last, depth[known]) > self.limits.jump).any():
+            self._last = depth[known][-1] if known.any() else self._last
             return rows, rows[:0]
         self._held = None
         jumped = -1
         wrong: list[int] = []
-        for row in known.tolist():
+        for row in np.flatnonzero(known).tolist():
             near_last = np.isnan(self._last) or abs(depth[row] - self._last) <= self.limits.jump
             if jumped >= 0:
                 soon = rows["time"][row] - rows["time"][jumped] <= CONFIRMED_WITHIN

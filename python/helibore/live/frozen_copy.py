@@ -7,7 +7,7 @@ frozen copy                       walls, images, stations, passes, events       
 
 from __future__ import annotations
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -47,8 +47,8 @@ class FrozenWall(Wall):
         self.path = path
 
     def _state(self, samples: bool = True) -> WallState:  # noqa: ARG002
-        return self._copy._replace(
-            path=self.path, images=self.images, attributes=self.attributes, made_from=self.made_from
+        return replace(
+            self._copy, path=self.path, images=self.images, attributes=self.attributes, made_from=self.made_from
         )
 
     def __len__(self) -> int:

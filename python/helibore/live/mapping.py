@@ -86,8 +86,11 @@ class SourceReader:
         self._column = np.full(10_000, -1, np.int64)
         self._codes = sorted({*self.watches, *source.mapped})
         self._column[self._codes] = np.arange(len(self._codes))
+        caliper = source.caliper
+        triple = (caliper.depth, caliper.toolface, caliper.radius) if caliper else ()
+        self._caliper = [self._places(items) for items in triple]
         self._measured = np.unique(self._places(source.measured)[0])
-        depths = [*(source.caliper.depth if source.caliper else []), *source.station[:1]]
+        depths = [*(caliper.depth if caliper else []), *source.station[:1]]
         depths += [image.depth for image in source.images if image.depth]
         self._distinguishing = np.append(self._column[[*self.watches]], self._places(depths)[0])
         self._recent: OrderedDict[bytes, None] = OrderedDict()
@@ -239,6 +242,8 @@ class SourceReader:
     def _report_invalid(self, bad: Integers, batch: wits.Batch, reading: Reading, values: Values) -> None:
         """Report the items ``bad``, which are not numbers, and invalid pass numbers, frame by frame."""
         wrong = self._wrong_numbers(values)
+        if not len(bad) and not len(wrong):
+            return
         frames = np.concatenate([np.searchsorted(batch.frames["first"], bad, side="right") - 1, wrong])
 
         def describe(place: int) -> Event:
@@ -263,6 +268,8 @@ class SourceReader:
 
     def _report_bad_text(self, batch: wits.Batch, wall: int) -> None:
         """Report bad text, at the time its first byte came; if that is not known, at ``wall``."""
+        if not len(batch.events):
+            return
         rules = batch.events["rule"]
 
         def describe(row: int) -> Event:
@@ -368,21 +375,28 @@ class SourceReader:
         caliper = self.source.caliper
         if caliper is None:
             return
-        places = [self._places(items) for items in (caliper.depth, caliper.toolface, caliper.radius)]
-        columns = [values[:, column] * scale for column, scale in places]
-        if not caliper.depth:
-            columns[0] = np.full_like(columns[1], np.nan)
-        given = np.stack([states[:, column] for column, _ in places if len(column)])
-        frame, group = np.nonzero((given != ABSENT).any(axis=0))
+        given = np.stack([states[:, column] for column, _ in self._caliper if len(column)])
+        frame, group = (given != ABSENT).any(axis=0).nonzero()
+        if not len(frame):
+            return
         found = given[:, frame, group]
-        depth, toolface, radius = (column[frame, group] for column in columns)
-        triple_flags = flags[frame]
-        triple_flags = triple_flags | np.where(
-            (found == NULL).any(axis=0) | (found == ABSENT).any(axis=0), Flag.NULL, 0
+        depth, toolface, radius = (
+            values[frame, column[group]] * scale[group] if len(column) else np.full(len(frame), np.nan)
+            for column, scale in self._caliper
         )
-        triple_flags |= np.where((found == INVALID).any(axis=0), Flag.INVALID, 0)
+        triple_flags = flags[frame]
+        if (found != VALUE).any():
+            triple_flags[((found == NULL) | (found == ABSENT)).any(axis=0)] |= Flag.NULL
+            triple_flags[(found == INVALID).any(axis=0)] |= Flag.INVALID
         low, high = caliper.radius_range
-        triple_flags |= np.where((radius < low) | (radius > high) | (np.abs(toolface) > 1e6), Flag.RANGE, 0)
+        outside = (radius < low) | (radius > high)
+        triple_flags[outside | (np.abs(toolface) > 1e6)] |= Flag.RANGE
+
+        def describe(row: int) -> Event:
+            text = f"radius {radius[row]:g} m: must be in radius_range [{low:g}, {high:g}]"
+            return self._event(int(reading.wall[frame[row]]), "range", text, int(reading.line[frame[row]]))
+
+        self._events.report_rows(outside.nonzero()[0], describe)
         toolface = wrapped(toolface + caliper.toolface_offset)
         reading.triple_frame, reading.triple_flags = frame, triple_flags
         reading.triples = np.column_stack([depth, toolface, radius])

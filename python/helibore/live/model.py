@@ -9,6 +9,7 @@ entries before and after it are known. The model uses no socket, no file and no 
 
 from __future__ import annotations
 
+import itertools
 import json
 from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
@@ -277,9 +278,8 @@ class Model:
             else:
                 found += self._pushed(rows, records, payloads, times, update)
         self.rig.settle()
-        if found or len(self._pending):
-            self._pending = np.concatenate([self._pending, *found])
-            before = self._pending
+        if parts := [part for part in (self._pending, *found) if len(part)]:
+            self._pending = before = np.concatenate(parts) if len(parts) > 1 else parts[0]
             with self._set_aside(records[-1], f"{len(before)} samples and image rows"):
                 self._place(int(times[-1]), update)
             if self._pending is before:  # it failed before it set the rows that wait
@@ -298,8 +298,9 @@ class Model:
         self._watch_silence(name, rows, records, times)
         closed = records["kind"][rows] == journal.CLOSED
         connection = records["connection"][rows]
-        cuts = np.flatnonzero((np.diff(connection) != 0) | closed[:-1]) + 1
-        for run in np.split(rows, cuts):
+        cuts = np.flatnonzero((connection[1:] != connection[:-1]) | closed[:-1]) + 1
+        for start, stop in itertools.pairwise([0, *cuts.tolist(), len(rows)]):
+            run = rows[start:stop]
             kinds = records["kind"][run]
             number = int(records["connection"][run[0]])
             for row in run[kinds == journal.CONNECTED].tolist():
@@ -324,8 +325,9 @@ class Model:
             return
         silence = int(self.configuration.sources[name].silence * SECOND)
         before = np.concatenate([[self.last_seen.get(name, int(times[last_received[0]]))], times[last_received]])
-        for index in np.flatnonzero(np.diff(before) > silence).tolist():
-            quiet = (int(before[index + 1]) - int(before[index])) / SECOND
+        quiet_for = before[1:] - before[:-1]
+        for index in (quiet_for > silence).nonzero()[0].tolist():
+            quiet = int(quiet_for[index]) / SECOND
             record = records[last_received[index]]
             self._report(record, "silence", f"nothing came for {quiet:.1f} s", name, int(record["connection"]))
         self.last_seen[name] = int(times[last_received[-1]])
@@ -443,10 +445,10 @@ class Model:
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
         flags[late_from_bit] |= Flag.NO_DEPTH  # its time of measurement is not known
         triples = ready & (rows["image"] < 0)
-        if not triples.all():  # copying nearly all rows would double memory
-            self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
-        else:
+        if triples.all():  # copying them would double memory
             self._draw(rows, depth, kind, flags, update)
+            return
+        self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
 
@@ -510,7 +512,7 @@ class Model:
             drawn |= chosen
             columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
             self._append(name, rows[chosen], columns, update)
-            for source in np.unique(rows["source"][chosen]).tolist():  # of each, samples are in order of arrival
+            for source in sorted(set(rows["source"][chosen].tolist())):  # of each, samples are in order of arrival
                 of = np.flatnonzero(chosen & (rows["source"] == source))
                 gaps += self._depth_gaps((name, source), depth[of], of)
         if gaps:

@@ -136,7 +136,7 @@ class PassLog:
         self, source: Integers, number: Integers, kind: Integers, time: Integers, depth: npt.NDArray[np.float64]
     ) -> None:
         """Count samples whose pass is decided."""
-        for who in np.unique(source).tolist():
+        for who in sorted(set(source.tolist())):
             if not (source == source[0]).all():
                 rows = np.flatnonzero(source == who)
                 self._add_of(who, number[rows], kind[rows], time[rows], depth[rows])

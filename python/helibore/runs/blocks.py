@@ -304,7 +304,7 @@ def make_block(run: Run, store: Store, folder: str, number: int, archive: str | 
     wall = stretch(store, plan, settings, begin, end)
     wall.path, wall.made_from = run.path, {"files": plan["made_from"]["inputs"]}
     radius, nearest = radii(wall, end - begin)
-    state = wall._state()._replace(start_depth=plan["start_depth"], radius=radius, nearest=nearest)
+    state = replace(wall._state(), start_depth=plan["start_depth"], radius=radius, nearest=nearest)
     logs = turn_logs(state, None, threads=1, reference=plan["reference"], newest=plan["newest"])
     rows = slice(first - begin // K, min(stop, plan["vertices"] // K) - begin // K)
     own = slice(first * K - begin, min(stop * K, plan["vertices"]) - begin)

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
 
 from helibore import _core
 from helibore.base.arrays import Floats, Integers32
@@ -16,7 +18,8 @@ from helibore.samples.helix import quad_room, stretch_of
 from helibore.trajectory.survey import Path
 
 
-class WallState(NamedTuple):
+@dataclass(frozen=True, eq=False)
+class WallState:
     """Owned arrays of one moment, named as in `Wall`; ``sample_columns`` are depth, toolface, radius and any time.
 
     ``sums``: of each vertex, what its uncertainty is computed from, with `Settings.sigma` only; else ().
@@ -37,7 +40,7 @@ class WallState(NamedTuple):
     arms: Caliper | None = None
     sums: tuple[Floats, ...] = ()
 
-    @property
+    @cached_property
     def angular_gap(self) -> Floats:
         depth, toolface, *_ = self.sample_columns
         reach = self.settings.gap_reach

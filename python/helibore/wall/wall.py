@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 import threading
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -230,7 +231,7 @@ class Wall:
         settings = vars(self._settings) | {"sigma": True, "direct": False}
         again = _core.Wall(settings, self._threads, "automatic")
         again.append(*state.sample_columns)
-        return state._replace(sums=again.sums())
+        return replace(state, sums=again.sums())
 
     @property
     def angular_gap(self) -> Floats:

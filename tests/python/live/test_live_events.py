@@ -68,6 +68,8 @@ def test_bad_values_are_flagged_told_and_cost_only_their_triple():
         "2023-11-14T22:13:20.000Z mwd connection 1 line 5: invalid: item 5012 = b'1.0.0': is not a number",
         "2023-11-14T22:13:20.000Z mwd connection 1 line 12: twice: item 5018 = b'110': is there twice in a frame: "
         "the first counts",
+        "2023-11-14T22:13:20.000Z mwd connection 1 line 2: range: radius 0.0043 m: must be in radius_range "
+        "[0.027, 0.432]",
     ]
 
 
