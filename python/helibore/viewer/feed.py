@@ -3,9 +3,9 @@
     producer's update() --ranges--> feed's thread --vertices--> scene --messages--> pages
 
 The producer only notes ranges, so ten appends between two reads cost one read and a fast producer never waits. A read
-copies what changed, `CHUNK` vertices at a time; then the thread sleeps as long as the read took, which leaves half a
-core to the producer. Another thread finds the zones of the wall, and what is interpolated between arms, again when it
-has changed: of a long wall that takes a second, and new vertices must not wait for it.
+copies what changed, `CHUNK` vertices at a time; then the thread sleeps for `READ_SECONDS`, or as long as the read took,
+which leaves half a core to the producer. Another thread finds the zones of the wall, and what is interpolated between
+arms, again when it has changed: of a long wall that takes a second, and new vertices must not wait for it.
 """
 
 from __future__ import annotations
@@ -38,7 +38,8 @@ from helibore.viewer.messages import FRAME_STEP, Vertices
 from helibore.viewer.scene import Attribute, PathFrames, Scene, WallShape
 
 CHUNK = 1 << 17  # vertices written at a time: pages may send in between
-ZONES_SECONDS = 2.0  # the zones are found again at most this often, and in a twentieth of the time
+READ_SECONDS = 0.1  # between two reads at least: nobody sees more than ten pictures a second of a hole that deepens
+ZONES_SECONDS = 2.0  # the zones are found again at most this often, and in a fiftieth of the time
 FEW_TURNS = 50  # a shorter wall says little about the hole to come
 USUAL_LIMIT = 0.02  # metres over and under the bit that the colours of such a wall show at least
 
@@ -84,10 +85,11 @@ class Feed:
         self._ranges: list[Range] = []
         self._settled = 0
         self._new_path = False
-        self._closed = False
+        self._closed = threading.Event()
         self._threads: list[threading.Thread] = []
         self._zones: Classification | None = None
-        self._old_zones = True  # the wall has changed since they were found, or they were never found
+        self._grown = threading.Event()  # the wall has changed since they were found, or they were never found
+        self._grown.set()
         self._finding = threading.Lock()
         self._chosen: set[str] = set()  # quantities whose colours are chosen for good
         self._logged = 0  # how often the logs were measured
@@ -141,8 +143,9 @@ class Feed:
     def close(self) -> None:
         """Stop the threads."""
         atexit.unregister(self.close)
+        self._closed.set()
+        self._grown.set()
         with self._changed:
-            self._closed = True
             self._changed.notify_all()
         for thread in self._threads:
             thread.join()
@@ -151,8 +154,8 @@ class Feed:
     def _run(self) -> None:
         while True:
             with self._changed:
-                self._changed.wait_for(lambda: self._ranges or self._new_path or self._closed)
-                if self._closed:
+                self._changed.wait_for(lambda: self._ranges or self._new_path or self._closed.is_set())
+                if self._closed.is_set():
                     return
                 ranges, self._ranges = self._ranges, []
                 settled, new_path, self._new_path = self._settled, self._new_path, False
@@ -162,23 +165,18 @@ class Feed:
             if ranges:
                 self._extend_path()
                 self._read(ranges, settled)
-                with self._changed:
-                    self._old_zones = True
-                    self._changed.notify_all()
-            time.sleep(time.monotonic() - began)
+                self._grown.set()
+            self._closed.wait(max(READ_SECONDS, time.monotonic() - began))
 
     def _run_zones(self) -> None:
         while True:
-            with self._changed:
-                self._changed.wait_for(lambda: self._old_zones or self._closed)
-                if self._closed:
-                    return
-                self._old_zones = False
+            self._grown.wait()
+            self._grown.clear()
+            if self._closed.is_set():
+                return
             began = time.monotonic()
             self._find_zones()
-            with self._changed:
-                rest = max(ZONES_SECONDS, 20 * (time.monotonic() - began))
-                self._changed.wait_for(lambda: self._closed, rest)
+            self._closed.wait(max(ZONES_SECONDS, 50 * (time.monotonic() - began)))
 
     def _read(self, ranges: list[Range], settled: int) -> None:
         for start, stop in ranges:
@@ -201,9 +199,11 @@ class Feed:
             ranges |= {"over": (-limit, limit), "radius": (bit - limit, bit + limit), "nearest": (0.0, nearest)}
             self._chosen |= {"over"} if len(read.radius) >= few else set()
         for attribute in self._shape.attributes:
+            if attribute.name in self._chosen:
+                continue
             values = self._values[attribute.name]
             values = values[np.isfinite(values)]
-            if attribute.name not in self._chosen and (limits := _limits(attribute, values)):
+            if limits := _limits(attribute, values):
                 ranges[attribute.name] = limits
                 self._chosen |= {attribute.name} if values.size >= few else set()
         if ranges != self.scene.state.ranges:
@@ -213,9 +213,10 @@ class Feed:
         """Find the zones of the wall as it is now."""
         if self._shape.basis == "gauge" or len(self._wall) < self._shape.sectors:
             return
+        wall = getattr(self._wall, "_state", lambda: self._wall)()  # samples are copied, and gaps found, once
         with self._finding:
-            self._zones = found = classify(self._wall)
-        gap = getattr(self._wall, "angular_gap", None) if self._shape.basis == "azimuthal" else None
+            self._zones = found = classify(wall)
+        gap = getattr(wall, "angular_gap", None) if self._shape.basis == "azimuthal" else None
         if gap is not None:
             self.scene.set_interpolated(gap > self._wall.settings.largest_gap)
         zones = []
