@@ -45,10 +45,6 @@ class PointEstimator {
         const double away = std::abs(samples_.toolface[sample] - points_.toolface[point]);
         return std::min(away, 360.0 - away);
     }
-    bool left_out(std::size_t sample, std::size_t point) const {
-        return std::abs(samples_.depth[sample] - points_.depth[point]) <= points_.box_depth[point] &&
-               turn(sample, point) <= points_.box_turn[point];
-    }
     void find(std::size_t point, double trial, std::vector<Neighbour>& found) const;
 
     const SampleColumns& samples_;
@@ -78,12 +74,12 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
         if (along == no_limit || along * along > limit) break;
         if (found.size() == wanted && along * along > found.front().square) break;
         const std::size_t sample = up < down ? --above : below++;
-        if (left_out(sample, point)) continue;
         const double away = turn(sample, point), across = scale * away;
-        if (degree * away * degree * away + along * along > limit) continue;
         const Neighbour next{across * across + along * along, sample};
+        if (found.size() == wanted && !nearer(next, found.front())) continue;  // most
+        if (along <= points_.box_depth[point] && away <= points_.box_turn[point]) continue;
+        if (degree * away * degree * away + along * along > limit) continue;
         if (found.size() == wanted) {
-            if (!nearer(next, found.front())) continue;
             std::pop_heap(found.begin(), found.end(), nearer);
             found.back() = next;
         } else {

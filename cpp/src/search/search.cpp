@@ -241,9 +241,11 @@ void Search::search_box(const Samples& samples, const Span& span, kernel::Group&
     const double even = rules_.neighbors * area / (std::numbers::pi * mean);
     if (by_turns)
         scratch.mean_height = mean_height < 0.5 * mean ? 0.5 * (scratch.mean_height + mean_height) : 0.0;
-    else if (!rules_.windowed && scratch.level_depth == no_limit &&
-             static_cast<double>(scratch.list.count) > 3.0 * even)
+    else if (--scratch.even < 0 && !rules_.windowed && scratch.level_depth == no_limit &&
+             static_cast<double>(scratch.list.count) > 3.0 * even) {
         scratch.mean_height = mean_across(g, scratch.list) > 0.5 * mean ? mean : 0.0;
+        scratch.even = 15;
+    }
 }
 
 // The mean squared distance of the vertices from the toolfaces in the list.

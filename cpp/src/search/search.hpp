@@ -68,6 +68,7 @@ class Search {
         double half_height = 0.0;  // of the first box of the next group; 0: not known yet
         double mean_square = 0.0;  // of the reach of previous groups
         double mean_height = 0.0;  // squared, of the heights that they needed; 0: turns are not looked at
+        Index even = 0;            // groups to come in which turns are not asked for: the samples lay on many
     };
 
     // Vertices [8 group, 8 group + 8) of the helix, those from vertex_count on left out.
