@@ -41,21 +41,33 @@ def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     track = finite_column("depth", depth)
     if not reversal > 0:
         raise InputError("reversal", "must be larger than 0", f"{reversal:g}")
-    last_of_equals = np.flatnonzero(np.append(np.diff(track) != 0, True)[: track.size])
-    turned = np.diff(np.sign(np.diff(track[last_of_equals]))) != 0
-    points = last_of_equals[np.concatenate([[True], turned, [True]])[: last_of_equals.size]]
-    ends, sign = [], 0  # rows where passes end; 1 on the way down, -1 up, 0 not known yet
-    low, high = (np.inf, 0), (-np.inf, 0)  # depth and row
-    for here in zip(track[points].tolist(), points.tolist(), strict=True):
-        low = here if here[0] <= low[0] else low
-        high = here if here[0] >= high[0] else high
-        if sign >= 0 and high[0] - here[0] > reversal:
-            ends += [high[1]] if sign else []
-            sign, low = -1, here
-        elif sign <= 0 and here[0] - low[0] > reversal:
-            ends += [low[1]] if sign else []
-            sign, high = 1, here
-    return np.searchsorted(np.array(ends, dtype=np.int64), np.arange(track.size)).astype(np.int64)
+    sign = 1 if _turn(track, 0, 1, reversal)[1] > _turn(track, 0, -1, reversal)[1] else -1  # 1: down at first
+    begins, noticed = [0], 0
+    while noticed < track.size:
+        end, noticed = _turn(track, noticed, sign, reversal)
+        begins.append(end + 1)
+        sign = -sign
+    return np.repeat(np.arange(len(begins) - 1), np.diff(begins))
+
+
+def _turn(track: Floats, start: int, sign: int, reversal: float) -> tuple[int, int]:
+    """Return where a pass that goes down (``sign`` 1) or up (-1) at ``start`` ends, and where that is noticed.
+
+    The end is the last row of the greatest depth so far; it is noticed at the first row that lies more than
+    ``reversal`` back from it. If none does: the last row, and the number of rows.
+    """
+    peak, end, rows = -np.inf, start, 1024
+    while start < track.size:
+        ahead = sign * track[start : start + rows]
+        greatest = np.maximum.accumulate(np.maximum(ahead, peak))
+        back = np.flatnonzero(greatest - ahead > reversal)
+        count = back[0] + 1 if back.size else ahead.size
+        at_peak = np.flatnonzero(ahead[:count] == greatest[count - 1])
+        end = start + int(at_peak[-1]) if at_peak.size else end
+        if back.size:
+            return end, start + int(back[0])
+        peak, start, rows = greatest[-1], start + rows, 2 * rows
+    return track.size - 1, track.size
 
 
 def choose(

@@ -678,7 +678,8 @@ def _runs(depth: Floats) -> Integers:
     """Number the runs of a file that states none, from 1; all are one run if the rows turn back too often."""
     numbers = np.ones(depth.size, dtype=np.int64)
     known = np.flatnonzero(np.isfinite(depth))
-    _, run, count = np.unique(number_passes(depth[known]), return_inverse=True, return_counts=True)
+    run = number_passes(depth[known])
+    count = np.bincount(run)
     long = count >= 0.01 * known.size  # others are the way back, one row long
     if 2 <= np.count_nonzero(long) <= MOST_PASSES and count[~long].sum() <= 0.01 * known.size:
         numbers[known] = np.maximum(np.cumsum(long), 1)[run]

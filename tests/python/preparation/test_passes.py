@@ -47,6 +47,16 @@ def test_numbers_against_automaton(steps, reversal):
     np.testing.assert_array_equal(number_passes(depth, reversal), slow_numbers(depth.tolist(), reversal))
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_numbers_of_many_rows_against_automaton(seed):
+    random = np.random.default_rng(seed)
+    steps = (0.5, 2.0)[seed % 2] * random.integers(-2, 3, 20_000)
+    depth = np.cumsum(steps) + (0.0, 300.0, 30.0)[seed % 3] * np.sin(np.arange(20_000) / 2500)
+    expected = slow_numbers(depth.tolist(), 25.0)
+    assert max(expected) > 1
+    np.testing.assert_array_equal(number_passes(depth, 25.0), expected)
+
+
 def test_numbers_long_passes_with_heave():
     leg = np.arange(0.0, 3000.0, 0.1)
     depth = np.concatenate([leg, leg[::-1], leg]) + np.sin(np.arange(3 * leg.size) * 0.7)
