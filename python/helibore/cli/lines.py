@@ -18,9 +18,6 @@ if TYPE_CHECKING:
     from helibore.logs.turn_logs import Logs
     from helibore.logs.zones import Classification
 
-COVERED = 0.9
-"""Share of the turns below which a summary warns that the rest is interpolated."""
-
 BARREL = 0.158987294928
 """Cubic metres in an oilfield barrel, 42 US gallons."""
 
@@ -59,10 +56,7 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
 
 def trust_lines(found: WallSummary) -> Lines:
     """Warn of a tool with few arms, or of a wall that is mostly interpolated."""
-    texts = list(found.warnings)
-    if found.basis == "azimuthal" and found.coverage < COVERED and not texts:
-        texts = [f"{100 * found.coverage:.0f} % of the turns is measured; the wall between is interpolated"]
-    return [("warning", text) for text in texts]
+    return [("warning", text) for text in found.warnings]
 
 
 def _shape_lines(found: WallSummary) -> Lines:

@@ -43,6 +43,8 @@ SHAPE_TEXT: dict[Shape, str] = {
 }
 SEES_ALL_AROUND = 0.9
 """Mean coverage from which on the wall shows the shape better than the arms alone."""
+COVERED = 0.9
+"""Mean coverage below which a wall is said to be interpolated."""
 SMALL = 0.1
 """Share of the bit's size by which a hole is not smaller, unless bit size or units are wrong."""
 SHAPE_KEPT = 0.7
@@ -84,9 +86,10 @@ class Logs(Tabular):
     centre_0, centre_90
         The centre of the area, from the axis towards toolfaces 0 and 90.
     inscribed_diameter, inscribed_0, inscribed_90
-        The largest circle with no vertex inside, what passes; and its centre. No small move makes it larger.
+        The largest circle with no vertex inside, what passes; and its centre. No small move makes it larger. With
+        ``shape = "arms"`` at most the least diameter of the arms: the wall between them is rounder than the hole.
     enclosing_diameter
-        The smallest circle around all vertices.
+        The smallest circle around all vertices; with ``shape = "arms"`` at least the largest diameter of the arms.
     rugosity
         Root mean square of the radii over `rugosity_window` metres around the turn, less each sector's straight line
         along the hole. NaN, too, within half a window of an end or a missing radius.
@@ -215,9 +218,12 @@ class Logs(Tabular):
         if small > SMALL:
             found.append(f"half of the turns are at least {100 * small:.0f} % smaller than the bit: are bit size and "
                          "units right?")  # fmt: skip
+        seen = float(self.coverage.mean())
         if self.shape == "wall":
+            if self.basis == "azimuthal" and seen < COVERED and not found:
+                found.append(f"{100 * seen:.0f} % of the turns is measured; the wall between is interpolated")
             return found
-        few = f"a tool with few arms measured {100 * float(self.coverage.mean()):.0f} % of the turns"
+        few = f"a tool with few arms measured {100 * seen:.0f} % of the turns"
         found.append(f"{few}; the wall between its arms is interpolated, and C1, C2, ovality and zones are the arms'")
         if self.shape_kept < SHAPE_KEPT:
             share = f"{self.shape_kept:.2f} of the out-of-roundness that the arms measured"
@@ -347,7 +353,7 @@ def turn_logs(
     found["wall_out_of_roundness"] = found["c1"] - found["least_diameter"]
     found |= {"uneven": np.full(turns, np.nan), "shape": "wall", "arm_diameter": ()}
     if getattr(wall, "arms", None) is not None and found["coverage"].mean() < SEES_ALL_AROUND:
-        found |= _from_arms(wall, depth)
+        found |= _from_arms(wall, depth, found)
     most, least = found["c1"], found["least_diameter"]
     ovality = (most - least) / (most + least)
     return Logs(
@@ -387,15 +393,17 @@ def _coverage(wall: WallLike, radius: Floats, with_radius: Floats) -> Floats:
     return seen
 
 
-def _from_arms(wall: Any, depth: Floats) -> dict[str, Any]:
-    """The columns that a tool with few arms measures itself."""
+def _from_arms(wall: Any, depth: Floats, of_wall: dict[str, Any]) -> dict[str, Any]:
+    """The columns that a tool with few arms measures itself, and the wall's circles held to them."""
     reach = wall.settings.max_distance
     arms = arm_diameters(wall.arms, depth, abs(wall.settings.pitch), math.inf if reach is None else reach)
     if arms is None:
         return {}
     c1, axis, uneven, c2, least = arms.sizes()
     sizes = {"c1": c1, "c1_toolface": axis, "c2": c2, "least_diameter": least, "uneven": uneven}
-    return {**sizes, "shape": "arms", "arm_diameter": tuple(arms.diameter)}
+    inside, around = np.fmin(of_wall["inscribed_diameter"], least), np.fmax(of_wall["enclosing_diameter"], c1)
+    circles = {"inscribed_diameter": inside, "enclosing_diameter": around}
+    return {**sizes, **circles, "shape": "arms", "arm_diameter": tuple(arms.diameter)}
 
 
 def _of_turns(values: npt.ArrayLike, turns: int, sectors: int) -> Floats:

@@ -52,6 +52,16 @@ def test_four_arms_in_an_ellipse() -> None:
     assert logs.coverage.mean() == pytest.approx(12 / 90, abs=0.01)
 
 
+def test_no_circle_passes_where_an_arm_was_narrower() -> None:
+    wall = hb.reconstruct(four_arms(ellipse, turn=1e9), bit_diameter=0.216, max_distance=2.0)
+    logs = wall.logs()
+    assert logs.shape == "arms"
+    assert (logs.inscribed_diameter <= logs.least_diameter).all()
+    assert (logs.enclosing_diameter >= logs.c1).all()
+    found = wall.summary()
+    assert found.inscribed_diameter.value <= found.least_diameter.value
+
+
 def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path) -> None:
     logs = hb.reconstruct(four_arms(ellipse, length=10.0), bit_diameter=BIT).logs()
     table = logs.table()
