@@ -31,6 +31,21 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
     return np.asarray(values, dtype)
 
 
+def are_dates(values: npt.ArrayLike) -> bool:
+    """Whether these are moments (datetime64)."""
+    return np.asarray(values).dtype.kind == "M"
+
+
+def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
+    """Return ``values`` as float64; dates, if they are taken, as seconds since 1970, a missing one as NaN."""
+    array = np.asarray(values)
+    if dates and are_dates(array):
+        return numbers((array - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
+    if array.dtype.kind in "Mm":
+        raise TypeError("dates are not numbers")
+    return numbers(array)
+
+
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:
     """Return ``values`` as a one-dimensional, C-contiguous float64 array; ``name`` is the argument's name, for errors.
 

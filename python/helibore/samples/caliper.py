@@ -17,7 +17,16 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore import _core
-from helibore.base.arrays import Floats, Integers, column, numbers, require, sample_columns, whole_column
+from helibore.base.arrays import (
+    Floats,
+    Integers,
+    are_dates,
+    column,
+    numbers_or_dates,
+    require,
+    sample_columns,
+    whole_column,
+)
 from helibore.base.errors import InputError
 from helibore.base.notebook import card, map_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
@@ -132,8 +141,8 @@ class Caliper(Tabular):
         Parameters
         ----------
         table
-            ``table[name]`` is a column of numbers. A row with a missing value (NaN, null) is left out; ``left_out`` of
-            the caliper is how many.
+            ``table[name]`` is a column of numbers; a time may be of dates, which become seconds since 1970. A row with
+            a missing value (NaN, null) is left out; ``left_out`` of the caliper is how many.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
         units
@@ -164,12 +173,14 @@ class Caliper(Tabular):
             if name is None:
                 continue
             try:
-                values = numbers(table[name])
+                values = numbers_or_dates(table[name], dates=role == "time")
             except (TypeError, ValueError) as error:
                 raise InputError(f"column {name!r}", "must be numbers") from error
             except Exception as error:  # each library has an error of its own for a column that is not there
                 raise InputError(f"column {name!r}", f"is not in the table ({role})") from error
             kind = COLUMNS[role]
+            if role in units and are_dates(table[name]):
+                raise InputError("units", f"column {name!r} is of dates, which have no unit ({role})")
             columns[role] = values * factor(units[role], kind) if role in units and kind else values
         there = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
         if not there.any():

@@ -90,6 +90,15 @@ def test_any_data_frame_becomes_samples_without_its_missing_rows(of):
     assert made.time is None
 
 
+@pytest.mark.parametrize("of", [pd.DataFrame, pl.DataFrame, pa.table, lambda d: xr.Dataset(pd.DataFrame(d))])
+@pytest.mark.parametrize("ticks", ["ms", "us", "ns"])
+def test_dates_are_seconds_since_1970_and_a_missing_one_is_left_out(of, ticks):
+    when = np.array(["2024-01-01T00:00:00", "NaT", "2024-01-01T00:00:01.500", "2024-01-01T01:00"], f"M8[{ticks}]")
+    frame = of({"DEPTH": [1.0, 2, 3, 4], "TOOLFACE": [0.0, 1, 2, 3], "RADIUS": [0.1] * 4, "WHEN": when})
+    made = hb.Caliper.from_table(frame, time="WHEN")
+    assert (made.time.tolist(), made.left_out) == ([1704067200.0, 1704067201.5, 1704070800.0], 1)
+
+
 def test_null_of_integers_is_missing():
     frame = pl.DataFrame({"DEPTH": [1, 2, 3], "TOOLFACE": [0, None, 20], "RADIUS": [0.1, 0.1, 0.1], "T": [5, 6, 7]})
     made = hb.Caliper.from_table(frame, time="T")
@@ -112,6 +121,10 @@ def test_samples_go_round_by_a_data_frame(wall):
         ({}, {"units": {"radius": "deg"}}, "unit 'deg': measures angle, "
          "must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
         ({"R": [4.0] * 4}, {}, "radius[0] = 4: must be above 0 and at most 2 m"),
+        ({"R": np.arange(4).astype("M8[s]")}, {}, "column 'R': must be numbers"),
+        ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}, "column 'T': must be numbers"),
+        ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},
+         "units: column 'T' is of dates, which have no unit (time)"),
     ],
 )  # fmt: skip
 def test_a_bad_table_is_refused(change, options, text):
