@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import sys
 from typing import TYPE_CHECKING
 
@@ -64,7 +65,8 @@ def _show(progress: Progress) -> None:
     if not progress.finished:
         click.echo(f"Dask shows its work at {progress.dashboard}", err=True)
         return
-    left = f", {progress.seconds_left:.0f} s left" if progress.finished < progress.wells else ""
+    known = progress.finished < progress.wells and math.isfinite(progress.seconds_left)
+    left = f", {progress.seconds_left:.0f} s left" if known else ""
     line = f"{progress.finished} of {progress.wells} wells, {len(progress.failed)} failed{left}"
     if sys.stderr.isatty():
         click.echo(f"\r\x1b[K{line}", err=True, nl=progress.finished == progress.wells)

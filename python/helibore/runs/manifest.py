@@ -234,6 +234,8 @@ def _nested(row: Json) -> Iterator[tuple[str, Any]]:
     tables: dict[str, Json] = {}
     for key, value in row.items():
         table, dot, inner = key.partition(".")
+        if isinstance(value, float) and value.is_integer():  # whole numbers come so from pandas if some are missing
+            value = int(value)
         if value is not None and dot:
             tables.setdefault(table, {})[inner] = value
         elif value is not None:

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import contextlib
 import time
+import uuid
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -141,10 +142,11 @@ def connected(client: Client | str | None) -> Iterator[Any]:
         raise MissingExtraError(error.name or "distributed", "scale") from error
     if isinstance(client, str):
         try:
-            with Client(client) as made:
-                yield made
+            made = Client(client)
         except OSError as error:
             raise InputError(client, f"no scheduler answers: {error}") from error
+        with made:
+            yield made
     elif client is not None:
         yield client
     else:
@@ -168,8 +170,8 @@ def status(jobs: Sequence[Job]) -> Progress:
     store = Store(jobs[0].output)
     there = store.sizes("records")
     failed = store.read_json(FAILURES) or {}
-    found = Progress(len(jobs), skipped=[job.well for job in jobs if record_name(job.well) in there])
-    found.failed = {job.well: failed[job.well] for job in jobs if job.well in failed}
+    found = Progress(len(jobs), failed={job.well: failed[job.well] for job in jobs if job.well in failed})
+    found.skipped = [job.well for job in jobs if record_name(job.well) in there and job.well not in found.failed]
     return found
 
 
@@ -182,7 +184,7 @@ def _check_workers(client: Any) -> None:
 
 def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:
     """Run one task a well, or one a block and a merge; put the records in ``records``."""
-    from distributed import as_completed
+    from distributed import CancelledError, as_completed
 
     begin, so_far = time.perf_counter(), Progress(len(jobs), dashboard=client.dashboard_link)
     tell(so_far)
@@ -190,7 +192,8 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
     blocks: dict[str, int] = {}  # of a large well, those that are not made
 
     def submit(task: _Task) -> Any:
-        future = client.submit(task.make, task.job, *task.more, versions(), pure=False)
+        key = f"{task.make.__name__}-{uuid.uuid4().hex}"
+        future = client.submit(_attempt, task.make, task.job, *task.more, versions(), key=key, pure=False)
         waiting[future] = task
         return future
 
@@ -209,21 +212,23 @@ def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Calla
         job = task.job
         if job.well in so_far.failed:  # another block of it
             continue
-        if future.cancelled():
+        try:
+            error = future.exception()
+            made = {} if error is not None else future.result()
+        except (CancelledError, OSError):  # what a task raised is in `error`
             finish(job, "the scheduler was lost")
             continue
-        error = future.exception()
-        if error is not None:
-            explained = isinstance(error, InputError | MissingExtraError | FileNotFoundError)
-            if not explained and task.tries < TRIES:
-                finished.add(submit(task._replace(tries=task.tries + 1)))
-            else:
-                finish(job, _reason(error))
+        if error is not None and task.tries < TRIES:
+            finished.add(submit(task._replace(tries=task.tries + 1)))
+        elif error is not None:
+            finish(job, _reason(error))
+        elif "failed" in made:
+            finish(job, made["failed"])
         elif task.make is reprocess_block:
             blocks[job.well] -= 1
             if not blocks[job.well]:
                 finished.add(submit(_Task(merge_well, job)))
-        elif "blocks" in (made := future.result()):
+        elif "blocks" in made:
             blocks[job.well] = made["blocks"]
             finished.update([submit(_Task(reprocess_block, job, (number,))) for number in range(made["blocks"])])
         else:
@@ -238,6 +243,14 @@ class _Task(NamedTuple):
     job: Job
     more: tuple[int, ...] = ()
     tries: int = 1
+
+
+def _attempt(make: Callable[..., Json | None], job: Job, *more: Any) -> Json:
+    """Run a task; an error that the input explains is returned: of one that is raised, Dask prints the traceback."""
+    try:
+        return make(job, *more) or {}
+    except (InputError, MissingExtraError, FileNotFoundError) as error:
+        return {"failed": _reason(error)}
 
 
 def _reason(error: BaseException) -> str:

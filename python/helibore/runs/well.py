@@ -85,6 +85,15 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     """
     check_versions(expected)
     store = Store(job.output)
+    try:
+        return _made(job, store)
+    except InputError:  # what is there was made of another input, or is a part
+        parts = (f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}")
+        store.delete([record_name(job.well), *(name for part in parts for name in store.sizes(part))])
+        raise
+
+
+def _made(job: Job, store: Store) -> Json:
     with _opened(job) as (run, local):
         before: Json | None = store.read_checked(record_name(job.well))
         if before is not None:

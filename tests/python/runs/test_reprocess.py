@@ -90,6 +90,10 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
     rows = [row | {"wall.bit_diameter": 0.2159} for row in rows]
     parquet.write_table(pyarrow.Table.from_pylist(rows), field / "wells.parquet")
     assert read_jobs(field / "wells.parquet", f"{field}/out") == read_jobs(manifest(field))
+    for row in rows:  # pandas makes floats of whole numbers where some are missing
+        row["wall.sectors"] = float(row["wall.sectors"])
+    parquet.write_table(pyarrow.Table.from_pylist(rows), field / "wells.parquet")
+    assert read_jobs(field / "wells.parquet", f"{field}/out") == read_jobs(manifest(field))
     named = manifest(field, 'output = "out"\ncatalogue = "wells.parquet"\n', "c.toml")
     assert read_jobs(named) == read_jobs(manifest(field))
 
@@ -169,6 +173,28 @@ def test_a_well_is_made_again_only_where_something_changed(field: Path, tmp_path
     shutil.copy(field / "1.parquet", tmp_path / "a.parquet")
     assert reprocess_well(Job("A", tree, str(tmp_path / "out"), ("archive",)))["made"]
     assert content(tmp_path / "out")["wells/A/A.wall"] != files["wells/A/A.wall"]
+
+
+def test_a_well_whose_input_fails_leaves_nothing(field: Path, tmp_path: Path) -> None:
+    sheet = tmp_path / "w.parquet"
+    sheet.write_bytes((field / "1.parquet").read_bytes())
+    text = MANIFEST.replace('"1.parquet"', f'"{sheet}"')
+    job = read_jobs(manifest(field, text, "f.toml"), str(tmp_path / "out"))[1]
+    assert reprocess_well(job)["made"]
+    assert len(content(tmp_path / "out")) > 3
+    sheet.write_bytes(b"PAR1 is not enough")
+    with pytest.raises(hb.InputError, match=r"^w.parquet: "):
+        reprocess_well(job)
+    assert content(tmp_path / "out") == {}
+
+
+def test_a_survey_that_ends_above_the_well_leaves_nothing(field: Path, tmp_path: Path) -> None:
+    (field / "short.csv").write_text("md_m,incl_deg,azim_deg\n900,5,40\n950,7,50\n")
+    text = MANIFEST.replace('"s.csv"', '"short.csv"')
+    job = read_jobs(manifest(field, text, "g.toml"), str(tmp_path))[0]
+    with pytest.raises(hb.InputError, match="must not lie below the last station of the survey"):
+        reprocess_well(job)
+    assert content(tmp_path) == {}
 
 
 def test_another_store_gets_the_same_bytes(field: Path, tmp_path: Path) -> None:
@@ -488,6 +514,26 @@ def test_a_store_that_times_out_is_tried_again(field: Path, client: Any, monkeyp
     assert (found.done, found.failed) == (["15/9-F 1"], {"B": "no answer in 5 s"})
     assert [asked[path] for path in sorted(asked) if "logs-0" in path] == [3, 3]
     assert not [name for name in Store("memory://slow").sizes("") if "B" in name]
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_scheduler_lost_while_it_sends_a_result_is_told_well_by_well(
+    field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def lost(*_: Any, **__: Any) -> None:
+        raise ConnectionResetError(104, "Connection reset by peer")
+
+    from distributed import Client
+
+    monkeypatch.setattr(Client, "_gather", lost)
+    where = ["-o", str(tmp_path), "--scheduler", client.scheduler.address]
+    result = CliRunner().invoke(cli, ["reprocess", str(manifest(field)), *where])
+    assert result.exit_code == 3, result.stderr
+    assert result.stderr.splitlines()[-2:] == ["15/9-F 1: the scheduler was lost", "B: the scheduler was lost"]
+    monkeypatch.undo()
+    result = CliRunner().invoke(cli, ["reprocess", str(manifest(field)), *where])
+    assert "2 there already" in result.stdout
+    assert ", inf s left" not in result.stderr
 
 
 def test_workers_of_another_version_are_refused_before_any_work(
