@@ -14,7 +14,7 @@ import click
 
 from helibore.base import units
 from helibore.cli.lines import trust_lines
-from helibore.cli.outputs import OUTPUT, QUIET, check_file, own_options, save_lines
+from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
 from helibore.cli.quantities import LENGTH, split_pair
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
@@ -67,6 +67,7 @@ takes_a_drawing = section(
     opt("--no-polar", "No cross sections.", is_flag=True),
     opt("--body", "Interval of the 3-D view.  [the 12 m with most relief]", type=LENGTH, nargs=2),
     opt("--no-body", "No 3-D view.", is_flag=True),
+    SIGMA,
     opt("--dpi", "Pixels an inch.", type=click.IntRange(30, 1200), default=150),
 )  # fmt: skip
 
@@ -151,6 +152,8 @@ def _drawing(verb: str, options: dict[str, Any], terminal: Terminal) -> tuple[Ru
     from helibore.runs.run import make_wall
 
     make_wall(run, options["threads"], terminal.stage)
+    if options["sigma"]:
+        add_sigma(run.wall, terminal)
     load_picks(run)
     run.messages += trust_lines(run.wall.summary(options["start_depth"], options["stop_depth"]))
     header = header_of(run, options)

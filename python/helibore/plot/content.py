@@ -47,6 +47,7 @@ from helibore.plot.tracks import (
 )
 from helibore.samples.helix import helix_of
 from helibore.trajectory.true_depth import true_depth
+from helibore.wall.uncertainty import NORMAL_95
 
 if TYPE_CHECKING:
     from helibore.logs.zones import Classification
@@ -262,23 +263,26 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     dips: list[PlacedTrack] = [DipTrack(picks, wall.path)] if any(pick.kind in PLANES for pick in picks) else []
     ink = partial(draw_picks, picks=picks, left=drawing.left, bit_diameter=wall.settings.bit_diameter)
     calipers = [one.caliper(limits, drawing) for one in others]
-    count = len(images) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
+    sure = _uncertainty(wall, top, bottom)
+    count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
     room = 192.0 - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
     width = min(130.0, max(24.0, room / max(count, 1)))
-    radius = _radius(wall, drawing.looks.get(RADIUS, Look()))
+    radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom)
     helix = (wall.settings, wall.start_depth)
     interpolated = None
     if wall.basis == "azimuthal":
         between = (wall.angular_gap > wall.settings.largest_gap) & np.isfinite(wall.radius)
         interpolated = between.astype(np.float64) if between.any() else None
         tracks.append(ImageTrack(radius[0], (helix, radius[1]), reference, drawing.left, width, interpolated, ink))
+        if sure is not None:
+            tracks.append(ImageTrack(sure[0], (helix, sure[1]), reference, drawing.left, width))
     for image, (how, values) in pairs:
         tracks.append(ImageTrack(how, (image, values), reference, drawing.left, width, ink=ink))
     tracks += dips
     if drawing.template is not None:
         tracks = _arranged(drawing.template, tracks, [*drawing.scalars, *_logged(zones.logs)], top, bottom)
     for one, caliper in zip(others, calipers, strict=True):
-        tracks += [caliper, *one.image(radius[0].scale, drawing, width)]
+        tracks += [caliper, *one.image(radius[0].scale, drawing, width, top, bottom)]
     stretched = _stretched(wall, drawing, top, bottom, images)
     bodies = []
     if stretched is not None:
@@ -341,11 +345,12 @@ class _Other:
     def caliper(self, limits: tuple[float, float], drawing: Drawing) -> CaliperTrack:
         return _caliper(self.wall, self.turns, limits, drawing, _reference(self.wall, Drawing()), f"{self.name}: ")
 
-    def image(self, scale: ColorScale, drawing: Drawing, width: float) -> list[PlacedTrack]:
+    def image(self, scale: ColorScale, drawing: Drawing, width: float, top: float, bottom: float) -> list[PlacedTrack]:
         """The radius in the colours of the first wall's, where it was measured around."""
         if self.wall.basis != "azimuthal":
             return []
-        shown, over = _radius(self.wall, Look(limits=(scale.low, scale.high), color_map=scale.color_map))
+        look = Look(limits=(scale.low, scale.high), color_map=scale.color_map)
+        shown, over = _radius(self.wall, look, top, bottom)
         shown = replace(shown, name=f"{self.name}: over bit")
         between = (self.wall.angular_gap > self.wall.settings.largest_gap) & np.isfinite(self.wall.radius)
         helix = (self.wall.settings, self.wall.start_depth)
@@ -433,15 +438,30 @@ def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
     return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
 
-def _radius(wall: Wall, look: Look) -> tuple[Shown, Floats]:
-    """Radius over half the bit size, millimetres, one a vertex; bit size in the middle of the colours."""
+def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
+    """Radius over half the bit size, millimetres, one a vertex; the middle of the whole wall's colours is 0."""
     if look.log or look.window is not None:
         raise InputError("Radius", "is drawn over bit size, on a plain scale: log and window are not for it")
     over = (wall.radius - 0.5 * wall.settings.bit_diameter) / MILLIMETRE
     limit = symmetric_limit(over, 1.0)
     scale = ColorScale(*(look.limits or (-limit, limit)), look.color_map or "over-bit")
     remark = f"wall, {wall.settings.sectors} sectors"
-    return Shown(RADIUS_TITLE, "mm", scale, remark, False, *_beyond(over, scale.low, scale.high)), over
+    inside = (wall.depth >= top) & (wall.depth <= bottom)
+    return Shown(RADIUS_TITLE, "mm", scale, remark, False, *_beyond(over[inside], scale.low, scale.high)), over
+
+
+def _uncertainty(wall: Wall, top: float, bottom: float) -> tuple[Shown, Floats] | None:
+    """Half the interval that holds 95 % of the radii, millimetres, one a vertex, if the wall came with its sigma."""
+    if "sigma" not in wall.attributes:
+        return None
+    of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
+    half = np.full(len(wall), np.nan)
+    half[: of_quads.size] = NORMAL_95 / MILLIMETRE * of_quads
+    if not np.isfinite(half).any():
+        return None
+    scale = ColorScale(0.0, max(math.ceil(10 * np.nanpercentile(half, 98)) / 10, 0.1), "viridis")
+    cut = _beyond(half[(wall.depth >= top) & (wall.depth <= bottom)], 0.0, scale.high)
+    return Shown("Radius, 95 %", "mm", scale, "half the interval", False, *cut), half
 
 
 def _diameter_limits(

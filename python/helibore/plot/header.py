@@ -41,7 +41,9 @@ BLOCK = 14.4
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
     """Return label, text and whether it is a warning, for everything a reader must know."""
-    wall, settings = content.wall, content.wall.settings
+    wall, settings, summary = content.wall, content.wall.settings, content.summary()
+    depth = wall.samples.depth
+    samples = int(depth.searchsorted(content.bottom, "right") - depth.searchsorted(content.top))
     bit = settings.bit_diameter
     made = BASIS_TEXT[wall.basis]
     unit = content.drawing.depth_unit
@@ -58,11 +60,11 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),
-        ("Samples", f"{wall.sample_count:,}", False),
-        ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {len(wall):,} vertices", False),
+        ("Samples", f"{samples:,}", False),
+        ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
         ("Measured", measured_text(content), True)
         if content.hatching
-        else ("No sample in reach", f"{100 * content.summary().without_radius:.2f} % of the interval", False),
+        else ("No sample in reach", f"{100 * summary.without_radius:.2f} % of the interval", False),
     ]
 
 

@@ -218,7 +218,7 @@ def _diameters(content: Content) -> str:
         return "<p>The hole was not measured.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
     head = (f"From [{depths}]", f"To [{depths}]", f"Mean [{unit}]", f"Least [{unit}]", f"Greatest [{unit}]",
-            "Volume [m³]", "Excess [%]", "Measured [%]")  # fmt: skip
+            "Volume [m³]", "Excess [%]", "Whole turns [%]")  # fmt: skip
     rows = []
     for row in intervals(content):
         lengths = (row.mean_diameter, row.least_diameter.value, row.greatest_diameter.value)
@@ -229,7 +229,7 @@ def _diameters(content: Content) -> str:
         rows.append([*ends, *(in_unit(size, content) for size in lengths), *rest])
     note = (
         "Mean: diameter of the cylinder with the same volume. Least and greatest: diameters through the hole's axis. "
-        "All these numbers come from turns without a missing radius. Measured: share of such turns."
+        "All these numbers come from whole turns: those without a missing radius, measured or interpolated."
     )
     return table(head, rows) + f"<p>{note}</p>"
 

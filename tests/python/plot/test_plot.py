@@ -29,6 +29,7 @@ from helibore.plot.scales import FEET, Lines, usual_scale
 from helibore.plot.solid import exaggeration, most_relief, stretch_of
 from helibore.plot.tracks import HATCH, HATCH_BYTES, HEAD, ImageTrack
 from helibore.simulation.tool import Hole, Tool, simulate
+from helibore.wall.interpolation import on_quads
 
 
 @pytest.fixture(scope="module")
@@ -555,3 +556,19 @@ def test_a_picture_and_a_report_state_the_header_of_the_log() -> None:
     for name, label in labels.items():
         assert f"{label} | my {name}" in words
         assert f"<tr><th>{label}</th><td>my {name}</td></tr>" in rows
+
+
+def test_a_wall_that_came_with_its_uncertainty_shows_half_the_interval(wall: hb.Wall) -> None:
+    assert not [track for track in content_of(wall, plot.Drawing(polar=(), body=())).tracks if _sure(track)]
+    known = plotted_wall()
+    known.attributes["sigma"] = sigma = on_quads(known.sigma, known.settings.sectors)
+    content = content_of(known, plot.Drawing(polar=(), body=()))
+    (track,) = [track for track in content.tracks if _sure(track)]
+    np.testing.assert_allclose(track.source[1][: sigma.size], 1959.964 * sigma)
+    assert np.isnan(track.source[1][sigma.size :]).all()
+    assert (track.shown.unit, track.shown.scale.low) == ("mm", 0.0)
+    assert_readable(plot.log(known, polar=(), body=()))
+
+
+def _sure(track: object) -> bool:
+    return isinstance(track, ImageTrack) and track.shown.name == "Radius, 95 %"
