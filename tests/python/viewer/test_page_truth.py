@@ -11,10 +11,21 @@ from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
 from helibore.plot.content import Drawing, content_of
+from helibore.wall.interpolation import on_quads
 
 pytestmark = NEEDS_BROWSER
 
 ENDS = "Object.fromEntries(window.__wall.app.quantities.map(({ id, low, high }) => [id, [low, high]]))"
+
+
+# Pixels of the cross-section in the colour of the band and the cursor.
+COLOURED = """(() => {
+  const { width, height } = document.getElementById('polar');
+  const { data } = document.getElementById('polar').getContext('2d').getImageData(0, 0, width, height);
+  let count = 0;
+  for (let i = 0; i < data.length; i += 4) if (data[i] > data[i + 1] + 40 && data[i] > data[i + 2] + 40) count++;
+  return count;
+})()"""
 
 
 def ink_texts(screen: Screen) -> list[str]:
@@ -200,3 +211,31 @@ def test_what_lies_between_arms_is_hatched_and_not_counted_as_measured(browser: 
         grey = abs(image - image[..., :1]).max(axis=-1) <= 2
         assert 0.03 < grey.mean() < 0.2, "sparse lines"
         screen.close()
+
+
+def test_the_cross_section_has_a_band_where_the_wall_came_with_its_uncertainty(browser: Any) -> None:
+    random = np.random.default_rng(12)
+    depth = np.sort(random.uniform(2000.0, 2020.0, 20_000))
+    radius = BIT / 2 + random.normal(0, 0.002, depth.size)
+    wall = hb.reconstruct(hb.Caliper(depth, random.uniform(0, 360, depth.size), radius), bit_diameter=BIT)
+    bands = []
+    for known in (False, True):
+        if known:
+            wall.attributes["sigma"] = on_quads(wall.sigma, wall.settings.sectors)
+        with hb.view(wall) as viewer:
+            screen = Screen(browser, viewer.url, "#md=2010&sec=10", drawn=False)
+            screen.evaluate("Object.assign(window.__wall.app.view, { shape: 10 })")
+            screen.evaluate("window.__wall.app.redraw()")
+            screen.settle()
+            text = screen.inner_text("#turn")
+            bands.append(screen.evaluate(COLOURED))
+            k = screen.evaluate("window.__wall.app.store.levels[0].turnAt(2010)")
+            screen.close()
+        if known:
+            mean = 1.96e3 * np.nanmean(wall.attributes["sigma"][k : k + wall.settings.sectors])
+            assert f"± {mean:.1f} mm" in text
+            assert mean > 0.5
+        else:
+            assert "Radius, 95 %" not in text
+    assert bands[0] < 500  # where the hole is larger than the bit
+    assert bands[1] > bands[0] + 500

@@ -1,24 +1,25 @@
 // The cross-section at the cursor: one turn of the wall, looking down the hole, high side (or north) up.
 // Bit circle dashed, smallest and largest diameter with their directions, filled beyond the bit; dotted where it is interpolated between
-// arms; kept sections behind. The
-// shape's exaggeration is the view's, and written.
+// arms; a band of 95 % where the wall came with its uncertainty; kept sections behind. The shape's exaggeration is the view's, and written.
 
 import { pen, pixelRatio } from './device.js';
 import { BOLD, FONT, label, PALETTES, SMALL } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
-import { measure, turn, unmeasured } from './turns.js';
+import { attributeOf, measure, turn, unmeasured } from './turns.js';
 import { niceStep } from './lod.js';
 import { wrap360 } from './helix.js';
 import { LENGTHS } from './units.js';
 import { FIRST, RADIUS } from './protocol.js';
 import { zoneAt, zoneText } from './zones.js';
 
-// The turn at a depth: {k, radii, between, measured, level}, from the wall or, where that is not here, nothing.
+const CERTAIN = 1.96; // standard deviations that enclose 95 %
+
+// The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall or, where that is not here, nothing.
 export function turnAt(store, view, depth) {
   const level = store.levels[0];
   const k = Math.max(0, level.turnAt(depth));
   const radii = turn(store, level, k, view.pass === 'first' ? FIRST : RADIUS);
-  return { k, radii, between: unmeasured(level, k), measured: measure(radii), level };
+  return { k, radii, sigma: attributeOf(store, level, k, 'sigma'), between: unmeasured(level, k), measured: measure(radii), level };
 }
 
 // Direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
@@ -49,6 +50,7 @@ export function drawPolar(canvas, look, found) {
   outline(ink, found, (r, j) => place(Math.max(r, R), j), 'transparent', palette.over);
   disc(ink, width / 2, height / 2, R * scale, palette.panel);
   outline(ink, found, place, palette.ink, palette.fill);
+  band(ink, found, place, palette.cursor);
   diameters(ink, found, place, palette);
   if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
   letters(ink, look, depth, width, height, palette);
@@ -121,6 +123,24 @@ function outline(ink, found, place, colour, fill) {
   ink.globalAlpha = 1;
 }
 
+// Where the wall is with a probability of 95 %: one piece a sector, so that a gap stays a gap.
+function band(ink, { radii, sigma }, place, colour) {
+  ink.fillStyle = colour;
+  ink.globalAlpha = 0.3;
+  ink.beginPath();
+  radii.forEach((_, a) => {
+    const b = (a + 1) % radii.length;
+    const ends = [a, b].map((i) => [radii[i] - CERTAIN * sigma[i], radii[i] + CERTAIN * sigma[i]]);
+    if (ends.flat().some(Number.isNaN)) return;
+    ink.moveTo(...place(ends[0][0], a));
+    ink.lineTo(...place(ends[0][1], a));
+    ink.lineTo(...place(ends[1][1], b));
+    ink.lineTo(...place(ends[1][0], b));
+  });
+  ink.fill();
+  ink.globalAlpha = 1;
+}
+
 function diameters(ink, { radii, measured }, place, palette) {
   const K = radii.length;
   for (const [at, colour] of [[measured.maxAt, palette.max], [measured.minAt, palette.min]]) {
@@ -158,9 +178,16 @@ export function turnText(look, found, show) {
     ['Cmin', known ? `${show(measured.min)} @ ${axis(measured.minAt)}` : '–'],
     ['Cmax', known ? `${show(measured.max)} @ ${axis(measured.maxAt)}` : '–'],
     ['Area diameter', show(equivalent)],
+    ...certainty(found.sigma, show),
     ['Turn measured', `${(100 * (1 - found.between.reduce((sum, one) => sum + one, 0) / found.between.length)).toFixed(0)} %`],
     ['Zone', zoneText(zoneAt(look.zones, depth), look.view.units)],
   ];
+}
+
+// How sure the radii of the turn are, in the mean, if that is known.
+function certainty(sigma, show) {
+  const known = sigma.filter((one) => !Number.isNaN(one));
+  return known.length ? [['Radius, 95 %', `± ${show((CERTAIN * known.reduce((sum, one) => sum + one, 0)) / known.length)}`]] : [];
 }
 
 export function sized(canvas) {

@@ -53,6 +53,15 @@ export function turn(store, level, k, column = RADIUS) {
   return radii;
 }
 
+// Values of an attribute on the quads of that turn, NaN where there is none.
+export function attributeOf(store, level, k, name) {
+  const bit = store.attributes.findIndex((one) => one.name === name);
+  return Float64Array.from({ length: level.sectors }, (_, j) => {
+    const { tile, at } = level.locate(k + j);
+    return tile?.columns[bit]?.[at] ?? NaN;
+  });
+}
+
 // Which vertices of that turn are interpolated between arms or have no radius, as 1.
 export function unmeasured(level, k) {
   return Uint8Array.from({ length: level.sectors }, (_, j) => {

@@ -3,7 +3,7 @@ import { test } from 'node:test';
 import { Helix } from '../src/helix.js';
 import { coverage, Store } from '../src/tiles.js';
 import { quantities, takeRanges, valueAt, fitRange, percentile, dynamicRange, histogram, lookup, MAPS } from '../src/colour.js';
-import { measure, tileTurns } from '../src/turns.js';
+import { attributeOf, measure, tileTurns } from '../src/turns.js';
 
 const K = 8;
 const ROWS = 4;
@@ -55,6 +55,15 @@ test('a read-out is the wall’s own value, and needs all four corners', () => {
   fill(made, 0, (k) => (k === 5 + K ? 0 : 10000 + k));
   for (const k of [5, 4, 5 + K, 4 + K]) assert.equal(made.quad(k), null, `quad ${k} touches the missing vertex`);
   assert.notEqual(made.quad(6), null);
+});
+
+test('a turn has the values of an attribute by its name, and none where its tile is not here or nothing came', () => {
+  const made = store({ attributes: [{ name: 'GR' }, { name: 'sigma' }] });
+  fill(made, 0, () => 10000, 0, [(k) => k, (k) => (k === 3 ? NaN : k / 1024)]);
+  const wall = made.levels[0];
+  assert.deepEqual([...attributeOf(made, wall, 1, 'sigma')], [1, 2, NaN, 4, 5, 6, 7, 8].map((k) => k / 1024));
+  assert.ok(attributeOf(made, wall, 1, 'ROP').every(Number.isNaN));
+  assert.ok(attributeOf(made, wall, K * ROWS, 'sigma').every(Number.isNaN), 'its tile is not here');
 });
 
 test('the last quads of a tile read the halo, not the next tile', () => {
