@@ -97,6 +97,7 @@ class App {
   gpu = null; // where there is WebGL 2
   /** @type {any} */
   controls = null;
+  toSay = false; // once the values at the cursor are here
   // Timers.
   /** @type {Record<'noticed' | 'unseen' | 'sharpening' | 'glowing' | 'addressing' | 'speaking', number | undefined>} */
   timers = { noticed: undefined, unseen: undefined, sharpening: undefined, glowing: undefined, addressing: undefined, speaking: undefined };
@@ -279,6 +280,7 @@ class App {
     const growing = Math.floor(Math.max(0, wall.size - 1) / wall.tileSize);
     const seen = wall.tilesBetween(view.top, view.bottom);
     const wanted = new Set([...(seen.length > FINE_TILES ? [] : near.length > FINE_TILES ? seen : near), growing, growing + 1]);
+    if (view.cursor) wanted.add(Math.min(wall.tileAtDepth(view.cursor.depth), growing));
     for (const index of seen) if (wall.tiles.has(index)) store.touch(wall.tiles.get(index));
     for (const tile of store.surplus(MEMORY, wanted)) {
       tile.textures?.dispose();
@@ -448,10 +450,15 @@ class App {
     const { cursor } = view;
     const wall = store.levels[0];
     const covered = cursor && Number.isFinite(cursor.toolface) && cursor.toolface !== null;
-    this.quad = covered ? store.quad(wall.quadAt(cursor.depth, cursor.toolface)) : null;
+    const k = covered ? wall.quadAt(cursor.depth, cursor.toolface) : -1;
+    this.quad = covered ? store.quad(k) : null;
     this.read = readout({ store, view, path, quad: this.quad });
     this.read.push(...this.curves.readout(cursor?.depth));
     write('readout', this.read);
+    if (this.toSay && (!covered || wall.locate(k).tile)) {
+      this.toSay = false;
+      byId('spoken').textContent = spokenText(this);
+    }
     byId('readTitle').textContent = view.pinned ? 'Cursor (held)' : 'Cursor';
     const turned = turnAt(store, view, cursor?.depth ?? view.middle);
     const figures = turnText(look, turned, (m, digits) => showLength(m, view.units, digits ?? (view.units === 'mm' ? 1 : 3)));
@@ -601,7 +608,10 @@ class App {
     if (to < view.top || to > view.bottom) view.show(view.top + to - depth, view.length, store);
     view.set({ cursor: { depth: to, toolface: degrees ? ((toolface ?? 0) + degrees + 360) % 360 : toolface }, pinned: true });
     clearTimeout(this.timers.speaking);
-    this.timers.speaking = setTimeout(() => (byId('spoken').textContent = spokenText(this)), 400);
+    this.timers.speaking = setTimeout(() => {
+      this.toSay = true;
+      this.redraw();
+    }, 400);
   }
 
   copy() {
