@@ -76,6 +76,20 @@ def test_the_keyboard_moves_the_cursor_and_the_page_says_where_it_is(browser: An
         screen.close()
 
 
+def test_the_cursor_has_its_values_in_a_section_longer_than_the_tiles_that_are_held(browser: Any) -> None:
+    with hb.view(MadeWall(4_000_000)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=3600&sec=4000", drawn=False)
+        app = "window.__wall.app"
+        seen = f"{app}.store.levels[0].tilesBetween({app}.view.top, {app}.view.bottom).length"
+        assert screen.evaluate(seen) > 64
+        for key in ("ArrowDown", "ArrowRight"):
+            screen.keyboard.press(key)
+        screen.until("document.getElementById('spoken').textContent")
+        assert "–" not in screen.readout()["Over bit radius"]
+        assert "–" not in screen.evaluate("document.getElementById('spoken').textContent")
+        screen.close()
+
+
 def test_4k_shows_the_same_larger_and_the_pointer_hits(browser: Any) -> None:
     with hb.view(MadeWall(30_000)) as viewer:
         screen = Screen(browser, viewer.url, "#md=1020&sec=20", (3840, 2160), drawn=False)
