@@ -1,6 +1,6 @@
 """One well larger than memory, in blocks: its memory, its time, and its bits beside those in one piece.
 
-    python -m bench.wells.large FOLDER [--samples 200000000] [--whole]
+    python -m bench.wells.large FOLDER [--samples 200000000] [--pitch 0.1] [--whole]
 
 Prints the largest memory of each worker. Then some stretches of the well are made in memory from the samples within
 ``reach`` and compared, bit for bit, logs too; ``--whole`` compares archive, logs and radii with the well made in one
@@ -33,6 +33,7 @@ def main() -> None:
     parser.add_argument("folder", type=Path)
     parser.add_argument("--samples", type=int, default=200_000_000)
     parser.add_argument("--spacing", type=float, default=0.00002, help="metres from sample to sample")
+    parser.add_argument("--pitch", type=float, default=0.1, help="metres from turn to turn")
     parser.add_argument("--one-group", action="store_true")
     parser.add_argument("--upward", action="store_true")
     parser.add_argument("--whole", action="store_true")
@@ -48,7 +49,7 @@ def main() -> None:
         rows.sink_parquet(alone, compression="snappy", row_group_size=given.samples, data_page_size=1 << 20)
     file = given.folder / "one-group.parquet" if given.one_group else file
     groups = parquet.read_metadata(file).num_row_groups
-    pitch = -0.1 if given.upward else 0.1
+    pitch = -given.pitch if given.upward else given.pitch
     text = f'output = "out"\n[defaults.wall]\nbit_diameter = {BIT}\npitch = {pitch}\n{WHOLE}'
     (given.folder / "m.toml").write_text(text + f'[[well]]\nname = "L"\ncaliper = "{file.name}"\n')
     shutil.rmtree(given.folder / "out", ignore_errors=True)

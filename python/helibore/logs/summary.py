@@ -131,18 +131,17 @@ def summarize(
     zones = classify(wall, criteria) if zones is None else zones
     turns = zones.logs
     radius, helix = wall.radius, helix_of(wall)
-    depth = helix.depth(np.arange(radius.size))
-    ends = (float(depth.min()), float(depth.max())) if depth.size else (math.nan, math.nan)
+    ends = helix.ends(radius.size) if radius.size else (math.nan, math.nan)
     start, stop = ends[0] if start is None else float(start), ends[1] if stop is None else float(stop)
-    inside = (depth >= start) & (depth <= stop)
+    inside = helix.between(start, stop, radius.size)
     rows = turns.rows_between(start, stop)
     logs, height = turns.between(start, stop), turns.height
     square = logs.equivalent_diameter[np.isfinite(logs.equivalent_diameter)] ** 2
     mean_square = float(square.mean()) if square.size else math.nan
     metres = {kind: float((zones.kind[rows] == code).sum()) * height for code, kind in enumerate(KINDS) if code}
-    nearest: Floats = getattr(wall, "nearest", np.full(radius.size, np.nan))[inside]
-    nearest = nearest[np.isfinite(nearest)]
-    half, most = np.percentile(nearest, [50, 99]).tolist() if nearest.size else (math.nan, math.nan)
+    nearest: Floats = wall.nearest[inside] if hasattr(wall, "nearest") else np.zeros(0)
+    nearest = nearest[np.isfinite(nearest)]  # its own copy, which may be reordered
+    half, most = np.percentile(nearest, [50, 99], overwrite_input=True) if nearest.size else (math.nan, math.nan)
     return WallSummary(
         start=start,
         stop=stop,
@@ -150,7 +149,7 @@ def summarize(
         bit_diameter=turns.bit_diameter,
         sectors=helix.sectors,
         pitch=helix.pitch,
-        vertices=int(inside.sum()),
+        vertices=radius[inside].size,
         samples=int(getattr(wall, "sample_count", 0)),
         mean_diameter=math.sqrt(mean_square),
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
@@ -171,9 +170,9 @@ def summarize(
         coverage=float(logs.coverage.mean()) if len(logs) else math.nan,
         shape_kept=logs.shape_kept,
         warnings=tuple(logs.warnings()) if len(logs) else (),
-        without_radius=float(np.isnan(radius[inside]).mean()) if inside.any() else math.nan,
-        nearest_half=half,
-        nearest_most=most,
+        without_radius=float(np.isnan(radius[inside]).mean()) if radius[inside].size else math.nan,
+        nearest_half=float(half),
+        nearest_most=float(most),
     )
 
 

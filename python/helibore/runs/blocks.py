@@ -345,16 +345,20 @@ class Merged(NamedTuple):
 def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
     """Return a well, its logs and its overview from the parts that its blocks left."""
     plan, settings = read_plan(store, folder), _settings(run)
-    parts = [store.read_arrays(f"{folder}/part-{number:05}.npz") for number in range(len(plan["blocks"]))]
-
-    def joined(name: str) -> Floats:
-        return np.concatenate([part[name] for part in parts])
-
-    count = sum(int(part["samples"]) for part in parts)
-    wall = Merged(settings, plan["start_depth"], joined("vertex_radius"), joined("vertex_nearest"), count, run.path)
-    coarse, none = joined("overview"), np.full(len(joined("overview")), np.nan)
-    over = Merged(overview_settings(settings), plan["start_depth"], coarse, none, count, run.path)
-    columns: dict[str, Any] = {name: joined(name) for name in COLUMN_NAMES}
+    coarse = overview_settings(settings)
+    rooms = {"vertex_radius": plan["vertices"], "vertex_nearest": plan["vertices"], "overview": _count(coarse, plan)}
+    rooms |= dict.fromkeys(COLUMN_NAMES, plan["vertices"] // settings.sectors)
+    columns: dict[str, Any] = {name: np.empty(room) for name, room in rooms.items()}
+    filled, count = Counter[str](), 0
+    for number in range(len(plan["blocks"])):  # one part in memory at a time: a fine pitch makes them large
+        part = store.read_arrays(f"{folder}/part-{number:05}.npz")
+        count += int(part.pop("samples"))
+        for name, values in part.items():
+            columns[name][filled[name] : filled[name] + values.size] = values
+            filled[name] += values.size
+    radius, nearest, overview = (columns.pop(name) for name in ("vertex_radius", "vertex_nearest", "overview"))
+    wall = Merged(settings, plan["start_depth"], radius, nearest, count, run.path)
+    over = Merged(coarse, plan["start_depth"], overview, np.full(overview.size, np.nan), count, run.path)
     logs = Logs(
         bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis="azimuthal",
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),

@@ -65,6 +65,17 @@ class Helix(NamedTuple):
         last = self.start_depth + (vertices - 1) * self.pitch / self.sectors
         return min(self.start_depth, last), max(self.start_depth, last)
 
+    def between(self, start: float, stop: float, vertices: int) -> slice:
+        """Return those of so many vertices whose depth lies in [start, stop], metres."""
+        sign = math.copysign(1.0, self.pitch)
+        low, high = (start, stop) if sign > 0 else (-stop, -start)
+
+        def along(k: int) -> float:
+            return sign * (self.start_depth + (self.first + k) * self.pitch / self.sectors)
+
+        places = range(vertices)
+        return slice(bisect_left(places, low, key=along), bisect_right(places, high, key=along))
+
     def quads(self, vertices: int) -> int:
         """The quads that so many vertices have room for."""
         return quad_room(vertices, self.sectors)
