@@ -191,8 +191,9 @@ class Alarms:
         """End a request to the webhook that takes too long; the time limit of urllib is for each piece of an answer."""
         if (posting := self._posting) and time.monotonic() - posting[0] > SECONDS:
             for connection in posting[1]:
-                with contextlib.suppress(OSError, AttributeError):  # it may have no socket yet
-                    socket.socket.shutdown(connection.sock, socket.SHUT_RDWR)
+                if (link := connection.sock) is not None:  # it may have no socket yet, or none any more
+                    with contextlib.suppress(OSError):
+                        socket.socket.shutdown(link, socket.SHUT_RDWR)
 
     def begin(self, rule: str, text: str, source: str = "") -> None:
         """Begin an alarm, unless it has begun already."""

@@ -6,6 +6,7 @@ import contextlib
 import http.server
 import io
 import json
+import math
 import os
 import resource
 import signal
@@ -16,6 +17,7 @@ import threading
 import time
 import urllib.request
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -293,6 +295,13 @@ def test_a_command_that_hangs_is_ended_with_what_it_started(tmp_path, monkeypatc
     for pid in (tmp_path / "pids").read_text().split() if (tmp_path / "pids").exists() else ():
         until(lambda pid=pid: not is_running(pid))
     assert texts(live)["alarm_not_delivered"] == "command: TimeoutExpired"
+
+
+def test_a_late_webhook_without_a_socket_does_not_end_the_watch():
+    _, _, alarms = alarmed(HOST + '[alarms]\nwebhook = "http://127.0.0.1:9/"\n')
+    alarms._posting = (-math.inf, [SimpleNamespace(sock=None)])
+    alarms.check()
+    assert not alarms.active
 
 
 @pytest.mark.parametrize(("head", "undelivered"), [(b"", 1), (b"HTTP/1.1 200 OK\r\nX: ", 0)])
