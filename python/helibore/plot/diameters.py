@@ -29,7 +29,7 @@ class Diameters:
     c2: Floats
     d0: Floats
     d90: Floats
-    least: Floats  # across the hole, of the radii that are there
+    least: Floats  # across the hole, of the radii that are there; of a tool with few arms, of the arms
     greatest: Floats
     coverage: Floats  # share of the turn that has a radius, measured or interpolated
     kind: Floats  # of hole, as in `Classification.kind`
@@ -44,6 +44,8 @@ def diameters(wall: WallLike, logs: Logs, kind: Floats) -> Diameters:
     across = by_turn + far
     whole = (logs.depth, logs.equivalent_diameter, logs.c1, logs.c2, logs.diameter_0, logs.diameter_90)
     ends = np.fmin.reduce(across, axis=1), np.fmax.reduce(across, axis=1)
+    if logs.shape == "arms":  # the wall between them is rounder than the hole
+        ends = logs.least_diameter, logs.c1
     order = slice(None) if wall.settings.pitch > 0 else slice(None, None, -1)
     return Diameters(*(column[order] for column in (*whole, *ends, np.isfinite(by_turn).mean(axis=1), kind)))
 

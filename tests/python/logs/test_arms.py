@@ -13,6 +13,7 @@ import pytest
 from locations import SHARED
 
 import helibore as hb
+from helibore.plot.diameters import diameters
 from helibore.simulation.hole import Breakout, Hole, Washout
 
 BIT = 0.216
@@ -60,6 +61,9 @@ def test_no_circle_passes_where_an_arm_was_narrower() -> None:
     assert (logs.enclosing_diameter >= logs.c1).all()
     found = wall.summary()
     assert found.inscribed_diameter.value <= found.least_diameter.value
+    drawn = diameters(wall, logs, wall.zones().kind)
+    np.testing.assert_array_equal(drawn.least, logs.least_diameter)
+    np.testing.assert_array_equal(drawn.greatest, logs.c1)
 
 
 def test_a_table_and_its_files_say_what_comes_from_the_arms(tmp_path: Path) -> None:
