@@ -147,3 +147,10 @@ def columns_of(*rows: Any) -> list[LogColumn]:
         LogColumn(mnemonic, unit, description, np.array([*values], dtype=np.float64), *decimals)
         for mnemonic, unit, description, values, *decimals in rows
     ]
+
+
+def refuse_table(value: object, place: str) -> None:
+    """Raise an InputError that says what to do with a data frame, given for samples or what is made of them."""
+    if isinstance(value, dict) or hasattr(value, "columns"):
+        rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
+        raise InputError(place, rule, type(value).__name__)

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
+from helibore.base.tables import refuse_table
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
 from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
@@ -212,6 +213,7 @@ def prepare(
     InputError
         Naming file, line and rule: no sample is left, an impossible radius, a step that lacks its input.
     """
+    refuse_table(readings, "readings")
     every = list(readings) if isinstance(readings, Sequence) else [readings]
     if not every:
         raise InputError("readings", "must have at least one")

@@ -12,6 +12,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from helibore.base.errors import InputError
+from helibore.base.tables import refuse_table
 from helibore.samples.caliper import Caliper
 from helibore.wall.interpolation import on_quads
 from helibore.wall.wall import Wall, wall_of
@@ -70,9 +71,7 @@ def reconstruct(
     if isinstance(samples, Caliper):
         caliper = samples
     else:
-        if hasattr(samples, "columns") or isinstance(samples, dict):
-            rule = "is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
-            raise InputError("samples", rule, type(samples).__name__)
+        refuse_table(samples, "samples")
         from helibore.preparation.prepare import Prepared, prepare
 
         if not isinstance(samples, Prepared):

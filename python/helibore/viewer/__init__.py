@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 import numpy.typing as npt
 
 from helibore.base.errors import InputError
+from helibore.base.tables import refuse_table
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale, symmetric_limit
 from helibore.logs.curves import ScalarCurve, curves_of
@@ -179,6 +180,7 @@ def view(
     """
     from helibore.wall.wall import Wall
 
+    refuse_table(wall, "wall")
     values: dict[str | Attribute, npt.ArrayLike] = dict(attributes_of(wall) if attributes is None else attributes)
     curves = list(curves)
     if beside:

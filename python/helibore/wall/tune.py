@@ -24,6 +24,7 @@ from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.notebook import card
 from helibore.base.settings import Settings
+from helibore.base.tables import refuse_table
 from helibore.base.threads import thread_count
 from helibore.samples.caliper import Caliper
 from helibore.wall.continuation import LEAST_GAIN, find_continuation
@@ -197,6 +198,7 @@ def tune(
     InputError
         As `Wall`; ``samples = 37: too few samples to tune: must be at least 100``.
     """
+    refuse_table(caliper, "caliper")
     settings = Settings(bit_diameter=bit_diameter, **fixed)
     Wall(**vars(settings) | {"kriging_range": settings.kriging_range or 1.0})  # the core checks them
     return _tuning(in_depth_order(caliper), settings, fixed, targets, thread_count(threads), seed, boxes=targets)

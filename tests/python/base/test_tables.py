@@ -133,9 +133,18 @@ def test_a_bad_table_is_refused(change, options, text):
     assert str(error.value) == text
 
 
-def test_reconstruct_says_how_to_take_a_data_frame():
+@pytest.mark.parametrize(
+    ("place", "call"),
+    [
+        ("samples", lambda frame: hb.reconstruct(frame, bit_diameter=0.2)),
+        ("caliper", lambda frame: hb.tune(frame, bit_diameter=0.2)),
+        ("readings", hb.prepare),
+        ("wall", hb.view),
+    ],
+)
+def test_a_data_frame_for_samples_is_told_how_to_become_some(place, call):
     with pytest.raises(hb.InputError) as error:
-        hb.reconstruct(pd.DataFrame(FRAME), bit_diameter=0.2)
+        call(pd.DataFrame(FRAME))
     assert str(error.value) == (
-        "samples = DataFrame: is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
+        f"{place} = DataFrame: is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
     )
