@@ -1,5 +1,5 @@
 // Estimates at points from the nearest samples that are not left out, by the method of the wall. Each point looks at
-// the samples above and below it, the nearest in depth first, until none can be nearer than those it has.
+// the samples above and below it, some at once, until none can be nearer than those it has.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -19,6 +19,7 @@ namespace helibore {
 namespace {
 
 constexpr std::size_t lanes = kernel::lanes;
+constexpr std::size_t at_once = 8;  // samples above, then below: which side is nearer, the processor cannot guess
 constexpr Index groups_a_part = 4, groups_a_thread = 16;
 
 struct Neighbour {
@@ -64,21 +65,13 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
         return a.square < b.square || (a.square == b.square && a.sample < b.sample);
     };
     found.clear();
-    std::size_t below = static_cast<std::size_t>(std::lower_bound(samples_.depth.begin(), samples_.depth.end(), depth) -
-                                                 samples_.depth.begin());
-    std::size_t above = below;  // the next to look at: above - 1, and below
-    for (;;) {
-        const double up = above > 0 ? depth - samples_.depth[above - 1] : no_limit;
-        const double down = below < samples_.depth.size() ? samples_.depth[below] - depth : no_limit;
-        const double along = std::min(up, down);
-        if (along == no_limit || along * along > limit) break;
-        if (found.size() == wanted && along * along > found.front().square) break;
-        const std::size_t sample = up < down ? --above : below++;
-        const double away = turn(sample, point), across = scale * away;
+    const auto take = [&](std::size_t sample) {
+        const double along = std::abs(depth - samples_.depth[sample]), away = turn(sample, point);
+        const double across = scale * away;
         const Neighbour next{across * across + along * along, sample};
-        if (found.size() == wanted && !nearer(next, found.front())) continue;  // most
-        if (along <= points_.box_depth[point] && away <= points_.box_turn[point]) continue;
-        if (degree * away * degree * away + along * along > limit) continue;
+        if (found.size() == wanted && !nearer(next, found.front())) return;  // most
+        if (along <= points_.box_depth[point] && away <= points_.box_turn[point]) return;
+        if (degree * away * degree * away + along * along > limit) return;
         if (found.size() == wanted) {
             std::pop_heap(found.begin(), found.end(), nearer);
             found.back() = next;
@@ -86,6 +79,26 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
             found.push_back(next);
         }
         std::push_heap(found.begin(), found.end(), nearer);
+    };
+    const auto near = [&](double along) {
+        return along * along <= limit && (found.size() < wanted || along * along <= found.front().square);
+    };
+    const std::size_t count = samples_.depth.size();
+    std::size_t below = static_cast<std::size_t>(std::lower_bound(samples_.depth.begin(), samples_.depth.end(), depth) -
+                                                 samples_.depth.begin());
+    std::size_t above = below;  // the next to look at: above - 1, and below
+    for (bool some = true; some;) {
+        some = false;
+        if (above > 0 && near(depth - samples_.depth[above - 1])) {
+            const std::size_t stop = above - std::min(above, at_once);
+            while (above > stop) take(--above);
+            some = true;
+        }
+        if (below < count && near(samples_.depth[below] - depth)) {
+            const std::size_t stop = below + std::min(count - below, at_once);
+            while (below < stop) take(below++);
+            some = true;
+        }
     }
     std::sort(found.begin(), found.end(), [](const auto& a, const auto& b) { return a.sample < b.sample; });
 }
