@@ -101,6 +101,43 @@ py::array_t<double> radius_of(const Wall& wall) {
     return array_of(read_of(wall, &Wall::radius));
 }
 
+// Columns read into arrays of NumPy's, which lie in large pages; empty if the wall has grown in the meantime.
+py::tuple read_into_arrays(const Wall& wall, Index count, std::size_t kinds,
+                           bool (Wall::*read)(std::span<const std::span<double>>) const) {
+    py::list arrays;
+    std::vector<std::span<double>> into;
+    for (std::size_t i = 0; i < kinds; ++i) {
+        py::array_t<double> column(count);
+        into.emplace_back(column.mutable_data(), static_cast<std::size_t>(count));
+        arrays.append(std::move(column));
+    }
+    bool fits = false;
+    {
+        const py::gil_scoped_release released;
+        fits = (wall.*read)(into);
+    }
+    return fits ? py::tuple(arrays) : py::tuple();
+}
+
+template <class Columns>
+py::tuple arrays_of(Columns&& columns) {
+    py::list arrays;
+    for (auto& column : columns) arrays.append(array_of(std::move(column)));
+    return py::tuple(arrays);
+}
+
+py::tuple samples_of(const Wall& wall) {
+    const Index count = read_of(wall, &Wall::sample_count);
+    for (const std::size_t kinds : {std::size_t{3}, std::size_t{4}})
+        if (auto columns = read_into_arrays(wall, count, kinds, &Wall::read_samples); !columns.empty()) return columns;
+    return arrays_of(read_of(wall, &Wall::samples));
+}
+
+py::tuple sums_of(const Wall& wall) {
+    auto columns = read_into_arrays(wall, read_of(wall, &Wall::size), 4, &Wall::read_sums);
+    return columns.empty() ? arrays_of(read_of(wall, &Wall::sums)) : columns;
+}
+
 template <class T>
 auto reader(std::vector<T> (Wall::*read)() const) {
     return [read](const Wall& wall) { return array_of(read_of(wall, read)); };
@@ -188,22 +225,8 @@ void register_wall(py::module_& m) {
                 return arrays;
             },
             py::arg("channels"), py::arg("threads"))
-        .def("sums",
-             [](const Wall& wall) {
-                 std::array<std::vector<double>, 4> of = read_of(wall, &Wall::sums);
-                 return py::make_tuple(array_of(std::move(of[0])), array_of(std::move(of[1])),
-                                       array_of(std::move(of[2])), array_of(std::move(of[3])));
-             })
-        .def("samples", [](const Wall& wall) {
-            std::vector<std::vector<double>> columns;
-            {
-                const py::gil_scoped_release released;
-                columns = wall.samples();
-            }
-            py::list arrays;
-            for (auto& column : columns) arrays.append(array_of(std::move(column)));
-            return py::tuple(arrays);
-        });
+        .def("sums", &sums_of)
+        .def("samples", &samples_of);
     m.def("are_columns", &are_columns, py::arg("depth"), py::arg("toolface"), py::arg("radius"), py::arg("time"));
     m.def(
         "check_samples",

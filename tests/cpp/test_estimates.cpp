@@ -3,6 +3,7 @@
 #include "helibore/estimates.hpp"
 
 #include <cmath>
+#include <cstring>
 #include <limits>
 
 #include "check.hpp"
@@ -133,6 +134,12 @@ void kept_sums() {
         const auto samples = wall.samples();
         const PointEstimates found = estimate_at(columns_of(samples), points, settings);
         const auto sums = wall.sums();
+        std::vector<std::vector<double>> mine(4, std::vector<double>(sums[0].size(), 7.0));
+        const std::vector<std::span<double>> into(mine.begin(), mine.end());
+        CHECK(!wall.read_sums(std::span(into).first(3)) && mine[0][0] == 7.0);
+        CHECK(wall.read_sums(into));
+        for (std::size_t i = 0; i < into.size(); ++i)
+            CHECK(std::memcmp(mine[i].data(), sums[i].data(), n * sizeof(double)) == 0);
         for (std::size_t k = 0; k < n; ++k) {
             if (v.support[k] == 0) continue;
             const double kept[] = {sums[0][k], sums[1][k], sums[2][k], sums[3][k]};

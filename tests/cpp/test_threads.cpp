@@ -125,6 +125,17 @@ void walls_at_once() {
     CHECK(std::count(other.begin(), other.end(), 7.0) == static_cast<std::ptrdiff_t>(other.size()));
     CHECK(helibore::Wall({.bit_diameter = 0.216}).read_radius({}) == 0);
 
+    // The samples, in memory of the host's.
+    const auto samples = wall.samples();
+    std::vector<std::vector<double>> mine(samples.size(), std::vector<double>(samples[0].size(), 7.0));
+    std::vector<std::span<double>> into(mine.begin(), mine.end());
+    CHECK(!wall.read_samples(std::span(into).first(2)));
+    into[2] = into[2].first(1);
+    CHECK(!wall.read_samples(into) && mine[0][0] == 7.0);
+    into[2] = mine[2];
+    CHECK(wall.read_samples(into));
+    for (std::size_t i = 0; i < into.size(); ++i) CHECK(same(mine[i], samples[i]));
+
     // Of vertices that are not settled, what stands for them.
     helibore::Wall live({.bit_diameter = 0.216, .sectors = sectors, .start_depth = 1000.0, .direct = true});
     live.append(hole.all());

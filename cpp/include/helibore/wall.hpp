@@ -103,6 +103,8 @@ class Wall {
     // What the uncertainties of all radii are computed from: W, S, A and C of SigmaRule; NaN where the radius
     // is. Throws InputError without Settings::sigma.
     std::array<std::vector<double>, 4> sums() const;
+    // The same into columns of the caller; false, and nothing is written, if their number or lengths are others.
+    [[nodiscard]] bool read_sums(std::span<const std::span<double>> into) const;
 
     // Values measured with the samples, interpolated at the vertices by the neighbours and weights of the radius. Each
     // channel has one value for each sample, in the order of samples(), NaN for none, and gets one value for each
@@ -112,6 +114,9 @@ class Wall {
 
     // The samples kept, in canonical order: depth, toolface, radius, and time if they have one.
     std::vector<std::vector<double>> samples() const;
+    // The same into columns of the caller, three or, with time, four; false, and nothing is written, if their number or
+    // lengths are others.
+    [[nodiscard]] bool read_samples(std::span<const std::span<double>> into) const;
 
   private:
     struct State;

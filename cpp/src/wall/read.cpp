@@ -12,6 +12,7 @@ namespace helibore {
 
 namespace {
 
+constexpr Index chunks_a_thread = 16;
 constexpr Index blocks_a_thread = 64;  // at least; copying fewer is not worth the start of a thread
 
 std::size_t length_of(Range range) {
@@ -24,6 +25,39 @@ auto locked(const State& state, const Read& read) {
     const StandardArithmetic standard;
     const std::scoped_lock held(state.lock);
     return read(state);
+}
+
+bool have_length(std::span<const std::span<double>> columns, std::size_t kinds, std::size_t count) {
+    return columns.size() == kinds &&
+           std::ranges::all_of(columns, [&](const auto& column) { return column.size() == count; });
+}
+
+void require_sums(const Settings& settings) {
+    if (!settings.sigma) throw InputError("sigma", "must be set for the sums of the vertices");
+}
+
+void copy_sums(const Vertices& vertices, Index count, int threads, const std::vector<std::span<double>>& into) {
+    const Index blocks = Vertices::blocks_of(count);
+    for_each_part(threads_for(blocks, blocks_a_thread, threads), blocks, [&](int, Index b) {
+        const Index first = b * Vertices::block_size, n = std::min(Vertices::block_size, count - first);
+        for (std::size_t i = 0; i < into.size(); ++i)
+            std::copy_n(vertices.sum(i, b).begin(), n, into[i].begin() + first);
+    });
+}
+
+// Depth, toolface, radius and any time of all samples, on several threads: new memory takes longer than the
+// copy.
+void copy_samples(const Samples& samples, int threads, const std::vector<std::span<double>>& into) {
+    const Chunks& chunks = samples.chunks();
+    const auto count = static_cast<Index>(chunks.size());
+    for_each_part(threads_for(count, chunks_a_thread, threads), count, [&](int, Index c) {
+        const auto at = static_cast<std::size_t>(c);
+        const Chunk& chunk = *chunks[at];
+        const Index first = samples.rank({at, 0});
+        const double* from[4] = {chunk.depth(), chunk.toolface(), chunk.radius(),
+                                 into.size() > 3 ? chunk.time() : nullptr};
+        for (std::size_t i = 0; i < into.size(); ++i) std::copy_n(from[i], chunk.count, into[i].begin() + first);
+    });
 }
 
 }  // namespace
@@ -161,10 +195,20 @@ Index Wall::read_radius(std::span<double> into) const {
 
 std::array<std::vector<double>, 4> Wall::sums() const {
     return locked(*state_, [](const State& s) {
-        if (!s.settings.sigma) throw InputError("sigma", "must be set for the sums of the vertices");
+        require_sums(s.settings);
         std::array<std::vector<double>, 4> out;
-        for (std::size_t i = 0; i < out.size(); ++i) out[i] = s.vertices.sum(i, s.count);
+        out.fill(std::vector<double>(length_of(s.all())));
+        copy_sums(s.vertices, s.count, s.settings.threads, {out.begin(), out.end()});
         return out;
+    });
+}
+
+bool Wall::read_sums(std::span<const std::span<double>> into) const {
+    return locked(*state_, [&](const State& s) {
+        require_sums(s.settings);
+        const bool fits = have_length(into, 4, length_of(s.all()));
+        if (fits) copy_sums(s.vertices, s.count, s.settings.threads, {into.begin(), into.end()});
+        return fits;
     });
 }
 
@@ -193,16 +237,19 @@ std::vector<std::vector<double>> Wall::interpolate_samples(std::span<const std::
 
 std::vector<std::vector<double>> Wall::samples() const {
     return locked(*state_, [](const State& s) {
-        const bool timed = s.samples.timed();
-        std::vector<std::vector<double>> columns(timed ? 4 : 3);
-        for (auto& column : columns) column.reserve(static_cast<std::size_t>(s.samples.size()));
-        for (const auto& chunk : s.samples.chunks()) {
-            const double* from[4] = {chunk->depth(), chunk->toolface(), chunk->radius(),
-                                     timed ? chunk->time() : nullptr};
-            for (std::size_t i = 0; i < columns.size(); ++i)
-                columns[i].insert(columns[i].end(), from[i], from[i] + chunk->count);
-        }
+        const auto count = static_cast<std::size_t>(s.samples.size());
+        std::vector<std::vector<double>> columns(s.samples.timed() ? 4 : 3, std::vector<double>(count));
+        copy_samples(s.samples, s.settings.threads, {columns.begin(), columns.end()});
         return columns;
+    });
+}
+
+bool Wall::read_samples(std::span<const std::span<double>> into) const {
+    return locked(*state_, [&](const State& s) {
+        const auto count = static_cast<std::size_t>(s.samples.size());
+        const bool fits = have_length(into, s.samples.timed() ? 4 : 3, count);
+        if (fits) copy_samples(s.samples, s.settings.threads, {into.begin(), into.end()});
+        return fits;
     });
 }
 

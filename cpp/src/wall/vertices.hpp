@@ -99,14 +99,8 @@ class Vertices {
     }
 
     // One of the sums of vertices [0, count).
-    std::vector<double> sum(std::size_t which, Index count) const {
-        std::vector<double> out;
-        out.reserve(static_cast<std::size_t>(count));
-        for (Index k = 0; k < count; k += block_size) {
-            const auto& from = (*sums_[static_cast<std::size_t>(k / block_size)])[which];
-            out.insert(out.end(), from.begin(), from.begin() + std::min(block_size, count - k));
-        }
-        return out;
+    std::span<const double> sum(std::size_t which, Index block) const {
+        return (*sums_[static_cast<std::size_t>(block)])[which];
     }
 
   private:
