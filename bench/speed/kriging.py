@@ -2,8 +2,8 @@
 
     python -m bench kriging
 
-A wall of 1.2 M samples and 128 k vertices is made anew each time. `Wall.sigma` includes its calibration, which costs as
-much for larger walls.
+Walls of 1.2 M samples and 128 k vertices, and of four times that, are made anew each time. `Wall.sigma` includes its
+calibration, which costs as much for larger walls.
 """
 
 from __future__ import annotations
@@ -20,21 +20,23 @@ from bench.measure import in_turn, milliseconds, ratio
 SAMPLES, VERTICES, SECTORS, PITCH, BIT = 1_200_000, 131_072, 64, 0.1, 0.216
 
 
-def _caliper() -> hb.Caliper:
-    random = np.random.default_rng(1)
-    depth = np.sort(random.uniform(0.0, VERTICES * PITCH / SECTORS, SAMPLES))
-    toolface = random.uniform(0.0, 360.0, SAMPLES)
+def _caliper(times: int = 1) -> hb.Caliper:
+    random, count = np.random.default_rng(1), times * SAMPLES
+    depth = np.sort(random.uniform(0.0, times * VERTICES * PITCH / SECTORS, count))
+    toolface = random.uniform(0.0, 360.0, count)
     shape = 0.004 * np.cos(np.radians(2 * toolface)) * (np.sin(depth / 3) > 0.5)
-    return hb.Caliper(depth, toolface, BIT / 2 + shape + random.normal(0.0, 5e-4, SAMPLES))
+    return hb.Caliper(depth, toolface, BIT / 2 + shape + random.normal(0.0, 5e-4, count))
 
 
 def cases(rounds: int = 9) -> list[dict[str, Any]]:
-    """One thread, and as many as there are processors."""
-    caliper = _caliper()
+    """One thread, and as many as there are processors; two sizes."""
     results: list[dict[str, Any]] = []
-    for threads in (1, None):
+    for times, threads in ((1, 1), (1, None), (4, 1), (4, None)):
+        caliper = _caliper(times)
 
-        def build(sigma: bool = False, threads: int | None = threads, **settings: Any) -> hb.Wall:
+        def build(
+            sigma: bool = False, caliper: hb.Caliper = caliper, threads: int | None = threads, **settings: Any
+        ) -> hb.Wall:
             return hb.reconstruct(caliper, bit_diameter=BIT, neighbors=16, threads=threads, sigma=sigma, **settings)
 
         assert np.isfinite(build(sigma=True, estimator="kriging").sigma).mean() > 0.9
@@ -47,7 +49,7 @@ def cases(rounds: int = 9) -> list[dict[str, Any]]:
         seconds = in_turn(works, rounds)
         results.append(
             {
-                "case": f"16 neighbours, {'one thread' if threads else 'all processors'}",
+                "case": f"{times * VERTICES:,} vertices, {'one thread' if threads else 'all processors'}",
                 "kriging ms": milliseconds(seconds["kriging"]),
                 "kriging over inverse distance": ratio(seconds["kriging"], seconds["inverse distance"]),
                 "kriging over inverse distance at most": 2.0,
@@ -56,7 +58,7 @@ def cases(rounds: int = 9) -> list[dict[str, Any]]:
                 "sigma on top of inverse distance": ratio(seconds["its sigma"], seconds["inverse distance"]),
             }
         )
-    began = time.perf_counter()
+    caliper, began = _caliper(), time.perf_counter()
     hb.tune(caliper, bit_diameter=BIT)
     results.append({"case": f"tune, {SAMPLES:,} samples", "s": time.perf_counter() - began, "s at most": 10.0})
     return results
