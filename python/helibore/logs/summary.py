@@ -140,8 +140,7 @@ def summarize(
     mean_square = float(square.mean()) if square.size else math.nan
     metres = {kind: float((zones.kind[rows] == code).sum()) * height for code, kind in enumerate(KINDS) if code}
     nearest: Floats = wall.nearest[inside] if hasattr(wall, "nearest") else np.zeros(0)
-    nearest = nearest[np.isfinite(nearest)]  # its own copy, which may be reordered
-    half, most = np.percentile(nearest, [50, 99], overwrite_input=True) if nearest.size else (math.nan, math.nan)
+    half, most = nearest_half_and_most(nearest[np.isfinite(nearest)])
     return WallSummary(
         start=start,
         stop=stop,
@@ -171,9 +170,17 @@ def summarize(
         shape_kept=logs.shape_kept,
         warnings=tuple(logs.warnings()) if len(logs) else (),
         without_radius=float(np.isnan(radius[inside]).mean()) if radius[inside].size else math.nan,
-        nearest_half=float(half),
-        nearest_most=float(most),
+        nearest_half=half,
+        nearest_most=most,
     )
+
+
+def nearest_half_and_most(nearest: Floats) -> tuple[float, float]:
+    """Return `WallSummary.nearest_half` and ``nearest_most`` of finite distances, whose order is lost."""
+    if not nearest.size:
+        return math.nan, math.nan
+    half, most = np.percentile(nearest, [50, 99], overwrite_input=True).tolist()
+    return half, most
 
 
 def _extreme(logs: Logs, values: Floats, where: Any) -> Extreme:

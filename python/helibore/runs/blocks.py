@@ -29,6 +29,7 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
 from helibore.files.raw_set import Channel
+from helibore.logs.summary import nearest_half_and_most
 from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
 from helibore.preparation.conditioning import in_range
 from helibore.preparation.sensors import observe_by_depth
@@ -336,35 +337,44 @@ class Merged(NamedTuple):
     settings: Settings
     start_depth: float
     radius: Floats
-    nearest: Floats
     sample_count: int
     path: WellPath | None
     basis: Basis = "azimuthal"
 
 
-def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
-    """Return a well, its logs and its overview from the parts that its blocks left."""
+def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged, tuple[float, float]]:
+    """Return a well, its logs, its overview, and `WallSummary.nearest_half` and ``nearest_most``, from its blocks."""
     plan, settings = read_plan(store, folder), _settings(run)
     coarse = overview_settings(settings)
-    rooms = {"vertex_radius": plan["vertices"], "vertex_nearest": plan["vertices"], "overview": _count(coarse, plan)}
+    nearest = _joined(store, folder, plan, {"vertex_nearest": plan["vertices"]})["vertex_nearest"]
+    distances = nearest_half_and_most(nearest[np.isfinite(nearest)])
+    del nearest  # as large as the radii
+    rooms = {"vertex_radius": plan["vertices"], "overview": _count(coarse, plan), "samples": len(plan["blocks"])}
     rooms |= dict.fromkeys(COLUMN_NAMES, plan["vertices"] // settings.sectors)
-    columns: dict[str, Any] = {name: np.empty(room) for name, room in rooms.items()}
-    filled, count = Counter[str](), 0
-    for number in range(len(plan["blocks"])):  # one part in memory at a time: a fine pitch makes them large
-        part = store.read_arrays(f"{folder}/part-{number:05}.npz")
-        count += int(part.pop("samples"))
-        for name, values in part.items():
-            columns[name][filled[name] : filled[name] + values.size] = values
-            filled[name] += values.size
-    radius, nearest, overview = (columns.pop(name) for name in ("vertex_radius", "vertex_nearest", "overview"))
-    wall = Merged(settings, plan["start_depth"], radius, nearest, count, run.path)
-    over = Merged(coarse, plan["start_depth"], overview, np.full(overview.size, np.nan), count, run.path)
+    columns: dict[str, Any] = _joined(store, folder, plan, rooms)
+    radius, overview, samples = (columns.pop(name) for name in ("vertex_radius", "overview", "samples"))
+    count = int(samples.sum())
+    wall = Merged(settings, plan["start_depth"], radius, count, run.path)
+    over = Merged(coarse, plan["start_depth"], overview, count, run.path)
     logs = Logs(
         bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis="azimuthal",
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
         reference=run.path.reference if run.path is not None else "", **columns,
     )  # fmt: skip
-    return wall, logs, over
+    return wall, logs, over, distances
+
+
+def _joined(store: Store, folder: str, plan: Json, rooms: dict[str, int]) -> dict[str, Floats]:
+    """Return columns of so many values from the parts of all blocks, of which one at a time is in memory."""
+    columns = {name: np.empty(room) for name, room in rooms.items()}
+    filled = Counter[str]()
+    for number in range(len(plan["blocks"])):
+        part = store.read_arrays(f"{folder}/part-{number:05}.npz")
+        for name, column in columns.items():
+            values = part[name].ravel()
+            column[filled[name] : filled[name] + values.size] = values
+            filled[name] += values.size
+    return columns
 
 
 COARSER = 16

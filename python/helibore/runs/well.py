@@ -123,13 +123,14 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     check_versions(expected)
     store = Store(job.output)
     with _opened(job, ("survey",)) as (run, _):
-        wall, logs, over = merged(run, store, _work(job))
+        wall, logs, over, (half, most) = merged(run, store, _work(job))
         files, save = _saver(store)
         files |= store.sizes(f"wells/{job.key}")
         zones = _save_tables(job, save, classify(wall, None, logs))
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path))
-        row = catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
+        summary = replace(summarize(wall, zones=zones), nearest_half=half, nearest_most=most)
+        row = catalogue_row(job.well, run.settings, wall, summary)
     made_from = read_plan(store, _work(job))["made_from"]
     record = _write_record(job, store, made_from, files, row)
     store.delete(list(store.sizes(_work(job))))
