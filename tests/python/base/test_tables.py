@@ -142,7 +142,7 @@ def test_a_bad_table_is_refused(change, options, text):
         ("wall", hb.view),
     ],
 )
-def test_a_data_frame_for_samples_is_told_how_to_become_some(place, call):
+def test_a_data_frame_for_samples_is_an_error_that_names_from_table(place, call):
     with pytest.raises(hb.InputError) as error:
         call(pd.DataFrame(FRAME))
     assert str(error.value) == (
