@@ -45,8 +45,7 @@ void copy_sums(const Vertices& vertices, Index count, int threads, const std::ve
     });
 }
 
-// Depth, toolface, radius and any time of all samples, on several threads: new memory takes longer than the
-// copy.
+// Depth, toolface, radius and any time of all samples. On several threads: new memory takes longer than the copy.
 void copy_samples(const Samples& samples, int threads, const std::vector<std::span<double>>& into) {
     const Chunks& chunks = samples.chunks();
     const auto count = static_cast<Index>(chunks.size());
