@@ -118,10 +118,16 @@ class ColorScale:
 
     def colors(self, values: Floats) -> Colors:
         """Return (..., 4) uint8 red, green, blue, 255 of values of any shape; missing ones are `MISSING`."""
-        share = self.share(values)
-        there = np.isfinite(share)
-        place = np.where(there, np.rint(np.where(there, share, 0) * (_FINE - 1)), _FINE).astype(np.intp)
-        return _table_with_missing(self.color_map)[place]
+        if self.log:
+            check_positive(values)  # of all, so that an error names the place
+        table, flat = _table_with_missing(self.color_map), np.ravel(values)
+        colors = np.empty((flat.size, 4), dtype=np.uint8)
+        for first in range(0, flat.size, _BLOCK):
+            share = self.share(flat[first : first + _BLOCK])
+            there = np.isfinite(share)
+            place = np.where(there, np.rint(np.where(there, share, 0) * (_FINE - 1)), _FINE)
+            colors[first : first + _BLOCK] = table[place.astype(np.intp)]
+        return colors.reshape(*np.shape(values), 4)
 
     def matplotlib(self) -> tuple[Colormap, Normalize]:
         """Return the scale for matplotlib, missing values in grey: ``cmap, norm = scale.matplotlib()``."""
@@ -137,6 +143,7 @@ class ColorScale:
 
 
 _FINE = 1024
+_BLOCK = 1 << 16  # values coloured at a time: what is in between stays in the processor's cache
 
 
 @cache

@@ -12,8 +12,9 @@ from __future__ import annotations
 
 import json
 import struct
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import Any, BinaryIO
 
@@ -23,6 +24,9 @@ from helibore.base.arrays import Array, Bytes, Floats, Integers
 from helibore.base.errors import InputError
 
 MISSING = -999.25  # the usual null value of well logs, exact in float32
+
+BLOCK = 1 << 16
+"""Quads written at a time: their corners stay in the processor's cache, and take little memory."""
 
 LARGEST = (1 << 32) - 1
 """Bytes of a GLB: its header counts them in 32 bits (4.4.2)."""
@@ -59,31 +63,47 @@ def write_glb(
     with -999.25 for missing values, which the mesh's extras state: glTF forbids NaN (3.6.2.2). ``extras`` are further
     JSON values of these extras.
     """
-    y_up = np.stack([positions[:, 1], -positions[:, 2], -positions[:, 0]])
-    middle = (y_up.min(axis=1) + y_up.max(axis=1)) / 2
-    local = np.empty((len(positions), 3), dtype="<f4")
-    np.subtract(y_up.T, middle, out=local, casting="same_kind")
-    corners = local.take(quads.reshape(-1), axis=0)
-    ends = {"min": [float(of.min()) for of in corners.T], "max": [float(of.max()) for of in corners.T]}
+    middle, local = np.empty(3), np.empty((len(positions), 3), dtype="<f4")
+    for axis, (of, sign) in enumerate(((1, 1.0), (2, -1.0), (0, -1.0))):
+        along = sign * positions[:, of]
+        middle[axis] = (along.min() + along.max()) / 2
+        np.subtract(along, middle[axis], out=local[:, axis], casting="same_kind")
+    count = len(quads)
+    blocks = [slice(first, min(first + BLOCK, count)) for first in range(0, count, BLOCK)]
+
+    def corners(block: slice) -> Array:
+        return local.take(quads[block].reshape(-1), axis=0)
+
+    def color(block: slice) -> Array:
+        return _at_corners(_linear(colors[block]).view("<u4"))
+
+    def without_nan(of: Floats, block: slice) -> Array:
+        there = np.abs(of[block]) <= np.finfo(np.float32).max
+        return _at_corners(np.where(there, of[block], MISSING).astype("<f4"))
+
+    def triangles(block: slice) -> Array:
+        first = np.arange(4 * block.start, 4 * block.stop, 4, dtype="<u4")[:, None]  # a quad has its own corners
+        corner: Array = first + np.array([0, 1, 2, 0, 2, 3], dtype="<u4")
+        return corner
+
+    ends = [(of.min(axis=0), of.max(axis=0)) for of in map(corners, blocks)]
+    least, most = (pick([end[side] for end in ends], axis=0) for side, pick in enumerate((np.min, np.max)))
     views = [
-        _View("POSITION", corners, "VEC3", _FLOAT, ends),
-        _View("COLOR_0", _at_corners(_linear(colors).view("<u4")), "VEC4", _UNSIGNED_BYTE, {"normalized": True}),
+        _View("POSITION", corners, 48, "VEC3", _FLOAT, {"min": least.tolist(), "max": most.tolist()}),
+        _View("COLOR_0", color, 16, "VEC4", _UNSIGNED_BYTE, {"normalized": True}),
+        *(_View(f"_{name}", partial(without_nan, of), 16, "SCALAR", _FLOAT, {}) for name, of in attributes.items()),
+        _View("", triangles, 24, "SCALAR", _UNSIGNED_INT, {}),
     ]
-    for name, of in attributes.items():
-        without_nan = np.where(np.abs(of) <= np.finfo(np.float32).max, of, MISSING).astype("<f4")
-        views.append(_View(f"_{name}", _at_corners(without_nan), "SCALAR", _FLOAT, {}))
-    first = np.arange(0, 4 * len(quads), 4, dtype="<u4")[:, None]  # two triangles a quad, which has its own corners
-    triangles = (first + np.array([0, 1, 2, 0, 2, 3], dtype="<u4")).reshape(-1)
-    views.append(_View("", triangles, "SCALAR", _UNSIGNED_INT, {}))
-    scene = _scene(views, 4 * len(quads), middle, extras)
+    scene = _scene(views, count, middle, extras)
     text = json.dumps(scene, separators=(",", ":"), allow_nan=False).encode("ascii")
     text += b" " * (-len(text) % 4)
-    size = sum(view.array.nbytes for view in views)
+    size = sum(view.bytes for view in views) * count
     file.write(struct.pack("<4sII", b"glTF", 2, 12 + 8 + len(text) + 8 + size))
     file.write(struct.pack("<I4s", len(text), b"JSON") + text)
     file.write(struct.pack("<I4s", size, b"BIN\0"))
     for view in views:
-        file.write(view.array.data)
+        for block in blocks:
+            file.write(np.ascontiguousarray(view.of(block)).data)
 
 
 @dataclass(frozen=True)
@@ -91,7 +111,8 @@ class _View:
     """An array of the file: an attribute of the vertices, or, without a name, the corners of the triangles."""
 
     name: str
-    array: Array
+    of: Callable[[slice], Array]  # its values at some quads
+    bytes: int  # a quad
     shape: str
     number: int
     more: dict[str, Any]
@@ -111,18 +132,18 @@ def _linear(colors: Bytes) -> Bytes:
     return result
 
 
-def _scene(views: list[_View], vertices: int, middle: Floats, extras: Mapping[str, Any]) -> dict[str, Any]:
+def _scene(views: list[_View], quads: int, middle: Floats, extras: Mapping[str, Any]) -> dict[str, Any]:
     accessors: list[dict[str, Any]] = []
     buffer_views: list[dict[str, Any]] = []
     length = 0
     for number, view in enumerate(views):
-        count = vertices if view.name else view.array.size
+        count, size = (4 if view.name else 6) * quads, view.bytes * quads
         accessor = {"bufferView": number, "componentType": view.number, "count": count, "type": view.shape}
         accessors.append(accessor | view.more)
         target = _ARRAY_BUFFER if view.name else _ELEMENT_ARRAY_BUFFER
-        place = {"buffer": 0, "byteOffset": length, "byteLength": view.array.nbytes, "target": target}
+        place = {"buffer": 0, "byteOffset": length, "byteLength": size, "target": target}
         buffer_views.append(place)
-        length += view.array.nbytes
+        length += size
     attributes = {view.name: number for number, view in enumerate(views) if view.name}
     primitive = {"attributes": attributes, "indices": len(views) - 1}
     return {

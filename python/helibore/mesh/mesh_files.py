@@ -68,7 +68,7 @@ def save_surface(
         except InputError as error:
             raise error.within(f"attribute {color_by or 'radius'!r}") from error
     paint = partial(colors_of, limits=limits, color_map=color_map, log=log)
-    positions = mesh.vertices - np.array(origin, dtype=np.float64)
+    positions = mesh.vertices - np.array(origin, dtype=np.float64) if any(origin) else mesh.vertices
     write_whole(path, _PAINTED[ending](mesh, positions, color_by, paint))
 
 
