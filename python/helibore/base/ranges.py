@@ -1,10 +1,19 @@
-"""The union of half-open ranges [start, stop) of integers, such as changed vertices."""
+"""Half-open ranges [start, stop) of integers, such as changed vertices: their union, and the pieces of one."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
 
 Range = tuple[int, int]
+
+PIECE = 1 << 18
+"""Numbers in a piece: they stay in the processor's cache, and take little memory."""
+
+
+def pieces(span: slice, size: int = PIECE) -> Iterator[slice]:
+    """Return a range, cut into pieces of at most so many numbers."""
+    for start in range(span.start, span.stop, size):
+        yield slice(start, min(start + size, span.stop))
 
 
 def union(ranges: Iterable[Iterable[int]], most: int | None = None) -> list[Range]:

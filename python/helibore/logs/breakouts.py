@@ -13,14 +13,22 @@ import numpy as np
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.axial import BreakoutLobe, axial_mean, lobe_of
+from helibore.base.ranges import PIECE, pieces
 from helibore.logs.turn_logs import Logs
+
+
+def rows(radius: Floats, turns: Integers, sectors: int) -> Floats:
+    """Return the radii of growing turns, (turns, sectors); only what lies between the first and the last is read."""
+    first, last = int(turns[0]), int(turns[-1])
+    return radius[first * sectors : (last + 1) * sectors].reshape(-1, sectors)[turns - first]
 
 
 def sections(logs: Logs, turns: Integers, radius: Floats, start: float) -> tuple[Floats, Floats]:
     """Return height over the circle of C2 and direction from its centre, degrees, both (turns, sectors)."""
     toolface = np.radians(start + np.arange(logs.sectors) * (360 / logs.sectors))
-    x = radius[turns] * np.cos(toolface) - logs.centre_0[turns, None]
-    y = radius[turns] * np.sin(toolface) - logs.centre_90[turns, None]
+    around = rows(radius, turns, logs.sectors)
+    x = around * np.cos(toolface) - logs.centre_0[turns, None]
+    y = around * np.sin(toolface) - logs.centre_90[turns, None]
     return np.hypot(x, y) - logs.c2[turns, None] / 2, np.degrees(np.arctan2(y, x))
 
 
@@ -32,20 +40,23 @@ def lobes_of(
     Parameters
     ----------
     logs, turns, radius, start
-        The logs, the zone's turns, the radii of all turns (turns, sectors), and the toolface of the first sector.
+        The logs, the zone's turns, the radii of all vertices, and the toolface of the first sector.
     level
         `Criteria.opening_level`.
     both
         Two opposite lobes (a breakout), or one (a key seat).
     """
-    height, direction = sections(logs, turns, radius, start)
-    weight = np.maximum(height - level * height.max(axis=1, keepdims=True), 0)
     fold = 2 if both else 1  # opposite lobes are one axis; a key seat has a direction
-    by_turn = (weight * np.exp(1j * fold * np.radians(direction))).sum(axis=1)
+    by_turn, total = np.empty(turns.size, dtype=np.complex128), np.zeros(logs.sectors)
+    for piece in pieces(slice(0, turns.size), max(PIECE // logs.sectors, 1)):
+        height, direction = sections(logs, turns[piece], radius, start)
+        weight = np.maximum(height - level * height.max(axis=1, keepdims=True), 0)
+        by_turn[piece] = (weight * np.exp(1j * fold * np.radians(direction))).sum(axis=1)
+        total += height.sum(axis=0)
     angles = np.degrees(np.angle(by_turn)) / fold
     spread = axial_mean(angles * fold / 2)  # angles that repeat after 360 are axes of half their size
     toolface = spread.mean * 2 / fold % (360 / fold)
-    mean = height.mean(axis=0)
+    mean = total / turns.size
     sides = [toolface, toolface + 180] if both else [toolface]
     lobes = tuple(lobe_of(mean, side, start, None, level) for side in sides)
     return toolface, spread.deviation * 2 / fold, lobes
@@ -63,6 +74,7 @@ def lobes_of_arms(
         sides = (BreakoutLobe(spread.mean, np.nan, high), BreakoutLobe(spread.mean + 180, np.nan, low))
         return spread.mean, spread.deviation, sides
     number = np.rint((axes - start) * (logs.sectors / 360)).astype(np.int64)
-    ends = [radius[turns, (number + add) % logs.sectors] for add in (0, logs.sectors // 2)]
+    around, every = rows(radius, turns, logs.sectors), np.arange(turns.size)
+    ends = [around[every, (number + add) % logs.sectors] for add in (0, logs.sectors // 2)]
     toolface = spread.mean if np.nanmean(ends[0]) >= np.nanmean(ends[1]) else spread.mean + 180
     return toolface, spread.deviation, (BreakoutLobe(toolface, np.nan, float(np.median(half + uneven))),)

@@ -10,7 +10,7 @@ diameter is that of the cylinder with the same volume. Metres of a kind of hole 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -18,6 +18,8 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.axial import Axes
+from helibore.base.percentiles import percentiles
+from helibore.base.ranges import pieces
 from helibore.logs.turn_logs import Logs, Shape
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify
@@ -134,13 +136,20 @@ def summarize(
     ends = helix.ends(radius.size) if radius.size else (math.nan, math.nan)
     start, stop = ends[0] if start is None else float(start), ends[1] if stop is None else float(stop)
     inside = helix.between(start, stop, radius.size)
+    vertices = inside.stop - inside.start
+    without = sum(int(np.isnan(radius[piece]).sum()) for piece in pieces(inside))
     rows = turns.rows_between(start, stop)
     logs, height = turns.between(start, stop), turns.height
     square = logs.equivalent_diameter[np.isfinite(logs.equivalent_diameter)] ** 2
     mean_square = float(square.mean()) if square.size else math.nan
     metres = {kind: float((zones.kind[rows] == code).sum()) * height for code, kind in enumerate(KINDS) if code}
-    nearest: Floats = wall.nearest[inside] if hasattr(wall, "nearest") else np.zeros(0)
-    half, most = nearest_half_and_most(nearest[np.isfinite(nearest)])
+    nearest: Floats | None = getattr(wall, "nearest", None)
+
+    def distances() -> Iterator[Floats]:
+        for part in () if nearest is None else map(nearest.__getitem__, pieces(inside)):
+            yield part[np.isfinite(part)]
+
+    half, most = percentiles(distances, (50, 99))
     return WallSummary(
         start=start,
         stop=stop,
@@ -148,7 +157,7 @@ def summarize(
         bit_diameter=turns.bit_diameter,
         sectors=helix.sectors,
         pitch=helix.pitch,
-        vertices=radius[inside].size,
+        vertices=vertices,
         samples=int(getattr(wall, "sample_count", 0)),
         mean_diameter=math.sqrt(mean_square),
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
@@ -169,18 +178,10 @@ def summarize(
         coverage=float(logs.coverage.mean()) if len(logs) else math.nan,
         shape_kept=logs.shape_kept,
         warnings=tuple(logs.warnings()) if len(logs) else (),
-        without_radius=float(np.isnan(radius[inside]).mean()) if radius[inside].size else math.nan,
+        without_radius=without / vertices if vertices else math.nan,
         nearest_half=half,
         nearest_most=most,
     )
-
-
-def nearest_half_and_most(nearest: Floats) -> tuple[float, float]:
-    """Return `WallSummary.nearest_half` and ``nearest_most`` of finite distances, whose order is lost."""
-    if not nearest.size:
-        return math.nan, math.nan
-    half, most = np.percentile(nearest, [50, 99], overwrite_input=True).tolist()
-    return half, most
 
 
 def _extreme(logs: Logs, values: Floats, where: Any) -> Extreme:

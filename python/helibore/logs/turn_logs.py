@@ -197,8 +197,9 @@ class Logs(Tabular):
         return replace(self, step=float(step), **columns)
 
     def between(self, top: float | None, bottom: float | None) -> Logs:
-        """Return the rows whose depth lies in [top, bottom]; None: no end."""
-        inside = self.rows_between(top, bottom)
+        """Return the rows whose depth lies in [top, bottom], as views of these; None: no end."""
+        kept = np.flatnonzero(self.rows_between(top, bottom))
+        inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in the order of depth: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         return replace(self, arm_diameter=tuple(of[inside] for of in self.arm_diameter), **columns)
 

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError
+from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
@@ -198,7 +199,6 @@ def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None
     radius = wall.radius
     if logs.step is not None or len(logs) > radius.size // K or logs.sectors != K:
         raise InputError("logs", "must be those of the turns of the same wall")
-    radius = radius[: len(logs) * K].reshape(-1, K)
     start = float(wall.settings.start_toolface)
     fits = _kinds(logs, criteria, radius, start)
     kind = np.where(fits == NO_KIND, NO_KIND, GAUGE).astype(np.int8)
@@ -235,15 +235,18 @@ def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
         half = (logs.c1 - logs.c2) / 2
         return half - logs.uneven / 2, half + logs.uneven / 2
     K = logs.sectors
-    rows = np.arange(len(logs))
-    number = np.rint((np.nan_to_num(logs.c1_toolface) - start) * (K / 360)).astype(np.int64)
-    ends = []
-    for at in (number % K, (number + K // 2) % K):
-        toolface = np.radians(start + at * (360 / K))
-        x = radius[rows, at] * np.cos(toolface) - logs.centre_0
-        y = radius[rows, at] * np.sin(toolface) - logs.centre_90
-        ends.append(np.hypot(x, y) - logs.c2 / 2)
-    return np.minimum(*ends), np.maximum(*ends)
+    lower, higher = np.empty(len(logs)), np.empty(len(logs))
+    for turns in pieces(slice(0, len(logs)), max(PIECE // K, 1)):
+        around = radius[turns.start * K : turns.stop * K].reshape(-1, K)
+        number = np.rint((np.nan_to_num(logs.c1_toolface[turns]) - start) * (K / 360)).astype(np.int64)
+        ends = []
+        for at in (number % K, (number + K // 2) % K):
+            toolface, length = np.radians(start + at * (360 / K)), around[np.arange(len(around)), at]
+            x = length * np.cos(toolface) - logs.centre_0[turns]
+            y = length * np.sin(toolface) - logs.centre_90[turns]
+            ends.append(np.hypot(x, y) - logs.c2[turns] / 2)
+        lower[turns], higher[turns] = np.minimum(*ends), np.maximum(*ends)
+    return lower, higher
 
 
 def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:

@@ -1,0 +1,62 @@
+"""Percentiles of more numbers than fit in memory, from parts that are read several times.
+
+A float64 that is not negative is in the order of its bits. So a count by the first 16 of them finds those that the
+sought one begins with; then those numbers alone are sorted, or, where they are too many, counted by the next 16.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable, Iterator, Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+from helibore.base.arrays import Floats, Integers
+
+FEW = 1 << 20
+"""Numbers that are sorted at once."""
+DIGITS = 16
+"""Bits counted at a time."""
+
+Keys = npt.NDArray[np.uint64]
+Parts = Callable[[], Iterable[Floats]]
+"""Gives all numbers, part by part, each time it is called."""
+
+
+def percentiles(parts: Parts, shares: Sequence[float]) -> list[float]:
+    """Return percentiles, linear between two numbers as `numpy.percentile`, of finite numbers of at least 0.
+
+    ``shares`` are from 0 to 100; NaN where there is no number.
+    """
+    count = sum(part.size for part in parts())
+    if not count:
+        return [math.nan] * len(shares)
+    places = [share / 100 * (count - 1) for share in shares]
+    ranks = sorted({rank for place in places for rank in (math.floor(place), math.ceil(place))})
+    found = dict(zip(ranks, _of_ranks(parts, np.array(ranks), count, 64, 0).tolist(), strict=True))
+    ends = [(found[math.floor(place)], found[math.ceil(place)], place % 1) for place in places]
+    return [low + (high - low) * share for low, high, share in ends]
+
+
+def _of_ranks(parts: Parts, ranks: Integers, count: int, bits: int, begin: int) -> Floats:
+    """Return the numbers of some ranks among the ``count`` whose bits, without the last ``bits``, are ``begin``."""
+
+    def those() -> Iterator[Keys]:
+        for part in parts():
+            keys = part.view(np.uint64)
+            yield keys if bits == 64 else keys[keys >> np.uint64(bits) == begin]
+
+    if not bits:
+        return np.full(ranks.size, np.array([begin], dtype=np.uint64).view(np.float64))
+    if count <= FEW:
+        return np.sort(np.concatenate(list(those()))).view(np.float64)[ranks]
+    rest, counts = bits - DIGITS, np.zeros(1 << DIGITS, dtype=np.int64)
+    for keys in those():
+        counts += np.bincount((keys >> np.uint64(rest)).astype(np.int64) & (counts.size - 1), minlength=counts.size)
+    stops = np.cumsum(counts)
+    bucket, found = np.searchsorted(stops, ranks, side="right"), np.empty(ranks.size)
+    for at in np.unique(bucket).tolist():
+        mine, own = bucket == at, int(counts[at])
+        found[mine] = _of_ranks(parts, ranks[mine] - (stops[at] - own), own, rest, (begin << DIGITS) + at)
+    return found
