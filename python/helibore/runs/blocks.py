@@ -1,12 +1,13 @@
 """A well larger than a worker's memory, in blocks of the helix: the same bits as in one piece.
 
-    Parquet --batches--> bins by depth     plan: ends of the helix, blocks of whole 256 turns, first radius
+    samples, batch by batch --> bins by depth    plan: ends of the helix, blocks of whole 256 turns, first radius
     bins of a block, and what its vertices reach --> stretch of the wall --> archive, rows of logs      one task a block
     rows and radii of all blocks --> logs, zones, overview, record                                      the merge
 
 Samples keep their order of arrival in a bin, so ties fall as in one piece. A block reads farther until `Wall.reach`
-says that no other sample can matter. What needs the whole well (finding shifts, biases, flat tops, closed arms, the
-range of kriging, a tool of two to seven arms) is refused by name.
+says that no other sample can matter. Samples that fit in memory are prepared as those of any well; more are read from
+Parquet as a stream, and what needs all of them (finding shifts, biases, flat tops, closed arms) is refused by name.
+So are, in both cases, the range of kriging, images, and a tool of two to seven arms.
 """
 
 from __future__ import annotations
@@ -14,8 +15,9 @@ from __future__ import annotations
 import math
 import secrets
 import zlib
+from bisect import bisect_right
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Callable, Iterable, Iterator
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -29,14 +31,14 @@ from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.files.columnar import parquet_values
 from helibore.files.raw_set import Channel
-from helibore.logs.summary import nearest_half_and_most
 from helibore.logs.turn_logs import COLUMN_NAMES, RUGOSITY_WINDOW, Logs, turn_logs, window_turns
 from helibore.preparation.conditioning import in_range
+from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
 from helibore.runs.output_store import Json, Store
 from helibore.runs.run import Run
 from helibore.runs.run_settings import Input
-from helibore.samples.caliper import LARGEST_RADIUS, Basis
+from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper
 from helibore.trajectory.survey import Path as WellPath
 from helibore.wall.wall import Wall
 
@@ -46,6 +48,10 @@ BIN_TURNS = 64
 """Turns in the height of a bin."""
 CROWDED = 4
 """Times `block_samples` that the smallest block, of `UNIT` turns, may have: a worker takes 100 bytes for each."""
+VERTICES = 2
+"""Times `block_samples` that the vertices of a well in one piece may be: a worker takes 160 bytes for each."""
+TURNS = 2_000_000
+"""Most turns of a well in blocks: the merge holds their logs, 300 bytes each."""
 BATCH = 1 << 18
 """Rows read at a time."""
 AS_STREAM: dict[str, Any] = {"pre_buffer": False, "buffer_size": 1 << 20, "page_checksum_verification": True}
@@ -54,42 +60,78 @@ BY_ROW = ("shallowest", "deepest", "least_radius", "greatest_radius", "sensor_of
 """Settings of a preparation that a block may have; the last two only as false."""
 
 
-def needs_blocks(run: Run, most_samples: int) -> bool:
-    """Say whether the caliper files of a run have more rows than fit in one piece."""
+Batches = Iterable[tuple[Floats, ...]]
+"""Depth, toolface, radius and any time of samples, part by part, in their order."""
+
+
+def needs_stream(run: Run, most_samples: int) -> bool:
+    """Say whether the caliper files of a run have more rows than fit in memory."""
     return sum(run.files.log_set(each).rows for each in run.settings.caliper) > most_samples
 
 
-def check_blocks(run: Run, most_samples: int) -> Input:
-    """Return the only caliper file; an InputError names what needs the whole well."""
+def prepared_batches(run: Run, samples: tuple[str, Caliper | Prepared] | None, most_samples: int) -> Batches | None:
+    """Return the prepared samples of a well that has too many vertices for one piece; None: it has not.
+
+    An InputError names what needs the whole well.
+    """
+    if samples is None:
+        return None
+    name, made = samples
+    caliper = made if isinstance(made, Caliper) else made.caliper
+    vertices = _helix(_settings(run), (float(caliper.depth.min()), float(caliper.depth.max())))["vertices"]
+    if vertices <= VERTICES * most_samples:
+        return None
+    why = f"needs the whole well, and one of {vertices:,} vertices is made in blocks; raise block_samples or the pitch"
+    _check_settings(run, why)
+    if caliper.basis != "azimuthal":
+        raise InputError(name, f"a wall that no azimuthal caliper measured {why}")
+    if caliper.arm is not None:
+        raise InputError(name, f"a tool of two to seven arms {why}")
+    if not isinstance(made, Caliper) and made.earlier is not None:
+        raise InputError("preparation", f"comparing with earlier passes {why}")
+    columns = (caliper.depth, caliper.toolface, caliper.radius)
+    return [columns if caliper.time is None else (*columns, caliper.time)]
+
+
+def _check_settings(run: Run, why: str) -> None:
+    if run.settings.image:
+        raise InputError("image", why)
+    wall = _settings(run)
+    if wall.estimator == "kriging" and wall.kriging_range is None:
+        raise InputError("wall.kriging_range", f"finding it {why}")
+
+
+def stream(run: Run, most_samples: int) -> Batches:
+    """Return the samples of a well with more rows than fit in memory, which are read as they are taken.
+
+    An InputError names what needs the whole well.
+    """
     why = f"needs the whole well, and one of more than {most_samples:,} samples is made in blocks"
     settings, preparation = run.settings, run.settings.preparation
     only, *others = settings.caliper
     if others or run.files.log(only.file).format != "parquet":
         raise InputError("caliper", f"blocks are read from one Parquet file; anything else {why}")
-    for name in ("track", "image"):
-        if getattr(settings, name):
-            raise InputError(name, why)
+    if settings.track:
+        raise InputError("track", why)
     odd = [name for name in preparation.changed() if name not in BY_ROW]
     odd += [name for name in ("saturated", "drop_closed") if getattr(preparation, name)]
     if odd:
         rule = f"{why}; it must be false" if odd[0] in BY_ROW else why
         raise InputError(f"preparation.{odd[0]}", rule, str(getattr(preparation, odd[0])))
-    if settings.wall is not None and settings.wall.estimator == "kriging" and settings.wall.kriging_range is None:
-        raise InputError("wall.kriging_range", f"finding it {why}")
+    _check_settings(run, why)
     turning = only.roles.one("toolface")
     if turning is not None and turning.reference not in ("", run.path.reference if run.path else ""):
         raise InputError("toolface", f"turning it into the reference of the path {why}")
-    return only
+    return sample_batches(run, only)
 
 
-def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int) -> Json:
+def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples: int, batches: Batches) -> Json:
     """Sort the samples of a well into bins by depth, and plan its blocks; the plan lies in the store after the bins."""
     name = f"{folder}/plan.json"
     before: Json | None = store.read_checked(name)
     if before is not None and before["made_from"] == made_from:
         return before
     store.delete(list(store.sizes(folder)))
-    only = check_blocks(run, most_samples)
     wall = _settings(run)
     height = BIN_TURNS * abs(wall.pitch)
     counts: Counter[int] = Counter()
@@ -97,7 +139,7 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
     ends, newest, width = [math.inf, -math.inf], -math.inf, 3
     bins = f"{folder}/bins-{secrets.token_hex(4)}"
     with store.writing_folder(bins) as into:
-        for depth, *others in sample_batches(run, only):
+        for depth, *others in batches:
             rows = np.stack([depth, *others], axis=1)
             ends = [min(ends[0], float(depth.min())), max(ends[1], float(depth.max()))]
             width = rows.shape[1]
@@ -113,14 +155,14 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
                 with (into / str(at)).open("ab") as file:
                     file.write(content)
     if not counts:
-        raise InputError(only.file.name, "no row has depth, toolface and a radius")
-    start, stop = ends if wall.pitch > 0 else ends[::-1]
-    start = start if wall.start_depth is None else wall.start_depth
-    stop = stop if wall.stop_depth is None else wall.stop_depth
-    plan: Json = {"start_depth": start, "stop_depth": stop}
-    vertices = plan["vertices"] = _count(wall, plan)
+        raise InputError(run.settings.caliper[0].file.name, "no row has depth, toolface and a radius")
+    plan = _helix(wall, (ends[0], ends[1]))
+    vertices, turns = plan["vertices"], plan["vertices"] // wall.sectors
+    span = "the wall from {start_depth:g} m to {stop_depth:g} m would have".format_map(plan)
     if not 0 < vertices <= wall.most_vertices:
-        raise InputError("most_vertices", f"the wall from {start:g} m to {stop:g} m would have {vertices:,} vertices")
+        raise InputError("most_vertices", f"{span} {vertices:,} vertices")
+    if turns > TURNS:
+        raise InputError("pitch", f"{span} {turns:,} turns, of which {TURNS:,} fit in memory", f"{wall.pitch:g}")
     plan |= {"made_from": made_from, "bins": bins, "height": height, "width": width, "ends": ends}
     plan |= {"counts": {str(at): counts[at] for at in sorted(counts)}, "newest": newest if width > 3 else 0.0}
     plan["checksums"] = {str(at): sums[at] for at in sorted(counts)}
@@ -193,6 +235,15 @@ def _settings(run: Run) -> Settings:
     if run.settings.wall is None:
         raise RuntimeError("a well in blocks without settings; this is a bug in helibore")
     return run.settings.wall
+
+
+def _helix(wall: Settings, ends: tuple[float, float]) -> Json:
+    """Return where the helix of a well begins and ends, from the depths of its samples, and its vertices."""
+    start, stop = ends if wall.pitch > 0 else ends[::-1]
+    start = start if wall.start_depth is None else wall.start_depth
+    stop = stop if wall.stop_depth is None else wall.stop_depth
+    plan: Json = {"start_depth": start, "stop_depth": stop}
+    return plan | {"vertices": _count(wall, plan)}
 
 
 def _count(settings: Settings, plan: Json) -> int:
@@ -295,7 +346,7 @@ def _first_radius(store: Store, plan: Json, settings: Settings) -> float:
 
 def make_block(run: Run, store: Store, folder: str, number: int, archive: str | None) -> None:
     """Make a block: its archive, if it has a name; then the rows of its logs and its radii, for the merge."""
-    plan, part = read_plan(store, folder), f"{folder}/part-{number:05}.npz"
+    plan, part = read_plan(store, folder), _part(folder, number)
     if part in store.sizes(folder) and (archive is None or store.has(archive)):
         return
     settings, (first, stop) = _settings(run), plan["blocks"][number]
@@ -331,50 +382,72 @@ def _turn_depth(settings: Settings, plan: Json, turn: int) -> float:
     return float(plan["start_depth"] + turn * settings.pitch) * math.copysign(1.0, settings.pitch)
 
 
+class PartColumn:
+    """A number of every vertex, from the parts of all blocks, of which one is in memory: sliced as an array."""
+
+    def __init__(self, read: Callable[[int], Floats], stops: list[int]) -> None:
+        """``read`` returns those of a block, ``stops`` holds the vertex that each block ends before."""
+        self._read, self._stops, self.size = read, stops, stops[-1]
+        self._number, self._values = -1, np.empty(0)
+
+    def __getitem__(self, span: slice) -> Floats:
+        first, stop, _ = span.indices(self.size)
+        found = [np.empty(0)]
+        for number in range(bisect_right(self._stops, first), len(self._stops)):
+            begin = self._stops[number - 1] if number else 0
+            if begin >= stop:
+                break
+            if number != self._number:
+                self._number, self._values = number, self._read(number)
+            found.append(self._values[max(first - begin, 0) : stop - begin])
+        return np.concatenate(found) if len(found) > 2 else found[-1]
+
+
 class Merged(NamedTuple):
     """A well of which all blocks are made, without its samples: what logs, zones, summary and overview need."""
 
     settings: Settings
     start_depth: float
-    radius: Floats
+    radius: Any  # as an array, or in parts: `PartColumn`
+    nearest: Any
     sample_count: int
     path: WellPath | None
     basis: Basis = "azimuthal"
 
 
-def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged, tuple[float, float]]:
-    """Return a well, its logs, its overview, and `WallSummary.nearest_half` and ``nearest_most``, from its blocks."""
+def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
+    """Return a well, its logs and its overview, from its blocks."""
     plan, settings = read_plan(store, folder), _settings(run)
-    coarse = overview_settings(settings)
-    nearest = _joined(store, folder, plan, {"vertex_nearest": plan["vertices"]})["vertex_nearest"]
-    distances = nearest_half_and_most(nearest[np.isfinite(nearest)])
-    del nearest  # as large as the radii
-    rooms = {"vertex_radius": plan["vertices"], "overview": _count(coarse, plan), "samples": len(plan["blocks"])}
+    coarse, blocks = overview_settings(settings), range(len(plan["blocks"]))
+
+    def of_vertices(name: str) -> PartColumn:
+        stops = [min(stop * settings.sectors, plan["vertices"]) for _, stop in plan["blocks"]]
+        return PartColumn(lambda number: store.read_arrays(_part(folder, number), name)[0], stops)
+
+    rooms = {"overview": _count(coarse, plan), "samples": len(blocks)}
     rooms |= dict.fromkeys(COLUMN_NAMES, plan["vertices"] // settings.sectors)
-    columns: dict[str, Any] = _joined(store, folder, plan, rooms)
-    radius, overview, samples = (columns.pop(name) for name in ("vertex_radius", "overview", "samples"))
-    count = int(samples.sum())
-    wall = Merged(settings, plan["start_depth"], radius, count, run.path)
-    over = Merged(coarse, plan["start_depth"], overview, count, run.path)
+    columns: dict[str, Any] = {name: np.empty(room) for name, room in rooms.items()}
+    filled = Counter[str]()
+    for number in blocks:
+        part = _part(folder, number)
+        for (name, column), values in zip(columns.items(), store.read_arrays(part, *columns), strict=True):
+            column[filled[name] : filled[name] + values.size] = values.ravel()
+            filled[name] += values.size
+    overview, count = columns.pop("overview"), int(columns.pop("samples").sum())
+    radius, nearest = of_vertices("vertex_radius"), of_vertices("vertex_nearest")
+    wall = Merged(settings, plan["start_depth"], radius, nearest, count, run.path)
+    over = Merged(coarse, plan["start_depth"], overview, None, count, run.path)
     logs = Logs(
         bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis="azimuthal",
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
         reference=run.path.reference if run.path is not None else "", **columns,
     )  # fmt: skip
-    return wall, logs, over, distances
+    return wall, logs, over
 
 
-def _joined(store: Store, folder: str, plan: Json, rooms: dict[str, int]) -> dict[str, Floats]:
-    """Return columns of so many values from the parts of all blocks, of which one at a time is in memory."""
-    columns = {name: np.empty(room) for name, room in rooms.items()}
-    filled = Counter[str]()
-    for number in range(len(plan["blocks"])):
-        part = store.read_arrays(f"{folder}/part-{number:05}.npz")
-        for name, column in columns.items():
-            values = part[name].ravel()
-            column[filled[name] : filled[name] + values.size] = values
-            filled[name] += values.size
-    return columns
+def _part(folder: str, number: int) -> str:
+    """Return the name of what a block leaves for the merge."""
+    return f"{folder}/part-{number:05}.npz"
 
 
 COARSER = 16

@@ -174,6 +174,16 @@ def reopen(settings: RunSettings) -> Run:
 
 def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nullcontext()) -> Run:
     """Read the files of a run and build its wall, with its path and its images."""
+    return build_wall(run, *read_run(run, stage), threads, stage)
+
+
+def read_run(
+    run: Run, stage: Stage = lambda *_: nullcontext()
+) -> tuple[list[SectorImage], tuple[str, Caliper | Prepared] | None]:
+    """Read the files of a run; return its images, and the name and samples of its wall, prepared: none of an archive.
+
+    The path of the run is known then.
+    """
     settings, wall = run.settings, run.settings.wall
     for each in settings.inputs:
         run.files.checksum(each.file)
@@ -193,18 +203,26 @@ def make_wall(run: Run, threads: int | None = None, stage: Stage = lambda *_: nu
         )
         run.messages += [*_read_lines(run), *_survey_lines(run)]
         images = [_read_image(run, one) for one in settings.image]
-        unshaped = _read_round(run, wall, images) if wall and not settings.caliper else None
+        if wall is None:
+            return images, None
+        if not settings.caliper:
+            return images, _read_round(run, wall, images)
+        made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
+        complete = not any(found.missing for found in run.readings)
+        run.messages += made.report or ([("dropped", "nothing")] if complete else [])
+        return images, (run.readings[0].name, made)
+
+
+def build_wall(
+    run: Run, images: list[SectorImage], samples: tuple[str, Caliper | Prepared] | None,
+    threads: int | None = None, stage: Stage = lambda *_: nullcontext(),
+) -> Run:  # fmt: skip
+    """Build the wall of a run from what `read_run` returned."""
+    settings, wall = run.settings, run.settings.wall
     with stage("rebuild", "Rebuilding the wall"):
-        if wall is not None:
-            made: Caliper | Prepared
-            if unshaped is not None:
-                name, caliper = unshaped
-                made = caliper
-            else:
-                made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
-                complete = not any(found.missing for found in run.readings)
-                run.messages += made.report or ([("dropped", "nothing")] if complete else [])
-                name, caliper = run.readings[0].name, made.caliper
+        if wall is not None and samples is not None:
+            name, made = samples
+            caliper = made if isinstance(made, Caliper) else made.caliper
             _check_interval(name, caliper.depth, wall)
             if run.tune:
                 wall = _tune(run, wall, caliper, threads)

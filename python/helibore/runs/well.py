@@ -1,6 +1,6 @@
 """One well of a manifest: from its files to its outputs in the store, on any worker.
 
-    files --local copies--> Run --make_wall--> wall --> archive, mesh, logs, zones --> the record, last
+    files --local copies--> Run --> wall --> archive, mesh, logs, zones --> the record, last
 
     OUTPUT/wells/A-1/A-1.wall, A-1.glb, A-1-overview.glb
     OUTPUT/logs/well=A-1/logs-0.parquet         all wells together: one partitioned data set
@@ -32,17 +32,18 @@ from helibore.logs.zones import Classification, classify
 from helibore.mesh.surface import Surface, surface_of
 from helibore.runs.blocks import (
     Merged,
-    check_blocks,
     make_block,
     merged,
-    needs_blocks,
+    needs_stream,
     overview_settings,
     plan_well,
+    prepared_batches,
     read_plan,
+    stream,
 )
 from helibore.runs.manifest import FILES, Job, path_part, strip_maps
 from helibore.runs.output_store import Json, Store, local_file
-from helibore.runs.run import OpenFiles, Run, make_wall, read_path
+from helibore.runs.run import OpenFiles, Run, build_wall, read_path, read_run
 from helibore.runs.run_settings import Input, RunSettings, run_settings
 from helibore.wall.wall import Wall, wall_of
 
@@ -79,7 +80,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     Raises
     ------
     InputError
-        On other versions, and as `make_wall`.
+        On other versions, and as `helibore.runs.run.make_wall`.
     OSError
         If the store cannot be read or written.
     """
@@ -88,7 +89,7 @@ def reprocess_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     try:
         return _made(job, store)
     except InputError:  # what is there was made of another input, or is a part
-        parts = (f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}")
+        parts = (f"wells/{job.key}", f"logs/well={job.key}", f"zones/well={job.key}", _work(job))
         store.delete([record_name(job.well), *(name for part in parts for name in store.sizes(part))])
         raise
 
@@ -100,11 +101,13 @@ def _made(job: Job, store: Store) -> Json:
             if before["made_from"] == _made_from(job, run.files, local) and store.holds(before["files"]):
                 return before | {"made": False}
             store.delete([record_name(job.well), *before["files"]])
-        if needs_blocks(run, job.block_samples):
-            check_blocks(run, job.block_samples)
+        most, is_stream = job.block_samples, needs_stream(run, job.block_samples)
+        images, samples = ([], None) if is_stream else read_run(run)
+        batches = stream(run, most) if is_stream else prepared_batches(run, samples, most)
+        if batches is not None:
             made_from = _made_from(job, run.files, local)
-            return {"blocks": len(plan_well(run, store, _work(job), made_from, job.block_samples)["blocks"])}
-        make_wall(run, threads=1)
+            return {"blocks": len(plan_well(run, store, _work(job), made_from, most, batches)["blocks"])}
+        build_wall(run, images, samples, threads=1)
         files, row = write_outputs(run, job, store)
         made_from = _made_from(job, run.files, local)
     return _write_record(job, store, made_from, files, row)
@@ -123,14 +126,13 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
     check_versions(expected)
     store = Store(job.output)
     with _opened(job, ("survey",)) as (run, _):
-        wall, logs, over, (half, most) = merged(run, store, _work(job))
+        wall, logs, over = merged(run, store, _work(job))
         files, save = _saver(store)
         files |= store.sizes(f"wells/{job.key}")
         zones = _save_tables(job, save, classify(wall, None, logs))
         if "mesh" in job.outputs:
             _save_overview(job, save, surface_of(over, run.path))
-        summary = replace(summarize(wall, zones=zones), nearest_half=half, nearest_most=most)
-        row = catalogue_row(job.well, run.settings, wall, summary)
+        row = catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
     made_from = read_plan(store, _work(job))["made_from"]
     record = _write_record(job, store, made_from, files, row)
     store.delete(list(store.sizes(_work(job))))

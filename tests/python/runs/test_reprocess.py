@@ -17,11 +17,14 @@ import pyarrow
 import pytest
 from click.testing import CliRunner
 from fsspec.exceptions import FSTimeoutError
+from hypothesis import given
+from hypothesis import strategies as st
 from pyarrow import parquet
 
 import helibore as hb
 from helibore.cli import cli
-from helibore.runs.blocks import AS_STREAM, _beyond_gap
+from helibore.files.log_files import save_table
+from helibore.runs.blocks import AS_STREAM, PartColumn, _beyond_gap
 from helibore.runs.manifest import OUTPUTS, Job, read_jobs
 from helibore.runs.output_store import Store
 from helibore.runs.reprocess import Progress, _started, status
@@ -275,6 +278,63 @@ def test_a_well_in_blocks_has_the_bits_of_one_piece(tmp_path: Path, timed: bool,
     assert seen.all()
     assert not any(name.startswith("work/") for name in many)
     assert not reprocess_well(job)["made"]
+
+
+def outputs_of(tree: dict[str, Any], folder: Path, most: int) -> tuple[dict[str, bytes], int]:
+    job = Job("A", tree, str(folder), block_samples=most)
+    blocks = reprocess_well(job).get("blocks", 0)
+    for number in range(blocks):
+        reprocess_block(job, number)
+    if blocks:
+        merge_well(job)
+    return content(folder), blocks
+
+
+@pytest.mark.parametrize("ending", ["las", "csv"])
+def test_a_well_of_few_samples_and_many_vertices_is_made_in_blocks_whatever_its_file(
+    tmp_path: Path, ending: str
+) -> None:
+    of = simulate(Hole.example(1000.0, 1012.0, seed=5), Tool(), samples=9000, seed=5)
+    save_table(hb.Caliper(of.depth, of.toolface, of.radius).table(), file := tmp_path / f"a.{ending}")
+    wall = {"bit_diameter": 0.2159, "sectors": 16, "pitch": 0.01}
+    tree = {"caliper": [{"file": str(file)}], "wall": wall}
+    one, none = outputs_of(tree, tmp_path / "whole", 10_000)
+    many, blocks = outputs_of(tree, tmp_path / "blocks", 9_000)
+    assert (none, blocks) == (0, 3)
+    shared = [name for name in one if name.endswith((".parquet", "overview.glb"))]
+    assert len(shared) == 3
+    assert all(many[name] == one[name] for name in shared)
+
+
+def test_a_tool_of_few_arms_with_too_many_vertices_for_one_piece_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "a.csv").write_text("md_m,rb_deg,cal_x_in,cal_y_in\n10,0,8.5,8.6\n14,0,8.5,8.6\n")
+    tree = {"caliper": [{"file": str(tmp_path / "a.csv")}], "wall": {"bit_diameter": 0.2159, "pitch": 0.01}}
+    with pytest.raises(hb.InputError) as caught:
+        reprocess_well(Job("A", tree, str(tmp_path / "out"), block_samples=1000))
+    assert "a tool of two to seven arms needs the whole well, and one of" in str(caught.value)
+    assert "raise block_samples or the pitch" in str(caught.value)
+
+
+def test_a_well_with_too_many_turns_to_be_merged_is_refused(tmp_path: Path) -> None:
+    columns = {"depth_m": [0.0, 900.0], "toolface_deg": [0.0, 90.0], "radius_m": [0.1, 0.1]}
+    parquet.write_table(pyarrow.table(columns), tmp_path / "a.parquet")
+    wall = {"bit_diameter": 0.2, "pitch": 0.0004, "sectors": 8}
+    tree = {"caliper": [{"file": str(tmp_path / "a.parquet")}], "wall": wall, "preparation": BY_ROW}
+    with pytest.raises(hb.InputError) as caught:
+        reprocess_well(Job("A", tree, str(tmp_path / "out")))
+    rule = "the wall from 0 m to 900 m would have 2,250,000 turns, of which 2,000,000 fit in memory"
+    assert str(caught.value) == f"pitch = 0.0004: {rule}"
+    assert content(tmp_path / "out") == {}
+
+
+@given(st.lists(st.integers(0, 5), min_size=1, max_size=6), st.integers(-2, 30), st.integers(-2, 30))
+def test_a_column_in_parts_is_cut_as_an_array(sizes: list[int], start: int, stop: int) -> None:
+    stops = np.cumsum(sizes).tolist()
+    whole = np.arange(float(stops[-1]))
+    parts = np.split(whole, stops[:-1])
+    column = PartColumn(parts.__getitem__, stops)
+    for span in (slice(start, stop), slice(0, stop), slice(start, None)):
+        np.testing.assert_array_equal(column[span], whole[span])
 
 
 @pytest.mark.parametrize(
