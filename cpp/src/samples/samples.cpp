@@ -314,9 +314,9 @@ bool Samples::repeats(double depth, double toolface, int neighbors, Index before
             if (level.depth != depth) continue;
             for (auto j = static_cast<std::size_t>(level.position(toolface));
                  j < level.row.size() && level.toolface[j] == toolface; ++j)
-                found += rank({i, level.row[j]}) < before;
+                if (rank({i, level.row[j]}) < before && ++found == neighbors) return true;
         }
-    return found >= neighbors;
+    return false;
 }
 
 Samples::Place Samples::step_to(double low, Place hint, Index stride) const {
