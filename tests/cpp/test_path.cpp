@@ -35,7 +35,8 @@ void published_vector() {
 // Against the library's functions of long double, in halves of a unit in the last place.
 void sines_and_arc_tangents() {
     const auto within = [](double found, long double exact, double units) {
-        return std::abs(static_cast<double>(found - exact)) <= units * 0x1p-53 * std::max(std::abs(found), 1e-300);
+        return std::abs(static_cast<double>(static_cast<long double>(found) - exact)) <=
+               units * 0x1p-53 * std::max(std::abs(found), 1e-300);
     };
     for (int i = -4000; i <= 4000; ++i) {
         const double x = i * 0.0015703125;  // to 2 pi, also beside multiples of pi / 2
