@@ -1,4 +1,4 @@
-// The host's threads in place of the library's: the same bits on threads with 320 KB of stack, on every instruction
+// The host's threads in place of the library's: the same bits on threads with 64 KB of stack, on every instruction
 // set. It prints the most that was used. test_c.cpp has runners that break their contract.
 #include "helibore/runner.hpp"
 
@@ -22,9 +22,9 @@ namespace {
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__) || !defined(__OPTIMIZE__)
 constexpr std::size_t stack_size = std::size_t{4} << 20;  // their frames are larger
 #else
-constexpr std::size_t stack_size = 320 * 1024;
+constexpr std::size_t stack_size = 64 * 1024;
 #endif
-constexpr std::size_t guard_size = 64 * 1024;
+constexpr std::size_t guard_size = std::size_t{1} << 20;  // no frame reaches beyond it
 constexpr int workers = 3;
 constexpr unsigned char unused = 0xa5;
 
@@ -107,8 +107,13 @@ std::vector<std::uint64_t> work(helibore::InstructionSet set, int threads) {
     helibore::Wall kriged(settings);
     kriged.append(hole.rows(0, 1000));
     add(kriged.radius());
-    settings = {
-        .bit_diameter = 0.216, .pitch = 0.1, .neighbors = 256, .window = 3000, .power = 0.7, .threads = threads};
+    settings = {.bit_diameter = 0.216,
+                .pitch = 0.1,
+                .neighbors = 256,
+                .window = 3000,
+                .power = 0.7,
+                .sigma = true,
+                .threads = threads};
     helibore::Wall crowded(settings);
     crowded.append(hole.rows(0, 1000));
     add(crowded.radius());

@@ -66,7 +66,7 @@ HB_API int32_t HB_CALL hb_close(int64_t handle);
 
 /* The host's threads in place of the library's own, for this thread's later calls; NULL: the library's own again. `run`
    calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these calls
-   have returned; runner.hpp says more. */
+   have returned. A worker needs 64 KB of stack at most; runner.hpp says more. */
 typedef void(HB_CALL* hb_job)(void* context, int32_t worker);
 typedef void(HB_CALL* hb_run)(void* host, int32_t workers, hb_job job, void* context);
 HB_API int32_t HB_CALL hb_use_runner(hb_run run, void* host);

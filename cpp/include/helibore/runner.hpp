@@ -10,7 +10,7 @@ namespace helibore {
 
 // `run` calls job(context, worker) once for each worker in [0, workers), on any threads, and returns when all these
 // calls have returned. They may run at once or one after the other: the result is the same. It must not throw. Of what
-// it leaves out, the caller's thread does the work. A worker needs 320 KB of stack at most.
+// it leaves out, the caller's thread does the work. A worker needs 64 KB of stack at most.
 struct Runner {
     using Job = void (*)(void* context, std::int32_t worker);
     using Run = void (*)(void* host, std::int32_t workers, Job job, void* context);

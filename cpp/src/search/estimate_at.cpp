@@ -39,7 +39,7 @@ class PointEstimator {
           functions_(kernel::functions_for(settings.instruction_set)) {
         rules_.sums = true;
     }
-    void group(std::size_t first, PointEstimates& out) const;
+    void group(std::size_t first, kernel::Room& room, PointEstimates& out) const;
 
   private:
     double turn(std::size_t sample, std::size_t point) const {
@@ -104,7 +104,7 @@ void PointEstimator::find(std::size_t point, double trial, std::vector<Neighbour
 }
 
 // Points [first, first + lanes).
-void PointEstimator::group(std::size_t first, PointEstimates& out) const {
+void PointEstimator::group(std::size_t first, kernel::Room& room, PointEstimates& out) const {
     const auto wanted = static_cast<std::size_t>(settings_.neighbors);
     const std::size_t used = std::min(lanes, points_.depth.size() - first), none = lanes * wanted;
     std::vector<Neighbour> found[lanes];
@@ -112,7 +112,7 @@ void PointEstimator::group(std::size_t first, PointEstimates& out) const {
     std::vector<std::int32_t> at(none, static_cast<std::int32_t>(none));
     std::unique_ptr<kernel::KrigingRoom> kriging;
     if (rules_.range > 0.0) kriging = std::make_unique_for_overwrite<kernel::KrigingRoom>();
-    const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0, kriging.get()};
+    const kernel::CandidateList list{rows.data(), nullptr, nullptr, nullptr, nullptr, 0, &room, kriging.get()};
     kernel::Group g{};
     for (std::size_t lane = 0; lane < used; ++lane) {
         g.depth[lane] = points_.depth[first + lane];
@@ -192,11 +192,12 @@ PointEstimates estimate_at(const SampleColumns& samples, const PointColumns& poi
     out.by_nugget.assign(nuggets.size(), std::vector<double>(n, std::numeric_limits<double>::quiet_NaN()));
     const PointEstimator estimator(samples, points, settings, nuggets);
     const auto groups = static_cast<Index>((n + lanes - 1) / lanes);
-    for_each_range(threads_for(groups, groups_a_thread, settings.threads), groups, groups_a_part,
-                   [&](int, const Range& part) {
-                       for (Index g = part.start; g < part.stop; ++g)
-                           estimator.group(static_cast<std::size_t>(g) * lanes, out);
-                   });
+    const int workers = threads_for(groups, groups_a_thread, settings.threads);
+    const auto rooms = std::make_unique_for_overwrite<kernel::Room[]>(static_cast<std::size_t>(workers));
+    for_each_range(workers, groups, groups_a_part, [&](int worker, const Range& part) {
+        for (Index g = part.start; g < part.stop; ++g)
+            estimator.group(static_cast<std::size_t>(g) * lanes, rooms[static_cast<std::size_t>(worker)], out);
+    });
     return out;
 }
 

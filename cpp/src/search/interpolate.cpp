@@ -76,7 +76,8 @@ void Search::krige(kernel::Group g, Index used, std::span<const double> channel,
     }
     kernel::Rules rules = rules_;
     rules.sums = false;
-    functions_->estimate_from(g, {rows.data(), nullptr, nullptr, nullptr, nullptr, 0, list.kriging}, rules, at.data());
+    functions_->estimate_from(g, {rows.data(), nullptr, nullptr, nullptr, nullptr, 0, list.room, list.kriging}, rules,
+                              at.data());
     for (Index lane = 0; lane < used; ++lane)
         out[lane] = known[lane] ? g.radius[lane] : std::numeric_limits<double>::quiet_NaN();
 }

@@ -36,8 +36,9 @@ Search::Scratch::Scratch()
     : rows(std::make_unique_for_overwrite<kernel::Candidate[]>(kernel::list_capacity + 1)),
       across(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 17)),
       along(std::make_unique_for_overwrite<float[]>(kernel::list_capacity + 17)),
+      room(std::make_unique_for_overwrite<kernel::Room>()),
       list{rows.get(), across.get(), along.get(), kernel::position_table(), kernel::narrow_position_table(),
-           0,          nullptr},
+           0,          room.get(),   nullptr},
       keep(kernel::list_capacity + 1) {
     rows[kernel::list_capacity] = {kernel::none_depth, 0.0, 0.0, 0};
 }

@@ -57,6 +57,7 @@ class Search {
         // Room for the longest list, which few groups need; not zeroed, so that unused memory costs nothing.
         std::unique_ptr<kernel::Candidate[]> rows;
         std::unique_ptr<float[]> across, along;
+        std::unique_ptr<kernel::Room> room;
         std::unique_ptr<kernel::KrigingRoom> kriging;
         kernel::CandidateList list;
         std::vector<unsigned char> keep;

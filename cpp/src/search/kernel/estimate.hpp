@@ -22,16 +22,24 @@ struct Neighbours {
     P turn[max_neighbors];   // |toolface difference|, degrees
     P along[max_neighbors];  // depth difference squared
     P radius[max_neighbors];
+    P square[max_neighbors], weight[max_neighbors];
 };
+
+template <class P>
+inline Neighbours<P>& neighbours_of(const CandidateList& list) {
+    static_assert(sizeof(Neighbours<P>) == sizeof(Room::neighbours) && alignof(Neighbours<P>) <= alignof(Room));
+    return *static_cast<Neighbours<P>*>(static_cast<void*>(list.room->neighbours));
+}
 
 // What the list says of the selected candidates, whose positions are at[0], at[lanes], ... for each vertex.
 template <class P>
 inline void read_neighbours(const Group& g, const CandidateList& list, int neighbors, const std::int32_t* at,
                             Neighbours<P>& found) {
     const P depth = P::load(g.depth), toolface = P::load(g.toolface);
+    const Candidate* rows = list.rows;
     for (int i = 0; i < neighbors; ++i) {
         P at_depth, at_toolface;
-        P::read([&](int lane) -> const Candidate& { return list.rows[at[i * lanes + lane]]; }, at_depth, at_toolface,
+        P::read([&](int lane) -> const Candidate& { return rows[at[i * lanes + lane]]; }, at_depth, at_toolface,
                 found.radius[i]);
         const P turn = P::abs(at_toolface - toolface), along = at_depth - depth;
         found.turn[i] = P::min(turn, P(360.0) - turn);
@@ -96,12 +104,14 @@ inline void products_of_others(const P* squares, P* weight) {
 // A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
 // where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
 // rounding could leave by an ulp.
-template <class P, int fixed, bool keep = false>  // fixed: the number of neighbours where the compiler knows it, else 0
-inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules& rules,
-                                    [[maybe_unused]] P* kept = nullptr) {
+template <class P, int fixed>  // the number of neighbours where the compiler knows it, else 0: the weights stay in `n`
+inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rules) {
     const int neighbors = fixed > 0 ? fixed : rules.neighbors;
-    constexpr auto room = static_cast<std::uint64_t>(fixed > 0 ? fixed : max_neighbors);
-    P least(missing_square), farthest(0.0), squares[room], weight[room];
+    constexpr auto few = static_cast<std::uint64_t>(fixed > 0 ? fixed : 1);
+    P square_of_few[few], weight_of_few[few];
+    P* const squares = fixed > 0 ? square_of_few : n.square;
+    P* const weight = fixed > 0 ? weight_of_few : n.weight;
+    P least(missing_square), farthest(0.0);
     for (int i = 0; i < neighbors; ++i) {
         const P across = scale * n.turn[i];
         squares[i] = across * across + n.along[i];
@@ -129,7 +139,6 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
             weighted = weighted + weight[i] * n.radius[i];
             low = P::min(low, n.radius[i]);
             high = P::max(high, n.radius[i]);
-            if constexpr (keep) kept[i] = weight[i];
         }
         support = P(static_cast<double>(neighbors));
         return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
@@ -143,13 +152,12 @@ inline Estimate<P> inverse_distance(const Neighbours<P>& n, P scale, const Rules
         support = support + P::blend(used(i), P(1.0), P(0.0));
         low = P::blend(used(i), P::min(low, n.radius[i]), low);
         high = P::blend(used(i), P::max(high, n.radius[i]), high);
-        if constexpr (keep) kept[i] = weight[i];
     }
     return {P::max(P::min(weighted / weights, high), low), support, least, farthest};
 }
 
-// What follows once the neighbours are known, for the vertices of a mask: the radius by kriging, in place of that of
-// the iteration, and the sums. Of a vertex without a sample in reach the results mean nothing.
+// What follows once the neighbours are known and read, for the vertices of a mask: the radius by kriging, in place of
+// that of the iteration, and the sums. Of a vertex without a sample in reach the results mean nothing.
 template <class P, class Mask>
 __attribute__((noinline)) void complete(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at,
                                         P trial, Mask done) {
@@ -162,15 +170,14 @@ __attribute__((noinline)) void complete(Group& g, const CandidateList& list, con
         put(radius, g.radius);
     }
     if (!rules.sums) return;
-    Neighbours<P> n;
-    read_neighbours(g, list, rules.neighbors, at, n);
+    Neighbours<P>& n = neighbours_of<P>(list);
     const P scale = trial * P(rules.scale);
     if (rules.range == 0.0) {
-        P weight[max_neighbors], weights(0.0);
-        inverse_distance<P, 0, true>(n, scale, rules, weight);
+        P weights(0.0);
+        inverse_distance<P, 0>(n, scale, rules);
         for (int i = 0; i < rules.neighbors; ++i) {
-            weights = weights + weight[i];
-            squares = squares + weight[i] * weight[i];
+            weights = weights + n.weight[i];
+            squares = squares + n.weight[i] * n.weight[i];
         }
         squares = squares / (weights * weights);
     }
@@ -194,7 +201,7 @@ __attribute__((noinline)) void complete(Group& g, const CandidateList& list, con
 template <class P>
 void estimate_from(Group& g, const CandidateList& list, const Rules& rules, const std::int32_t* at) {
     const P trial = P::load(g.trial);
-    Neighbours<P> neighbours;
+    Neighbours<P>& neighbours = neighbours_of<P>(list);
     read_neighbours(g, list, rules.neighbors, at, neighbours);
     inverse_distance<P, 0>(neighbours, trial * P(rules.scale), rules).radius.store(g.radius);
     if (rules.range > 0.0 || rules.sums) complete(g, list, rules, at, trial, P::less_equal(trial, trial));
@@ -226,7 +233,7 @@ Verdict estimate(Group& g, const CandidateList& list, const Rules& rules, const 
     P reach = P::load(g.reach_square), least_trial = P::load(g.least_trial);
     P height_square = P::load(g.height_square);
     const P least_turn = P::load(g.least_turn);
-    Neighbours<P> neighbours;
+    Neighbours<P>& neighbours = neighbours_of<P>(list);
     std::int32_t at[(max_neighbors + 1) * lanes];
     for (int i = 0; i < rules.neighbors * lanes; ++i) at[i] = list_capacity;
     Nearest<P> nearest(list, rules, box);

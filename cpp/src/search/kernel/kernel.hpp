@@ -55,7 +55,15 @@ struct alignas(32) Candidate {
     std::int64_t rank;  // in canonical order
 };
 
-// The equations of an estimate by kriging, for eight vertices: too many for the stack of a thread.
+// What an estimate stores for its neighbours and candidates: too much for the stack of a thread.
+struct alignas(64) Room {
+    double neighbours[5 * max_neighbors * lanes];  // struct Neighbours
+    float keys[list_capacity + 17];
+    double exact[list_capacity + lanes + 1];
+    std::int32_t passed[list_capacity + 32];
+};
+
+// The equations of an estimate by kriging, for eight vertices.
 struct alignas(64) KrigingRoom {
     double values[lanes * (max_kriged * (max_kriged + 3) + 2)];
 };
@@ -70,6 +78,7 @@ struct CandidateList {
     const double* position;        // the bits of the integers 0, 1, 2, ...
     const float* narrow_position;  // likewise
     std::int64_t count;
+    Room* room;
     KrigingRoom* kriging;  // where Rules::range is above 0
 };
 

@@ -191,7 +191,13 @@ inline P on_wall(P across, P along_square, const Rules& rules) {
 template <class P>
 class Nearest {
   public:
-    Nearest(const CandidateList& list, const Rules& rules, const Box& box) : list_(list), rules_(rules), box_(box) {}
+    Nearest(const CandidateList& list, const Rules& rules, const Box& box)
+        : list_(list),
+          rules_(rules),
+          box_(box),
+          keys_(list.room->keys),
+          exact_(list.room->exact),
+          passed_(list.room->passed) {}
 
     // The neighbours of the vertices whose bits are set.
     P find(const Group& g, P trial, unsigned vertices, std::int32_t* at) {
@@ -341,9 +347,9 @@ class Nearest {
     const Rules& rules_;
     const Box& box_;
     float guess_ = 0.0f;
-    alignas(64) float keys_[list_capacity + 17];
-    alignas(64) double exact_[list_capacity + lanes + 1];
-    std::int32_t passed_[list_capacity + 32];
+    float* const keys_;
+    double* const exact_;
+    std::int32_t* const passed_;
 };
 
 }  // namespace
