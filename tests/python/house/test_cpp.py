@@ -139,6 +139,7 @@ def test_hosts_in_c_and_python(prefix: Path, consumer: Path, tmp_path: Path) -> 
     flags += [f"-Wl,-rpath,{library.parent}", "-Wall", "-Wextra", "-Werror"]
     run(CC, "-std=c99", ROOT / "tests/consumer/host.c", "-o", tmp_path / "host", *flags)
     assert run(consumer / "host") == HOST
+    assert run(consumer / "host_allocator") == HOST + "all memory given back\n"
     assert run(tmp_path / "host") == HOST
     assert run(sys.executable, ROOT / "tests/consumer/host.py", library) == HOST
 
