@@ -11,6 +11,7 @@ import { zoneAt } from './zones.js';
 
 // Smallest Cmin and largest Cmax of the turns under each pixel row: {min, max, seen, between}; seen 0 beyond the
 // wall, between 1 where a turn is mostly interpolated between arms.
+/** @param {Look} look */
 export function profile({ store, view, imagePieces, rects }) {
   const { height } = rects.image;
   const rows = Math.ceil(height);
@@ -37,6 +38,7 @@ export function profile({ store, view, imagePieces, rects }) {
 }
 
 // Ends of the scale: round numbers, `per` a metre, about the tightest and the widest turn in view, and a tenth of bit size at least.
+/** @param {number} bit @param {{ min: Float32Array, max: Float32Array }} of @param {number} [per] */
 export function scaleFor(bit, { min, max }, per = 1000) {
   const widest = max.reduce((most, value) => (value > most ? value : most), bit * 1.06);
   const tightest = min.reduce((least, value) => (value < least ? value : least), bit * 0.96);
@@ -44,6 +46,7 @@ export function scaleFor(bit, { min, max }, per = 1000) {
   return [Math.floor(tightest / step) * step, Math.ceil(widest / step) * step];
 }
 
+/** @param {Ink} ink @param {Look} look */
 export function drawCaliper(ink, look) {
   const { store, view, rects, zones } = look;
   const palette = PALETTES[view.theme];
@@ -53,6 +56,7 @@ export function drawCaliper(ink, look) {
   if (!rect.width) return found; // nothing measured it
   const { min, max, seen, between } = found;
   const [low, high] = scaleFor(bit, found, LENGTHS[view.units].scale);
+  /** @param {number} diameter */
   const x = (diameter) => rect.left + ((diameter - low) / (high - low)) * rect.width;
   ink.fillStyle = palette.panel;
   ink.fillRect(rect.left, rect.top, rect.width, rect.height);
@@ -80,11 +84,13 @@ export function drawCaliper(ink, look) {
   return found;
 }
 
+/** @param {Ink} ink @param {number} a @param {number} b @param {number} y @param {string} colour */
 const band = (ink, a, b, y, colour) => {
   ink.fillStyle = colour;
   ink.fillRect(a, y, b - a, 1);
 };
 
+/** @param {Uint8Array} uint8Array @param {(y: number) => unknown} isIn @param {(start: number, tall: number) => void} draw */
 function runs({ length }, isIn, draw) {
   for (let y = 0; y < length; y++) {
     const start = y;
@@ -93,6 +99,7 @@ function runs({ length }, isIn, draw) {
   }
 }
 
+/** @param {Ink} ink @param {Rect} rect @param {Float32Array} values @param {(value: number) => number} x @param {string} colour */
 function curve(ink, rect, values, x, colour) {
   ink.strokeStyle = colour;
   ink.lineWidth = 1.4;
@@ -108,8 +115,10 @@ function curve(ink, rect, values, x, colour) {
   ink.stroke();
 }
 
+/** @param {Ink} ink @param {Look} look @param {Rect} rect @param {number[]} ends @param {(value: number) => number} x @param {Palette} palette */
 function head(ink, { view, store }, { left, width }, [low, bit, high], x, palette) {
   const { scale, unit } = LENGTHS[view.units];
+  /** @param {number} v */
   const show = (v) => String(Number((v * scale).toFixed(view.units === 'mm' ? 1 : 3))); // 216, 157.5; 8.5, 12.25
   const slim = width < 110;
   label(ink, slim ? `Cal. ${unit}` : `Caliper [${unit}]`, left + 2, 11, { colour: palette.ink, font: BOLD });

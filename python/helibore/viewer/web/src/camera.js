@@ -11,11 +11,13 @@ export class Camera {
   /** @type {{ x: number, y: number, width: number, height: number } | null} */
   pixel = null;
 
+  /** @param {number} fieldOfView */
   constructor(fieldOfView) {
     this.tangent = Math.tan((fieldOfView * Math.PI) / 360); // of half the field of view
   }
 
   // Look from the camera's position at a point, `up` upwards on the picture.
+  /** @param {Vector} point @param {Vector} [up] */
   lookAt(point, up = [0, 0, 1]) {
     const back = normalised(minus(this.position, point));
     const side = cross(up, back);
@@ -24,6 +26,7 @@ export class Camera {
   }
 
   // Turn the camera on its place, radians to the left and upwards.
+  /** @param {number} left @param {number} raised */
   turn(left, raised) {
     let [right, up, back] = this.axes;
     [right, back] = [plus(scaled(right, Math.cos(left)), back, -Math.sin(left)), plus(scaled(back, Math.cos(left)), right, Math.sin(left))];
@@ -32,6 +35,7 @@ export class Camera {
   }
 
   // A direction as seen: right, up, towards the eye.
+  /** @param {Vector} direction */
   facing(direction) {
     return this.axes.map((axis) => dot(axis, direction));
   }
@@ -50,6 +54,7 @@ export class Camera {
   }
 
   // Where a place is on the picture, -1 to 1; null if it is behind the eye or out of reach.
+  /** @param {Vector} place */
   project(place) {
     const [x, y, back] = this.facing(minus(place, this.position));
     if (-back < this.near || -back > this.far) return null;
@@ -64,8 +69,10 @@ const NEAREST = 0.5;
 export class Orbit {
   target = [0, 0, 0];
   enabled = true;
+  /** @type {Map<number, Pair>} */
   fingers = new Map();
 
+  /** @param {HTMLElement} pane @param {Camera} camera @param {() => void} changed */
   constructor(pane, camera, changed) {
     this.pane = pane;
     this.camera = camera;
@@ -75,7 +82,7 @@ export class Orbit {
       pane.setPointerCapture(event.pointerId);
       this.fingers.set(event.pointerId, [event.clientX, event.clientY]);
     });
-    for (const end of ['pointerup', 'pointercancel']) pane.addEventListener(end, ({ pointerId }) => this.fingers.delete(pointerId));
+    for (const end of /** @type {const} */ (['pointerup', 'pointercancel'])) pane.addEventListener(end, ({ pointerId }) => this.fingers.delete(pointerId));
     pane.addEventListener('pointermove', (event) => this.move(event));
     pane.addEventListener('wheel', (event) => {
       if (!this.enabled) return;
@@ -84,6 +91,7 @@ export class Orbit {
     }, { passive: false });
   }
 
+  /** @param {PointerEvent} pointerEvent */
   move({ pointerId, clientX: x, clientY: y, buttons, shiftKey }) {
     const before = this.fingers.get(pointerId);
     if (!before || !this.enabled) return;
@@ -101,6 +109,7 @@ export class Orbit {
     else this.turn(dx, dy);
   }
 
+  /** @param {number} dx @param {number} dy */
   turn(dx, dy) {
     const [x, y, z] = minus(this.camera.position, this.target);
     const far = Math.hypot(x, y, z);
@@ -110,6 +119,7 @@ export class Orbit {
     this.look([Math.sin(fromTop) * Math.cos(around), Math.sin(fromTop) * Math.sin(around), Math.cos(fromTop)], far);
   }
 
+  /** @param {number} dx @param {number} dy */
   shift(dx, dy) {
     const { camera } = this;
     const perPixel = (2 * length(minus(camera.position, this.target)) * camera.tangent) / this.pane.clientHeight;
@@ -118,12 +128,14 @@ export class Orbit {
     this.changed();
   }
 
+  /** @param {number} factor */
   nearer(factor) {
     const from = minus(this.camera.position, this.target);
     this.look(normalised(from), Math.min(FAREST, Math.max(NEAREST, length(from) * factor)));
   }
 
   // Look at the target from a direction and a distance.
+  /** @param {Vector} direction @param {number} far */
   look(direction, far) {
     this.camera.position = plus(this.target, direction, far);
     this.camera.lookAt(this.target);

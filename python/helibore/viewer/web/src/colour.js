@@ -9,6 +9,7 @@
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
 
+/** @param {string} text */
 const hex = (text) => text.split(' ').map((c) => [0, 2, 4].map((i) => parseInt(c.slice(i, i + 2), 16)));
 
 // One definition for the page, meshes and pictures. No map contains the grey of missing values.
@@ -17,8 +18,10 @@ export const MAPS = Object.fromEntries(
 );
 
 // In dark mode a map that shows nothing as the page's own colour has another one.
+/** @param {string} map @param {boolean} dark */
 export const themed = (map, dark) => (dark && MAPS[`${map}-dark`] ? `${map}-dark` : map);
 
+/** @param {string} name @param {number} [count] */
 export function lookup(name, count = 256) {
   const { anchors } = MAPS[name] ?? MAPS.viridis;
   const table = new Uint8Array(4 * count);
@@ -36,6 +39,7 @@ export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [
 
 // The quantities of a wall, attributes last. Lengths are in metres; `length` says so, for the units on screen. Nothing of a
 // gauge hole is measured but its attributes.
+/** @param {Pick<Store, 'attributes' | 'basis'>} store @returns {Quantity[]} */
 export function quantities(store) {
   const [low, high] = [NaN, NaN];
   const own = store.attributes.map(({ name, unit, log, color_map: map }, attribute) => (
@@ -53,9 +57,11 @@ export function quantities(store) {
 }
 
 // A quantity by its id; an unknown one is the first.
+/** @param {Quantity[]} all @param {string} id */
 export const quantityOf = (all, id) => all.find((quantity) => quantity.id === id) ?? all[0];
 
 // Take the ends that the server chose, unless the user or the address chose others.
+/** @param {Quantity[]} all @param {Record<string, Pair>} ranges */
 export function takeRanges(all, ranges) {
   for (const quantity of all) {
     const ends = ranges[quantity.id];
@@ -64,6 +70,7 @@ export function takeRanges(all, ranges) {
 }
 
 // A quantity of the vertex at place `at` of a tile; NaN where there is none. `pass` 'first' reads the first pass.
+/** @param {Store} store @param {Quantity} quantity @param {Tile} tile @param {number} at @param {Pass} [pass] */
 export function valueAt(store, quantity, tile, at, pass = 'latest') {
   const t = TEXEL * at;
   const { texels } = tile;
@@ -81,11 +88,12 @@ export function valueAt(store, quantity, tile, at, pass = 'latest') {
     case Q_CHANGE:
       return texels[t + FIRST] ? (texels[t + RADIUS] - texels[t + FIRST]) * store.radiusUnit : NaN;
     default:
-      return tile.columns[quantity.attribute]?.[at] ?? NaN;
+      return tile.columns[quantity.attribute ?? -1]?.[at] ?? NaN;
   }
 }
 
 // At most `most` values of the pieces in view, evenly picked and sorted: for the histogram and for percentiles.
+/** @param {Store} store @param {Quantity} quantity @param {Piece[]} pieces @param {Pass} pass @param {number} [most] */
 export function sampleOf(store, quantity, pieces, pass, most = 8000) {
   const total = pieces.reduce((sum, { tile }) => sum + tile.level.tileSize, 0);
   const stride = Math.max(1, Math.floor(total / most)) | 1;
@@ -101,6 +109,11 @@ export function sampleOf(store, quantity, pieces, pass, most = 8000) {
   return Float64Array.from(values).sort();
 }
 
+// How far apart values are on a scale: by their differences, or by those of their logarithms.
+/** @type {(log: boolean) => (value: number) => number} */
+export const scaling = (log) => (log ? Math.log : (value) => value);
+
+/** @param {Float64Array} sorted @param {number} share */
 export function percentile(sorted, share) {
   if (sorted.length === 0) return NaN;
   const place = share * (sorted.length - 1);
@@ -109,6 +122,7 @@ export function percentile(sorted, share) {
 }
 
 // Range between the 2nd and 98th percentile, never empty; a difference stays centred on zero.
+/** @param {Quantity} quantity @param {Float64Array} sorted */
 export function fitRange(quantity, sorted) {
   if (sorted.length === 0) return { low: quantity.low, high: quantity.high };
   let [low, high] = [percentile(sorted, 0.02), percentile(sorted, 0.98)];
@@ -118,9 +132,10 @@ export function fitRange(quantity, sorted) {
   return { low, high };
 }
 
+/** @param {Iterable<number>} sorted @param {number} low @param {number} high @param {boolean} log @param {number} [bins] */
 export function histogram(sorted, low, high, log, bins = 64) {
   const counts = new Uint32Array(bins);
-  const f = log ? Math.log : (x) => x;
+  const f = scaling(log);
   const [a, b] = [f(low), f(high)];
   for (const value of sorted) {
     const bin = Math.floor(((f(value) - a) / (b - a)) * bins);
@@ -132,12 +147,15 @@ export function histogram(sorted, low, high, log, bins = 64) {
 const WINDOW = 1.0; // metres of the dynamic range
 
 // Per row of a tile: low and high of its window, as a Float32Array [low, high] x rows. Windows reach into neighbours.
+/** @param {Store} store @param {Quantity} quantity @param {Tile} tile @param {Pass} pass */
 export function dynamicRange(store, quantity, tile, pass) {
   const { level } = tile;
   const reach = Math.max(1, Math.round(WINDOW / 2 / Math.abs(level.pitch)));
   const sums = [-1, 0, 1].map((step) => rowSums(store, quantity, level.tiles.get(tile.index + step), pass));
+  /** @type {(row: number) => [Float64Array | null, number]} */
   const at = (row) => (row < 0 ? [sums[0], row + level.rows] : row < level.rows ? [sums[1], row] : [sums[2], row - level.rows]);
   const total = [0, 0, 0];
+  /** @param {number} row @param {number} sign */
   const add = (row, sign) => {
     const [from, i] = at(row);
     if (from && i >= 0 && i < level.rows) for (let c = 0; c < 3; c++) total[c] += sign * from[3 * i + c];
@@ -157,6 +175,7 @@ export function dynamicRange(store, quantity, tile, pass) {
 }
 
 // Per row: count, sum and sum of squares (of logarithms for a logarithmic quantity), kept until the tile changes.
+/** @param {Store} store @param {Quantity} quantity @param {Tile | undefined} tile @param {Pass} pass */
 function rowSums(store, quantity, tile, pass) {
   if (!tile) return null;
   const key = `${quantity.id}/${pass}/${quantity.log}`;

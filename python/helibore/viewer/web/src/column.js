@@ -9,6 +9,7 @@ import { hatched, line } from './strokes.js';
 import { showSigned, unitOf } from './units.js';
 import { LETTERS } from './zones.js';
 
+/** @param {Ink} ink @param {Look} look @param {Profile} profile */
 export function drawColumn(ink, look, { min, seen }) {
   const { view, store, wallRect: rect, zones, bitDepth } = look;
   const palette = PALETTES[view.theme];
@@ -44,6 +45,7 @@ export function drawColumn(ink, look, { min, seen }) {
 }
 
 // The letters of the sides that are seen: in front on the left half, behind on the right one.
+/** @param {Ink} ink @param {Look} look @param {number} middle @param {number} bit @param {Palette} palette */
 function heads(ink, { view, path }, middle, bit, palette) {
   const { letters } = CUTS[view.cut];
   if (!leftEdge(path, view.cut, view.middle).known) return;
@@ -54,6 +56,7 @@ function heads(ink, { view, path }, middle, bit, palette) {
   });
 }
 
+/** @param {Ink} ink @param {number} x @param {number} y @param {number} bit @param {number} down @param {Palette} palette */
 function bitGlyph(ink, x, y, bit, down, palette) {
   ink.beginPath();
   for (const [across, along] of [[-1, -0.22], [1, -0.22], [0.7, 0], [-0.7, 0]]) ink.lineTo(x + across * bit, y + along * bit * down);
@@ -63,6 +66,7 @@ function bitGlyph(ink, x, y, bit, down, palette) {
 }
 
 // A picked plane where it cuts the wall that is seen: the front on the left half, the far side on the right one.
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour */
 export function columnCurve(ink, look, plane, colour) {
   const { view, path, wallRect: rect } = look;
   const { perMetre } = columnScale(look);

@@ -2,6 +2,7 @@
 // Messages are applied when they arrive, not when a frame is drawn, so a hidden tab stays up to date.
 // A message that breaks the protocol ends the connection; the next one starts with the handshake.
 
+import { messageOf } from './errors.js';
 import { decode, encodeAck, encodeSubscribe, FRAMES, toRanges } from './protocol.js';
 
 const SLOWEST = 8000;
@@ -9,20 +10,22 @@ export const LOST = 'Connection lost, trying again';
 export const STOPPED = 'The server was stopped, trying again';
 
 // What the server's closing codes mean to the user.
+/** @type {Record<number, string>} */
 const REFUSALS = { 4403: 'The server refused this page', 4429: 'Too many pages are open', 4400: 'The page broke the protocol' };
 const FAULT = 4401; // our own closing code
 
 export class Connection {
-  socket = /** @type {WebSocket} */ (/** @type {unknown} */ (null));
+  socket = /** @type {Socket} */ (/** @type {unknown} */ (null));
 
   // `host` stands for the server in a notebook (host.js).
-  /** @param {any} address @param {any} on @param {any} host */
+  /** @param {string} address @param {Handlers} on @param {Host | null} host */
   constructor(address, on, host = null) {
     this.address = address;
     this.host = host;
     this.on = on; // {handshake, state, picks, write, frames, status}
     this.wait = 500;
     this.stats = { bytes: 0, messages: 0, sent: 0, reconnects: -1 };
+    /** @type {string | null} */
     this.session = null;
     this.subscribed = '';
     this.open();
@@ -30,13 +33,14 @@ export class Connection {
 
   open() {
     this.stats.reconnects++;
-    this.socket = this.host ? this.host.connect() : new WebSocket(this.address);
+    this.socket = this.host?.connect() ?? /** @type {Socket} */ (/** @type {unknown} */ (new WebSocket(this.address)));
     this.socket.binaryType = 'arraybuffer';
     this.fault = '';
     this.socket.onmessage = ({ data }) => this.tryReceive(data);
     this.socket.onclose = (event) => this.closed(event);
   }
 
+  /** @param {{ code: number, reason: string }} event */
   closed(event) {
     const refusal = REFUSALS[event.code];
     const words = event.code === 1012 ? STOPPED : refusal ? `${refusal}${event.reason ? `: ${event.reason}` : ''}` : LOST;
@@ -47,16 +51,18 @@ export class Connection {
     this.wait = Math.min(SLOWEST, this.wait * 2);
   }
 
+  /** @param {string | ArrayBuffer} data */
   tryReceive(data) {
     if (this.fault) return;
     try {
       this.receive(data);
     } catch (error) {
-      this.fault = `The server sent what this page cannot read, trying again: ${error.message}`;
+      this.fault = `The server sent what this page cannot read, trying again: ${messageOf(error)}`;
       this.socket.close(FAULT);
     }
   }
 
+  /** @param {string | ArrayBuffer} data */
   receive(data) {
     this.stats.messages++;
     if (typeof data === 'string') {
@@ -80,6 +86,7 @@ export class Connection {
   }
 
   // Ask for these tiles and no others; sent only if it differs from the last request.
+  /** @param {number[]} tiles @param {number} focus @param {number} mask */
   subscribe(tiles, focus, mask) {
     const text = encodeSubscribe(this.session, toRanges(tiles), focus, mask);
     if (text === this.subscribed || this.session === null) return;
@@ -87,6 +94,7 @@ export class Connection {
     this.send(text);
   }
 
+  /** @param {string} text */
   send(text) {
     if (this.socket.readyState !== 1) return;
     this.stats.sent += text.length;

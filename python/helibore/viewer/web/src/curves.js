@@ -2,6 +2,7 @@
 // wall's logs measure. The server offers them with the ends of their scales; the page asks for the values of those it
 // shows, and again when their version changes.
 
+import { scaling } from './colour.js';
 import { BOLD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId, options } from './panel.js';
 import { save } from './saving.js';
@@ -13,10 +14,11 @@ import { MOST_CURVES } from './view.js';
 const SAVE = '\n'; // no curve has this name
 const AGAIN = 5000; // milliseconds between two requests for a curve that grows
 const GAP = 10; // usual steps of depth; a curve ends where its rows are farther apart
-/** @type {[string, number[]][]} */
+/** @type {['max' | 'min' | 'pin' | 'ink', number[]][]} */
 const STYLES = [['max', []], ['min', [6, 3]], ['pin', [2, 3]], ['ink', [8, 3, 2, 3]]]; // colours of the palette, dashes
 
 // Depths and values of the bytes that the server sends: f64 first depth, f32 depths from there, f32 values.
+/** @param {ArrayBuffer} buffer */
 export function decodeCurve(buffer) {
   const count = (buffer.byteLength - 8) / 8;
   const first = new Float64Array(buffer, 0, 1)[0];
@@ -26,6 +28,7 @@ export function decodeCurve(buffer) {
 }
 
 // First row at or below a depth.
+/** @param {Float64Array} depth @param {number} wanted */
 export function rowAt(depth, wanted) {
   let low = 0;
   let high = depth.length;
@@ -38,6 +41,7 @@ export function rowAt(depth, wanted) {
 }
 
 // The value at a depth, linear between rows; NaN beyond them and in gaps.
+/** @param {CurveValues} curveValues @param {number} wanted */
 export function curveAt({ depth, values, step }, wanted) {
   const i = rowAt(depth, wanted);
   if (depth[i] === wanted) return values[i];
@@ -47,21 +51,27 @@ export function curveAt({ depth, values, step }, wanted) {
 }
 
 export class Curves {
+  /** @type {CurveOffer[]} */
   offered = [];
+  /** @type {Map<string, CurveValues & { version: number }>} */
   held = new Map();
+  /** @type {Map<string, number>} */
   asked = new Map();
 
+  /** @param {App} app */
   constructor(app) {
     this.app = app;
-    byId('curve').addEventListener('change', ({ target }) => this.choose(target.value));
+    byId('curve').addEventListener('change', () => this.choose(byId('curve').value));
     this.list();
   }
 
   // Curves of the server that are new or have other ends: name, unit, low, high, log. `version` is that of all values.
+  /** @param {NonNullable<State['curves']>} rows @param {number} version */
   offer(rows, version) {
     const known = new Map(this.offered.map((one) => [one.name, one]));
-    for (const [name, unit, low, high, log] of rows) known.set(name, { name, unit, low, high, log });
+    for (const [name, unit, low, high, log] of rows) known.set(name, { name, unit, low, high, log, version });
     const curves = [...known.values()].map((one) => ({ ...one, version }));
+    /** @param {CurveOffer[]} list */
     const names = (list) => list.map(({ name }) => name).join('\n');
     const same = names(curves) === names(this.offered);
     this.offered = curves;
@@ -70,15 +80,18 @@ export class Curves {
   }
 
   get shown() {
-    return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter(Boolean);
+    return this.app.view.curves.map((name) => this.offered.find((one) => one.name === name)).filter((one) => one !== undefined);
   }
 
   list() {
     const { view } = this.app;
-    options('curve', [['', 'Curves'], ...this.offered.map(({ name }) => [name, `${view.curves.includes(name) ? '✓ ' : ''}${name}`]), [SAVE, 'template …']]);
+    /** @type {Choice[]} */
+    const offered = this.offered.map(({ name }) => [name, `${view.curves.includes(name) ? '✓ ' : ''}${name}`]);
+    options('curve', [['', 'Curves'], ...offered, [SAVE, 'template …']]);
   }
 
   // Show a curve, or no longer.
+  /** @param {string} name */
   choose(name) {
     const { view } = this.app;
     if (name === SAVE) {
@@ -90,6 +103,7 @@ export class Curves {
   }
 
   // Ask for the values of a curve, unless the page has them or has just asked.
+  /** @param {CurveOffer} curveOffer */
   ask({ name, version }) {
     const { contents } = this.app;
     if (this.held.get(name)?.version === version || performance.now() - (this.asked.get(name) ?? -AGAIN) < AGAIN) return;
@@ -105,6 +119,7 @@ export class Curves {
     }).catch((error) => this.app.notice(`The curve ${name} did not come: ${error.message}`, 10));
   }
 
+  /** @param {Ink} ink @param {Look} look */
   draw(ink, look) {
     const { view, rects: { curves: rect } } = look;
     const palette = PALETTES[view.theme];
@@ -123,8 +138,10 @@ export class Curves {
     ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
   }
 
+  /** @param {Ink} ink @param {CurveOffer} curveOffer @param {Rect} rect @param {number} y @param {Palette} palette @param {string} colour @param {number[]} dash @param {Units} units */
   head(ink, { name, unit, low, high }, { left, width }, y, palette, colour, dash, units) {
     const { scale, unit: length } = unit === 'm' ? LENGTHS[units] : { scale: 1, unit };
+    /** @param {number} value */
     const end = (value) => String(Number((value * scale).toPrecision(3))).replace('-', '−');
     label(ink, end(low), left, y, { colour: palette.soft, font: SMALL });
     label(ink, end(high), left + width, y, { colour: palette.soft, align: 'right', font: SMALL });
@@ -133,6 +150,7 @@ export class Curves {
   }
 
   // Name and value of the curves that are shown, at a depth.
+  /** @param {number | undefined} depth */
   readout(depth) {
     return this.shown.map(({ name, unit }) => {
       const held = this.held.get(name);
@@ -144,8 +162,10 @@ export class Curves {
 }
 
 // The line of a curve in view: its rows, or the least and the greatest of each pixel where there are more.
+/** @param {Ink} ink @param {CurveOffer} curveOffer @param {CurveValues} curveValues @param {Rect} rect @param {View} view @param {string} colour @param {number[]} dash */
 function trace(ink, { low, high, log }, { depth, values, step }, rect, view, colour, dash) {
-  const f = log ? Math.log : (v) => v;
+  const f = scaling(log);
+  /** @param {number} value */
   const x = (value) => rect.left + ((f(value) - f(low)) / (f(high) - f(low))) * rect.width;
   const [first, stop] = [Math.max(0, rowAt(depth, view.top) - 1), Math.min(depth.length, rowAt(depth, view.bottom) + 1)];
   const every = Math.max(1, Math.floor((stop - first) / (2 * rect.height)));

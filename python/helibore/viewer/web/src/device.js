@@ -11,7 +11,9 @@ function drawnInSoftware() {
   return /swiftshader|llvmpipe|software/i.test(name);
 }
 
-export const pen = (canvas) => canvas.getContext('2d', { willReadFrequently: SOFTWARE });
+/** @param {HTMLCanvasElement} canvas */
+export const pen = (canvas) => /** @type {Ink} */ (canvas.getContext('2d', { willReadFrequently: SOFTWARE }));
 
 // Pixels of a canvas per CSS pixel of its element; more than two are not seen.
+/** @param {HTMLElement} element */
 export const pixelRatio = (element) => Math.min(window.devicePixelRatio * (element.currentCSSZoom ?? 1), 2);

@@ -8,10 +8,13 @@ import { BOLD, HEAD, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { leftEdge } from './path.js';
 import { line } from './strokes.js';
 
+/** @type {Record<PlaneKind, number[]>} */
 const DASHES = { bed: [], fracture: [8, 4], 'healed fracture': [2, 4], 'induced fracture': [12, 3, 2, 3], fault: [] };
 
+/** @param {Ink} ink @param {Looks} look @param {Planes} planes @param {Gpu | null} gpu */
 export function drawDips(ink, look, planes, gpu) {
   const palette = PALETTES[look.view.theme];
+  /** @param {Plane} plane */
   const colourOf = (plane) => (plane === planes.current || plane.pick === planes.selected ? palette.cursor : palette.picks[plane.kind]);
   for (const plane of planes.current ? [...planes.kept, planes.current] : planes.kept) {
     if (Math.abs(plane.depth - look.view.middle) > look.view.length) continue;
@@ -20,9 +23,10 @@ export function drawDips(ink, look, planes, gpu) {
     if (gpu) (look.view.camera === 'straight' ? columnCurve : disc)(ink, look, plane, colourOf(plane), gpu);
   }
   for (const pick of planes.boxes) for (const one of look.images) box(ink, one, pick, pick === planes.selected ? palette.cursor : palette.picks[pick.kind], palette);
-  if (look.rects.dips) tadpoles(ink, look, planes, palette);
+  if (look.rects.dips) tadpoles(ink, look, look.rects.dips, planes, palette);
 }
 
+/** @param {Ink} ink @param {Look} look @param {WallPoint[]} points */
 export function drawPoints(ink, look, points) {
   const { view, rects } = look;
   const palette = PALETTES[view.theme];
@@ -39,6 +43,7 @@ export function drawPoints(ink, look, points) {
   }
 }
 
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Palette} palette @param {number[]} dash */
 function curve(ink, { view, path, rects }, plane, colour, palette, dash) {
   const { image } = rects;
   within(ink, image, () => {
@@ -48,22 +53,31 @@ function curve(ink, { view, path, rects }, plane, colour, palette, dash) {
       for (let i = 0; i < 3; i++) depth = planeDepth(path, plane, leftEdge(path, view.cut, depth).toolface + (360 * x) / image.width);
       ink.lineTo(image.left + x, yOf(view, image, depth));
     }
-    for (const [width, style] of [[4, palette.paper], [2, colour]]) {
-      ink.lineWidth = width;
-      ink.strokeStyle = style;
-      ink.setLineDash(dash);
-      ink.stroke();
-    }
+    ink.setLineDash(dash);
+    outlined(ink, colour, palette);
     ink.setLineDash([]);
   });
 }
 
+// Stroke a path so that it is seen on any colour.
+/** @param {Ink} ink @param {string} colour @param {Palette} palette */
+function outlined(ink, colour, palette) {
+  ink.lineWidth = 4;
+  ink.strokeStyle = palette.paper;
+  ink.stroke();
+  ink.lineWidth = 2;
+  ink.strokeStyle = colour;
+  ink.stroke();
+}
+
 // Both sides of a breakout; what crosses the edge of the image is drawn at both edges.
+/** @param {Ink} ink @param {Look} look @param {BreakoutPick} pick @param {string} colour @param {Palette} palette */
 function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
   const radius = pick.radius ?? 0.1;
   const left = leftEdge(path, view.cut, pick.depth).toolface;
+  /** @param {number} degrees */
   const x = (degrees) => image.left + (degrees / 360) * image.width;
-  const lean = (Math.tan((pick.tilt * Math.PI) / 180) * pick.height * 90) / Math.PI / radius;
+  const lean = (Math.tan(((pick.tilt ?? 0) * Math.PI) / 180) * pick.height * 90) / Math.PI / radius;
   const middle = (((pick.toolface - left) % 360) + 360) % 360;
   const [top, bottom] = [-1, 1].map((side) => yOf(view, image, pick.depth + (side * pick.height) / 2));
   within(ink, image, () => {
@@ -72,17 +86,15 @@ function box(ink, { view, path, rects: { image } }, pick, colour, palette) {
       ink.beginPath();
       for (const [degrees, y] of [[a - lean, top], [b - lean, top], [b + lean, bottom], [a + lean, bottom]]) ink.lineTo(x(degrees), y);
       ink.closePath();
-      for (const [width, style] of [[4, palette.paper], [2, colour]]) {
-        ink.lineWidth = width;
-        ink.strokeStyle = style;
-        ink.stroke();
-      }
+      outlined(ink, colour, palette);
     }
   });
 }
 
+/** @param {Ink} ink @param {Look} look @param {Plane} plane @param {string} colour @param {Gpu} gpu */
 function disc(ink, { view, path, rects, store }, plane, colour, gpu) {
   const outside = 1.25 * view.tubeFactor(store);
+  /** @type {Pair[]} */
   const ring = [];
   for (let toolface = 0; toolface < 360; toolface += 10) {
     const at = { depth: planeDepth(path, plane, toolface), toolface, radius: plane.radius * outside };
@@ -105,8 +117,10 @@ function disc(ink, { view, path, rects, store }, plane, colour, gpu) {
   });
 }
 
-function tadpoles(ink, { view, path, rects }, { kept, current, selected }, palette) {
-  const { left, top, width, height } = rects.dips;
+/** @param {Ink} ink @param {Look} look @param {Rect} rect @param {Planes} planes @param {Palette} palette */
+function tadpoles(ink, { view, path }, rect, { kept, current, selected }, palette) {
+  const { left, top, width, height } = rect;
+  /** @param {number} degrees */
   const x = (degrees) => left + 6 + (degrees / 90) * (width - 12);
   ink.fillStyle = palette.panel;
   ink.fillRect(left, top, width, height);
@@ -116,15 +130,16 @@ function tadpoles(ink, { view, path, rects }, { kept, current, selected }, palet
   label(ink, path.surveyed ? 'Dip [°]' : 'To hole [°]', left + 2, 11, { colour: palette.ink, font: path.surveyed ? BOLD : SMALL });
   label(ink, '0', x(0), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL });
   label(ink, '90', x(90), HEAD - 9, { colour: palette.soft, align: 'center', font: SMALL });
-  within(ink, rects.dips, () => {
+  within(ink, rect, () => {
     for (const plane of current ? [...kept, current] : kept) {
       const [angle, towards] = path.surveyed ? [plane.dip, plane.azimuth] : [plane.apparent, plane.deepest];
       const colour = plane === current || plane.pick === selected ? palette.cursor : palette.picks[plane.kind];
-      tadpole(ink, x(angle), yOf(view, rects.dips, plane.depth), towards, plane.kind, colour, palette);
+      tadpole(ink, x(angle), yOf(view, rect, plane.depth), towards, plane.kind, colour, palette);
     }
   });
 }
 
+/** @param {Ink} ink @param {number} x @param {number} y @param {number} towards @param {PlaneKind} kind @param {string} colour @param {Palette} palette */
 function tadpole(ink, x, y, towards, kind, colour, palette) {
   ink.strokeStyle = colour;
   ink.lineWidth = 2;
@@ -139,8 +154,9 @@ function tadpole(ink, x, y, towards, kind, colour, palette) {
 }
 
 // The symbol of a class: circle, squares, diamond, triangle; open ones are filled with the ground.
+/** @param {Ink} ink @param {number} x @param {number} y @param {PlaneKind} kind @param {string} colour @param {string} ground */
 export function symbol(ink, x, y, kind, colour, ground) {
-  const corners = { fault: 3, 'induced fracture': 4, fracture: 4, 'healed fracture': 4 }[kind] ?? 24;
+  const corners = kind === 'fault' ? 3 : kind === 'bed' ? 24 : 4;
   const from = kind === 'fault' || kind === 'induced fracture' ? 0 : Math.PI / corners;
   ink.beginPath();
   for (let i = 0; i < corners; i++) {

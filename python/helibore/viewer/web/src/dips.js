@@ -12,6 +12,7 @@ import { dot, minus } from './vectors.js';
 const DEG = 180 / Math.PI;
 
 // North, east, down of a wall point.
+/** @param {Path} path @param {WallPoint} wallPoint */
 export function wallPoint(path, { depth, toolface, radius }) {
   const { centre, high, right } = path.at(depth);
   const [c, s] = [Math.cos(toolface / DEG), Math.sin(toolface / DEG)];
@@ -20,7 +21,8 @@ export function wallPoint(path, { depth, toolface, radius }) {
 
 // Plane through points {depth, toolface, radius}: null where they do not say one. Angles in degrees, lengths in metres;
 // dip and azimuth NaN without a survey.
-export function fitPlane(path, points) {
+/** @param {Path} path @param {WallPoint[]} points @param {PlaneKind} [kind] @returns {Plane | null} */
+export function fitPlane(path, points, kind = 'bed') {
   if (points.length < 3) return null;
   const depth = points.reduce((sum, point) => sum + point.depth, 0) / points.length;
   const frame = path.at(depth);
@@ -33,11 +35,12 @@ export function fitPlane(path, points) {
   if (!solved) return null;
   const [a, b, c] = solved;
   const misfit = Math.sqrt(local.reduce((sum, [x, y, z]) => sum + (z - c - a * x - b * y) ** 2, 0) / local.length);
-  const plane = { a, b, c, frame: { ...frame, depth }, depth: depth + c, radius, misfit, points };
+  const plane = { a, b, c, frame: { ...frame, depth }, depth: depth + c, radius, misfit, kind };
   return { ...plane, ...attitude(plane, path.surveyed), apparent: Math.atan(Math.hypot(a, b)) * DEG, deepest: wrap360(Math.atan2(b, a) * DEG) };
 }
 
 // The plane of a pick: apparent dip and the toolface where it is deepest, where it crosses the axis of the hole.
+/** @param {Path} path @param {PlanePick} pick @param {number} bitRadius @returns {Plane} */
 export function planeOf(path, pick, bitRadius) {
   const { depth, kind, misfit = 0, apparent_dip: apparent, toolface: deepest } = pick;
   const slope = Math.tan(apparent / DEG);
@@ -45,6 +48,7 @@ export function planeOf(path, pick, bitRadius) {
   return { ...plane, ...attitude(plane, path.surveyed), apparent, deepest };
 }
 
+/** @param {Pick<Plane, 'a' | 'b' | 'frame'>} of @param {boolean} surveyed */
 function attitude({ a, b, frame }, surveyed) {
   if (!surveyed) return { dip: NaN, azimuth: NaN };
   const normal = frame.tangent.map((t, i) => t - a * frame.high[i] - b * frame.right[i]);
@@ -54,6 +58,7 @@ function attitude({ a, b, frame }, surveyed) {
 }
 
 // (a, b, c) of z = c + a x + b y; null where the points are on a line as seen along the hole.
+/** @param {number[][]} rows @param {number} least */
 function leastSquares(rows, least) {
   const n = rows.length;
   const mean = [0, 1, 2].map((i) => rows.reduce((sum, row) => sum + row[i], 0) / n);
@@ -68,6 +73,7 @@ function leastSquares(rows, least) {
 }
 
 // Depth at which the plane meets a round hole of its mean radius at a toolface.
+/** @param {Path} path @param {Plane} plane @param {number} toolface */
 export function planeDepth(path, { a, b, c, frame, radius }, toolface) {
   let depth = NaN;
   let next = frame.depth;

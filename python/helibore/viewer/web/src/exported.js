@@ -3,14 +3,17 @@
 import { decode, FRAMES } from './protocol.js';
 
 // The contents of an exported file; null on a page that a server sent.
+/** @type {() => Contents | null} */
 export const exportedContents = () => JSON.parse(document.getElementById('enclosed')?.textContent ?? 'null');
 
 export class Exported {
+  /** @param {Contents} contents @param {Handlers} on */
   constructor(contents, on) {
     this.stats = { bytes: 0, messages: 0, sent: 0, reconnects: 0 };
     setTimeout(() => this.play(contents, on));
   }
 
+  /** @param {Contents} contents @param {Handlers} on */
   play({ hello, state, picks, messages }, on) {
     on.status('live', '');
     on.handshake(hello);

@@ -1,6 +1,7 @@
 // The part of WebGL 2 that the page needs: textures and index buffers, which are uploaded again after the browser has lost
 // the context, and programs, whose uniforms are set by name.
 
+/** @type {Record<'texels' | 'value' | 'pair' | 'frames' | 'colours', (keyof WebGL2RenderingContext)[]>} */
 const FORMATS = {
   texels: ['RGBA16UI', 'RGBA_INTEGER', 'UNSIGNED_SHORT'],
   value: ['R32F', 'RED', 'FLOAT'],
@@ -12,12 +13,13 @@ const SAMPLERS = ['texels', 'column', 'frames', 'colours', 'dynamicRange']; // a
 
 // An array as a texture; uploaded when it is first used, after `change`, and in a new context.
 export class Texture {
-  /** @type {any} */
+  /** @type {Context | null} */
   context = null;
   /** @type {WebGLTexture | null} */
   texture = null;
   changed = true;
 
+  /** @param {ArrayBufferView} array @param {number} width @param {number} height @param {keyof typeof FORMATS} format */
   constructor(array, width, height, format) {
     this.array = array;
     this.width = width;
@@ -29,6 +31,7 @@ export class Texture {
     this.changed = true;
   }
 
+  /** @param {Context} context @param {number} unit */
   bind(context, unit) {
     const { gl } = context;
     gl.activeTexture(gl.TEXTURE0 + unit);
@@ -37,12 +40,12 @@ export class Texture {
       this.texture = gl.createTexture();
       this.changed = true;
       gl.bindTexture(gl.TEXTURE_2D, this.texture);
-      for (const side of ['S', 'T']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_WRAP_${side}`], gl.CLAMP_TO_EDGE);
-      for (const way of ['MIN', 'MAG']) gl.texParameteri(gl.TEXTURE_2D, gl[`TEXTURE_${way}_FILTER`], gl.NEAREST);
+      for (const side of [gl.TEXTURE_WRAP_S, gl.TEXTURE_WRAP_T]) gl.texParameteri(gl.TEXTURE_2D, side, gl.CLAMP_TO_EDGE);
+      for (const way of [gl.TEXTURE_MIN_FILTER, gl.TEXTURE_MAG_FILTER]) gl.texParameteri(gl.TEXTURE_2D, way, gl.NEAREST);
     } else gl.bindTexture(gl.TEXTURE_2D, this.texture);
     if (!this.changed) return;
     this.changed = false;
-    const [internal, format, type] = this.format.map((name) => gl[name]);
+    const [internal, format, type] = this.format.map((name) => Number(gl[name]));
     gl.texImage2D(gl.TEXTURE_2D, 0, internal, this.width, this.height, 0, format, type, this.array);
   }
 
@@ -53,26 +56,38 @@ export class Texture {
 }
 
 class Program {
+  /** @param {Context} context @param {string} vertex @param {string} fragment */
   constructor(context, vertex, fragment) {
     const { gl } = context;
     this.context = context;
     this.program = gl.createProgram();
-    for (const [type, source] of [[gl.VERTEX_SHADER, vertex], [gl.FRAGMENT_SHADER, fragment]]) {
-      const shader = gl.createShader(type);
-      gl.shaderSource(shader, `#version 300 es\n${source}`);
-      gl.compileShader(shader);
-      gl.attachShader(this.program, shader);
-    }
+    const shaders = [this.compiled(gl.VERTEX_SHADER, vertex), this.compiled(gl.FRAGMENT_SHADER, fragment)];
     gl.linkProgram(this.program);
-    const problems = gl.getAttachedShaders(this.program).map((shader) => gl.getShaderInfoLog(shader)).join('');
-    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(problems || gl.getProgramInfoLog(this.program));
+    const problems = shaders.map((shader) => gl.getShaderInfoLog(shader)).join('');
+    if (!gl.getProgramParameter(this.program, gl.LINK_STATUS) && !gl.isContextLost()) throw new Error(problems || String(gl.getProgramInfoLog(this.program)));
     const count = gl.getProgramParameter(this.program, gl.ACTIVE_UNIFORMS) ?? 0;
-    this.uniforms = Array.from({ length: count }, (_, i) => gl.getActiveUniform(this.program, i)).map(({ name, type }) => (
-      { name: name.replace('[0]', ''), type, at: gl.getUniformLocation(this.program, name) }
-    ));
+    this.uniforms = Array.from({ length: count }, (_, i) => this.uniform(i));
+  }
+
+  /** @param {number} type @param {string} source */
+  compiled(type, source) {
+    const { gl } = this.context;
+    const shader = /** @type {WebGLShader} */ (gl.createShader(type));
+    gl.shaderSource(shader, `#version 300 es\n${source}`);
+    gl.compileShader(shader);
+    gl.attachShader(this.program, shader);
+    return shader;
+  }
+
+  /** @param {number} i */
+  uniform(i) {
+    const { gl } = this.context;
+    const { name, type } = /** @type {WebGLActiveInfo} */ (gl.getActiveUniform(this.program, i));
+    return { name: name.replace('[0]', ''), type, at: gl.getUniformLocation(this.program, name) };
   }
 
   // Values by name; those that the program does not have are left out.
+  /** @param {Record<string, any>} values */
   use(values) {
     const { gl } = this.context;
     gl.useProgram(this.program);
@@ -92,12 +107,14 @@ class Program {
 
 // What belongs to one context: when it is lost, so is all of this.
 export class Context {
-  /** @type {any} */
+  /** @type {WebGLFramebuffer | null} */
   spot = null; // framebuffer of one pixel
 
+  /** @param {WebGL2RenderingContext} gl @param {Record<string, [string, string]>} shaders */
   constructor(gl, shaders) {
     this.gl = gl;
     this.programs = Object.fromEntries(Object.entries(shaders).map(([name, pair]) => [name, new Program(this, ...pair)]));
+    /** @type {Map<string, WebGLBuffer>} */
     this.grids = new Map();
     gl.enable(gl.DEPTH_TEST);
     gl.depthFunc(gl.LEQUAL);
@@ -105,18 +122,21 @@ export class Context {
   }
 
   // Draw `count` indices from the `first` on; `make` gives those of a key that is new.
+  /** @param {string} key @param {() => Uint16Array} make @param {number} first @param {number} count */
   drawGrid(key, make, first, count) {
     const { gl } = this;
-    if (!this.grids.has(key)) {
-      this.grids.set(key, gl.createBuffer());
-      gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.grids.get(key));
+    const known = this.grids.get(key);
+    const grid = known ?? gl.createBuffer();
+    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, grid);
+    if (!known) {
+      this.grids.set(key, grid);
       gl.bufferData(gl.ELEMENT_ARRAY_BUFFER, make(), gl.STATIC_DRAW);
     }
-    gl.bindBuffer(gl.ELEMENT_ARRAY_BUFFER, this.grids.get(key));
     gl.drawElements(gl.TRIANGLES, count, gl.UNSIGNED_SHORT, 2 * first);
   }
 
   // A picture of one pixel, drawn by `draw`: its red, green, blue and alpha.
+  /** @param {() => void} draw */
   onePixel(draw) {
     const { gl } = this;
     this.spot ??= this.makeSpot();

@@ -4,11 +4,13 @@ export const SECONDS = 3;
 const MOST = 8;
 
 export class Glow {
+  /** @type {{ start: number, stop: number, again: boolean, at: number }[]} */
   ranges = [];
   rows = 0; // turns in a tile of the wall
 
   // Note that values of the vertices [start, stop) arrived; `again`: the wall had these vertices before. A range that
   // touches the latest one extends it, if that one is of the same kind and less than 0.3 s old.
+  /** @param {number} start @param {number} stop @param {boolean} again @param {number} now */
   add(start, stop, again, now) {
     const last = this.ranges.at(-1);
     if (last && last.again === again && now - last.at < 0.3 && start <= last.stop && stop >= last.start) {
@@ -17,12 +19,14 @@ export class Glow {
     if (this.ranges.length > MOST) this.ranges.shift();
   }
 
+  /** @param {number} now */
   fade(now) {
     this.ranges = this.ranges.filter(({ at }) => now - at < SECONDS);
     return this.ranges.length > 0;
   }
 
   // For a tile: [first, last, strength, re-scan] in its own numbers.
+  /** @param {Tile} tile @param {number} now */
   on(tile, now) {
     if (tile.level.rows !== this.rows) return [];
     const origin = tile.index * tile.level.tileSize;

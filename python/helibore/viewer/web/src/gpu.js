@@ -17,6 +17,7 @@ import { cross, dot, eastNorthUp, length, minus, normalised, plus, scaled } from
 const FIELD_OF_VIEW = 34;
 const NO_WALL = 0x9aa3aa;
 const MOST_PICKED = 254; // tiles that differ in the picking picture's alpha
+/** @type {Record<string, [string, string]>} */
 const PROGRAMS = {
   wall: [shaders.WALL_VERTEX, shaders.WALL_FRAGMENT],
   pick: [shaders.WALL_VERTEX, shaders.PICK_FRAGMENT],
@@ -28,16 +29,21 @@ const PROGRAMS = {
 export class Gpu {
   context = /** @type {Context} */ (/** @type {unknown} */ (null));
 
+  /** @param {Canvas} canvas */
   constructor(canvas) {
     this.canvas = canvas;
-    this.gl = canvas.getContext('webgl2', { antialias: !SOFTWARE, alpha: false, powerPreference: 'high-performance' });
-    if (!this.gl) throw new Error('no WebGL 2 context');
+    const gl = canvas.getContext('webgl2', { antialias: !SOFTWARE, alpha: false, powerPreference: 'high-performance' });
+    if (!gl) throw new Error('no WebGL 2 context');
+    this.gl = gl;
     canvas.addEventListener('webglcontextlost', (event) => event.preventDefault());
     canvas.addEventListener('webglcontextrestored', () => this.restore());
     this.outside = new Camera(FIELD_OF_VIEW);
     this.inside = new Camera(WIDE);
     this.head = { left: 0, raised: 0 }; // where the eye inside looks, radians from along the hole
     this.camera = this.outside;
+    this.width = this.height = this.ratio = 0;
+    /** @type {Piece[]} */
+    this.drawn = [];
     this.stats = { triangles: 0, tiles: 0, pictures: 0 };
     this.cost = 0; // milliseconds that the last full picture took
     this.origin = [0, 0, 0];
@@ -48,6 +54,7 @@ export class Gpu {
     this.context = new Context(this.gl, PROGRAMS);
   }
 
+  /** @param {number} width @param {number} height */
   resize(width, height) {
     this.width = width;
     this.height = height;
@@ -55,6 +62,7 @@ export class Gpu {
   }
 
   // Give the canvas its size in pixels; a coarse picture has half of them each way.
+  /** @param {number} ratio */
   setRatio(ratio) {
     if (ratio === this.ratio) return;
     this.ratio = ratio;
@@ -62,6 +70,7 @@ export class Gpu {
   }
 
   // `look` is one frame's picture: store, path, view, quantity, pieces and rectangles; main.js makes it.
+  /** @param {Looks} look @param {boolean} [coarse] */
   draw(look, coarse = false) {
     if (this.gl.isContextLost()) return undefined;
     this.setRatio(pixelRatio(this.canvas) * (coarse ? 0.5 : 1));
@@ -77,6 +86,7 @@ export class Gpu {
   }
 
   // The hole straightened, on the depth axis of the tracks.
+  /** @param {Look} look */
   column(look) {
     const { store, view, wallRect, path } = look;
     const { reference, offset } = CUTS[view.cut];
@@ -108,18 +118,20 @@ export class Gpu {
   }
 
   // Restrict drawing to a rectangle, and clear it to a colour if there is one.
-  /** @type {(rect: any, colour?: number | null) => void} */
+  /** @type {(rect: Rect, colour?: number | null) => void} */
   begin({ left, top, width, height }, colour = null) {
     const { gl, ratio } = this;
     const [x, y, w, h] = [left, this.height - top - height, width, height].map((side) => Math.round(side * ratio));
     gl.viewport(x, y, w, h);
     gl.scissor(x, y, w, h);
     if (colour === null) return;
-    gl.clearColor(...[16, 8, 0].map((shift) => ((colour >> shift) & 255) / 255), 1);
+    const [red, green, blue] = [16, 8, 0].map((shift) => ((colour >> shift) & 255) / 255);
+    gl.clearColor(red, green, blue, 1);
     gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
   }
 
   // Call back when what was asked for is drawn; in software that is long after draw() has returned.
+  /** @param {() => void} done */
   whenDrawn(done) {
     const { gl } = this;
     const fence = gl.fenceSync(gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -135,6 +147,7 @@ export class Gpu {
     setTimeout(look, 10);
   }
 
+  /** @param {Look} look */
   image(look) {
     const { gl, context } = this;
     const { top, bottom, cut } = look.view;
@@ -142,6 +155,7 @@ export class Gpu {
     const { reference, offset } = CUTS[cut];
     this.begin(look.imageRect);
     gl.disable(gl.DEPTH_TEST);
+    /** @param {number} depth */
     const y = (depth) => 1 - (2 * (depth - top)) / (bottom - top);
     const pixel = (bottom - top) / height; // antialiasing would show an edge: overlap, the shader knows its rows
     for (const piece of look.imagePieces) {
@@ -161,10 +175,10 @@ export class Gpu {
   }
 
   // Put the middle of the section at the origin of the scene.
+  /** @param {Look} look */
   place(look) {
     const { path, view, wallRect } = look;
-    const frame = path.at(view.middle);
-    if (frame) this.origin = eastNorthUp(frame.centre);
+    this.origin = eastNorthUp(path.at(view.middle).centre);
     this.camera = view.camera === 'outside' ? this.outside : this.inside;
     if (this.camera === this.inside) {
       placeInside(this.inside, this, look, this.head);
@@ -174,6 +188,7 @@ export class Gpu {
     Object.assign(this.camera, { aspect: wallRect.width / Math.max(1, wallRect.height), near: Math.max(0.01, far / 500), far: far + 4 * view.length + 100 });
   }
 
+  /** @param {Look} look @param {'wall' | 'pick'} program */
   wall(look, program) {
     const { store, path, view } = look;
     const tube = view.tubeFactor(store);
@@ -207,6 +222,7 @@ export class Gpu {
   }
 
   // Draw the rows of a tile's grid that are shown of it, coarser by strides.
+  /** @param {Piece} piece @param {View} view @param {{ cols: number, rows: number }} of */
   drawRows(piece, view, { cols, rows }) {
     const { level } = piece.tile;
     const [first, count] = rowsShown(piece, view, level, { cols, rows });
@@ -216,6 +232,7 @@ export class Gpu {
   }
 
   // From the camera to the nearest point of a piece's axis.
+  /** @param {Piece} piece @param {Look} look */
   distance({ top, bottom }, { path }) {
     const [a, b] = [top, bottom].map((depth) => this.position(path.at(depth)));
     const along = minus(b, a);
@@ -223,11 +240,13 @@ export class Gpu {
     return length(minus(plus(a, along, Math.min(1, Math.max(0, share))), this.camera.position));
   }
 
+  /** @param {Pick<Frame, 'centre'>} frame */
   position(frame) {
     return minus(eastNorthUp(frame.centre), this.origin);
   }
 
   // What every program needs of a tile and of the look.
+  /** @param {Tile} tile @param {Look} look */
   common(tile, { store, path, view, quantity, glow, dark }) {
     const textures = this.textures(tile);
     const { level } = tile;
@@ -235,7 +254,7 @@ export class Gpu {
     const here = glow(tile);
     return {
       texels: textures.vertices(),
-      column: quantity.mode === Q_ATTRIBUTE ? textures.attribute(quantity.attribute) : NO_COLUMN,
+      column: quantity.mode === Q_ATTRIBUTE ? textures.attribute(quantity.attribute ?? 0) : NO_COLUMN,
       frames: frames.texture,
       colours: colourTexture(themed(quantity.map, dark)),
       dynamicRange: quantity.dynamic ? textures.dynamic(store, quantity, view.pass) : NO_RANGE,
@@ -262,14 +281,16 @@ export class Gpu {
     };
   }
 
+  /** @param {Tile} tile */
   textures(tile) {
     tile.textures ??= new TileTextures(tile);
     return tile.textures;
   }
 
+  /** @param {Look} look */
   bit({ store, path, view, bitDepth }) {
-    const frame = bitDepth === null ? null : path.at(bitDepth);
-    if (!frame || bitDepth < view.top || bitDepth > view.bottom) return;
+    if (bitDepth === null || bitDepth < view.top || bitDepth > view.bottom) return;
+    const frame = path.at(bitDepth);
     const size = store.bitRadius * view.tubeFactor(store);
     const axes = [frame.high, frame.tangent, frame.right].map((axis) => scaled(eastNorthUp(axis), size));
     this.context.programs.bit.use({ modelViewMatrix: this.camera.modelView(this.position(frame), axes), projectionMatrix: this.camera.projection });
@@ -277,6 +298,7 @@ export class Gpu {
   }
 
   // Stand beside the section so that all of it is in view.
+  /** @param {number} sectionLength @param {Frame} frame @param {number} radius @param {Rect} rect */
   lookAtSection(sectionLength, frame, radius, { width, height }) {
     const along = eastNorthUp(frame.tangent);
     const aside = [along[1], -along[0], 0]; // to the side of the hole, level
@@ -292,6 +314,7 @@ export class Gpu {
   }
 
   // The quad under a point of the 3-D view: {tile, at} or null.
+  /** @param {Look} look @param {number} x @param {number} y */
   pick(look, x, y) {
     const { width, height } = look.wallRect;
     this.place(look);
@@ -302,12 +325,14 @@ export class Gpu {
   }
 
   // A place of the hole on the 3-D view in pixels, or null behind the camera.
+  /** @param {Pick<Frame, 'centre'>} frame @param {Rect} rect @param {Vector} [aside] @returns {Pair | null} */
   project(frame, rect, aside = [0, 0, 0]) {
     const seen = this.camera.project(plus(this.position(frame), aside));
     return seen && [rect.left + ((seen[0] + 1) / 2) * rect.width, rect.top + ((1 - seen[1]) / 2) * rect.height];
   }
 
   // A step of some metres to the side of the hole as seen on screen: to the right, or up where it lies level.
+  /** @param {Frame} frame @param {number} metres */
   aside(frame, metres) {
     const [right, up, back] = this.camera.axes;
     const across = cross(eastNorthUp(frame.tangent), scaled(back, -1));
@@ -318,6 +343,7 @@ export class Gpu {
   }
 
   // A direction as seen: right, up, towards the eye.
+  /** @param {Vector} direction */
   facing(direction) {
     return this.camera.facing(direction);
   }
@@ -327,12 +353,14 @@ const BIT_SHARE = 0.2; // of the column's width is the bit's radius
 const COLUMN_SHAPE = 3; // the shape's exaggeration in the column, where the user chose none
 
 // Pixels a metre across the column, how many times more than along it, the shape's exaggeration about the bit.
+/** @param {Look} look */
 export function columnScale({ store, view, wallRect }) {
   const perMetre = (BIT_SHARE * wallRect.width) / store.bitRadius;
   return { perMetre, times: (perMetre * view.length) / wallRect.height, shape: view.shape || COLUMN_SHAPE };
 }
 
 // A helix ends on a slant: a tile's last turn reaches one pitch beyond the depth at which the next tile begins.
+/** @param {Piece} piece */
 const slanted = ({ tile: { level }, top, bottom }) => {
   if (level.rings) return [top, bottom];
   return level.pitch > 0 ? [top, bottom + level.pitch] : [top + level.pitch, bottom];

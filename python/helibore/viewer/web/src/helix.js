@@ -8,10 +8,13 @@
 // The overview is made of level rings instead: all of row R lies at startDepth + R pitch, and cell k is there when its own
 // vertex has a radius. Angles in degrees, depths in metres, all in float64. Nothing here knows tiles, bytes or pixels.
 
+/** @param {number} angle */
 export const wrap360 = (angle) => ((angle % 360) + 360) % 360;
+/** @param {number} angle */
 export const wrap180 = (angle) => wrap360(angle + 180) - 180;
 
 export class Helix {
+  /** @param {Omit<Shape, 'rows'>} shape */
   constructor({ sectors, pitch, startDepth, startToolface, rings = false }) {
     this.sectors = sectors;
     this.pitch = pitch;
@@ -20,15 +23,18 @@ export class Helix {
     this.rings = rings;
   }
 
+  /** @param {number} k */
   depth(k) {
     return this.startDepth + (this.rings ? Math.floor(k / this.sectors) : k / this.sectors) * this.pitch;
   }
 
+  /** @param {number} k */
   toolface(k) {
     return wrap360(this.startToolface + ((k % this.sectors) * 360) / this.sectors);
   }
 
   // The quad that covers (depth, toolface); negative or beyond the end if the wall does not reach there.
+  /** @param {number} depth @param {number} toolface */
   quadAt(depth, toolface) {
     const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
     const col = Math.min(Math.floor(across), this.sectors - 1);
@@ -37,11 +43,13 @@ export class Helix {
   }
 
   // The first vertex of the turn that is centred on a depth.
+  /** @param {number} depth */
   turnAt(depth) {
     return Math.round(((depth - this.startDepth) / this.pitch - 0.5) * this.sectors);
   }
 
   // Depths between which `size` vertices lie, shallow end first.
+  /** @param {number} size */
   span(size) {
     const ends = [this.startDepth, this.depth(Math.max(0, size - 1))];
     return this.pitch > 0 ? ends : ends.reverse();

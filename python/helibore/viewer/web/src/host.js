@@ -2,13 +2,15 @@
 // come as from a websocket, and its answers as to `fetch`; what the reader looks at goes back (notebook.js).
 
 export class Host {
-  /** @type {any} */
+  /** @type {Socket | null} */
   socket = null;
+  /** @type {Map<string, (answer: Response) => void>} */
   asked = new Map(); // requests without an answer
   looked = '';
   /** @type {((top: number, bottom: number) => void) | null} */
   show = null;
 
+  /** @param {MessagePort} port */
   constructor(port) {
     this.port = port;
     port.onmessage = ({ data }) => this.take(data);
@@ -16,12 +18,14 @@ export class Host {
 
   // A socket for `Connection`.
   connect() {
-    const socket = { readyState: 1, send: (text) => this.port.postMessage({ text }), close: (code) => this.close(code, '') };
+    /** @type {Socket} */
+    const socket = { readyState: 1, binaryType: 'arraybuffer', onmessage() {}, onclose() {}, send: (text) => this.port.postMessage({ text }), close: (code) => this.close(code, '') };
     this.socket = socket;
     this.port.postMessage({ open: true });
     return socket;
   }
 
+  /** @param {number} code @param {string} reason */
   close(code, reason) {
     const { socket } = this;
     if (!socket || socket.readyState === 3) return;
@@ -29,6 +33,7 @@ export class Host {
     socket.onclose({ code, reason });
   }
 
+  /** @param {any} data */
   take(data) {
     if (typeof data === 'string' || data instanceof ArrayBuffer) this.socket?.onmessage({ data });
     else if ('id' in data) this.answer(data);
@@ -37,19 +42,21 @@ export class Host {
   }
 
   // As `fetch` of the server.
-  /** @type {(address: any, request?: any) => Promise<any>} */
+  /** @type {(address: RequestInfo | URL, request?: RequestInit) => Promise<Response>} */
   fetch(address, { method = 'GET', body = '' } = {}) {
     const id = crypto.randomUUID();
-    this.port.postMessage({ id, method, address: /api\/.*/.exec(address)?.[0], body });
+    this.port.postMessage({ id, method, address: /api\/.*/.exec(String(address))?.[0], body });
     return new Promise((answer) => this.asked.set(id, answer));
   }
 
+  /** @param {{ id: string, status: number, headers: Record<string, string>, body: BodyInit }} of */
   answer({ id, status, headers, body }) {
     this.asked.get(id)?.(new Response(body, { status, headers }));
     this.asked.delete(id);
   }
 
   // Send the kernel what the reader looks at, if it has changed.
+  /** @param {{ depths: number[], cursor: (number | null)[] | null }} traits */
   look(traits) {
     const text = JSON.stringify(traits);
     if (text !== this.looked) this.port.postMessage({ traits });
@@ -58,6 +65,7 @@ export class Host {
 }
 
 // Call `begin(host)` when the notebook offers a port.
+/** @param {(host: Host) => void} begin */
 export function whenHosted(begin) {
   window.addEventListener('message', ({ source, data, ports }) => {
     if (source !== window.parent || data !== 'helibore' || !ports[0]) return;

@@ -6,7 +6,7 @@ import { fitRange } from './colour.js';
 import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.js';
 import { leftEdge } from './path.js';
 import { turnHead } from './inside.js';
-import { byId } from './panel.js';
+import { byId, tabs } from './panel.js';
 import { CAMERAS } from './view.js';
 
 const EDGE = 5; // pixels at the right edge of a head
@@ -14,15 +14,20 @@ const CURVE = 6; // pixels from a curve that still hit it
 const CLICK = 4; // pixels a pointer may move and still click
 
 // Where a pointer is on the element that listens, in the element's own pixels: a page on 4K is enlarged.
+/** @param {MouseEvent} event @returns {Pair} */
 function placeOf({ currentTarget, clientX, clientY }) {
-  const { left, top } = currentTarget.getBoundingClientRect();
-  const zoom = currentTarget.currentCSSZoom ?? 1;
+  const element = /** @type {HTMLElement} */ (currentTarget);
+  const { left, top } = element.getBoundingClientRect();
+  const zoom = element.currentCSSZoom ?? 1;
   return [(clientX - left) / zoom, (clientY - top) / zoom];
 }
 
+/** @param {App} app */
 export function bindTracks(app) {
   const ink = byId('ink');
+  /** @type {Map<number, Pair>} */
   const pointers = new Map();
+  /** @type {{ head: { name: string, edge: boolean } | null, width: number, pick: Drag | null, x: number, y: number, top: number, moved: boolean, onMap: boolean, turn: number | null } | null} */
   let drag = null;
   const at = placeOf;
   ink.addEventListener('pointerdown', (event) => {
@@ -30,8 +35,8 @@ export function bindTracks(app) {
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
     const head = headAt(app.rects, x, y);
-    const cursor = app.picking.on && imageRects(app.rects).some((rect) => inside(rect, x, y)) ? cursorAt(app, x, y) : null;
-    drag = { head, width: head && app.rects[head.name].width, pick: cursor && app.picking.grab(cursor, reachOf(app)), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
+    const aim = app.picking.on ? aimAt(app, x, y) : null;
+    drag = { head, width: head ? app.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app)), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
@@ -50,11 +55,12 @@ export function bindTracks(app) {
     const perPixel = app.view.length / app.rects.image.height;
     if (drag.pick) {
       const cursor = cursorAt(app, x, y);
-      return cursor && app.picking.drag(drag.pick, cursor);
+      return cursor && app.picking.drag(drag.pick, { depth: cursor.depth, toolface: cursor.toolface ?? drag.pick.from.toolface });
     }
     if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.set({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
     return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
   });
+  /** @param {PointerEvent} event */
   const up = (event) => {
     pointers.delete(event.pointerId);
     app.picking.drop();
@@ -71,25 +77,30 @@ export function bindTracks(app) {
 }
 
 // The head of a track under the pointer, and whether it is at its right edge: a drag there changes the width, else the order.
+/** @param {Rects} rects @param {number} x @param {number} y */
 function headAt(rects, x, y) {
   if (y >= HEAD) return null;
   const name = movable(rects).find((one) => x >= rects[one].left && x < rects[one].left + rects[one].width + EDGE);
   return name ? { name, edge: x > rects[name].left + rects[name].width - EDGE } : null;
 }
 
+/** @param {App} app @param {string} name @param {number} x */
 function reorder({ view, rects }, name, x) {
   const others = movable(rects).filter((one) => one !== name);
   const at = others.filter((one) => rects[one].left + rects[one].width / 2 < x).length;
   view.set({ order: [...others.slice(0, at), name, ...others.slice(at)] });
 }
 
+/** @param {App} app */
 const reachOf = ({ view, rects }) => (CURVE * view.length) / rects.image.height; // metres within which a curve is hit
 
+/** @param {App} app @param {number} x @param {number} y */
 function hover(app, x, y) {
   if (app.view.pinned) return;
   app.view.set({ cursor: cursorAt(app, x, y) });
 }
 
+/** @param {Pick<App, 'view' | 'rects' | 'path'>} app @param {number} x @param {number} y @returns {Cursor | null} */
 export function cursorAt({ view, rects, path }, x, y) {
   const tracks = { ...rects.axis, width: tracksEnd(rects) - rects.axis.left };
   if (!inside(tracks, x, y)) return null;
@@ -100,20 +111,30 @@ export function cursorAt({ view, rects, path }, x, y) {
   return { depth, toolface: (((leftEdge(path, view.cut, depth).toolface + 360 * turn) % 360) + 360) % 360 };
 }
 
+// The cursor where it is on an image; null elsewhere.
+/** @param {App} app @param {number} x @param {number} y @returns {Aim | null} */
+function aimAt(app, x, y) {
+  const onImage = imageRects(app.rects).some((rect) => inside(rect, x, y));
+  return onImage ? /** @type {Aim | null} */ (cursorAt(app, x, y)) : null;
+}
+
+/** @param {App} app @param {number} x @param {number} y */
 function clickAt(app, x, y) {
   const head = app.besides.findIndex((_, i) => y < HEAD && inside({ ...app.rects[`beside${i}`], top: 0 }, x, y));
   if (head >= 0) return swap(app, app.besides[head].id);
   const cursor = cursorAt(app, x, y);
-  if (!cursor) return;
-  if (app.picking.on && imageRects(app.rects).some((rect) => inside(rect, x, y))) app.picking.click(cursor, reachOf(app));
-  else app.view.set({ cursor, pinned: !app.view.pinned });
+  const aim = app.picking.on ? aimAt(app, x, y) : null;
+  if (aim) app.picking.click(aim, reachOf(app));
+  else if (cursor) app.view.set({ cursor, pinned: !app.view.pinned });
 }
 
 // A click on the head of an image beside makes it the first; that one takes its place.
+/** @param {App} app @param {string} id */
 function swap({ view, quantity }, id) {
   view.set({ quantity: id, beside: view.beside.map((one) => (one === id ? quantity.id : one)) });
 }
 
+/** @param {App} app @param {WheelEvent} event */
 function wheel(app, event) {
   if (!app.store) return;
   event.preventDefault();
@@ -123,6 +144,7 @@ function wheel(app, event) {
   else view.show(view.top + steps * view.length * 0.1, view.length, store);
 }
 
+/** @param {App} app @param {Map<number, Pair>} pointers @param {number} id @param {Pair} now */
 function pinch(app, pointers, id, now) {
   const apart = () => {
     const [a, b] = [...pointers.values()];
@@ -134,32 +156,34 @@ function pinch(app, pointers, id, now) {
   app.view.zoom(before / after, depthAt(app.view, app.rects.image, middle), app.store);
 }
 
-export function bindOrbit(app) {
+/** @param {App} app @param {Gpu} gpu */
+export function bindOrbit(app, gpu) {
   const pane = byId('orbit');
-  const controls = new Orbit(pane, app.gpu.outside, app.redraw);
+  const controls = new Orbit(pane, gpu.outside, app.redraw);
+  /** @type {Pair | null} */
   let waiting = null;
   pane.addEventListener('wheel', (event) => app.view.camera !== 'outside' && wheel(app, event), { passive: false });
   pane.addEventListener('pointermove', (event) => {
     if (event.buttons && app.view.camera !== 'outside') {
-      turnHead(app.gpu.head, event.movementX, event.movementY);
+      turnHead(gpu.head, event.movementX, event.movementY);
       app.redraw();
     }
     if (event.buttons || app.view.pinned || !app.store) return;
     const place = placeOf(event);
     if (!waiting) {
       setTimeout(() => {
-        app.pickAt(...waiting);
+        if (waiting) app.pickAt(...waiting);
         waiting = null;
       }, 60);
     }
     waiting = place;
   });
+  /** @type {Pair | null} */
   let pressed = null;
   pane.addEventListener('pointerdown', (event) => (pressed = placeOf(event)));
   pane.addEventListener('pointerup', (event) => {
     const [x, y] = placeOf(event);
-    const clicked = pressed && Math.hypot(x - pressed[0], y - pressed[1]) <= CLICK;
-    if (!clicked || event.button !== 0) return;
+    if (!pressed || Math.hypot(x - pressed[0], y - pressed[1]) > CLICK || event.button !== 0) return;
     app.view.pinned = false;
     app.pickAt(...pressed);
     app.view.set({ pinned: app.view.cursor !== null });
@@ -167,38 +191,43 @@ export function bindOrbit(app) {
   return controls;
 }
 
+/** @param {App} app */
 export function bindControls(app) {
   const { view } = app;
-  const on = (id, event, act) => byId(id).addEventListener(event, act);
-  for (const id of ['cut', 'pass', 'units', 'camera']) on(id, 'change', ({ target }) => view.set({ [id]: target.value }));
-  for (const id of ['tube', 'shape', 'median']) on(id, 'change', ({ target }) => view.set({ [id]: Number(target.value) }));
-  on('pass', 'change', ({ target }) => target.value === 'change' && app.setQuantity('change'));
-  on('sectionLength', 'change', ({ target }) => app.setLength(target.value));
+  /** @template {string} Id @param {Id} id @param {string} event @param {(element: ElementOf<Id>) => unknown} act */
+  const on = (id, event, act) => byId(id).addEventListener(event, () => act(byId(id)));
+  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'camera'])) on(id, 'change', ({ value }) => view.set({ [id]: value }));
+  for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.set({ [id]: Number(value) }));
+  on('pass', 'change', ({ value }) => value === 'change' && app.setQuantity('change'));
+  on('sectionLength', 'change', ({ value }) => app.setLength(value));
   on('follow', 'click', () => app.follow(!view.follow));
   on('rigOpen', 'click', () => app.rig());
-  on('menu', 'click', ({ currentTarget }) => currentTarget.setAttribute('aria-expanded', String(byId('bar').classList.toggle('open'))));
-  for (const tab of byId('tabs').children) tab.addEventListener('click', () => view.set({ tab: tab.value }));
+  on('menu', 'click', (menu) => menu.setAttribute('aria-expanded', String(byId('bar').classList.toggle('open'))));
+  for (const tab of tabs()) tab.addEventListener('click', () => view.set({ tab: tab.value }));
   on('theme', 'click', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
   on('fit', 'click', () => app.fit());
   on('keys', 'click', () => byId('help').showModal());
   on('copy', 'click', () => app.copy());
   on('pin', 'click', () => app.keepSection());
-  on('quantity', 'change', ({ target }) => app.setQuantity(target.value));
-  on('map', 'change', ({ target }) => app.setColours({ map: target.value }));
-  on('log', 'change', ({ target }) => app.setColours({ log: target.checked }));
-  on('dynamic', 'change', ({ target }) => app.setColours({ dynamic: target.checked }));
+  on('quantity', 'change', ({ value }) => app.setQuantity(value));
+  on('map', 'change', ({ value: map }) => app.setColours({ map }));
+  on('log', 'change', ({ checked: log }) => app.setColours({ log }));
+  on('dynamic', 'change', ({ checked: dynamic }) => app.setColours({ dynamic }));
   on('beside', 'click', () => app.keepBeside());
   on('percentile', 'click', () => app.setColours(fitRange(app.quantity, app.histogram.sorted)));
-  for (const end of ['low', 'high']) on(end, 'change', ({ target }) => app.setEnd(end, Number(target.value)));
+  for (const end of /** @type {const} */ (['low', 'high'])) on(end, 'change', ({ value }) => app.setEnd(end, Number(value)));
   bindHistogram(app);
 }
 
+/** @param {App} app */
 function bindHistogram(app) {
   const canvas = app.histogram.canvas;
+  /** @type {End | null} */
   let end = null;
   canvas.addEventListener('pointerdown', (event) => {
     const { quantity, histogram } = app;
     if (!app.store || quantity.dynamic) return;
+    /** @param {End} name */
     const away = (name) => Math.abs(histogram.x(quantity[name], quantity) - placeOf(event)[0]);
     end = away('low') < away('high') ? 'low' : 'high';
     canvas.setPointerCapture(event.pointerId);
@@ -212,6 +241,7 @@ function bindHistogram(app) {
   canvas.addEventListener('pointerup', () => (end = null));
 }
 
+/** @param {App} app */
 export function bindKeys(app) {
   window.addEventListener('keydown', (event) => {
     const { tagName } = /** @type {HTMLElement} */ (event.target);
@@ -224,8 +254,11 @@ export function bindKeys(app) {
   });
 }
 
+/** @template T @param {T[]} names @param {T} name */
 const next = (names, name) => names[(names.indexOf(name) + 1) % names.length];
+/** @type {(share: number) => (app: App) => void} */
 const along = (share) => ({ view, store }) => view.show(view.top + share * view.length, view.length, store);
+/** @type {Record<string, (app: App) => unknown>} */
 const KEYS = {
   f: (app) => app.follow(true),
   ' ': (app) => app.follow(!app.view.follow),
@@ -242,7 +275,7 @@ const KEYS = {
   PageUp: along(-0.9),
   PageDown: along(0.9),
   h: (app) => app.fit(),
-  i: ({ view }) => view.set({ camera: next(Object.keys(CAMERAS), view.camera) }),
+  i: ({ view }) => view.set({ camera: next(/** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS)), view.camera) }),
   t: ({ view }) => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }),
   c: (app) => app.copy(),
   p: (app) => app.keepSection(),

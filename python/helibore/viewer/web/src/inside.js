@@ -11,6 +11,7 @@ import { ticks } from './view.js';
 export const WIDE = 75; // degrees of view
 const FARTHEST = 1.2; // radians the head turns
 
+/** @param {Camera} camera @param {Gpu} gpu @param {Look} look @param {{ left: number, raised: number }} head */
 export function placeInside(camera, gpu, { path, view, store, wallRect }, head) {
   const down = view.camera === 'down';
   const frame = path.at(down ? view.top : view.bottom);
@@ -23,13 +24,16 @@ export function placeInside(camera, gpu, { path, view, store, wallRect }, head) 
   Object.assign(camera, { near: 0.02 * radius, far: 2 * view.length + 20 * radius });
 }
 
+/** @param {{ left: number, raised: number }} head @param {number} dx @param {number} dy */
 export function turnHead(head, dx, dy) {
+  /** @param {number} angle */
   const within = (angle) => Math.min(FARTHEST, Math.max(-FARTHEST, angle));
   head.left = within(head.left + 0.004 * dx);
   head.raised = within(head.raised + 0.004 * dy);
 }
 
 // Rings at round depths, each with its depth above it, and the letters of the dial on the nearest.
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu */
 export function drawInsideInk(ink, look, gpu) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
@@ -38,6 +42,7 @@ export function drawInsideInk(ink, look, gpu) {
   const near = Math.max(0.9 * radius, 0.02 * view.length);
   const { values, digits } = ticks(view.top, view.bottom, rects.wall.height, 76, LENGTHS[view.units].depth.scale);
   const ahead = values.filter((depth) => Math.abs(depth - eye) > near).sort((a, b) => Math.abs(a - eye) - Math.abs(b - eye));
+  /** @param {number} depth @param {number} toolface @param {number} [out] */
   const at = (depth, toolface, out = 1) => gpu.project({ centre: wallPoint(path, { depth, toolface, radius: out * radius }) }, rects.wall);
   ahead.forEach((depth, nearest) => {
     ring(ink, (toolface) => at(depth, toolface), palette);
@@ -48,6 +53,7 @@ export function drawInsideInk(ink, look, gpu) {
   });
 }
 
+/** @param {Ink} ink @param {(toolface: number) => Pair | null} at @param {Palette} palette */
 function ring(ink, at, palette) {
   ink.beginPath();
   let drawing = false;
@@ -63,6 +69,7 @@ function ring(ink, at, palette) {
   ink.globalAlpha = 1;
 }
 
+/** @param {Ink} ink @param {Look} look @param {number} depth @param {(depth: number, toolface: number, out?: number) => Pair | null} at @param {Palette} palette */
 function letters(ink, { view, path }, depth, at, palette) {
   const { letters: names } = CUTS[view.cut];
   const { toolface, known } = leftEdge(path, view.cut, depth);

@@ -7,6 +7,7 @@ import { zoneAt, zoneText } from './zones.js';
 const LATE = 60; // seconds without a sample
 
 // The lamp's colour and text: how old the newest sample is, and how far the wall is behind the bit.
+/** @param {App} app */
 export function lamp(app) {
   const [colour, text] = lampWords(app);
   const at = byId('lamp');
@@ -16,8 +17,10 @@ export function lamp(app) {
 }
 
 // Seconds since the newest sample, or since the last new value; NaN for a saved wall.
+/** @param {Pick<App, 'newest' | 'lastWrite'>} of */
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
+/** @param {App} app */
 export function lampWords({ status, words, store, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
@@ -35,12 +38,14 @@ export function lampWords({ status, words, store, bitDepth, newest, ended, sourc
 }
 
 // A bit that was lifted is within the wall.
+/** @param {Store} store @param {number} bitDepth @param {Units} units */
 function behind(store, bitDepth, units) {
   const ahead = (bitDepth - store.end) * Math.sign(store.levels[0].pitch);
   return ahead > -0.05 ? `${showDepth(Math.max(0, ahead), units, 1)} behind bit` : `bit back ${showDepth(-ahead, units, 1)} in the wall`;
 }
 
 // The cursor in words, for screen readers.
+/** @param {App} app */
 export function spokenText({ view, read, zones }) {
   const values = Object.fromEntries(read);
   const zone = zoneAt(zones, view.cursor?.depth);

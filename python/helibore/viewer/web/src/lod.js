@@ -7,6 +7,7 @@ export const COL_STRIDES = [1, 2, 4, 8];
 export const ROW_STRIDES = [1, 4, 16, 64];
 const TARGET = 4.5; // pixels: a coarse edge may be this long
 
+/** @param {number[]} strides @param {number} pixels @param {number} limit */
 export function pickStride(strides, pixels, limit) {
   let best = 1;
   for (const stride of strides) if (stride <= limit && stride * pixels <= TARGET) best = stride;
@@ -14,6 +15,7 @@ export function pickStride(strides, pixels, limit) {
 }
 
 // Steps 0, s, 2s, .. that always end on n.
+/** @param {number} n @param {number} stride */
 export function steps(n, stride) {
   const out = [];
   for (let i = 0; i < n; i += stride) out.push(i);
@@ -22,6 +24,7 @@ export function steps(n, stride) {
 }
 
 // Two triangles a cell, (a0, a1, b1) and (a0, b1, b0): counter-clockwise seen from the formation.
+/** @param {number} sectors @param {number} rows @param {number} colStride @param {number} rowStride */
 export function gridIndices(sectors, rows, colStride, rowStride) {
   const cols = steps(sectors, colStride);
   const lines = steps(rows, rowStride);
@@ -39,8 +42,10 @@ export function gridIndices(sectors, rows, colStride, rowStride) {
 }
 
 // Of a grid's indices, [first, count] of those whose rows lie in the section and in the piece of the tile that is shown.
+/** @param {Piece} piece @param {View} view @param {Level} level @param {{ cols: number, rows: number }} strides */
 export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch }, strides) {
   const places = [Math.max(top, view.top), Math.min(bottom, view.bottom)].map((depth) => (depth - tile.startDepth) / pitch);
+  /** @param {number} row */
   const line = (row) => Math.min(Math.max(row, 0), Math.ceil(rows / strides.rows));
   const first = line(Math.floor((Math.min(...places) - 1) / strides.rows)); // a turn is one pitch deep
   const last = line(Math.ceil((Math.max(...places) + 1) / strides.rows));
@@ -49,6 +54,7 @@ export function rowsShown({ tile, top, bottom }, view, { sectors, rows, pitch },
 }
 
 // A length as a person would choose it: 1, 2 or 5 times a power of ten, at least `least`.
+/** @param {number} least */
 export function niceStep(least) {
   const power = 10 ** Math.floor(Math.log10(least));
   for (const step of [1, 2, 5, 10]) if (step * power >= least * (1 - 1e-9)) return step * power;
@@ -56,6 +62,7 @@ export function niceStep(least) {
 }
 
 // The tube's exaggeration that makes a section easy to see: its hole about a fourteenth as wide as it is long, rounded.
+/** @param {number} length @param {number} radius */
 export function tubeFor(length, radius) {
   const wanted = length / 14 / (2 * radius);
   return wanted <= 1 ? 1 : niceStep(wanted * 0.6);

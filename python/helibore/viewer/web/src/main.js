@@ -11,13 +11,14 @@ import { MAPS, quantities, quantityOf, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Curves } from './curves.js';
 import { drawColumn } from './column.js';
+import { messageOf } from './errors.js';
 import { Exported, exportedContents } from './exported.js';
 import { Glow } from './glow.js';
 import { lamp, spokenText } from './lamp.js';
 import { Gpu } from './gpu.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
-import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
+import { FONT, HEAD, imageRects, layout, listWidth, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNet } from './net.js';
@@ -47,11 +48,11 @@ const MOVING = 200; // milliseconds, besides the time to draw, between two pictu
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const seconds = () => performance.now() / 1000;
 
-class App {
+export class App {
   // The wall and its path, once the server has begun it; null before.
   store = /** @type {Store} */ (/** @type {unknown} */ (null));
   path = /** @type {Path} */ (/** @type {unknown} */ (null));
-  /** @type {any[]} */
+  /** @type {Quantity[]} */
   quantities = [];
   /** @type {number | null} */
   bitDepth = null;
@@ -63,11 +64,11 @@ class App {
   sources = '';
   /** @type {number | null} */
   lastWrite = null;
-  /** @type {any[]} */
+  /** @type {Zone[]} */
   zones = [];
-  /** @type {any} */
+  /** @type {Zone[] | null} */
   zonesBefore = null; // those of the state before, of the same wall
-  /** @type {any} */
+  /** @type {Summary | null} */
   summary = null;
   summarized = '';
   summaryPending = false;
@@ -81,21 +82,20 @@ class App {
   painted = ''; // what the WebGL canvas shows
   paintedAt = 0;
   arranged = '';
-  /** @type {any} */
+  /** @type {Colours | null} */
   colours = null; // of the address, for the quantities to come
-  /** @type {any} */
+  /** @type {Quad | null} */
   quad = null; // under the cursor
   /** @type {string[][]} */
   read = []; // the read-out: pairs of name and text
-  /** @type {any} */
-  rects = null;
-  /** @type {any} */
+  rects = /** @type {Rects} */ (/** @type {unknown} */ (null));
+  /** @type {Host | null} */
   notebook = null; // that shows the page
-  /** @type {any} */
+  /** @type {Contents | null} */
   contents = null; // of an exported file
-  /** @type {any} */
+  /** @type {Gpu | null} */
   gpu = null; // where there is WebGL 2
-  /** @type {any} */
+  /** @type {import('./camera.js').Orbit | null} */
   controls = null;
   toSay = false; // once the values at the cursor are here
   // Timers.
@@ -127,6 +127,7 @@ class App {
     window.addEventListener('hashchange', () => this.readdress());
     setInterval(() => (lamp(this), this.view.rig && this.store && writeRig(this)), 1000);
     const { protocol, host, search } = location;
+    /** @type {Handlers} */
     const on = {
       handshake: (handshake) => this.begin(handshake),
       state: (state) => this.takeState(state),
@@ -147,17 +148,18 @@ class App {
   openGpu() {
     try {
       this.gpu = new Gpu(byId('gl'));
-      this.controls = bindOrbit(this);
+      this.controls = bindOrbit(this, this.gpu);
       byId('gl').addEventListener('webglcontextrestored', () => {
         this.painted = '';
         this.redraw();
       });
     } catch (error) {
       this.plain = new PlainImage();
-      this.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${error.message})`);
+      this.notice(`This browser offers no WebGL 2, so there is no 3-D view and the image is drawn without it. (${messageOf(error)})`);
     }
   }
 
+  /** @param {string} text @param {number} [shownFor] */
   notice(text, shownFor = 0) {
     byId('notice').textContent = text;
     byId('notice').hidden = !text;
@@ -165,6 +167,7 @@ class App {
     if (shownFor) this.timers.noticed = setTimeout(() => (byId('notice').hidden = true), 1000 * shownFor);
   }
 
+  /** @param {Handshake} handshake */
   begin(handshake) {
     this.replay.close();
     if (this.store) this.forget();
@@ -195,6 +198,7 @@ class App {
   }
 
   // Show the tracks of a template, unless the address has chosen some.
+  /** @param {Template} template */
   arrange(template) {
     if (this.view.order.length) return;
     this.view.set(fromTemplate(template, this.quantities));
@@ -208,6 +212,7 @@ class App {
     this.zonesBefore = null;
   }
 
+  /** @param {State} state */
   takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [] }) {
     this.sources = sources;
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
@@ -234,6 +239,7 @@ class App {
     this.opened = view.top;
   }
 
+  /** @param {Write} message */
   write(message) {
     const { store } = this;
     const level = store.levels[message.level];
@@ -253,6 +259,7 @@ class App {
     else this.timers.unseen ??= setTimeout(this.redraw, UNSEEN); // mostly the map: every write changes the overview
   }
 
+  /** @param {Frames} message */
   takeFrames(message) {
     const { count, surveyed } = this.path;
     this.path.apply(message);
@@ -261,6 +268,7 @@ class App {
     this.redraw();
   }
 
+  /** @param {string} status @param {string} words */
   say(status, words) {
     this.status = status;
     this.words = words;
@@ -281,7 +289,7 @@ class App {
     const seen = wall.tilesBetween(view.top, view.bottom);
     const wanted = new Set([...(seen.length > FINE_TILES ? [] : near.length > FINE_TILES ? seen : near), growing, growing + 1]);
     if (view.cursor) wanted.add(Math.min(wall.tileAtDepth(view.cursor.depth), growing));
-    for (const index of seen) if (wall.tiles.has(index)) store.touch(wall.tiles.get(index));
+    for (const index of seen) store.touch(wall.tiles.get(index));
     for (const tile of store.surplus(MEMORY, wanted)) {
       tile.textures?.dispose();
       wall.tiles.delete(tile.index);
@@ -299,7 +307,7 @@ class App {
 
   // The quantities of the images beside the first.
   get besides() {
-    return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter(Boolean);
+    return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter((one) => one !== undefined);
   }
 
   // Keep the first image beside the others, or no longer.
@@ -331,6 +339,7 @@ class App {
   }
 
   // Everything that one frame shows; drawing does not change it.
+  /** @returns {Looks} */
   look() {
     const { store, view, path, rects, bit: bitDepth, quantity } = this;
     const { top, bottom } = view;
@@ -338,6 +347,7 @@ class App {
     const tiles = turns / store.levels[0].rows;
     const pieces = coverage(store, top, bottom, tiles <= FINE_TILES && turns <= 16 * rects.image.height);
     const now = seconds();
+    /** @type {Look} */
     const made = {
       store, view, path, rects, bitDepth, quantity,
       imagePieces: pieces,
@@ -350,7 +360,8 @@ class App {
       zones: this.zones,
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
-    const beside = this.besides.map((one, i) => ({ ...made, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { width: 0 } } }));
+    /** @type {Look[]} */
+    const beside = this.besides.map((one, i) => ({ ...made, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { ...rects.caliper, width: 0 } } }));
     return { ...made, images: [made, ...beside.filter(({ imageRect }) => imageRect)] };
   }
 
@@ -374,7 +385,7 @@ class App {
     if (JSON.stringify(this.arrangement) !== this.arranged) this.resize();
     const look = this.look();
     if (!this.fitted && this.gpu) this.fit();
-    if (this.gpu) this.paint(look);
+    if (this.gpu) this.paint(this.gpu, look);
     this.drawInk(look);
     this.drawPanels(look);
     this.frames++;
@@ -386,8 +397,9 @@ class App {
 
   // Draw the WebGL canvas if it would look different: the cursor is in the ink. While a slow machine moves the picture, it
   // is drawn coarse.
-  paint(look) {
-    const { gpu, view } = this;
+  /** @param {Gpu} gpu @param {Looks} look */
+  paint(gpu, look) {
+    const { view } = this;
     const { cursor, pinned, pins, redraw, listeners, ...rest } = view;
     const key = JSON.stringify([rest, look.images.map(({ quantity }) => quantity), look.rects, look.bitDepth, this.path.version, this.store.session, this.store.levels[0].limit, this.glow.ranges.length && performance.now(),
       look.imagePieces.map(({ tile, top, bottom }) => [tile.level.rings, tile.index, tile.version, top, bottom]), gpu.outside.position, gpu.outside.axes, gpu.head]);
@@ -408,6 +420,7 @@ class App {
   }
 
   // Fading takes at most a quarter of the time, so that new values need not wait for it.
+  /** @param {number} began */
   glowOn(began) {
     clearTimeout(this.timers.glowing);
     const later = () => {
@@ -418,6 +431,7 @@ class App {
     else later();
   }
 
+  /** @param {Looks} look */
   drawInk(look) {
     const { ink, width, height } = sized(byId('ink'));
     ink.clearRect(0, 0, width, height);
@@ -445,12 +459,13 @@ class App {
     for (const rect of imageRects(this.rects)) ink.strokeRect(rect.left - 0.5, rect.top - 0.5, rect.width + 1, rect.height + 1);
   }
 
+  /** @param {Look} look */
   drawPanels(look) {
     const { view, store, path, quantity } = this;
     const { cursor } = view;
     const wall = store.levels[0];
-    const covered = cursor && Number.isFinite(cursor.toolface) && cursor.toolface !== null;
-    const k = covered ? wall.quadAt(cursor.depth, cursor.toolface) : -1;
+    const k = cursor && cursor.toolface !== null ? wall.quadAt(cursor.depth, cursor.toolface) : -1;
+    const covered = cursor !== null && cursor.toolface !== null;
     this.quad = covered ? store.quad(k) : null;
     this.read = readout({ store, view, path, quad: this.quad });
     this.read.push(...this.curves.readout(cursor?.depth));
@@ -487,7 +502,7 @@ class App {
     const { pane: wall } = this.rects;
     byId('orbit').hidden = this.straight;
     byId('zonesCard').classList.toggle('list', this.straight);
-    byId('zonesCard').style.setProperty('--list', `${this.rects.list}px`);
+    byId('zonesCard').style.setProperty('--list', `${listWidth(width)}px`);
     byId('zonesCard').style.left = this.straight ? `${this.rects.wall.left + this.rects.wall.width + 8}px` : '';
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
@@ -499,15 +514,15 @@ class App {
 
   // Look at the whole section from the side, a little from above, whatever way the hole runs.
   fit() {
-    const frame = this.path.at(this.view.middle);
-    if (!frame || !this.gpu) return;
-    this.gpu.lookAtSection(this.view.length, frame, this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
+    if (!this.path.count || !this.gpu || !this.controls) return;
+    this.gpu.lookAtSection(this.view.length, this.path.at(this.view.middle), this.view.tubeFactor(this.store) * this.store.bitRadius, this.rects.wall);
     Object.assign(this.gpu.head, { left: 0, raised: 0 });
     this.controls.target = [0, 0, 0];
     this.fitted = true;
     this.redraw();
   }
 
+  /** @param {number} x @param {number} y */
   pickAt(x, y) {
     const found = this.gpu?.pick(this.look(), x, y + HEAD - 24);
     if (!found) return this.view.set({ cursor: null });
@@ -516,6 +531,7 @@ class App {
     return this.view.set({ cursor: { depth: level.depth(k), toolface: level.toolface(found.at + 0.5) } });
   }
 
+  /** @param {boolean} [on] */
   rig(on) {
     toggleRig(this.view, on);
     this.follow(this.view.follow);
@@ -524,11 +540,13 @@ class App {
     this.fit();
   }
 
+  /** @param {boolean} on */
   follow(on) {
     this.view.set({ follow: on });
     if (on) this.view.followEnd(this.store, this.bit);
   }
 
+  /** @param {string} text */
   setLength(text) {
     const [top, bottom] = this.store.span;
     if (text === 'all') this.view.show(top - (bottom - top) * 0.02, (bottom - top) * 1.04, this.store);
@@ -537,15 +555,18 @@ class App {
     this.fit();
   }
 
+  /** @param {string} id */
   setQuantity(id) {
     if (this.quantities.some((q) => q.id === id)) this.view.set({ quantity: id });
   }
 
+  /** @param {Colours} changes */
   setColours(changes) {
     Object.assign(this.quantity, changes, { chosen: true });
     this.redraw();
   }
 
+  /** @param {End} end @param {number} shown */
   setEnd(end, shown) {
     const { quantity, view } = this;
     const value = shown / scaleOf(quantity, view.units);
@@ -567,8 +588,8 @@ class App {
       const [from, to] = view.rig ? recent(this.store) : [view.top, view.bottom];
       this.summarized = [from.toFixed(2), to.toFixed(2), this.store.levels[0].size, this.store.session].join();
       const query = new URLSearchParams(location.search);
-      query.set('start', from);
-      query.set('stop', to);
+      query.set('start', String(from));
+      query.set('stop', String(to));
       const began = performance.now();
       const answer = await fetch(`api/summary?${query}`).catch(() => null);
       this.summary = answer?.ok ? await answer.json() : null;
@@ -580,11 +601,13 @@ class App {
   }
 
   // Go to the next (1) or previous (-1) zone by severity.
+  /** @param {number} step */
   jump(step) {
     const zone = jump(this.zones, this.view.cursor?.depth ?? NaN, step);
     if (zone) this.showZone(zone);
   }
 
+  /** @param {Zone} zone */
   showZone({ start, stop }) {
     const { view, store } = this;
     const depth = (start + stop) / 2;
@@ -600,6 +623,7 @@ class App {
   }
 
   // Move the cursor by metres and degrees, and the section with it; say where it is.
+  /** @param {number} metres @param {number} degrees */
   step(metres, degrees) {
     const { view, store } = this;
     const { depth, toolface } = view.cursor ?? { depth: view.middle, toolface: null };
@@ -639,5 +663,5 @@ Object.assign(window, { __wall: {
   },
   addressed: () => location.hash === toAddress(app),
   fit: () => app.fit(),
-  pick: (x, y) => app.gpu.pick(app.look(), x, y),
+  pick: (/** @type {number} */ x, /** @type {number} */ y) => app.gpu?.pick(app.look(), x, y),
 } });

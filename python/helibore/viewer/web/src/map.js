@@ -2,7 +2,7 @@
 // the section as a window to drag, the cursor and the bit. Grey at its left edge: a vertex there is not measured; dots of
 // grey: interpolated between arms.
 
-import { lookup, themed } from './colour.js';
+import { lookup, scaling, themed } from './colour.js';
 import { pen } from './device.js';
 import { label, PALETTES, SMALL } from './layout.js';
 import { rowOf } from './map_rows.js';
@@ -21,24 +21,28 @@ export class DepthMap {
   }
 
   // Depths at the two ends of the map: the wall, and the bit where it is ahead.
+  /** @param {Look} look */
   ends({ store, bitDepth }) {
     const [top, bottom] = store.span;
     const reach = bitDepth === null ? [top, bottom] : [Math.min(top, bitDepth), Math.max(bottom, bitDepth)];
     return reach[1] - reach[0] < 1 ? [reach[0] - 0.5, reach[1] + 0.5] : reach;
   }
 
+  /** @param {Look} look @param {number} y */
   depthAt(look, y) {
     const { top, height } = look.rects.map;
     const [a, b] = this.ends(look);
     return a + ((y - top) / height) * (b - a);
   }
 
+  /** @param {Ink} ink @param {Look} look */
   draw(ink, look) {
     const { view, rects, bitDepth, notes, zones } = look;
     const palette = PALETTES[view.theme];
     const rect = rects.map;
     if (!rect.width) return;
     const [a, b] = this.ends(look);
+    /** @param {number} depth */
     const y = (depth) => rect.top + ((depth - a) / (b - a)) * rect.height;
     this.refresh(look, a, b);
     ink.drawImage(this.canvas, rect.left + 2, rect.top, rect.width - 4, rect.height);
@@ -65,6 +69,7 @@ export class DepthMap {
   }
 
   // Make the picture of the well anew only when the overview, the colours or the ends changed.
+  /** @param {Look} look @param {number} a @param {number} b */
   refresh({ store, view, quantity, rects }, a, b) {
     const over = store.levels[1];
     const versions = [...over.tiles.values()].reduce((sum, tile) => sum + tile.version, 0);
@@ -85,14 +90,17 @@ export class DepthMap {
       missing: packed(palette.hatch),
       bar: bars ? packed(palette.max) : 0,
     };
+    /** @param {number} y */
     const place = (y) => (a + (y / height) * (b - a) - over.startDepth) / over.pitch; // in turns of the overview
     for (let y = 0; y < height; y++) paintRow(paint, y, rowOf(store, quantity, view.pass, place(y), place(y + 1)), quantity);
     ink.putImageData(picture, 0, 0);
   }
 }
 
+/** @typedef {{ pixels: Uint32Array, width: number, colours: Uint32Array, missing: number, bar: number }} Paint */
+/** @param {Paint} paint @param {number} y @param {MapRow} row @param {Quantity} quantity */
 function paintRow({ pixels, width, colours, missing, bar }, y, { means, between, most, lacks }, { low, high, log }) {
-  const f = log ? Math.log : (v) => v;
+  const f = scaling(log);
   const [a, b] = [f(low), f(high)];
   const row = y * width;
   means.forEach((mean, c) => {
@@ -108,4 +116,5 @@ function paintRow({ pixels, width, colours, missing, bar }, y, { means, between,
 }
 
 // A colour of the palette as one pixel, alpha last in memory.
+/** @param {string} hex */
 const packed = (hex) => new Uint32Array(Uint8Array.from([1, 3, 5, 7].map((i) => (i < 7 ? parseInt(hex.slice(i, i + 2), 16) : 255))).buffer)[0];

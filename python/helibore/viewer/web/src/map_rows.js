@@ -6,10 +6,11 @@ import { INTERPOLATED, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js'
 // The rings between two places (in rings) as one row: the mean of each sector, NaN if one of its cells has no value, so that
 // no mean hides a gap; undefined beyond the wall; whether a cell of the sector is interpolated between arms; the largest
 // enlargement, and whether a vertex lacks support.
+/** @param {Store} store @param {Quantity} quantity @param {Pass} pass @param {number} from @param {number} to */
 export function rowOf(store, quantity, pass, from, to) {
   const over = store.levels[1];
   const [x0, x1] = [Math.min(from, to), Math.max(from, to)];
-  /** @type {{ means: (number | undefined)[], between: boolean[], most: number, lacks: boolean }} */
+  /** @type {MapRow} */
   const row = { means: [], between: [], most: 0, lacks: false };
   for (let c = 0; c < over.sectors; c++) {
     let [sum, count, between] = [0, 0, false];
@@ -31,6 +32,7 @@ export function rowOf(store, quantity, pass, from, to) {
 }
 
 // What the map needs of an overview tile, kept with it until it changes.
+/** @param {Store} store @param {Quantity} quantity @param {Pass} pass @param {Tile} tile */
 function stripOf(store, quantity, pass, tile) {
   const { id } = quantity;
   const { strip, version, level } = tile;

@@ -11,25 +11,30 @@ const RAD = Math.PI / 180;
 const SECTOR = 15; // degrees of the rose
 
 // Where the pole of a plane is on a net of radius 1: right, up. The pole of a level plane is in the middle.
+/** @param {number} dip @param {number} azimuth */
 export function pole(dip, azimuth) {
   const far = Math.SQRT2 * Math.sin((dip / 2) * RAD);
   return [-far * Math.sin(azimuth * RAD), -far * Math.cos(azimuth * RAD)];
 }
 
 // Counts of directions by sector.
+/** @param {number[]} directions */
 export function rose(directions) {
   const counts = new Array(360 / SECTOR).fill(0);
   for (const direction of directions) counts[Math.floor(wrap360(direction) / SECTOR) % counts.length]++;
   return counts;
 }
 
+/** @type {(plane: Plane, path: Path) => Pair} */
 const attitude = ({ dip, azimuth, apparent, deepest }, { surveyed }) => (surveyed ? [dip, azimuth] : [apparent, deepest]);
 
 // Draw both, and return what they show in words.
+/** @param {Canvas} canvas @param {Look} look @param {Planes} planes */
 export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const palette = PALETTES[view.theme];
   const { ink, width, height } = sized(canvas);
   ink.clearRect(0, 0, width, height);
+  /** @param {{ depth: number }} of */
   const inView = ({ depth }) => depth >= view.top && depth <= view.bottom;
   const planes = kept.filter(inView);
   const breakouts = boxes.filter(inView);
@@ -37,9 +42,11 @@ export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const [net, flower] = [width / 4, (3 * width) / 4].map((x) => ({ x, y: height / 2, radius }));
   for (const place of [net, flower]) circle(ink, place, palette, path.surveyed ? ['N', 'E', 'S', 'W'] : ['0°', '', '', '']);
   for (const plane of planes) {
-    const [x, y] = pole(...attitude(plane, path).map((angle) => (Number.isFinite(angle) ? angle : 0)));
+    const [dip, azimuth] = attitude(plane, path);
+    const [x, y] = pole(dip || 0, azimuth || 0);
     symbol(ink, net.x + radius * x, net.y - radius * y, plane.kind, palette.picks[plane.kind], palette.panel);
   }
+  /** @param {number} depth */
   const north = (depth) => path.dial(depth).north ?? 0;
   const axes = breakouts.flatMap(({ depth, toolface }) => [0, 180].map((turn) => toolface - north(depth) + turn));
   const dips = planes.map((plane) => attitude(plane, path)[1]).filter(Number.isFinite);
@@ -48,6 +55,7 @@ export function drawNet(canvas, { view, path }, { kept, boxes }) {
   return `${planes.length} pole${planes.length === 1 ? '' : 's'}, lower hemisphere; rose: ${[dips.length ? 'dip azimuths' : '', axes.length ? 'breakout axes' : ''].filter(Boolean).join(', ') || 'nothing'}`;
 }
 
+/** @param {Ink} ink @param {{ x: number, y: number, radius: number }} of @param {Palette} palette @param {string[]} names */
 function circle(ink, { x, y, radius }, palette, names) {
   ink.strokeStyle = palette.line;
   ink.lineWidth = 1;
@@ -59,6 +67,7 @@ function circle(ink, { x, y, radius }, palette, names) {
   names.forEach((name, i) => label(ink, name, x + (radius + 8) * Math.sin(i * 90 * RAD), y - (radius + 8) * Math.cos(i * 90 * RAD), { colour: palette.soft, align: 'center', font: SMALL }));
 }
 
+/** @param {Ink} ink @param {{ x: number, y: number, radius: number }} of @param {number[]} counts @param {string} colour */
 function petals(ink, { x, y, radius }, counts, colour) {
   const most = Math.max(...counts);
   ink.fillStyle = colour;

@@ -11,11 +11,11 @@ const LONGEST = 80; // characters
 const NEAR = 8; // pixels within which a note is the one that is there
 
 export class Notes {
-  /** @type {any[]} */
+  /** @type {Note[]} */
   kept = [];
-  /** @type {any} */
-  at = null;
+  at = /** @type {Note} */ ({ depth: NaN, text: '' });
 
+  /** @param {App} app */
   constructor(app) {
     this.app = app;
     const card = byId('note');
@@ -34,6 +34,7 @@ export class Notes {
     card.showModal();
   }
 
+  /** @param {string} choice */
   close(choice) {
     const text = byId('noteText').value.trim().slice(0, LONGEST);
     const others = this.kept.filter((note) => note !== this.at);
@@ -47,13 +48,15 @@ export class Notes {
     return this.kept.map(({ depth, text }) => `${depth.toFixed(3)}_${encodeURIComponent(text).replaceAll('~', '%7E')}`).join('~');
   }
 
+  /** @param {string | null} text */
   fromAddress(text) {
-    const found = (text ?? '').split('~').map(noteFrom).filter(Boolean);
+    const found = (text ?? '').split('~').map(noteFrom).filter((note) => note !== null);
     if (found.length > MOST) this.app.notice(`The address holds ${found.length} notes: the first ${MOST} are kept, the others are not.`, 10);
     this.kept = found.slice(0, MOST);
   }
 }
 
+/** @param {string} part */
 function noteFrom(part) {
   const at = part.indexOf('_');
   const depth = at > 0 ? Number(part.slice(0, at)) : NaN;
@@ -66,6 +69,7 @@ function noteFrom(part) {
 }
 
 // On the image: a line at the depth, the text over it, as much as the track has room for.
+/** @param {Ink} ink @param {Look} look */
 export function drawNotes(ink, { view, rects, notes }) {
   const palette = PALETTES[view.theme];
   const { left, width } = rects.image;
@@ -78,6 +82,7 @@ export function drawNotes(ink, { view, rects, notes }) {
   }
 }
 
+/** @param {Ink} ink @param {string} text @param {number} room */
 function fitting(ink, text, room) {
   let shown = text;
   while (shown.length > 1 && ink.measureText(shown).width > room) shown = `${shown.slice(0, shown.endsWith('…') ? -2 : -1)}…`;

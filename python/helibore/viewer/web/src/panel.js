@@ -1,6 +1,6 @@
 // The controls and read-outs around the stage: what the HTML shows and what the user sets in it.
 
-import { MAPS, fitRange, histogram, sampleOf } from './colour.js';
+import { MAPS, fitRange, histogram, sampleOf, scaling } from './colour.js';
 import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
@@ -10,8 +10,8 @@ import { LENGTHS, scaleOf, showAngle, showDepth, showLength, showPercent, showQu
 import { CAMERAS } from './view.js';
 import { bySeverity, LETTERS, zoneAt, zoneText } from './zones.js';
 
-/** @type {(id: string) => any} */
-export const byId = (id) => document.getElementById(id);
+/** @template {string} Id @param {Id} id */
+export const byId = (id) => /** @type {ElementOf<Id>} */ (/** @type {unknown} */ (document.getElementById(id)));
 const SECTIONS = [2, 5, 10, 20, 30, 50, 100, 200, 500, 1000, 2000, 5000, 10000];
 const SCALES = [20, 50, 100, 200, 500, 1000];
 const TUBES = [0, 1, 2, 5, 10, 20, 50, 100, 200];
@@ -26,27 +26,34 @@ export function fillSelects() {
   for (const option of byId('map').options) option.title = MAPS[option.value].label;
 }
 
+/** @type {(value: string | number, text?: string) => Choice} */
+const choice = (value, text = String(value)) => [value, text];
+
 // Sections of a round length in the unit of depths; values are metres.
+/** @param {{ unit: string, scale: number }} of */
 function sections({ unit, scale }) {
   const select = byId('sectionLength');
   if (select.dataset.unit === unit) return;
   select.dataset.unit = unit;
-  options('sectionLength', [['', 'custom'], ...SCALES.map((one) => [`1:${one}`, `1:${one}`]), ...SECTIONS.map((length) => [length / scale, `${length} ${unit}`]), ['all', 'whole well']]);
+  options('sectionLength', [['', 'custom'], ...SCALES.map((one) => choice(`1:${one}`)), ...SECTIONS.map((length) => choice(length / scale, `${length} ${unit}`)), ['all', 'whole well']]);
 }
 
 // Without a survey nothing is up or north: the wall is cut by the tool's own angles, and two of the four ways remain.
+/** @param {boolean} surveyed */
 export function nameCuts(surveyed) {
   for (const option of byId('cut').options) {
-    const { letters, label, offset, reference } = CUTS[option.value];
+    const { letters, label, offset, reference } = CUTS[/** @type {Cut} */ (option.value)];
     option.text = surveyed ? `${letters.join('-')}: ${label}` : `cut at ${offset}° of the tool`;
     option.hidden = !surveyed && reference === 'north';
   }
 }
 
+/** @param {string} id @param {Choice[]} pairs */
 export function options(id, pairs) {
-  byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, value)));
+  byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, String(value))));
 }
 
+/** @param {string} id @param {string[][]} pairs */
 export function write(id, pairs) {
   const list = byId(id);
   const flat = pairs.flat();
@@ -58,17 +65,22 @@ export function write(id, pairs) {
   });
 }
 
+/** @param {View} view */
 export function applyTheme({ theme }) {
   byId('theme').textContent = theme === 'dark' ? 'Light' : 'Dark';
   document.documentElement.classList.toggle('dark', theme === 'dark');
 }
 
 // The controls of the wall are disabled until there is one.
+/** @param {boolean} on */
 export function disableControls(on) {
   for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #wallHead, #follow, #bar label, #pass'))) part.inert = on;
 }
 
+export const tabs = () => /** @type {HTMLCollectionOf<HTMLButtonElement>} */ (byId('tabs').children);
+
 // What the wall is made from, as a warning, if it was not measured all around; panels of what was not measured are hidden.
+/** @param {Handshake} handshake */
 export function showBasis({ basis, basis_text: text }) {
   byId('basis').hidden = basis === 'azimuthal';
   byId('basis').textContent = `${text[0].toUpperCase()}${text.slice(1)}.`;
@@ -76,20 +88,21 @@ export function showBasis({ basis, basis_text: text }) {
 }
 
 // The scale of paper that the tracks have, if it is one of those offered.
+/** @param {View} view @param {Rect} image */
 export const paperScale = (view, image) => SCALES.find((one) => Math.abs(scaleLength(image, one) / view.length - 1) < 1e-6);
 
 // Show the view's own settings in the controls, whoever changed them.
+/** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
-  for (const id of ['cut', 'pass', 'units', 'median', 'camera']) byId(id).value = String(view[id]);
-  for (const id of ['tube', 'shape']) byId(id).value = String(view[id]);
-  for (const id of ['tube', 'fit']) byId(id).closest('label, button').hidden = view.camera === 'straight';
+  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) byId(id).value = String(view[id]);
+  for (const part of [byId('tube').labels[0], byId('fit')]) part.hidden = view.camera === 'straight';
   const paper = paperScale(view, image);
   const { depth } = LENGTHS[view.units];
   sections(depth);
   const length = SECTIONS.find((one) => Math.abs(one / depth.scale - view.length) < 1e-6 * view.length);
   byId('sectionLength').value = paper ? `1:${paper}` : length ? String(length / depth.scale) : '';
   byId('beside').textContent = view.beside.includes(quantity.id) ? 'Alone' : 'Beside';
-  for (const tab of byId('tabs').children) tab.setAttribute('aria-selected', String(tab.value === view.tab));
+  for (const tab of tabs()) tab.setAttribute('aria-selected', String(tab.value === view.tab));
   byId('follow').classList.toggle('on', view.follow);
   byId('follow').textContent = view.follow ? 'Following' : 'Follow bit';
   byId('rigOpen').textContent = view.rig ? 'Desk' : 'Rig';
@@ -98,7 +111,7 @@ export function reflect(view, quantity, image) {
   byId('log').checked = quantity.log;
   byId('dynamic').checked = quantity.dynamic;
   const scale = scaleOf(quantity, view.units);
-  for (const end of ['low', 'high']) {
+  for (const end of /** @type {const} */ (['low', 'high'])) {
     const input = byId(end);
     const value = quantity[end] * scale;
     if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(4))) : '';
@@ -108,11 +121,13 @@ export function reflect(view, quantity, image) {
 }
 
 // The values of a quad: name and text in pairs; what is not known is a dash.
+/** @param {{ store: Store, view: View, path: Path, quad: Quad | null }} of */
 export function readout({ store, view, path, quad }) {
   const { cursor, units } = view;
   const tvd = cursor ? path.tvd(cursor.depth) : NaN;
   const dial = cursor ? path.dial(cursor.depth) : { up: null, north: null };
-  const around = (zero) => (zero === null || !cursor || !Number.isFinite(cursor.toolface) ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
+  /** @param {number | null} zero */
+  const around = (zero) => (zero === null || typeof cursor?.toolface !== 'number' ? '–' : showAngle((((cursor.toolface - zero) % 360) + 360) % 360));
   const gauge = store.basis === 'gauge';
   const measured = gauge ? null : quad;
   const { state = 0 } = measured ?? {};
@@ -126,7 +141,7 @@ export function readout({ store, view, path, quad }) {
     ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
     ['Radius', measured ? showLength(measured.radius, units) : cursor ? (gauge ? 'not measured' : 'no data') : '–'],
     ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
-    ['Since first pass', state & RESCANNED ? showSigned(quad.radius - quad.first, units) : '–'],
+    ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],
     ['Nearest sample', showLength(measured?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
     ['Samples used', measured ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
     ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, quad?.attributes[i] ?? NaN, units)]),
@@ -134,6 +149,7 @@ export function readout({ store, view, path, quad }) {
 }
 
 // On a narrow screen: the cursor's depth in large digits, its zone, the sizes of its turn.
+/** @param {Look} look @param {string[][]} read @param {string[][]} figures */
 export function writeBrief({ view, zones, path, store }, read, figures) {
   const depth = view.cursor?.depth ?? view.middle;
   const values = Object.fromEntries([...read, ...figures]);
@@ -147,10 +163,12 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
 }
 
 // The figures of a section, as `Wall.summary` has them.
+/** @param {Store} store @param {Summary | null} summary @param {Units} units */
 export function sectionText(store, summary, units) {
   if (store.basis === 'gauge') return [['Hole size, volume, washout', 'not measured']];
   if (!summary) return [['Section', '…']];
   const { volume, excess, coverage, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
+  /** @param {number | null} value */
   const number = (value) => value ?? NaN;
   return [
     ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`],
@@ -161,12 +179,13 @@ export function sectionText(store, summary, units) {
 }
 
 // The zones, worst first; a click shows one.
+/** @param {Zone[]} zones @param {View} view @param {Alarms} alarms @param {(zone: Zone) => void} show */
 export function listZones(zones, { units, theme }, alarms, show) {
   const card = byId('zones');
   const key = JSON.stringify([zones, units, theme, alarms.zones]);
   if (card.dataset.key === key) return;
   card.dataset.key = key;
-  card.parentElement.hidden = zones.length === 0;
+  byId('zonesCard').hidden = zones.length === 0;
   byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
   byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}: ${LENGTHS[units].unit} from bit, × limit`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
@@ -183,6 +202,7 @@ export function listZones(zones, { units, theme }, alarms, show) {
 }
 
 // Downloads of the section; an exported file has no server to ask.
+/** @param {App} app @param {string} address */
 export function links({ view, contents }, address) {
   byId('csv').hidden = byId('export').hidden = contents !== null;
   const query = new URLSearchParams(location.search); // the token
@@ -197,6 +217,7 @@ export function links({ view, contents }, address) {
 export class Histogram {
   scale = [0, 1]; // values at its ends
 
+  /** @param {Canvas} canvas */
   constructor(canvas) {
     this.canvas = canvas;
     this.sorted = new Float64Array(0);
@@ -204,6 +225,7 @@ export class Histogram {
   }
 
   // Sampling reads thousands of values: only when the section, its tiles or the quantity changed.
+  /** @param {Look} look */
   refresh({ store, view, quantity, imagePieces }) {
     const versions = imagePieces.reduce((sum, { tile }) => sum + tile.version * (tile.index + 1), 0);
     const key = [quantity.id, quantity.log, view.pass, view.top.toFixed(2), view.length.toFixed(2), versions, imagePieces.length].join();
@@ -212,6 +234,7 @@ export class Histogram {
     this.sorted = sampleOf(store, quantity, imagePieces, view.pass);
   }
 
+  /** @param {Quantity} quantity */
   ends(quantity) {
     const fitted = fitRange(quantity, this.sorted);
     const low = Math.min(fitted.low, quantity.low);
@@ -221,6 +244,7 @@ export class Histogram {
     return [low - margin, high + margin];
   }
 
+  /** @param {Look} look */
   draw(look) {
     const { quantity, view } = look;
     const palette = PALETTES[view.theme];
@@ -238,19 +262,21 @@ export class Histogram {
     });
     if (quantity.dynamic) return;
     ink.fillStyle = palette.cursor;
-    for (const end of ['low', 'high']) {
+    for (const end of /** @type {const} */ (['low', 'high'])) {
       const x = this.x(quantity[end], quantity);
       ink.fillRect(x - 1, 0, 2, height);
       ink.fillRect(x - 4, 0, 8, 8);
     }
   }
 
+  /** @param {number} value @param {Quantity} quantity */
   x(value, { log }) {
-    const f = log && this.scale[0] > 0 ? Math.log : (v) => v;
+    const f = scaling(log && this.scale[0] > 0);
     const [a, b] = this.scale.map(f);
     return ((f(value) - a) / (b - a)) * this.canvas.clientWidth;
   }
 
+  /** @param {number} x @param {Quantity} quantity */
   value(x, { log }) {
     const asLog = log && this.scale[0] > 0;
     const [a, b] = asLog ? this.scale.map(Math.log) : this.scale;

@@ -11,8 +11,10 @@ const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
 
 export class Path {
+  /** @param {number} startDepth @param {number} step */
   constructor(startDepth, step) {
     this.surveyed = false; // then the hole is drawn straight and vertical, and up, north and true depth are not known
+    /** @type {Vector | null} */
     this.trueDepth = null; // [start, stop, down]: where the survey gives true depths, and their zero
     this.startDepth = startDepth;
     this.step = step;
@@ -22,6 +24,7 @@ export class Path {
     this.version = 0;
   }
 
+  /** @param {Frames} frames */
   apply({ first, count, total, centre, directions, surveyed }) {
     this.surveyed = surveyed;
     if (total * 3 > this.centre.length) {
@@ -38,12 +41,14 @@ export class Path {
     this.version++;
   }
 
-  // Frame at a depth, linear between frames; null before any has arrived.
+  // Frame at a depth, linear between frames; straight down before any has arrived.
+  /** @param {number} depth @returns {Frame} */
   at(depth) {
-    if (this.count < 2) return null;
+    if (this.count < 2) return { centre: [0, 0, depth], high: [1, 0, 0], right: [0, 1, 0], tangent: [0, 0, 1] };
     const place = Math.min(Math.max((depth - this.startDepth) / this.step, 0), this.count - 1.0001);
     const i = Math.floor(place);
     const t = place - i;
+    /** @param {Floats} array @param {number} width @param {number} offset @param {number} n */
     const mix = (array, width, offset, n) =>
       Array.from({ length: n }, (_, j) => {
         const a = array[width * i + offset + j];
@@ -55,15 +60,18 @@ export class Path {
   }
 
   // True vertical depth; NaN where the survey does not give one.
+  /** @param {number} depth */
   tvd(depth) {
     const [start, stop, down] = this.trueDepth ?? [NaN, NaN, NaN];
-    return depth >= start && depth <= stop ? (this.at(depth)?.centre[2] ?? NaN) - down : NaN;
+    return depth >= start && depth <= stop ? this.at(depth).centre[2] - down : NaN;
   }
 
   // Toolface of up and of north at a depth, degrees; null where undefined.
+  /** @param {number} depth */
   dial(depth) {
-    const frame = this.surveyed && this.at(depth);
-    if (!frame) return { up: null, north: null };
+    if (!this.surveyed) return { up: null, north: null };
+    const frame = this.at(depth);
+    /** @param {number} along @param {number} across */
     const angle = (along, across) => (Math.hypot(along, across) < FAINT ? null : Math.atan2(across, along) * DEG);
     return {
       up: angle(-frame.high[2], -frame.right[2]),
@@ -73,6 +81,7 @@ export class Path {
 }
 
 // The four ways to cut the wall open: what the left edge is, and the letters along the top from left to right.
+/** @type {Record<Cut, { reference: 'up' | 'north', offset: number, letters: string[], label: string }>} */
 export const CUTS = {
   top: { reference: 'up', offset: 0, letters: ['U', 'R', 'D', 'L', 'U'], label: 'cut at high side' },
   bottom: { reference: 'up', offset: 180, letters: ['D', 'L', 'U', 'R', 'D'], label: 'cut at low side' },
@@ -81,6 +90,7 @@ export const CUTS = {
 };
 
 // Toolface at the left edge of the image at a depth; where the reference is undefined, that of the tool's own zero.
+/** @param {Path} path @param {Cut} cut @param {number} depth */
 export function leftEdge(path, cut, depth) {
   const { reference, offset } = CUTS[cut];
   const zero = path.dial(depth)[reference];

@@ -4,39 +4,46 @@
 // wall, and saves them beside it; every page shows them. An exported file holds its own.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
+import { messageOf } from './errors.js';
 import { fitPlane, planeDepth, planeOf } from './dips.js';
 import { byId, options } from './panel.js';
 import { download } from './saving.js';
 import { showAngle, showDepth, showLength } from './units.js';
 
 export const BREAKOUT = 'breakout';
-export const CLASSES = Object.keys(definition.picks);
+export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
 const MOST = 5000;
 const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
 const LEAST = { opening: 5, height: 0.02 }; // of a box that is dragged
+/** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
   plane: [['depth', 'MD m', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
   breakout: [['depth', 'MD m', 2], ['height', 'high m', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
 };
+/** @param {number} degrees */
 const turned = (degrees) => ((degrees % 360) + 360) % 360;
+/** @param {number} a @param {number} b */
 const apart = (a, b) => Math.abs(turned(a - b + 180) - 180);
 
 export class Picking {
   on = false;
   kind = CLASSES[0]; // of the next pick
-  /** @type {any[]} */
+  /** @type {WallPoint[]} */
   points = []; // of the plane that is being picked
-  /** @type {any[]} */
+  /** @type {WallPick[]} */
   kept = []; // the picks of the wall
   /** @type {string | null} */
   selected = null; // key of one
-  /** @type {any} */
+  /** @type {WallPick | null} */
   dragged = null;
+  /** @type {WeakMap<WallPick, { version: number, plane: Plane }>} */
   planesOf = new WeakMap();
 
+  /** @param {App} app */
   constructor(app) {
     this.app = app;
     options('pickClass', CLASSES.map((name) => [name, name]));
+    /** @type {(id: string, act: (event: Event) => void) => void} */
     const on = (id, act) => byId(id).addEventListener('click', act);
     on('dipOpen', () => this.toggle());
     on('dipKeep', () => this.keep());
@@ -48,12 +55,13 @@ export class Picking {
       download(app, this.address('picks.csv'), 'The picks were');
     });
     on('dipLoad', () => byId('dipFile').click());
-    byId('dipFile').addEventListener('change', ({ target }) => this.load(target));
-    byId('pickClass').addEventListener('change', ({ target }) => this.setClass(target.value));
-    byId('pickFields').addEventListener('change', ({ target }) => this.setField(target));
+    byId('dipFile').addEventListener('change', () => this.load(byId('dipFile')));
+    byId('pickClass').addEventListener('change', () => this.setClass(/** @type {PlaneKind | 'breakout'} */ (byId('pickClass').value)));
+    byId('pickFields').addEventListener('change', ({ target }) => this.setField(/** @type {HTMLInputElement} */ (target)));
   }
 
   // The picks of the server, or of an exported file.
+  /** @param {WallPick[]} picks */
   receive(picks) {
     const { dragged } = this;
     this.kept = picks.map((pick) => (pick.key === dragged?.key ? dragged : pick));
@@ -67,7 +75,7 @@ export class Picking {
   }
 
   get boxes() {
-    return this.kept.filter(({ kind }) => kind === BREAKOUT);
+    return this.kept.filter((pick) => pick.kind === BREAKOUT);
   }
 
   get shown() {
@@ -84,19 +92,21 @@ export class Picking {
   }
 
   // With the wall's radius; where it is not measured, with bit size, which the text says.
+  /** @param {Aim} aim @returns {WallPoint} */
   point({ depth, toolface }) {
     const { store } = this.app;
     const quad = store.quad(store.levels[0].quadAt(depth, toolface));
     return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null };
   }
 
+  /** @param {Aim} cursor */
   add(cursor) {
-    if (cursor?.toolface === null || cursor?.toolface === undefined) return;
     this.points.push(this.point(cursor));
     this.app.redraw();
   }
 
   // The plane of a kept pick on the path as it is now.
+  /** @param {PlanePick} pick */
   plane(pick) {
     const { path, store } = this.app;
     let known = this.planesOf.get(pick);
@@ -108,7 +118,9 @@ export class Picking {
   }
 
   // The kept pick whose curve passes within `reach` metres of the cursor, or whose box holds it; null if there is none.
+  /** @param {Aim} aim @param {number} reach */
   near({ depth, toolface }, reach) {
+    /** @param {WallPick} pick */
     const hit = (pick) => (pick.kind === BREAKOUT
       ? Math.abs(depth - pick.depth) < pick.height / 2 && apart(2 * toolface, 2 * pick.toolface) < pick.opening
       : Math.abs(planeDepth(this.app.path, this.plane(pick), toolface) - depth) < reach);
@@ -116,6 +128,7 @@ export class Picking {
   }
 
   // A click on the image: on a pick it selects it or ends that; elsewhere it adds a point.
+  /** @param {Aim} cursor @param {number} reach */
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
     if (!found && !this.selected) return this.kind === BREAKOUT ? undefined : this.add(cursor);
@@ -125,26 +138,31 @@ export class Picking {
   }
 
   // A drag begins on the image: it moves the selected pick, draws a box, or is not for picking (null).
-  grab(cursor, reach) {
+  /** @param {Aim} from @param {number} reach @returns {Drag | null} */
+  grab(from, reach) {
     const { pick } = this;
-    if (pick && this.near(cursor, reach)?.key === pick.key) {
-      const crest = [0, 180].find((turn) => pick.kind !== BREAKOUT && apart(cursor.toolface, pick.toolface + turn) < HANDLE);
-      return { pick, cursor, act: crest === undefined ? 'move' : 'dip', crest };
-    }
-    return !pick && this.kind === BREAKOUT ? { pick: null, cursor, act: 'box' } : null;
+    if (!pick) return this.kind === BREAKOUT ? { act: 'box', from } : null;
+    if (this.near(from, reach)?.key !== pick.key) return null;
+    const crest = [0, 180].find((turn) => apart(from.toolface, pick.toolface + turn) < HANDLE);
+    return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
 
-  // The drag goes on: `pick` is as it was when it began.
-  drag({ pick, cursor, act, crest }, { depth, toolface }) {
-    const { store } = this.app;
-    if (act === 'box') {
-      const opening = apart(toolface, cursor.toolface);
-      const middle = turned(cursor.toolface + (turned(toolface - cursor.toolface + 180) - 180) / 2);
-      this.dragged = { key: this.dragged?.key ?? newKey(), kind: BREAKOUT, depth: (depth + cursor.depth) / 2, toolface: middle, height: Math.abs(depth - cursor.depth), opening: Math.min(180, opening) };
-    } else if (act === 'dip') {
+  // The drag goes on, to a place on the image; its pick is as it was when the drag began.
+  /** @param {Drag} drag @param {Aim} aim */
+  drag(drag, { depth, toolface }) {
+    const { from } = drag;
+    if (drag.act === 'box') {
+      const opening = apart(toolface, from.toolface);
+      const middle = turned(from.toolface + (turned(toolface - from.toolface + 180) - 180) / 2);
+      this.dragged = { key: this.dragged?.key ?? newKey(), kind: BREAKOUT, depth: (depth + from.depth) / 2, toolface: middle, height: Math.abs(depth - from.depth), opening: Math.min(180, opening) };
+    } else if (drag.act === 'dip') {
+      const { pick, crest } = drag;
       const height = crest ? pick.depth - depth : depth - pick.depth;
-      this.dragged = { ...pick, toolface: turned(toolface + crest), apparent_dip: (Math.atan(Math.max(0, height) / (pick.radius ?? store.bitRadius)) * 180) / Math.PI };
-    } else this.dragged = { ...pick, depth: pick.depth + depth - cursor.depth, ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - cursor.toolface) } : {}) };
+      this.dragged = { ...pick, toolface: turned(toolface + crest), apparent_dip: (Math.atan(Math.max(0, height) / (pick.radius ?? this.app.store.bitRadius)) * 180) / Math.PI };
+    } else {
+      const { pick } = drag;
+      this.dragged = { ...pick, depth: pick.depth + depth - from.depth, ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - from.toolface) } : {}) };
+    }
     this.replace(this.dragged);
   }
 
@@ -158,6 +176,7 @@ export class Picking {
   }
 
   // Show a pick, in place of the one with its key; `gone`: no longer.
+  /** @param {WallPick} pick @param {boolean} [gone] */
   replace(pick, gone = false) {
     const known = this.kept.some(({ key }) => key === pick.key);
     if (gone) this.kept = this.kept.filter(({ key }) => key !== pick.key);
@@ -165,6 +184,7 @@ export class Picking {
     this.app.redraw();
   }
 
+  /** @param {WallPick} pick */
   put(pick) {
     this.replace(pick);
     this.send('pick', { method: 'PUT', body: JSON.stringify(pick) });
@@ -184,30 +204,34 @@ export class Picking {
   }
 
   keep() {
+    const { kind } = this;
     const plane = fitPlane(this.app.path, this.points);
-    if (!plane) return;
+    if (!plane || kind === BREAKOUT) return;
     if (this.kept.length >= MOST) return this.app.notice(`There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(plane.depth, this.app.view.units)}`, 10);
     const radius = this.points.some(({ measured }) => measured) ? plane.radius : null;
-    this.put({ key: newKey(), kind: this.kind, depth: plane.depth, toolface: plane.deepest, apparent_dip: plane.apparent, radius, misfit: plane.misfit, points: this.points.length });
+    this.put({ key: newKey(), kind, depth: plane.depth, toolface: plane.deepest, apparent_dip: plane.apparent, radius, misfit: plane.misfit, points: this.points.length });
     this.points = [];
     this.app.resize();
   }
 
   // The class of the selected pick, and of the next one.
+  /** @param {PlaneKind | 'breakout'} kind */
   setClass(kind) {
     const { pick } = this;
-    if (pick && (pick.kind === BREAKOUT) !== (kind === BREAKOUT)) this.selected = null;
-    else if (pick) this.put({ ...pick, kind });
+    if (pick && pick.kind !== BREAKOUT && kind !== BREAKOUT) this.put({ ...pick, kind });
+    else if (pick?.kind !== kind) this.selected = null;
     this.kind = kind;
     this.points = kind === BREAKOUT ? [] : this.points;
     this.app.redraw();
   }
 
+  /** @param {HTMLInputElement} hTMLInputElement */
   setField({ name, value, valueAsNumber }) {
     const { pick } = this;
     if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber });
   }
 
+  /** @param {string} name @param {Record<string, string>} [more] */
   address(name, more = {}) {
     const query = new URLSearchParams(location.search); // the token
     for (const [key, value] of Object.entries(more)) query.set(key, value);
@@ -215,32 +239,35 @@ export class Picking {
   }
 
   // Tell the server; what it refuses is said, and its own picks come back.
+  /** @param {string} name @param {RequestInit} request @param {Record<string, string>} [more] */
   async send(name, request, more) {
     if (this.app.contents) return;
-    const answer = await fetch(this.address(name, more), request).catch((error) => ({ ok: false, text: () => error.message }));
+    const answer = await fetch(this.address(name, more), request).catch((error) => ({ ok: false, text: () => messageOf(error) }));
     if (!answer.ok) this.app.notice(`Not saved: ${(await answer.text()).trim().slice(0, 300)}`, 10);
   }
 
+  /** @param {HTMLInputElement} input */
   async load(input) {
-    const [file] = input.files;
+    const [file] = input.files ?? [];
     if (file) await this.send('picks.csv', { method: 'POST', body: await file.text() });
     input.value = '';
   }
 
   // Planes and boxes to draw: the kept ones, and the plane being picked, `open` while the cursor is one of its points.
+  /** @returns {Planes} */
   planes() {
-    const { app } = this;
-    const kept = this.kept.filter(({ kind }) => kind !== BREAKOUT).map((pick) => this.plane(pick));
+    const { app, kind } = this;
+    const kept = this.kept.filter((pick) => pick.kind !== BREAKOUT).map((pick) => this.plane(pick));
     const selected = this.pick;
-    if (!this.on || selected) return { kept, boxes: this.boxes, selected, current: null, open: false };
+    if (!this.on || selected || kind === BREAKOUT) return { kept, boxes: this.boxes, selected, current: null, open: false };
     const { cursor } = app.view;
-    const more = this.points.length && Number.isFinite(cursor?.toolface) ? [this.point(cursor)] : [];
-    const done = fitPlane(app.path, this.points);
-    const current = done ?? fitPlane(app.path, [...this.points, ...more]);
-    return { kept, boxes: this.boxes, selected, current: current && { ...current, kind: this.kind }, open: !done };
+    const more = this.points.length && cursor && cursor.toolface !== null ? [this.point(/** @type {Aim} */ (cursor))] : [];
+    const done = fitPlane(app.path, this.points, kind);
+    return { kept, boxes: this.boxes, selected, current: done ?? fitPlane(app.path, [...this.points, ...more], kind), open: !done };
   }
 
   // The card: what to do next, the plane being picked in words, or the selected pick and its numbers to change.
+  /** @param {Planes} planes */
   write({ kept, boxes, current, open }) {
     if (!this.on) return;
     const { units } = this.app.view;
@@ -264,6 +291,7 @@ export class Picking {
 }
 
 // Numbers of the selected pick as fields, those that nobody is typing in.
+/** @param {WallPick | null} pick */
 function writeFields(pick) {
   const box = byId('pickFields');
   const fields = pick ? FIELDS[pick.kind === BREAKOUT ? BREAKOUT : 'plane'] : [];
@@ -278,12 +306,18 @@ function writeFields(pick) {
       return label;
     }));
   }
-  for (const [name, , digits] of [...fields, ['note']]) {
-    const input = box.querySelector(`[name=${name}]`);
-    if (input && input !== document.activeElement) input.value = name === 'note' ? (pick.note ?? '') : String(Number((pick[name] ?? 0).toFixed(digits)));
+  if (!pick) return;
+  const values = /** @type {Record<string, unknown>} */ ({ ...pick });
+  const input = (/** @type {string} */ name) => /** @type {HTMLInputElement | null} */ (box.querySelector(`[name=${name}]:not(:focus)`));
+  for (const [name, , digits] of fields) {
+    const field = input(name);
+    if (field) field.value = String(Number(Number(values[name] ?? 0).toFixed(digits)));
   }
+  const note = input('note');
+  if (note) note.value = pick.note ?? '';
 }
 
 const newKey = () => Array.from(crypto.getRandomValues(new Uint8Array(6)), (byte) => byte.toString(16).padStart(2, '0')).join('');
+/** @param {Plane} plane */
 const inWords = ({ dip, azimuth, apparent, deepest }) =>
   Number.isNaN(dip) ? `${showAngle(apparent)} to the hole, deepest at ${showAngle(deepest, 0)}` : `dip ${showAngle(dip)} to ${showAngle(azimuth, 0)}   (${showAngle(apparent)} to the hole)`;

@@ -1,6 +1,6 @@
 // The image track without WebGL 2: the same quads, colours and hatching, pixel by pixel on a 2-D canvas.
 
-import { dynamicRange, lookup, Q_ATTRIBUTE, themed, valueAt } from './colour.js';
+import { dynamicRange, lookup, Q_ATTRIBUTE, scaling, themed, valueAt } from './colour.js';
 import { pen } from './device.js';
 import { depthAt } from './layout.js';
 import { CUTS } from './path.js';
@@ -12,6 +12,7 @@ export class PlainImage {
     this.canvas = document.createElement('canvas');
   }
 
+  /** @param {Ink} ink @param {Look} look */
   draw(ink, look) {
     const { left, top, width, height } = look.rects.image;
     const [w, h] = [Math.round(width), Math.round(height)];
@@ -23,6 +24,7 @@ export class PlainImage {
     ink.drawImage(this.canvas, left, top, width, height);
   }
 
+  /** @param {ImageData} picture @param {Look} look @param {Piece} piece */
   piece(picture, look, { tile, top, bottom }) {
     const { view, rects, store, quantity } = look;
     const { level } = tile;
@@ -47,6 +49,7 @@ export class PlainImage {
     }
   }
 
+  /** @param {Look} look @param {number} depth */
   edge({ path, view }, depth) {
     const { reference, offset } = CUTS[view.cut];
     return (path.dial(depth)[reference] ?? 0) + offset;
@@ -58,13 +61,14 @@ export class PlainImage {
       const shade = diagonal % 7 < 2 ? (dark ? 92 : 158) : dark ? 61 : 204;
       return Uint8Array.of(shade, shade, shade, 255);
     }
-    const f = log ? Math.log : (v) => v;
+    const f = scaling(log);
     const share = Math.min(1, Math.max(0, (f(value) - f(low)) / (f(high) - f(low)))) || 0;
     const at = 4 * Math.round(255 * share);
     return table.subarray(at, at + 4);
   }
 }
 
+/** @param {Quantity} quantity @param {Tile} tile @param {number} at */
 const between = (quantity, tile, at) => quantity.mode !== Q_ATTRIBUTE && (tile.texels[TEXEL * at + STATE] & INTERPOLATED) > 0;
 
 /** @type {(pixel: Uint8Array, diagonal: number, dark: boolean) => Uint8Array} */

@@ -15,6 +15,7 @@ import { zoneAt, zoneText } from './zones.js';
 const CERTAIN = 1.96; // standard deviations that enclose 95 %
 
 // The turn at a depth: {k, radii, sigma, between, measured, level}, from the wall or, where that is not here, nothing.
+/** @param {Store} store @param {View} view @param {number} depth */
 export function turnAt(store, view, depth) {
   const level = store.levels[0];
   const k = Math.max(0, level.turnAt(depth));
@@ -23,9 +24,12 @@ export function turnAt(store, view, depth) {
 }
 
 // Direction on the dial, clockwise from the top of the picture, of the j-th vertex of a turn.
+/** @param {Look} look @param {number} depth @param {Turn} found @param {number} j */
 const dial = (look, depth, found, j) => wrap360(found.level.toolface(found.k + j) - zero(look, depth));
+/** @param {Look} look @param {number} depth */
 const zero = ({ path, view }, depth) => leftEdge(path, view.cut, depth).toolface - CUTS[view.cut].offset;
 
+/** @param {Canvas} canvas @param {Look} look @param {Turn} found */
 export function drawPolar(canvas, look, found) {
   const { store, view } = look;
   const palette = PALETTES[view.theme];
@@ -33,10 +37,12 @@ export function drawPolar(canvas, look, found) {
   ink.clearRect(0, 0, width, height);
   const depth = view.cursor?.depth ?? view.middle;
   const R = store.bitRadius;
+  /** @param {number} r */
   const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * (view.shape || 1));
   const kept = view.pins.map((pin) => turnAt(store, view, pin));
   const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => exaggerated(measured.radiusMax || R)));
   const scale = (Math.min(width, height) / 2 - 20) / (widest * 1.04);
+  /** @type {(turnFound: Turn, at: number) => Placing} */
   const placeOn = (turnFound, at) => {
     const up = zero(look, at);
     return (r, j) => {
@@ -52,14 +58,15 @@ export function drawPolar(canvas, look, found) {
   outline(ink, found, place, palette.ink, palette.fill);
   band(ink, found, place, palette.cursor);
   diameters(ink, found, place, palette);
-  if (Number.isFinite(view.cursor?.toolface)) hand(ink, look, found, scale, exaggerated, width, height, palette);
+  const { cursor } = view;
+  if (cursor && cursor.toolface !== null) hand(ink, look, /** @type {Aim} */ (cursor), found, scale, exaggerated, width, height, palette);
   letters(ink, look, depth, width, height, palette);
   if (view.shape > 1) label(ink, `shape × ${view.shape}`, width - 2, height - 7, { colour: palette.ink, align: 'right', font: SMALL });
 }
 
 // Where around the hole the cursor is.
-function hand(ink, look, { level, k, radii }, scale, exaggerated, width, height, palette) {
-  const { depth, toolface } = look.view.cursor;
+/** @param {Ink} ink @param {Look} look @param {Aim} cursor @param {Turn} turn @param {number} scale @param {(radius: number) => number} exaggerated @param {number} width @param {number} height @param {Palette} palette */
+function hand(ink, look, { depth, toolface }, { level, k, radii }, scale, exaggerated, width, height, palette) {
   const angle = ((toolface - zero(look, depth)) * Math.PI) / 180;
   const j = Math.floor((wrap360(toolface - level.toolface(k)) / 360) * radii.length) % radii.length;
   const reach = scale * exaggerated(Number.isNaN(radii[j]) ? look.store.bitRadius : radii[j]);
@@ -70,6 +77,7 @@ function hand(ink, look, { level, k, radii }, scale, exaggerated, width, height,
   ink.stroke();
 }
 
+/** @param {Ink} ink @param {Look} look @param {number} width @param {number} height @param {number} scale @param {Palette} palette */
 function rings(ink, { store, view }, width, height, scale, palette) {
   const R = store.bitRadius;
   ink.strokeStyle = palette.ink;
@@ -91,6 +99,7 @@ function rings(ink, { store, view }, width, height, scale, palette) {
   label(ink, 'bit', width / 2 + R * scale * 0.7 - 14, height / 2 + R * scale * 0.7 - 14, { colour: palette.soft, align: 'center', font: SMALL });
 }
 
+/** @param {Ink} ink @param {number} x @param {number} y @param {number} radius @param {string} colour */
 function disc(ink, x, y, radius, colour) {
   ink.fillStyle = colour;
   ink.beginPath();
@@ -98,6 +107,7 @@ function disc(ink, x, y, radius, colour) {
   ink.fill();
 }
 
+/** @param {Ink} ink @param {Turn} found @param {Placing} place @param {string} colour @param {string | null} fill */
 function outline(ink, found, place, colour, fill) {
   const K = found.radii.length;
   const [filled, measured, dotted] = [new Path2D(), new Path2D(), new Path2D()];
@@ -124,6 +134,7 @@ function outline(ink, found, place, colour, fill) {
 }
 
 // Where the wall is with a probability of 95 %: one piece a sector, so that a gap stays a gap.
+/** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {string} colour */
 function band(ink, { radii, sigma }, place, colour) {
   ink.fillStyle = colour;
   ink.globalAlpha = 0.3;
@@ -141,9 +152,12 @@ function band(ink, { radii, sigma }, place, colour) {
   ink.globalAlpha = 1;
 }
 
+/** @param {Ink} ink @param {Turn} turn @param {Placing} place @param {Palette} palette */
 function diameters(ink, { radii, measured }, place, palette) {
   const K = radii.length;
-  for (const [at, colour] of [[measured.maxAt, palette.max], [measured.minAt, palette.min]]) {
+  /** @type {[number, string][]} */
+  const both = [[measured.maxAt, palette.max], [measured.minAt, palette.min]];
+  for (const [at, colour] of both) {
     const far = (at + Math.floor(K / 2)) % K;
     if (Number.isNaN(radii[at]) || Number.isNaN(radii[far])) continue;
     ink.beginPath();
@@ -155,6 +169,7 @@ function diameters(ink, { radii, measured }, place, palette) {
   }
 }
 
+/** @param {Ink} ink @param {Look} look @param {number} depth @param {number} width @param {number} height @param {Palette} palette */
 function letters(ink, look, depth, width, height, palette) {
   const { reference } = CUTS[look.view.cut];
   const known = leftEdge(look.path, look.view.cut, depth).known;
@@ -168,9 +183,11 @@ function letters(ink, look, depth, width, height, palette) {
 }
 
 // What is written beside the picture: pairs of name and text.
+/** @param {Look} look @param {Turn} found @param {(metres: number, digits?: number) => string} show */
 export function turnText(look, found, show) {
   const depth = look.view.cursor?.depth ?? look.view.middle;
   const { measured } = found;
+  /** @param {number} j */
   const axis = (j) => `${(dial(look, depth, found, j) % 180).toFixed(0)}°`;
   const equivalent = 2 * Math.sqrt(measured.area / Math.PI);
   const known = !Number.isNaN(measured.min);
@@ -185,11 +202,13 @@ export function turnText(look, found, show) {
 }
 
 // How sure the radii of the turn are, in the mean, if that is known.
+/** @param {Float64Array} sigma @param {(metres: number, digits?: number) => string} show */
 function certainty(sigma, show) {
   const known = sigma.filter((one) => !Number.isNaN(one));
   return known.length ? [['Radius, 95 %', `± ${show((CERTAIN * known.reduce((sum, one) => sum + one, 0)) / known.length)}`]] : [];
 }
 
+/** @param {Canvas} canvas */
 export function sized(canvas) {
   const ratio = pixelRatio(canvas);
   const { clientWidth: width, clientHeight: height } = canvas;

@@ -15,12 +15,14 @@ export const [RADIUS, FIRST, NEAREST, STATE] = [0, 1, 2, 3];
 export const SUPPORT_MASK = 0x00ff;
 export const [RESCANNED, PROVISIONAL, CLIPPED, INTERPOLATED] = [0x0100, 0x0200, 0x0400, 0x0800];
 
+/** @param {number} mask */
 export const attributesIn = (mask) => {
   const bits = [];
   for (let bit = 0; bit < 16; bit++) if ((mask >> bit) & 1) bits.push(bit);
   return bits;
 };
 
+/** @param {ArrayBuffer} buffer @returns {Write | Frames} */
 export function decode(buffer) {
   if (buffer.byteLength < HEAD) throw new Error(`message of ${buffer.byteLength} bytes: a head has ${HEAD}`);
   const head = new DataView(buffer, 0, HEAD);
@@ -44,21 +46,25 @@ export function decode(buffer) {
   const size = HEAD + (type === FRAMES ? 48 * count : texelBytes + 4 * count * attributes.length);
   if (buffer.byteLength !== size) throw new Error(`message of ${buffer.byteLength} bytes: its head says ${size}`);
   if (type === FRAMES) {
-    message.surveyed = (message.mask & SURVEYED) !== 0;
-    message.centre = new Float64Array(buffer, HEAD, 3 * count);
-    message.directions = new Float32Array(buffer, HEAD + 24 * count, 6 * count);
-  } else {
-    const sent = new Uint16Array(buffer, HEAD, words * count);
-    message.texels = words === TEXEL ? sent : withFirst(sent);
-    const at = HEAD + texelBytes;
-    message.columns = attributes.map((bit, i) => ({
-      attribute: bit,
-      values: new Float32Array(buffer, at + 4 * count * i, count),
-    }));
+    return {
+      ...message,
+      type,
+      surveyed: (message.mask & SURVEYED) !== 0,
+      centre: new Float64Array(buffer, HEAD, 3 * count),
+      directions: new Float32Array(buffer, HEAD + 24 * count, 6 * count),
+    };
   }
-  return message;
+  const sent = new Uint16Array(buffer, HEAD, words * count);
+  const at = HEAD + texelBytes;
+  return {
+    ...message,
+    type,
+    texels: words === TEXEL ? sent : withFirst(sent),
+    columns: attributes.map((attribute, i) => ({ attribute, values: new Float32Array(buffer, at + 4 * count * i, count) })),
+  };
 }
 
+/** @param {Uint16Array} sent */
 function withFirst(sent) {
   const texels = new Uint16Array((sent.length / (TEXEL - 1)) * TEXEL);
   for (let from = 0, to = 0; from < sent.length; from += TEXEL - 1, to += TEXEL) {
@@ -69,12 +75,16 @@ function withFirst(sent) {
   return texels;
 }
 
+/** @param {string | null} session @param {number} sequence */
 export const encodeAck = (session, sequence) => JSON.stringify({ session, ack: sequence });
+/** @param {string | null} session @param {number[][]} tiles @param {number} focus @param {number} mask */
 export const encodeSubscribe = (session, tiles, focus, mask) =>
   JSON.stringify({ session, subscribe: { tiles, focus, mask } });
 
 // Sorted tile numbers as half-open ranges, at most `most` of them: beyond that the nearest ones become one.
+/** @param {number[]} numbers @param {number} [most] */
 export function toRanges(numbers, most = 64) {
+  /** @type {Pair[]} */
   const ranges = [];
   for (const number of numbers) {
     const last = ranges.at(-1);

@@ -9,6 +9,7 @@ const RUN = 20; // seconds to play all of it
 const STEP = 0.25;
 
 // Of {time, vertices, bit_depth}, the last point that is not later than a moment.
+/** @param {WellHistory} wellHistory @param {number} moment */
 export function momentAt({ time, vertices, bit_depth: bit }, moment) {
   let [a, b] = [0, time.length];
   while (b - a > 1) {
@@ -25,18 +26,21 @@ async function fetchHistory() {
 }
 
 export class Replay {
+  /** @param {App} app */
   constructor(app) {
     this.app = app;
-    /** @type {any} */
-    this.past = null; // {moment, vertices, bitDepth} while replaying
-    /** @type {any} */
-    this.points = null;
+    /** @type {Past | null} */
+    this.past = null; // while replaying
+    /** @type {WellHistory} */
+    this.points = { time: [], vertices: [], bit_depth: [] };
+    /** @type {Pass} */
+    this.pass = 'latest'; // before
     /** @type {number | undefined} */
     this.playing = undefined;
     byId('replayOpen').addEventListener('click', () => this.toggle());
     byId('live').addEventListener('click', () => this.close());
     byId('play').addEventListener('click', () => this.play(!this.playing));
-    byId('moment').addEventListener('input', ({ target }) => this.show(Number(target.value)));
+    byId('moment').addEventListener('input', () => this.show(Number(byId('moment').value)));
   }
 
   toggle() {
@@ -56,27 +60,30 @@ export class Replay {
     return this.show(to);
   }
 
+  /** @param {number} moment */
   show(moment) {
     const { app, points } = this;
     this.past = { moment, ...momentAt(points, moment) };
     app.store.limit(this.past.vertices);
-    byId('moment').value = moment;
+    byId('moment').value = String(moment);
     byId('momentText').textContent = `as at ${showClock(moment)}`;
     if (app.view.follow) app.view.followEnd(app.store, this.past.bitDepth);
     app.redraw();
   }
 
+  /** @param {boolean} on */
   play(on) {
     clearInterval(this.playing);
     this.playing = undefined;
     byId('play').textContent = on ? 'Pause' : 'Play';
     if (!on) return;
     const { time } = this.points;
-    const last = time.at(-1);
-    if (this.past.moment >= last) this.show(time[0]);
+    const last = time[time.length - 1];
+    const moment = () => this.past?.moment ?? time[0];
+    if (moment() >= last) this.show(time[0]);
     this.playing = setInterval(() => {
-      this.show(Math.min(last, this.past.moment + ((last - time[0]) * STEP) / RUN));
-      if (this.past.moment >= last) this.play(false);
+      this.show(Math.min(last, moment() + ((last - time[0]) * STEP) / RUN));
+      if (moment() >= last) this.play(false);
     }, 1000 * STEP);
   }
 

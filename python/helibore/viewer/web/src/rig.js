@@ -9,13 +9,15 @@ import { bySeverity } from './zones.js';
 export const RECENT = 30; // metres of hole that "last" means
 
 // Depths of the last metres of a wall, shallow first.
+/** @param {Store} store */
 export const recent = ({ end, levels: [{ pitch }] }) => [end - RECENT * Math.sign(pitch), end].sort((a, b) => a - b);
 
-/** @type {(zones: any[], ends: number[]) => any} */
+/** @type {(zones: Zone[], ends: number[]) => Zone | null} */
 export function worstOf(zones, [top, bottom]) {
   return bySeverity(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
 
+/** @param {View} view @param {boolean} [on] */
 export function toggleRig(view, on = !view.rig) {
   view.set(on ? { rig: true, follow: true, desk: view.length, length: RECENT * 1.15, cursor: null, pinned: false } : { rig: false, length: view.desk ?? RECENT });
 }
@@ -32,18 +34,20 @@ function cell(id, digits, unit, more) {
     small.textContent = ` ${unit}`;
     at.replaceChildren(number, small);
   }
-  const room = at.parentElement.clientWidth - 40;
+  const room = /** @type {HTMLElement} */ (at.parentElement).clientWidth - 40;
   at.style.transform = at.scrollWidth > room ? `scaleX(${room / at.scrollWidth})` : '';
   if (byId(`${id}More`).textContent !== more) byId(`${id}More`).textContent = more;
 }
 
+/** @param {App} app */
 export function writeRig(app) {
   const { view, store, path, bit, zones, summary, alarms } = app;
   byId('rig').hidden = !view.rig;
   document.body.classList.toggle('rig', view.rig);
   if (!view.rig) return;
   const { scale, unit } = LENGTHS[view.units];
-  const size = (metres) => (Number.isFinite(metres ?? NaN) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
+  /** @param {number | null | undefined} metres */
+  const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
   const tvd = path.tvd(bit ?? NaN);
   cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : 'MD');
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;

@@ -1,7 +1,9 @@
 // Downloads: what the page has itself, and what the server writes. If the server refuses, the page shows why.
 
+import { messageOf } from './errors.js';
 import { byId } from './panel.js';
 
+/** @param {Blob} blob @param {string} name */
 export function save(blob, name) {
   const link = document.createElement('a');
   link.href = URL.createObjectURL(blob);
@@ -10,16 +12,18 @@ export function save(blob, name) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
+/** @param {App} app */
 export function bindSaving(app) {
-  for (const id of ['csv', 'export']) {
+  for (const id of /** @type {const} */ (['csv', 'export'])) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
-      download(app, event.currentTarget.href, 'The section was');
+      download(app, byId(id).href, 'The section was');
     });
   }
 }
 
 // `what` begins the message of a failure: "The section was".
+/** @param {App} app @param {string} address @param {string} what */
 export async function download(app, address, what) {
   app.notice('Writing …');
   try {
@@ -29,6 +33,6 @@ export async function download(app, address, what) {
     save(await answer.blob(), name);
     return app.notice('');
   } catch (error) {
-    return app.notice(`${what} not written: ${error.message}.`, 10);
+    return app.notice(`${what} not written: ${messageOf(error)}.`, 10);
   }
 }

@@ -1,5 +1,6 @@
 // The two strokes that every panel draws with: a line, dashed or not, and the hatching of what is not measured.
 
+/** @param {Ink} ink @param {number} x0 @param {number} y0 @param {number} x1 @param {number} y1 @param {string} colour @param {number[]} [dash] @param {number} [width] */
 export function line(ink, x0, y0, x1, y1, colour, dash = [], width = 1.2) {
   ink.strokeStyle = colour;
   ink.lineWidth = width;
@@ -14,6 +15,7 @@ export function line(ink, x0, y0, x1, y1, colour, dash = [], width = 1.2) {
 export const DENSE = { step: 5, fill: 0.35, rising: true }; // no data
 export const SPARSE = { step: 10, fill: 0, rising: false }; // interpolated between arms
 
+/** @param {Ink} ink @param {number} x @param {number} y @param {number} width @param {number} height @param {Palette} palette @param {Hatching} [hatching] */
 export function hatched(ink, x, y, width, height, palette, { step, fill, rising } = DENSE) {
   ink.save();
   ink.beginPath();

@@ -3,9 +3,11 @@
 import { movable } from './layout.js';
 
 const RADIUS = 'Radius'; // the name in templates of the wall over bit size
+/** @param {string} name */
 const text = (name) => JSON.stringify(name); // a TOML string has the escapes of JSON
 
 // The tracks of the page, as TOML.
+/** @param {App} app */
 export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
   const images = [quantity, ...besides];
   const lines = [`units = "${view.units}"`, ...(paper ? [`scale = ${paper}`] : [])];
@@ -21,8 +23,9 @@ export function toTemplate({ view, rects, quantity, besides, curves, paper }) {
 }
 
 // Changes of the view that show the tracks of a template; images that the wall does not have are left out.
+/** @param {Template} template @param {Quantity[]} quantities */
 export function fromTemplate({ units, tracks }, quantities) {
-  /** @type {{ units: string, beside: string[], curves: string[], order: string[], widths: Record<string, number>, quantity?: string }} */
+  /** @type {{ units: Units, beside: string[], curves: string[], order: string[], widths: Record<string, number>, quantity?: string }} */
   const changes = { units, beside: [], curves: [], order: [], widths: {} };
   let images = 0;
   for (const { kind, name, names, width } of tracks) {

@@ -6,17 +6,19 @@ import { Texture } from './gl.js';
 import { eastNorthUp } from './vectors.js';
 
 export class TileTextures {
-  /** @type {any} */
+  /** @type {FramesTexture | null} */
   frames = null;
+  /** @type {{ key: string, version: number, texture: Texture } | null} */
+  range = null;
 
+  /** @param {Tile} tile */
   constructor(tile) {
     this.tile = tile;
     const { sectors, rows } = tile.level;
     this.texels = new Texture(tile.texels, sectors, rows + 2, 'texels');
     this.version = tile.version;
+    /** @type {Map<number, { texture: Texture, version: number }>} */
     this.columns = new Map();
-    this.frames = null;
-    this.range = null;
   }
 
   vertices() {
@@ -27,6 +29,7 @@ export class TileTextures {
     return this.texels;
   }
 
+  /** @param {number} index */
   attribute(index) {
     const { sectors, rows } = this.tile.level;
     let kept = this.columns.get(index);
@@ -42,6 +45,7 @@ export class TileTextures {
   }
 
   // {texture, first, origin}: frames around the tile, centres relative to origin (east, north, up), float64 until here.
+  /** @param {Path} path */
   path(path) {
     if (this.frames?.version === path.version && this.frames.path === path) return this.frames;
     this.frames?.texture.dispose();
@@ -57,7 +61,10 @@ export class TileTextures {
       const j = Math.min(first + i, path.count - 1);
       const centre = eastNorthUp(path.centre.subarray(3 * j, 3 * j + 3));
       const dial = path.dial(path.startDepth + j * path.step);
-      for (const name of ['up', 'north']) if (dial[name] !== null) angles[name] = nearTo(angles[name], (dial[name] * Math.PI) / 180, i);
+      for (const name of /** @type {const} */ (['up', 'north'])) {
+        const angle = dial[name];
+        if (angle !== null) angles[name] = nearTo(angles[name], (angle * Math.PI) / 180, i);
+      }
       array.set(centre.map((x, c) => x - origin[c]), 4 * i);
       array[4 * i + 3] = angles.up;
       array.set(eastNorthUp(path.directions.subarray(6 * j, 6 * j + 3)), 4 * (count + i));
@@ -74,6 +81,7 @@ export class TileTextures {
     return this.frames;
   }
 
+  /** @param {Store} store @param {Quantity} quantity @param {Pass} pass */
   dynamic(store, quantity, pass) {
     const key = `${quantity.id}/${pass}/${quantity.log}`;
     if (this.range?.key !== key || this.range.version !== this.tile.version) {
@@ -92,9 +100,12 @@ export class TileTextures {
   }
 }
 
+/** @param {number} before @param {number} angle @param {number} i */
 const nearTo = (before, angle, i) => (i === 0 ? angle : angle + 2 * Math.PI * Math.round((before - angle) / (2 * Math.PI)));
 
+/** @type {Map<string, Texture>} */
 const tables = new Map();
+/** @param {string} name */
 export function colourTexture(name) {
   if (!tables.has(name)) tables.set(name, new Texture(lookup(name), 256, 1, 'colours'));
   return tables.get(name);

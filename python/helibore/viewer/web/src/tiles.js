@@ -10,18 +10,29 @@ import { Helix } from './helix.js';
 import { FIRST, NEAREST, RADIUS, STATE, TEXEL } from './protocol.js';
 
 export class Tile {
+  /** @param {Level} level @param {number} index @param {number} attributes */
   constructor(level, index, attributes) {
     this.level = level;
     this.index = index;
     this.texels = new Uint16Array(TEXEL * level.sectors * (level.rows + 2));
     /** @type {(Float32Array | null)[]} */
     this.columns = Array.from({ length: attributes }, () => null);
+    // What was derived from the tile, kept until it changes.
+    /** @type {RowSums | undefined} */
+    this.sums = undefined;
+    /** @type {Strip | undefined} */
+    this.strip = undefined;
+    /** @type {{ latest?: TileTurns, first?: TileTurns }} */
+    this.turns = {};
+    /** @type {import('./textures.js').TileTextures | undefined} */
+    this.textures = undefined;
     this.version = 0; // counts writes: what was derived from the tile says which version it saw
     this.used = 0;
     this.filled = 0; // vertices from the tile's first on that have arrived: what comes again below is a re-scan
   }
 
   // Values of one attribute, NaN where none has arrived.
+  /** @param {number} attribute */
   column(attribute) {
     this.columns[attribute] ??= new Float32Array(this.texels.length / TEXEL).fill(NaN);
     return this.columns[attribute];
@@ -39,11 +50,13 @@ export class Tile {
 }
 
 export class Level extends Helix {
+  /** @param {Shape} shape */
   constructor(shape) {
     super(shape);
     this.rows = shape.rows;
     this.size = 0;
     this.limit = Infinity; // vertices to show, fewer than there are while an earlier state is replayed
+    /** @type {Map<number, Tile>} */
     this.tiles = new Map();
   }
 
@@ -55,11 +68,13 @@ export class Level extends Helix {
     return this.rows * this.sectors;
   }
 
+  /** @param {number} depth */
   tileAtDepth(depth) {
     return Math.max(0, Math.floor((depth - this.startDepth) / (this.pitch * this.rows)));
   }
 
   // Numbers of the tiles that lie between two depths, within the wall.
+  /** @param {number} top @param {number} bottom */
   tilesBetween(top, bottom) {
     if (this.shown === 0) return [];
     const [a, b] = [this.tileAtDepth(top), this.tileAtDepth(bottom)];
@@ -70,6 +85,7 @@ export class Level extends Helix {
   }
 
   // The tile that owns vertex k, and the vertex's place in it.
+  /** @param {number} k */
   locate(k) {
     const index = Math.floor(k / this.tileSize);
     return { tile: k < 0 ? undefined : this.tiles.get(index), at: k - index * this.tileSize };
@@ -77,6 +93,7 @@ export class Level extends Helix {
 }
 
 export class Store {
+  /** @param {Handshake} handshake */
   constructor(handshake) {
     this.session = handshake.session;
     this.basis = handshake.basis;
@@ -101,12 +118,14 @@ export class Store {
   }
 
   // Show the wall as it was with so many vertices; Infinity for as it is.
+  /** @param {number} vertices */
   limit(vertices) {
     const [wall, over] = this.levels;
     wall.limit = vertices;
     over.limit = Math.ceil((vertices * wall.pitch) / (wall.sectors * over.pitch)) * over.sectors;
   }
 
+  /** @param {Write} write */
   apply(write) {
     const level = this.levels[write.level];
     level.size = write.total;
@@ -122,8 +141,9 @@ export class Store {
     return tile;
   }
 
+  /** @param {Tile | undefined} tile */
   touch(tile) {
-    tile.used = ++this.clock;
+    if (tile) tile.used = ++this.clock;
   }
 
   get tileBytes() {
@@ -132,6 +152,7 @@ export class Store {
   }
 
   // Wall tiles to drop so that at most `bytes` are held, least recently used first, never one of `wanted`.
+  /** @param {number} bytes @param {Set<number>} wanted */
   surplus(bytes, wanted) {
     const room = Math.max(1, Math.floor(bytes / this.tileBytes));
     const held = [...this.levels[0].tiles.values()];
@@ -140,6 +161,7 @@ export class Store {
   }
 
   // Everything known of a quad, in metres; null where its tile is not here or a vertex of it has no radius.
+  /** @param {number} k @param {Level} [level] */
   quad(k, level = this.levels[0]) {
     const { tile, at } = level.locate(k);
     if (!tile || k < 0) return null;
@@ -148,6 +170,7 @@ export class Store {
     return corners.every((corner) => tile.texels[TEXEL * corner + RADIUS]) ? this.vertex(k, level) : null;
   }
 
+  /** @param {number} k @param {Level} [level] */
   vertex(k, level = this.levels[0]) {
     const { tile, at } = level.locate(k);
     if (!tile || k < 0 || k >= level.shown) return null;
@@ -169,14 +192,18 @@ export class Store {
 // What to draw between two depths: wall tiles where they are here, the overview where they are not. `fine` false
 // asks for the overview alone. Each piece says which depths of its tile to show; pieces never overlap; the
 // overview's come first.
+/** @param {Store} store @param {number} top @param {number} bottom @param {boolean} fine */
 export function coverage(store, top, bottom, fine) {
   const [wall, over] = store.levels;
+  /** @type {Piece[]} */
   const pieces = [];
+  /** @type {Pair | null} */
   let missing = null;
   const flush = () => {
     if (missing) for (const index of over.tilesBetween(...missing)) cover(index, missing);
     missing = null;
   };
+  /** @param {number} index @param {Pair} pair */
   const cover = (index, [a, b]) => {
     const tile = over.tiles.get(index);
     if (!tile) return;

@@ -11,6 +11,7 @@ import { drawZones, letterZones } from './zones.js';
 
 const APART = 58; // pixels between two depths that are labelled
 
+/** @param {Ink} ink @param {Look} look */
 export function drawAxis(ink, { view, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
@@ -30,9 +31,11 @@ export function drawAxis(ink, { view, rects, zones }) {
 }
 
 const PIXEL = 1 / LENGTHS.in.scale / 96; // metres of paper
+/** @param {{ height: number }} of @param {number} scale */
 export const scaleLength = ({ height }, scale) => height * PIXEL * scale; // metres of hole in a track at 1:scale
 
 // Measured depth over true depth at every tick, letters of the zones; all give way to the cursor's tag, which is there first.
+/** @param {Ink} ink @param {Look} look */
 export function drawAxisLabels(ink, { view, path, rects, zones }) {
   const palette = PALETTES[view.theme];
   const rect = rects.axis;
@@ -53,6 +56,7 @@ export function drawAxisLabels(ink, { view, path, rects, zones }) {
   }
 }
 
+/** @param {Ink} ink @param {Look} look */
 export function drawImageHead(ink, look) {
   const { view, quantity, path, rects } = look;
   const palette = PALETTES[view.theme];
@@ -72,8 +76,10 @@ export function drawImageHead(ink, look) {
   letters(ink, view, known, left, width, palette, path.surveyed ? cut.reference : 'none');
 }
 
+/** @param {Ink} ink @param {Look} look @param {number} left @param {number} width @param {Palette} palette */
 function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
   const scale = scaleOf(quantity, view.units);
+  /** @param {number} v */
   const show = (v) => (quantity.dynamic ? (v === quantity.low ? 'mean − 2σ' : 'mean + 2σ') : Number((v * scale).toPrecision(3)).toString().replace('-', '−'));
   label(ink, show(quantity.low), left, 37, { colour: palette.ink, font: SMALL });
   label(ink, show(quantity.high), left + width, 37, { colour: palette.ink, align: 'right', font: SMALL });
@@ -90,9 +96,10 @@ function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
   }, left);
 }
 
+/** @param {Ink} ink @param {View} view @param {boolean} known @param {number} left @param {number} width @param {Palette} palette @param {'up' | 'north' | 'none'} reference */
 function letters(ink, view, known, left, width, palette, reference) {
   if (!known) {
-    const all = { up: 'vertical here: angles from the tool’s zero', north: 'runs north: angles from the tool’s zero', none: 'no survey: angles from the tool’s zero' }[reference];
+    const all = `${{ up: 'vertical here', north: 'runs north', none: 'no survey' }[reference]}: angles from the tool’s zero`;
     const why = view.beside.length || width < 225 ? 'angles from the tool’s zero' : all;
     label(ink, why, left + width / 2, HEAD - 8, { colour: palette.soft, align: 'center', font: SMALL });
     return;
@@ -105,6 +112,7 @@ function letters(ink, view, known, left, width, palette, reference) {
 }
 
 // Between the newest sample and the bit nothing is measured yet.
+/** @param {Ink} ink @param {Look} look */
 export function drawAhead(ink, { view, rects, store, bitDepth }) {
   if (bitDepth === null) return;
   const palette = PALETTES[view.theme];
@@ -116,6 +124,7 @@ export function drawAhead(ink, { view, rects, store, bitDepth }) {
 }
 
 // The same depth through every track: the cursor's line with its depth, and the bit.
+/** @param {Ink} ink @param {Look} look */
 export function drawCursor(ink, look) {
   const { view, rects, bitDepth } = look;
   const palette = PALETTES[view.theme];

@@ -11,6 +11,7 @@ import { FIRST, INTERPOLATED, RADIUS, STATE, TEXEL } from './protocol.js';
 const TAU = 2 * Math.PI;
 
 // Of radii (NaN missing), evenly spaced: {min, max, minAt, maxAt, area, radiusMin, radiusMax, share}; at = index.
+/** @param {Floats} radii */
 export function measure(radii) {
   const K = radii.length;
   const half = K / 2;
@@ -36,6 +37,7 @@ export function measure(radii) {
 }
 
 // With an odd number of sectors the opposite wall lies between two of them.
+/** @param {Floats} radii @param {number} j @param {number} half */
 function opposite(radii, j, half) {
   const K = radii.length;
   if (Number.isInteger(half)) return radii[(j + half) % K];
@@ -43,6 +45,7 @@ function opposite(radii, j, half) {
 }
 
 // Radii of the turn that begins at vertex k.
+/** @param {Store} store @param {Level} level @param {number} k @param {number} [column] */
 export function turn(store, level, k, column = RADIUS) {
   const radii = new Float64Array(level.sectors).fill(NaN);
   for (let j = 0; j < level.sectors; j++) {
@@ -54,6 +57,7 @@ export function turn(store, level, k, column = RADIUS) {
 }
 
 // Values of an attribute on the quads of that turn, NaN where there is none.
+/** @param {Store} store @param {Level} level @param {number} k @param {string} name */
 export function attributeOf(store, level, k, name) {
   const bit = store.attributes.findIndex((one) => one.name === name);
   return Float64Array.from({ length: level.sectors }, (_, j) => {
@@ -63,6 +67,7 @@ export function attributeOf(store, level, k, name) {
 }
 
 // Which vertices of that turn are interpolated between arms or have no radius, as 1.
+/** @param {Level} level @param {number} k */
 export function unmeasured(level, k) {
   return Uint8Array.from({ length: level.sectors }, (_, j) => {
     const { tile, at } = level.locate(k + j);
@@ -71,9 +76,11 @@ export function unmeasured(level, k) {
 }
 
 // Cmin and Cmax of every turn of a tile, and whether most of it is interpolated between arms; kept with the tile until it changes.
+/** @param {Store} store @param {Tile} tile @param {boolean} [first] */
 export function tileTurns(store, tile, first = false) {
-  const key = first ? 'turnsFirst' : 'turns';
-  if (tile[key]?.version === tile.version) return tile[key];
+  const pass = first ? 'first' : 'latest';
+  const kept = tile.turns[pass];
+  if (kept?.version === tile.version) return kept;
   const { sectors, rows } = tile.level;
   const [min, max] = [0, 1].map(() => new Float64Array(rows).fill(NaN));
   const between = new Uint8Array(rows);
@@ -89,5 +96,5 @@ export function tileTurns(store, tile, first = false) {
     between[row] = 2 * interpolated > sectors ? 1 : 0;
     ({ min: min[row], max: max[row] } = measure(radii));
   }
-  return (tile[key] = { version: tile.version, min, max, between });
+  return (tile.turns[pass] = { version: tile.version, min, max, between });
 }

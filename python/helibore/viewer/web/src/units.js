@@ -4,26 +4,34 @@ const [METRES, FEET] = [{ unit: 'm', scale: 1 }, { unit: 'ft', scale: 1 / 0.3048
 const INCHES = { unit: 'in', scale: 1 / 0.0254, digits: 3 };
 
 // The units that a user chooses: of sizes, and of depths.
+/** @type {Record<Units, { unit: string, scale: number, digits: number, depth: { unit: string, scale: number } }>} */
 export const LENGTHS = { mm: { unit: 'mm', scale: 1000, digits: 2, depth: METRES }, in: { ...INCHES, depth: METRES }, ft: { ...INCHES, depth: FEET } };
 
+/** @param {number} metres @param {Units} units @param {number} [digits] */
 export const showLength = (metres, units, digits = LENGTHS[units].digits) =>
   Number.isFinite(metres) ? `${(metres * LENGTHS[units].scale).toFixed(digits)} ${LENGTHS[units].unit}` : '–';
 
 // Signed, with a true minus sign.
-/** @type {(metres: number, units: string, digits?: number) => string} */
+/** @type {(metres: number, units: Units, digits?: number) => string} */
 export const showSigned = (metres, units, digits) => {
   if (!Number.isFinite(metres)) return '–';
   const text = showLength(Math.abs(metres), units, digits);
   return `${metres < 0 ? '−' : '+'}${text}`;
 };
 
+/** @param {Units} units */
 export const depthUnit = (units) => LENGTHS[units].depth.unit;
+/** @param {number} metres @param {Units} units @param {number} [digits] */
 export const depthNumber = (metres, units, digits = 2) => (metres * LENGTHS[units].depth.scale).toFixed(digits);
-export const showDepth = (metres, units, digits = 2) => (Number.isFinite(metres) ? `${depthNumber(metres, units, digits)} ${depthUnit(units)}` : '–');
+/** @param {number | undefined} metres @param {Units} units @param {number} [digits] */
+export const showDepth = (metres = NaN, units, digits = 2) => (Number.isFinite(metres) ? `${depthNumber(metres, units, digits)} ${depthUnit(units)}` : '–');
+/** @param {number} start @param {number} stop @param {Units} units */
 export const showSpan = (start, stop, units) => `${depthNumber(start, units, 1)}–${showDepth(stop, units, 1)}`;
+/** @param {number} degrees @param {number} [digits] */
 export const showAngle = (degrees, digits = 1) => (Number.isFinite(degrees) ? `${degrees.toFixed(digits)}°` : '–');
 
 // Five significant digits: what a float32 certainly holds.
+/** @param {number} value @param {string} [unit] */
 export const showValue = (value, unit = '') => {
   if (!Number.isFinite(value)) return '–';
   const text = Math.abs(value) >= 1e5 || (value !== 0 && Math.abs(value) < 1e-3) ? value.toExponential(3) : String(Number(value.toPrecision(5)));
@@ -31,20 +39,25 @@ export const showValue = (value, unit = '') => {
 };
 
 // A quantity of colour.js, in its own unit or as a length.
+/** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {number} value @param {Units} units */
 export const showQuantity = (quantity, value, units) =>
   quantity.length ? showLength(value, units) : showValue(value, quantity.unit);
 
 // The number alone, for a scale or an input field; and back.
+/** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {Units} units */
 export const scaleOf = (quantity, units) => (quantity.length ? LENGTHS[units].scale : 1);
+/** @param {Pick<Quantity, 'unit' | 'length'>} quantity @param {Units} units */
 export const unitOf = (quantity, units) => (quantity.length ? LENGTHS[units].unit : (quantity.unit ?? ''));
 
 // A share as per cent, one decimal, never a negative nought.
+/** @param {number} share */
 export const showPercent = (share) => {
   if (!Number.isFinite(share)) return '–';
   const text = (100 * Math.abs(share)).toFixed(1);
   return `${share < 0 && Number(text) ? '−' : ''}${text} %`;
 };
 
+/** @param {number} seconds */
 export const showAge = (seconds) => {
   if (!Number.isFinite(seconds)) return '–';
   if (seconds < 90) return `${Math.max(0, Math.round(seconds))} s`;
@@ -54,12 +67,15 @@ export const showAge = (seconds) => {
 };
 
 // Seconds since 1970 as the clock on the wall here; the day too where it is not today.
+/** @param {number} seconds @param {Date} [now] */
 export const showClock = (seconds, now = new Date()) => {
   const at = new Date(1000 * seconds);
+  /** @param {number} n */
   const two = (n) => String(n).padStart(2, '0');
   const clock = [at.getHours(), at.getMinutes(), at.getSeconds()].map(two).join(':');
   const today = at.toDateString() === now.toDateString();
   return today ? clock : `${at.getFullYear()}-${two(at.getMonth() + 1)}-${two(at.getDate())} ${clock}`;
 };
 
+/** @param {number} count */
 export const showCount = (count) => count.toLocaleString('en').replaceAll(',', '\u2009');

@@ -3,6 +3,7 @@
 
 import { CUTS } from './path.js';
 import { niceStep, tubeFor } from './lod.js';
+import { LENGTHS } from './units.js';
 
 const SHORTEST = 0.5; // metres of section
 export const MOST_BESIDE = 3;
@@ -15,40 +16,46 @@ export const CAMERAS = { straight: 'straight', outside: 'on its path', down: 'in
 // What the user chooses, at first.
 class Settings {
   quantity = 'over';
-  cut = 'top';
-  units = 'mm';
-  pass = 'latest';
-  theme = 'light';
+  cut = /** @type {Cut} */ ('top');
+  units = /** @type {Units} */ ('mm');
+  pass = /** @type {Pass} */ ('latest');
+  theme = /** @type {Theme} */ ('light');
   tube = 0; // 0: chosen from the section
   shape = 0; // 0: 3 in the column, true elsewhere
   median = 1;
   follow = true;
-  camera = 'straight';
+  camera = /** @type {keyof typeof CAMERAS} */ ('straight');
   turn = 0; // degrees that the straightened hole is turned, so that more of it is at the right
   tab = 'log'; // of a narrow screen
   rig = false; // large digits; follows the bit, whatever the user does
 }
 const DEFAULTS = new Settings();
+const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']);
+const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
+const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
 export class View extends Settings {
   length = 30;
   top = 0;
-  /** @type {{ depth: number, toolface: number | null } | null} */
-  cursor = null; // {depth, toolface}
+  /** @type {Cursor | null} */
+  cursor = null;
   pinned = false;
-  /** @type {any[]} */
+  /** @type {number | undefined} */
+  desk = undefined; // length of the section before rig mode
+  /** @type {number[]} */
   pins = []; // depths of sections kept beside the polar plot
-  /** @type {any[]} */
+  /** @type {string[]} */
   beside = []; // ids of the quantities whose images stand beside the first
-  /** @type {any[]} */
+  /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   /** @type {Record<string, number>} */
   widths = {}; // pixels of the tracks that the user made wider or narrower
-  /** @type {any[]} */
+  /** @type {string[]} */
   order = []; // of the tracks, where the user changed it
-  /** @type {any[]} */
+  /** @type {((changes: Partial<View>) => void)[]} */
   listeners = [];
 
+  /** @param {() => void} redraw */
   constructor(redraw) {
     super();
     this.redraw = redraw;
@@ -62,6 +69,7 @@ export class View extends Settings {
     return this.top + this.length / 2;
   }
 
+  /** @param {Partial<View>} changes */
   set(changes) {
     Object.assign(this, changes, this.rig && changes.rig !== false ? { follow: true } : {});
     for (const listener of this.listeners) listener(changes);
@@ -69,6 +77,7 @@ export class View extends Settings {
   }
 
   // Show `length` metres from `top`, kept near the wall; by the user's hand it stops following.
+  /** @param {number} top @param {number} length @param {Store} store @param {boolean} [byHand] */
   show(top, length, store, byHand = true) {
     if (this.rig && byHand) return;
     const [shallow, deep] = store.span;
@@ -78,11 +87,13 @@ export class View extends Settings {
     this.set({ top: clamped, length: size, ...(byHand ? { follow: false } : {}) });
   }
 
+  /** @param {number} depth @param {Store} store @param {boolean} [byHand] */
   centre(depth, store, byHand = true) {
     this.show(depth - this.length / 2, this.length, store, byHand);
   }
 
   // Change the length, holding `depth` where it is on screen; while following, the newest quad stays in place.
+  /** @param {number} factor @param {number} depth @param {Store} store */
   zoom(factor, depth, store) {
     const share = (depth - this.top) / this.length;
     const length = this.length * factor;
@@ -93,6 +104,7 @@ export class View extends Settings {
   }
 
   // Put the growing end of the wall, or the bit ahead of it, near the edge of the section.
+  /** @param {Store} store @param {number | null} [bitDepth] */
   followEnd(store, bitDepth = null) {
     const down = store.levels[0].pitch > 0;
     const end = store.end;
@@ -102,44 +114,50 @@ export class View extends Settings {
     this.show(top, this.length, store, false);
   }
 
+  /** @param {Store} store */
   tubeFactor(store) {
     return this.tube || tubeFor(this.length, store.bitRadius);
   }
 
   toAddress() {
+    /** @type {Record<string, string>} */
     const parts = { md: this.middle.toFixed(2), sec: this.length.toFixed(2) };
-    for (const key of ['quantity', 'cut', 'units', 'pass', 'theme', 'tube', 'shape', 'median', 'camera', 'turn', 'tab']) {
-      if (this[key] !== DEFAULTS[key]) parts[key] = this[key];
+    for (const key of CHOICES) {
+      if (this[key] !== DEFAULTS[key]) parts[key] = String(this[key]);
     }
-    for (const key of ['beside', 'curves', 'order']) if (this[key].length) parts[key] = this[key].join('~');
+    for (const key of LISTS) if (this[key].length) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
-    for (const key of ['follow', 'rig']) if (this[key]) parts[key] = 1;
+    for (const key of SWITCHES) if (this[key]) parts[key] = '1';
     return `#${new URLSearchParams(parts)}`;
   }
 
   // Take what is valid of an address; anything else is left as it was. True when it names a depth.
+  /** @param {string} hash */
   fromAddress(hash) {
     const parts = new URLSearchParams(hash.replace(/^#/, ''));
+    /** @param {string} key @param {number} low @param {number} high */
     const number = (key, low, high) => {
       const value = parts.has(key) ? Number(parts.get(key)) : NaN;
       return value >= low && value <= high ? value : null;
     };
-    const among = (key, values) => (values.includes(parts.get(key)) ? parts.get(key) : null);
+    /** @template {string} T @param {string} key @param {T[]} values @returns {T | null} */
+    const among = (key, values) => values.find((value) => value === parts.get(key)) ?? null;
     const taken = {
       length: number('sec', SHORTEST, 1e5),
       tube: number('tube', 0, 1000),
       shape: number('shape', 0, 100),
       turn: number('turn', 0, 360),
       median: [1, 3, 5].includes(number('median', 1, 5) ?? 0) ? number('median', 1, 5) : null,
-      cut: among('cut', Object.keys(CUTS)),
-      units: among('units', ['mm', 'in', 'ft']),
+      cut: among('cut', /** @type {Cut[]} */ (Object.keys(CUTS))),
+      units: among('units', /** @type {Units[]} */ (Object.keys(LENGTHS))),
       pass: among('pass', ['latest', 'first', 'change']),
       theme: among('theme', ['light', 'dark']),
       tab: among('tab', ['log', '3d', 'section', 'zones']),
-      camera: among('camera', Object.keys(CAMERAS)),
+      camera: among('camera', /** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS))),
       quantity: parts.get('quantity')?.slice(0, 80) ?? null,
     };
-    for (const [key, value] of Object.entries(taken)) if (value !== null) this[key] = value;
+    Object.assign(this, Object.fromEntries(Object.entries(taken).filter(([, value]) => value !== null)));
+    /** @param {string} key @param {number} most */
     const listed = (key, most) => parts.get(key)?.split('~').slice(0, most) ?? [];
     this.beside = listed('beside', MOST_BESIDE);
     this.curves = listed('curves', MOST_CURVES);
@@ -158,6 +176,7 @@ export class View extends Settings {
 
 // Depths of the ticks between two depths so that labels are at least `apart` pixels from each other.
 // `scale`: round numbers of a unit of which a metre has so many.
+/** @param {number} top @param {number} bottom @param {number} pixels @param {number} apart @param {number} [scale] */
 export function ticks(top, bottom, pixels, apart, scale = 1) {
   const step = niceStep(((bottom - top) / pixels) * apart * scale);
   const out = [];

@@ -13,6 +13,7 @@ import { CAMERAS, ticks } from './view.js';
 /** @type {[string, number[]][]} */
 const ARROWS = [['N', [0, 1, 0]], ['E', [1, 0, 0]], ['up', [0, 0, 1]]];
 
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers */
 export function drawWallInk(ink, look, gpu, calipers) {
   const { view, path, store, rects } = look;
   const palette = PALETTES[view.theme];
@@ -33,6 +34,7 @@ export function drawWallInk(ink, look, gpu, calipers) {
   ink.restore();
 }
 
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} calipers @param {Palette} palette */
 function outsideInk(ink, look, gpu, calipers, palette) {
   const { view, path, store, rects } = look;
   const rect = rects.wall;
@@ -41,14 +43,14 @@ function outsideInk(ink, look, gpu, calipers, palette) {
   zonesBeside(ink, look, gpu, palette);
   const { values, digits } = ticks(view.top, view.bottom, rect.height, 76, LENGTHS[view.units].depth.scale);
   const beside = store.bitRadius * tube * 1.3;
+  /** @type {Pair[]} */
   const used = [];
   const [shallow, deep] = store.span;
   for (const depth of values.filter((value) => value >= shallow && value <= deep)) {
     const frame = path.at(depth);
-    const at = frame && gpu.project(frame, rect, gpu.aside(frame, beside));
-    if (!at || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
+    const [at, axis] = [gpu.project(frame, rect, gpu.aside(frame, beside)), gpu.project(frame, rect)];
+    if (!at || !axis || used.some(([x, y]) => Math.abs(y - at[1]) < 16 && Math.abs(x - at[0]) < 70)) continue;
     used.push(at);
-    const axis = gpu.project(frame, rect);
     const level = Math.abs(at[0] - axis[0]) < Math.abs(at[1] - axis[1]); // the label stands over the hole, not beside it
     const text = showDepth(depth, view.units, digits);
     label(ink, text, at[0] + (level ? 0 : 8), at[1] - (level ? 12 : 0), { colour: palette.ink, halo: palette.paper, font: SMALL, align: level ? 'center' : 'left' });
@@ -59,21 +61,25 @@ function outsideInk(ink, look, gpu, calipers, palette) {
 }
 
 // A stroke beside the hole along every zone in view.
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Palette} palette */
 function zonesBeside(ink, { view, path, store, rects, zones }, gpu, palette) {
   const beside = -1.25 * store.bitRadius * view.tubeFactor(store);
   for (const { kind, start, stop } of zones) {
     const depths = [Math.max(start, view.top), Math.min(stop, view.bottom)];
     if (depths[1] <= depths[0]) continue;
-    const ends = depths.map((depth) => path.at(depth)).map((frame) => frame && gpu.project(frame, rects.wall, gpu.aside(frame, beside)));
+    const ends = depths.map((depth) => path.at(depth)).map((frame) => gpu.project(frame, rects.wall, gpu.aside(frame, beside)));
     if (!ends[0] || !ends[1]) continue;
     line(ink, ...ends[0], ...ends[1], palette.zones[kind], [], 5);
   }
 }
 
 // The axis of the hole, dashed, through every gap of the wall in view and from its end to the bit.
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {Profile} profile @param {Palette} palette */
 function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, seen }, palette) {
+  /** @param {number} y */
   const depthOf = (y) => view.top + (y / min.length) * view.length;
   const ahead = bitDepth === null ? [] : [store.end, bitDepth].sort((a, b) => a - b);
+  /** @type {Pair | null} */
   let before = null;
   for (let y = 0; y < min.length; y += 4) {
     const depth = depthOf(y);
@@ -85,17 +91,20 @@ function unmeasured(ink, { view, path, store, rects, bitDepth }, gpu, { min, see
   }
 }
 
+/** @param {Ink} ink @param {Look} look @param {Gpu} gpu @param {number} beside @param {Palette} palette */
 function cursorLabel(ink, look, gpu, beside, palette) {
   const { view, path, rects } = look;
   if (!view.cursor || view.cursor.depth < view.top || view.cursor.depth > view.bottom) return;
   const frame = path.at(view.cursor.depth);
-  if (frame) cursorRing(ink, look, gpu, palette);
-  const at = frame && gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
+  cursorRing(ink, look, view.cursor.depth, gpu, palette);
+  const at = gpu.project(frame, rects.wall, gpu.aside(frame, -beside));
   if (at) label(ink, showDepth(view.cursor.depth, view.units), at[0] - 6, at[1] + 4, { colour: palette.cursor, halo: palette.paper, align: 'right', font: BOLD });
 }
 
+/** @param {Ink} ink @param {Gpu} gpu @param {Rect} rect @param {Palette} palette */
 function compass(ink, gpu, rect, palette) {
   const [x, y] = [rect.left + 44, rect.height - 46];
+  /** @type {Pair[]} */
   const used = [];
   for (const [name, direction] of ARROWS) {
     const [dx, dy, towards] = gpu.facing(direction);
@@ -108,13 +117,14 @@ function compass(ink, gpu, rect, palette) {
 }
 
 // The cursor's depth around the side of the wall that is seen.
-function cursorRing(ink, { view, path, store, rects }, gpu, palette) {
-  const { depth } = view.cursor;
+/** @param {Ink} ink @param {Look} look @param {number} depth @param {Gpu} gpu @param {Palette} palette */
+function cursorRing(ink, { view, path, store, rects }, depth, gpu, palette) {
   const { centre } = path.at(depth);
   const level = store.levels[0];
   const k = Math.max(0, level.turnAt(depth));
   const radii = turn(store, level, k);
   const tube = view.tubeFactor(store);
+  /** @type {Pair | null} */
   let before = null;
   for (let j = 0; j <= radii.length; j++) {
     const r = radii[j % radii.length];

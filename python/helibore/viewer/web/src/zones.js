@@ -6,21 +6,26 @@ import { showSigned } from './units.js';
 export const LETTERS = { washout: 'W', breakout: 'B', 'key seat': 'K', undergauge: 'U' };
 const NEAR = 1e-6;
 
-export const zoneAt = (zones, depth) => zones.find(({ start, stop }) => depth >= start && depth < stop) ?? null;
+/** @param {Zone[]} zones @param {number} [depth] */
+export const zoneAt = (zones, depth = NaN) => zones.find(({ start, stop }) => depth >= start && depth < stop) ?? null;
 
 // Worst first.
+/** @param {Zone[]} zones */
 export const bySeverity = (zones) => [...zones].sort((a, b) => b.severity - a.severity || a.start - b.start);
 
 // The next or previous zone by severity from the one that is in the middle of the view; the worst from anywhere else.
+/** @param {Zone[]} zones @param {number} depth @param {number} step */
 export function jump(zones, depth, step) {
   const sorted = bySeverity(zones);
   const at = sorted.findIndex(({ start, stop }) => Math.abs((start + stop) / 2 - depth) < NEAR);
   return sorted[at < 0 ? (step > 0 ? 0 : sorted.length - 1) : (at + step + sorted.length) % sorted.length] ?? null;
 }
 
+/** @param {Zone | null} zone @param {Units} units */
 export const zoneText = (zone, units) => (zone ? `${zone.kind} ${showSigned(zone.measure, units, units === 'mm' ? 0 : 1)}` : 'none');
 
 // A strip of all zones, `width` wide from `left`; `y` maps a depth, `ends` bound it.
+/** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette @param {typeof fill} [draw] */
 export function drawZones(ink, zones, y, left, width, [top, bottom], palette, draw = fill) {
   for (const { kind, start, stop } of zones) {
     const a = Math.max(top, y(start));
@@ -30,12 +35,14 @@ export function drawZones(ink, zones, y, left, width, [top, bottom], palette, dr
   }
 }
 
+/** @param {Ink} ink @param {ZoneKind} kind @param {number} left @param {number} top @param {number} width @param {number} height @param {Palette} palette */
 function fill(ink, kind, left, top, width, height, palette) {
   ink.fillStyle = palette.zones[kind];
   ink.fillRect(left, top, width, height);
 }
 
 // The letters of the same strip, if there is room; they give way to other texts.
+/** @param {Ink} ink @param {Zone[]} zones @param {(depth: number) => number} y @param {number} left @param {number} width @param {Pair} ends @param {Palette} palette */
 export const letterZones = (ink, zones, y, left, width, ends, palette) => drawZones(ink, zones, y, left, width, ends, palette, (_, kind, x, top, wide, tall) => {
   if (tall > 16) label(ink, LETTERS[kind], x + wide / 2, top + tall / 2, { colour: palette.panel, align: 'center', font: BOLD, yields: true });
 });

@@ -1,0 +1,134 @@
+// The shapes that several modules share; the modules are plain JavaScript, and name these in their comments.
+
+type App = import('./main.js').App;
+type Alarms = import('./alarms.js').Alarms;
+type Camera = import('./camera.js').Camera;
+type Context = import('./gl.js').Context;
+type Curves = import('./curves.js').Curves;
+type Gpu = import('./gpu.js').Gpu;
+type Host = import('./host.js').Host;
+type Level = import('./tiles.js').Level;
+type Notes = import('./notes.js').Notes;
+type Path = import('./path.js').Path;
+type Store = import('./tiles.js').Store;
+type Texture = import('./gl.js').Texture;
+type Tile = import('./tiles.js').Tile;
+type View = import('./view.js').View;
+
+type Choice = [value: string | number, text: string]; // of a select
+type Pair = [number, number]; // two ends, or a place in pixels
+type Vector = number[]; // of three
+
+type Floats = ArrayLike<number>;
+type Units = 'mm' | 'in' | 'ft';
+type Pass = 'latest' | 'first' | 'change';
+type Cut = 'top' | 'bottom' | 'north' | 'south';
+type Theme = 'light' | 'dark';
+type End = 'low' | 'high';
+
+// Boxes and strokes.
+interface Box { text: string; left: number; right: number; top: number; bottom: number }
+interface Canvas extends HTMLCanvasElement { labels: Box[] }
+interface Ink extends CanvasRenderingContext2D { canvas: Canvas }
+interface Hatching { step: number; fill: number; rising: boolean }
+interface Rect { left: number; top: number; width: number; height: number }
+type Rects = Record<string, Rect>; // by the name of the panel or track
+interface Arrangement {
+  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; tab?: string | null; beside?: number; curves?: boolean; list?: boolean;
+  chosen?: Record<string, number>; order?: string[];
+}
+interface Palette {
+  background: number; paper: string; panel: string; ink: string; soft: string; line: string; grid: string; cursor: string; pin: string; min: string; max: string;
+  fill: string; over: string; tight: string; hatch: string; zones: Record<ZoneKind, string>; picks: Record<PlaneKind | 'breakout', string>;
+}
+
+// The wall.
+interface Shape { sectors: number; pitch: number; rows: number; rings?: boolean; startDepth: number; startToolface: number }
+interface Attribute { name: string; unit: string; log: boolean; color_map: string }
+interface Quad { k: number; depth: number; toolface: number; radius: number; first: number; nearest: number; state: number; attributes: number[] }
+interface Piece { tile: Tile; top: number; bottom: number }
+interface FramesTexture { texture: Texture; first: number; origin: Vector; version: number; path: Path }
+interface Frame { centre: Vector; high: Vector; right: Vector; tangent: Vector }
+interface Quantity {
+  id: string; name: string; mode: number; low: number; high: number; map: string; log: boolean; dynamic: boolean; chosen: boolean;
+  attribute?: number; unit?: string; length?: boolean;
+}
+type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'chosen'>>;
+interface Cursor { depth: number; toolface: number | null }
+interface Aim { depth: number; toolface: number } // a cursor on the image
+interface Note { depth: number; text: string }
+type ZoneKind = 'washout' | 'breakout' | 'key seat' | 'undergauge';
+interface Zone { kind: ZoneKind; start: number; stop: number; measure: number; severity: number }
+interface MapRow { means: (number | undefined)[]; between: boolean[]; most: number; lacks: boolean }
+interface Strip { version: number; id: string; pass: Pass; values: Float32Array; enlarged: Float32Array; lacks: Uint8Array }
+interface RowSums { key: string; version: number; values: Float64Array }
+interface TileTurns { version: number; min: Float64Array; max: Float64Array; between: Uint8Array }
+interface Profile { min: Float32Array; max: Float32Array; seen: Uint8Array; between: Uint8Array }
+interface Measured { min: number; max: number; minAt: number; maxAt: number; area: number; radiusMin: number; radiusMax: number; share: number }
+type Placing = (radius: number, sector: number) => Pair;
+interface Turn { k: number; radii: Float64Array; sigma: Float64Array; between: Uint8Array; measured: Measured; level: Level }
+
+// What one frame shows.
+interface Look {
+  store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
+  imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; glow: (tile: Tile) => number[][];
+}
+interface Looks extends Look { images: Look[] } // the first image, and those beside it
+
+// Picks.
+interface WallPoint { depth: number; toolface: number; radius: number; measured?: boolean }
+type PlaneKind = 'bed' | 'fracture' | 'healed fracture' | 'induced fracture' | 'fault';
+interface AnyPick { key: string; depth: number; toolface: number; radius?: number | null; note?: string }
+interface PlanePick extends AnyPick { kind: PlaneKind; apparent_dip: number; misfit?: number; points?: number }
+interface BreakoutPick extends AnyPick { kind: 'breakout'; height: number; opening: number; tilt?: number }
+type WallPick = PlanePick | BreakoutPick;
+interface Plane {
+  a: number; b: number; c: number; frame: Frame & { depth: number }; depth: number; radius: number; misfit: number; dip: number; azimuth: number; apparent: number; deepest: number;
+  kind: PlaneKind; pick?: PlanePick;
+}
+interface Planes { kept: Plane[]; boxes: BreakoutPick[]; selected: WallPick | null; current: Plane | null; open: boolean }
+type Drag = { act: 'box'; from: Aim } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
+
+// Curves along the hole.
+interface CurveOffer { name: string; unit: string; low: number; high: number; log: boolean; version: number }
+interface CurveValues { depth: Float64Array; values: Float32Array; step: number }
+
+// Messages.
+interface Handshake {
+  session: string; basis: string; basis_text: string; attributes: Attribute[]; radius_unit: number; nearest_unit: number; bit_diameter: number; start_depth: number;
+  start_toolface: number; frame_step: number; vertices: number; well: string; template?: Template | null; levels: { sectors: number; pitch: number; rows: number; rings?: boolean }[];
+}
+interface State {
+  begun: boolean; sources: string; bit_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
+  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[];
+}
+interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
+interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }
+interface Frames extends Message { type: 3; surveyed: boolean; centre: Float64Array; directions: Float32Array }
+interface Socket { // what the page uses of a WebSocket
+  readyState: number; binaryType: string; send(text: string): void; close(code: number): void; onmessage(event: { data: string | ArrayBuffer }): void; onclose(event: { code: number; reason: string }): void;
+}
+interface Handlers {
+  handshake: (handshake: Handshake) => void; state: (state: State) => void; picks: (picks: WallPick[]) => void; write: (message: Write) => void;
+  frames: (message: Frames) => void; status: (status: string, words: string) => void;
+}
+interface Template { scale?: number; units: Units; tracks: { kind: string; name: string; names: string[]; width: number | null }[] }
+interface Summary {
+  volume: number; excess: number | null; coverage: number | null; measured: number; not_measured: number; washed_out: number | null; without_radius: number | null;
+  mean_diameter: number; least_diameter: number; greatest_diameter: number;
+}
+interface WellHistory { time: number[]; vertices: number[]; bit_depth: (number | null)[] }
+interface Past { moment: number; vertices: number; bitDepth: number | null }
+interface Contents {
+  hello: Handshake; state: State; picks: WallPick[]; messages: string[]; made: number; address?: string; hosted?: boolean; history?: WellHistory; summary: Summary; curves: Record<string, string>;
+}
+
+// Elements of the page by id; any other is an HTMLElement.
+type Ids<Names extends string, Kind> = { [id in Names]: Kind };
+type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
+  & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
+  & Ids<'dipFile' | 'dynamic' | 'high' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
+  & Ids<'dipKeep' | 'dipRemove', HTMLButtonElement>
+  & Ids<'csv' | 'export' | 'dipSave', HTMLAnchorElement>
+  & Ids<'help' | 'note', HTMLDialogElement>;
+type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;
