@@ -102,8 +102,8 @@ def test_looking_differently_sends_nothing(shown: Any) -> None:
         "setQuantity('RES')",
         "setColours({map: 'cividis'})",
         "setColours({dynamic: true})",
-        "view.set({shape: 5, tube: 20, median: 3})",
-        "view.set({cut: 'north', units: 'in', theme: 'dark'})",
+        "view.choose({shape: 5, tube: 20, median: 3})",
+        "view.choose({cut: 'north', units: 'in', theme: 'dark'})",
         "view.show(1008, 12, window.__wall.app.store)",
     ):
         shown.evaluate(f"window.__wall.app.{change}")

@@ -160,7 +160,7 @@ def test_bit_size_is_in_the_middle_of_the_colours_in_light_and_dark(browser: Any
         screen = Screen(browser, viewer.url, "#md=1010&sec=20")
         middles = []
         for theme in ("light", "dark"):
-            screen.evaluate(f"window.__wall.app.view.set({{ theme: '{theme}' }})")
+            screen.evaluate(f"window.__wall.app.view.choose({{ theme: '{theme}' }})")
             screen.settle()
             image = screen.pixels("image")[..., :3].astype(int)
             middles.append(image[len(image) // 4, 40])

@@ -59,7 +59,7 @@ def test_a_page_opened_before_the_first_sample_waits_and_then_shows_the_wall(bro
     assert not screen.evaluate("document.getElementById('wallHead').inert")
     assert screen.inner_text("#well") == "Made-1"
     screen.settle()
-    screen.evaluate("window.__wall.app.view.set({ theme: 'light' })")
+    screen.evaluate("window.__wall.app.view.choose({ theme: 'light' })")
     shows_what_a_new_page_shows(browser, screen, server.url)
     screen.close()
     feed.close()

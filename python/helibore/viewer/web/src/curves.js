@@ -9,7 +9,6 @@ import { save } from './saving.js';
 import { line } from './strokes.js';
 import { toTemplate } from './template.js';
 import { LENGTHS, showValue } from './units.js';
-import { MOST_CURVES } from './view.js';
 
 const SAVE = '\n'; // no curve has this name
 const AGAIN = 5000; // milliseconds between two requests for a curve that grows
@@ -98,7 +97,7 @@ export class Curves {
       save(new Blob([toTemplate(this.app)], { type: 'application/toml' }), 'helibore-template.toml');
       return this.list();
     }
-    view.set({ curves: view.curves.includes(name) ? view.curves.filter((one) => one !== name) : [...view.curves, name].slice(-MOST_CURVES) });
+    view.toggleCurve(name);
     return this.list();
   }
 

@@ -7,7 +7,6 @@ import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.
 import { leftEdge } from './path.js';
 import { turnHead } from './inside.js';
 import { byId, tabs } from './panel.js';
-import { CAMERAS } from './view.js';
 
 const EDGE = 5; // pixels at the right edge of a head
 const CURVE = 6; // pixels from a curve that still hit it
@@ -50,14 +49,14 @@ export function bindTracks(app) {
     }
     drag.moved ||= Math.hypot(x - drag.x, y - drag.y) > CLICK;
     if (!drag.moved) return undefined;
-    if (drag.head) return drag.head.edge ? app.view.set({ widths: { ...app.view.widths, [drag.head.name]: Math.max(64, Math.round(drag.width + x - drag.x)) } }) : undefined;
+    if (drag.head) return drag.head.edge ? app.view.widen(drag.head.name, drag.width + x - drag.x) : undefined;
     if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
     const perPixel = app.view.length / app.rects.image.height;
     if (drag.pick) {
       const cursor = cursorAt(app, x, y);
       return cursor && app.picking.drag(drag.pick, { depth: cursor.depth, toolface: cursor.toolface ?? drag.pick.from.toolface });
     }
-    if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.set({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
+    if (drag.turn !== null && Math.abs(x - drag.x) > Math.abs(y - drag.y)) return app.view.choose({ turn: (((drag.turn - Math.round((x - drag.x) / 2)) % 360) + 360) % 360 });
     return app.view.show(drag.top - (y - drag.y) * perPixel, app.view.length, app.store);
   });
   /** @param {PointerEvent} event */
@@ -71,7 +70,7 @@ export function bindTracks(app) {
   ink.addEventListener('pointerup', up);
   ink.addEventListener('pointercancel', up);
   ink.addEventListener('pointerleave', () => {
-    if (!app.view.pinned && !drag) app.view.set({ cursor: null });
+    if (!app.view.pinned && !drag) app.view.point(null);
   });
   ink.addEventListener('wheel', (event) => wheel(app, event), { passive: false });
 }
@@ -88,7 +87,7 @@ function headAt(rects, x, y) {
 function reorder({ view, rects }, name, x) {
   const others = movable(rects).filter((one) => one !== name);
   const at = others.filter((one) => rects[one].left + rects[one].width / 2 < x).length;
-  view.set({ order: [...others.slice(0, at), name, ...others.slice(at)] });
+  view.arrange([...others.slice(0, at), name, ...others.slice(at)]);
 }
 
 /** @param {App} app */
@@ -97,7 +96,7 @@ const reachOf = ({ view, rects }) => (CURVE * view.length) / rects.image.height;
 /** @param {App} app @param {number} x @param {number} y */
 function hover(app, x, y) {
   if (app.view.pinned) return;
-  app.view.set({ cursor: cursorAt(app, x, y) });
+  app.view.point(cursorAt(app, x, y));
 }
 
 /** @param {Pick<App, 'view' | 'rects' | 'path'>} app @param {number} x @param {number} y @returns {Cursor | null} */
@@ -125,13 +124,13 @@ function clickAt(app, x, y) {
   const cursor = cursorAt(app, x, y);
   const aim = app.picking.on ? aimAt(app, x, y) : null;
   if (aim) app.picking.click(aim, reachOf(app));
-  else if (cursor) app.view.set({ cursor, pinned: !app.view.pinned });
+  else if (cursor) app.view.point(cursor, !app.view.pinned);
 }
 
 // A click on the head of an image beside makes it the first; that one takes its place.
 /** @param {App} app @param {string} id */
 function swap({ view, quantity }, id) {
-  view.set({ quantity: id, beside: view.beside.map((one) => (one === id ? quantity.id : one)) });
+  view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one)));
 }
 
 /** @param {App} app @param {WheelEvent} event */
@@ -184,9 +183,7 @@ export function bindOrbit(app, gpu) {
   pane.addEventListener('pointerup', (event) => {
     const [x, y] = placeOf(event);
     if (!pressed || Math.hypot(x - pressed[0], y - pressed[1]) > CLICK || event.button !== 0) return;
-    app.view.pinned = false;
-    app.pickAt(...pressed);
-    app.view.set({ pinned: app.view.cursor !== null });
+    app.pickAt(...pressed, true);
   });
   return controls;
 }
@@ -196,15 +193,15 @@ export function bindControls(app) {
   const { view } = app;
   /** @template {string} Id @param {Id} id @param {string} event @param {(element: ElementOf<Id>) => unknown} act */
   const on = (id, event, act) => byId(id).addEventListener(event, () => act(byId(id)));
-  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'camera'])) on(id, 'change', ({ value }) => view.set({ [id]: value }));
-  for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.set({ [id]: Number(value) }));
+  for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'camera'])) on(id, 'change', ({ value }) => view.choose({ [id]: value }));
+  for (const id of /** @type {const} */ (['tube', 'shape', 'median'])) on(id, 'change', ({ value }) => view.choose({ [id]: Number(value) }));
   on('pass', 'change', ({ value }) => value === 'change' && app.setQuantity('change'));
   on('sectionLength', 'change', ({ value }) => app.setLength(value));
   on('follow', 'click', () => app.follow(!view.follow));
   on('rigOpen', 'click', () => app.rig());
   on('menu', 'click', (menu) => menu.setAttribute('aria-expanded', String(byId('bar').classList.toggle('open'))));
-  for (const tab of tabs()) tab.addEventListener('click', () => view.set({ tab: tab.value }));
-  on('theme', 'click', () => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }));
+  for (const tab of tabs()) tab.addEventListener('click', () => view.choose({ tab: tab.value }));
+  on('theme', 'click', () => view.toggleTheme());
   on('fit', 'click', () => app.fit());
   on('keys', 'click', () => byId('help').showModal());
   on('copy', 'click', () => app.copy());
@@ -254,8 +251,6 @@ export function bindKeys(app) {
   });
 }
 
-/** @template T @param {T[]} names @param {T} name */
-const next = (names, name) => names[(names.indexOf(name) + 1) % names.length];
 /** @type {(share: number) => (app: App) => void} */
 const along = (share) => ({ view, store }) => view.show(view.top + share * view.length, view.length, store);
 /** @type {Record<string, (app: App) => unknown>} */
@@ -275,8 +270,8 @@ const KEYS = {
   PageUp: along(-0.9),
   PageDown: along(0.9),
   h: (app) => app.fit(),
-  i: ({ view }) => view.set({ camera: next(/** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS)), view.camera) }),
-  t: ({ view }) => view.set({ theme: view.theme === 'dark' ? 'light' : 'dark' }),
+  i: ({ view }) => view.nextCamera(),
+  t: ({ view }) => view.toggleTheme(),
   c: (app) => app.copy(),
   p: (app) => app.keepSection(),
   r: (app) => app.replay.toggle(),
@@ -290,6 +285,6 @@ const KEYS = {
   Enter: (app) => app.picking.keep(),
   Backspace: (app) => (app.picking.selected ? app.picking.remove() : app.picking.undo()),
   Delete: (app) => app.picking.remove(),
-  Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.set({ cursor: null, pinned: false })),
+  Escape: ({ view, picking }) => (picking.on ? picking.toggle(false) : view.point(null, false)),
   '?': () => byId('help').showModal(),
 };

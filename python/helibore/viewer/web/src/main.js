@@ -7,7 +7,7 @@
 import { Alarms } from './alarms.js';
 import { fromAddress, looked, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
-import { MAPS, quantities, quantityOf, takeRanges } from './colour.js';
+import { quantities, quantityOf, takeRanges } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Curves } from './curves.js';
 import { drawColumn } from './column.js';
@@ -28,14 +28,14 @@ import { Path } from './path.js';
 import { Picking } from './picking.js';
 import { PlainImage } from './plain_image.js';
 import { Replay } from './replay.js';
-import { recent, toggleRig, writeRig } from './rig.js';
+import { RECENT, recent, writeRig } from './rig.js';
 import { bindSaving } from './saving.js';
 import { drawPolar, sized, turnAt, turnText } from './polar.js';
 import { fromTemplate } from './template.js';
 import { coverage, Store } from './tiles.js';
 import { drawAhead, drawAxis, drawAxisLabels, drawCursor, drawImageHead, scaleLength } from './tracks.js';
 import { scaleOf, showLength, showSpan } from './units.js';
-import { MOST_BESIDE, View } from './view.js';
+import { View } from './view.js';
 import { drawWallInk } from './wall_ink.js';
 import { bySeverity, jump } from './zones.js';
 
@@ -115,15 +115,20 @@ export class App {
     bindControls(this);
     bindKeys(this);
     bindSaving(this);
+    /** @type {Replay} */
     this.replay = new Replay(this);
+    /** @type {Curves} */
     this.curves = new Curves(this);
+    /** @type {Picking} */
     this.picking = new Picking(this);
+    /** @type {Notes} */
     this.notes = new Notes(this);
+    /** @type {Alarms} */
     this.alarms = new Alarms(this);
     new ResizeObserver(() => this.resize()).observe(byId('stage'));
     this.resize();
     this.contents = exportedContents();
-    this.named = fromAddress(this, location.hash || (this.contents?.address ?? ''), MAPS);
+    this.colours = fromAddress(this, location.hash || (this.contents?.address ?? ''));
     window.addEventListener('hashchange', () => this.readdress());
     setInterval(() => (lamp(this), this.view.rig && this.store && writeRig(this)), 1000);
     const { protocol, host, search } = location;
@@ -201,7 +206,7 @@ export class App {
   /** @param {Template} template */
   arrange(template) {
     if (this.view.order.length) return;
-    this.view.set(fromTemplate(template, this.quantities));
+    this.view.showTracks(fromTemplate(template, this.quantities));
     this.resize();
     if (template.scale) this.setLength(`1:${template.scale}`);
   }
@@ -301,6 +306,7 @@ export class App {
   }
 
   // Where the bit is, or was at the moment that is replayed.
+  /** @returns {number | null} */
   get bit() {
     return this.replay.past ? this.replay.past.bitDepth : this.bitDepth;
   }
@@ -313,12 +319,13 @@ export class App {
   // Keep the first image beside the others, or no longer.
   keepBeside() {
     const { view, quantity } = this;
-    if (view.beside.includes(quantity.id)) return view.set({ beside: view.beside.filter((id) => id !== quantity.id) });
+    if (view.beside.includes(quantity.id)) return view.showImages(quantity.id, view.beside.filter((id) => id !== quantity.id));
     const next = this.quantities.find(({ id }) => id !== quantity.id && !view.beside.includes(id));
-    return view.set({ beside: [quantity.id, ...view.beside].slice(0, MOST_BESIDE), quantity: next?.id ?? quantity.id });
+    return view.showImages(next?.id ?? quantity.id, [quantity.id, ...view.beside]);
   }
 
   // What the places of the panels depend on, besides the size of the stage.
+  /** @returns {Arrangement} */
   get arrangement() {
     const { view, store, straight, picking } = this;
     return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, curves: this.curves.shown.length > 0, list: this.zones.length > 0, chosen: view.widths, order: view.order, beside: NARROW.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
@@ -400,7 +407,7 @@ export class App {
   /** @param {Gpu} gpu @param {Looks} look */
   paint(gpu, look) {
     const { view } = this;
-    const { cursor, pinned, pins, redraw, listeners, ...rest } = view;
+    const { cursor, pinned, pins, redraw, ...rest } = view;
     const key = JSON.stringify([rest, look.images.map(({ quantity }) => quantity), look.rects, look.bitDepth, this.path.version, this.store.session, this.store.levels[0].limit, this.glow.ranges.length && performance.now(),
       look.imagePieces.map(({ tile, top, bottom }) => [tile.level.rings, tile.index, tile.version, top, bottom]), gpu.outside.position, gpu.outside.axes, gpu.head]);
     if (key === this.painted) return;
@@ -522,18 +529,18 @@ export class App {
     this.redraw();
   }
 
-  /** @param {number} x @param {number} y */
-  pickAt(x, y) {
+  /** @param {number} x @param {number} y @param {boolean} [hold] */
+  pickAt(x, y, hold = false) {
     const found = this.gpu?.pick(this.look(), x, y + HEAD - 24);
-    if (!found) return this.view.set({ cursor: null });
+    if (!found) return this.view.point(null, false);
     const { level } = found.tile;
     const k = found.tile.index * level.tileSize + found.at + 0.5 * (level.sectors + 1);
-    return this.view.set({ cursor: { depth: level.depth(k), toolface: level.toolface(found.at + 0.5) } });
+    return this.view.point({ depth: level.depth(k), toolface: level.toolface(found.at + 0.5) }, hold);
   }
 
   /** @param {boolean} [on] */
   rig(on) {
-    toggleRig(this.view, on);
+    this.view.toggleRig(RECENT * 1.15, on);
     this.follow(this.view.follow);
     writeRig(this);
     this.resize();
@@ -542,7 +549,7 @@ export class App {
 
   /** @param {boolean} on */
   follow(on) {
-    this.view.set({ follow: on });
+    this.view.choose({ follow: on });
     if (on) this.view.followEnd(this.store, this.bit);
   }
 
@@ -557,7 +564,7 @@ export class App {
 
   /** @param {string} id */
   setQuantity(id) {
-    if (this.quantities.some((q) => q.id === id)) this.view.set({ quantity: id });
+    if (this.quantities.some((q) => q.id === id)) this.view.choose({ quantity: id });
   }
 
   /** @param {Colours} changes */
@@ -612,14 +619,12 @@ export class App {
     const { view, store } = this;
     const depth = (start + stop) / 2;
     if (start < view.top || stop > view.bottom) view.centre(depth, store);
-    view.set({ cursor: { depth, toolface: null }, pinned: true, follow: false });
+    view.choose({ follow: false });
+    view.point({ depth, toolface: null }, true);
   }
 
   keepSection() {
-    const { view } = this;
-    const depth = view.cursor?.depth ?? view.middle;
-    const near = view.pins.filter((pin) => Math.abs(pin - depth) > 1e-3);
-    view.set({ pins: near.length < view.pins.length ? near : [...near, depth].slice(-3) });
+    this.view.keepSection(this.view.cursor?.depth ?? this.view.middle);
   }
 
   // Move the cursor by metres and degrees, and the section with it; say where it is.
@@ -630,7 +635,7 @@ export class App {
     const [top, bottom] = store.span;
     const to = Math.min(bottom, Math.max(top, depth + metres));
     if (to < view.top || to > view.bottom) view.show(view.top + to - depth, view.length, store);
-    view.set({ cursor: { depth: to, toolface: degrees ? ((toolface ?? 0) + degrees + 360) % 360 : toolface }, pinned: true });
+    view.point({ depth: to, toolface: degrees ? ((toolface ?? 0) + degrees + 360) % 360 : toolface }, true);
     clearTimeout(this.timers.speaking);
     this.timers.speaking = setTimeout(() => {
       this.toSay = true;
@@ -644,8 +649,7 @@ export class App {
 
   readdress() {
     if (location.hash === toAddress(this) || !this.store) return;
-    fromAddress(this, location.hash, MAPS);
-    if (this.colours) Object.assign(this.quantity, this.colours);
+    Object.assign(this.quantity, fromAddress(this, location.hash));
     this.resize();
   }
 }

@@ -87,7 +87,7 @@ export class Picking {
     if (!on) Object.assign(this, { points: [], selected: null });
     byId('dipOpen').classList.toggle('on', on);
     byId('dips').hidden = !on;
-    if (on) this.app.view.set({ pinned: false });
+    if (on) this.app.view.release();
     this.app.resize();
   }
 

@@ -52,7 +52,7 @@ export class Replay {
     if (points.time.length < 2) return this.app.notice('Nothing to replay: this wall has not grown since the viewer started.', 6);
     this.points = points;
     this.pass = this.app.view.pass;
-    this.app.view.set({ pass: 'first' });
+    this.app.view.choose({ pass: 'first' });
     const [from, to] = [points.time[0], points.time.at(-1)];
     Object.assign(byId('moment'), { min: from, max: to, step: 'any', value: to });
     byId('replay').hidden = false;
@@ -96,6 +96,6 @@ export class Replay {
     this.past = null;
     this.app.store.limit(Infinity);
     if (this.app.view.follow) this.app.view.followEnd(this.app.store, this.app.bit);
-    this.app.view.set(this.app.view.pass === 'first' ? { pass: this.pass } : {});
+    this.app.view.choose(this.app.view.pass === 'first' ? { pass: this.pass } : {});
   }
 }

@@ -17,11 +17,6 @@ export function worstOf(zones, [top, bottom]) {
   return bySeverity(zones.filter(({ start, stop }) => stop > top && start < bottom))[0] ?? null;
 }
 
-/** @param {View} view @param {boolean} [on] */
-export function toggleRig(view, on = !view.rig) {
-  view.set(on ? { rig: true, follow: true, desk: view.length, length: RECENT * 1.15, cursor: null, pinned: false } : { rig: false, length: view.desk ?? RECENT });
-}
-
 // Text in a cell: the digits, their unit, the line below. Digits that are too wide are set narrower, not lower.
 /** @type {(id: string, digits: string, unit: string, more: string) => void} */
 function cell(id, digits, unit, more) {

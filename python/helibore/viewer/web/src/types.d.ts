@@ -1,6 +1,7 @@
 // The shapes that several modules share; the modules are plain JavaScript, and name these in their comments.
 
-type App = import('./main.js').App;
+// Others read the state of the page and call the actions of these two; only their own modules change it.
+type App = Readonly<import('./main.js').App>;
 type Alarms = import('./alarms.js').Alarms;
 type Camera = import('./camera.js').Camera;
 type Context = import('./gl.js').Context;
@@ -13,7 +14,7 @@ type Path = import('./path.js').Path;
 type Store = import('./tiles.js').Store;
 type Texture = import('./gl.js').Texture;
 type Tile = import('./tiles.js').Tile;
-type View = import('./view.js').View;
+type View = Readonly<import('./view.js').View>;
 
 type Choice = [value: string | number, text: string]; // of a select
 type Pair = [number, number]; // two ends, or a place in pixels

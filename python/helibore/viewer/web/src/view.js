@@ -6,9 +6,11 @@ import { niceStep, tubeFor } from './lod.js';
 import { LENGTHS } from './units.js';
 
 const SHORTEST = 0.5; // metres of section
-export const MOST_BESIDE = 3;
-export const MOST_CURVES = 4;
+const MOST_BESIDE = 3;
+const MOST_CURVES = 4;
 const AHEAD = 0.08; // of the section left free beyond the newest quad while following
+
+const NARROWEST = 64; // pixels of a track
 
 // From where the 3-D view is seen.
 export const CAMERAS = { straight: 'straight', outside: 'on its path', down: 'inside, down', up: 'inside, up' };
@@ -34,6 +36,10 @@ const CHOICES = /** @type {const} */ (['quantity', 'cut', 'units', 'pass', 'them
 const LISTS = /** @type {const} */ (['beside', 'curves', 'order']);
 const SWITCHES = /** @type {const} */ (['follow', 'rig']);
 
+// Numbers of an address.
+/** @param {string | null} text */
+export const numbers = (text) => (text ? text.split('_').map(Number).filter(Number.isFinite) : []);
+
 export class View extends Settings {
   length = 30;
   top = 0;
@@ -52,8 +58,6 @@ export class View extends Settings {
   widths = {}; // pixels of the tracks that the user made wider or narrower
   /** @type {string[]} */
   order = []; // of the tracks, where the user changed it
-  /** @type {((changes: Partial<View>) => void)[]} */
-  listeners = [];
 
   /** @param {() => void} redraw */
   constructor(redraw) {
@@ -69,11 +73,77 @@ export class View extends Settings {
     return this.top + this.length / 2;
   }
 
+  // The only way to change a view; the actions below use it. In rig mode the view follows, whatever the user does.
   /** @param {Partial<View>} changes */
-  set(changes) {
+  #change(changes) {
     Object.assign(this, changes, this.rig && changes.rig !== false ? { follow: true } : {});
-    for (const listener of this.listeners) listener(changes);
     this.redraw();
+  }
+
+  // Choose settings: units, theme, what is coloured, exaggerations ...
+  /** @param {Partial<Settings>} settings */
+  choose(settings) {
+    this.#change(settings);
+  }
+
+  toggleTheme() {
+    this.#change({ theme: this.theme === 'dark' ? 'light' : 'dark' });
+  }
+
+  nextCamera() {
+    const all = /** @type {(keyof typeof CAMERAS)[]} */ (Object.keys(CAMERAS));
+    this.#change({ camera: all[(all.indexOf(this.camera) + 1) % all.length] });
+  }
+
+  // Put the cursor somewhere, or nowhere; `pinned`: it stays there when the pointer moves.
+  /** @param {Cursor | null} cursor @param {boolean} [pinned] */
+  point(cursor, pinned = this.pinned) {
+    this.#change({ cursor, pinned });
+  }
+
+  release() {
+    this.#change({ pinned: false });
+  }
+
+  // Keep the section at a depth beside the cross-section, or no longer; the last three stay.
+  /** @param {number} depth */
+  keepSection(depth) {
+    const others = this.pins.filter((pin) => Math.abs(pin - depth) > 1e-3);
+    this.#change({ pins: others.length < this.pins.length ? others : [...others, depth].slice(-3) });
+  }
+
+  // Colour the first image by a quantity, with these others beside it.
+  /** @param {string} quantity @param {string[]} beside */
+  showImages(quantity, beside) {
+    this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE) });
+  }
+
+  // Show a curve, or no longer.
+  /** @param {string} name */
+  toggleCurve(name) {
+    this.#change({ curves: this.curves.includes(name) ? this.curves.filter((one) => one !== name) : [...this.curves, name].slice(-MOST_CURVES) });
+  }
+
+  /** @param {string} track @param {number} width */
+  widen(track, width) {
+    this.#change({ widths: { ...this.widths, [track]: Math.max(NARROWEST, Math.round(width)) } });
+  }
+
+  /** @param {string[]} order */
+  arrange(order) {
+    this.#change({ order });
+  }
+
+  // Show the tracks of a template.
+  /** @param {Pick<View, 'units' | 'beside' | 'curves' | 'order' | 'widths'> & { quantity?: string }} tracks */
+  showTracks(tracks) {
+    this.#change(tracks);
+  }
+
+  // Large digits, following the bit along the last `length` metres; back, the section is as long as before.
+  /** @param {number} length @param {boolean} [on] */
+  toggleRig(length, on = !this.rig) {
+    this.#change(on ? { rig: true, follow: true, desk: this.length, length, cursor: null, pinned: false } : { rig: false, length: this.desk ?? length });
   }
 
   // Show `length` metres from `top`, kept near the wall; by the user's hand it stops following.
@@ -84,7 +154,7 @@ export class View extends Settings {
     const longest = Math.max(20, (deep - shallow) * 1.1);
     const size = Math.min(Math.max(length, SHORTEST), longest);
     const clamped = Math.min(Math.max(top, shallow - size * 0.5), Math.max(deep - size * 0.5, shallow - size * 0.5));
-    this.set({ top: clamped, length: size, ...(byHand ? { follow: false } : {}) });
+    this.#change({ top: clamped, length: size, ...(byHand ? { follow: false } : {}) });
   }
 
   /** @param {number} depth @param {Store} store @param {boolean} [byHand] */
@@ -128,6 +198,9 @@ export class View extends Settings {
     for (const key of LISTS) if (this[key].length) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
     for (const key of SWITCHES) if (this[key]) parts[key] = '1';
+    const { cursor, pinned, pins } = this;
+    if (pinned && cursor) parts.at = [cursor.depth.toFixed(3), ...(cursor.toolface === null ? [] : [cursor.toolface.toFixed(1)])].join('_');
+    if (pins.length) parts.sections = pins.map((depth) => depth.toFixed(3)).join('_');
     return `#${new URLSearchParams(parts)}`;
   }
 
@@ -142,6 +215,9 @@ export class View extends Settings {
     };
     /** @template {string} T @param {string} key @param {T[]} values @returns {T | null} */
     const among = (key, values) => values.find((value) => value === parts.get(key)) ?? null;
+    const [at, toolface] = numbers(parts.get('at'));
+    if (at !== undefined) [this.cursor, this.pinned] = [{ depth: at, toolface: toolface ?? null }, true];
+    this.pins = numbers(parts.get('sections')).slice(0, 3);
     const taken = {
       length: number('sec', SHORTEST, 1e5),
       tube: number('tube', 0, 1000),

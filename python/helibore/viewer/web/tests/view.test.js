@@ -145,7 +145,7 @@ test('following keeps the newest quad near the bottom, or near the top when logg
 test('an address says what is seen, and a wrong one nothing', () => {
   const view = new View(() => {});
   view.show(1040, 20, wall);
-  view.set({ quantity: 'GR', cut: 'north', shape: 5 });
+  view.choose({ quantity: 'GR', cut: 'north', shape: 5 });
   const other = new View(() => {});
   assert.equal(other.fromAddress(view.toAddress()), true);
   assert.deepEqual([other.top, other.length, other.quantity, other.cut, other.shape, other.follow], [1040, 20, 'GR', 'north', 5, false]);
