@@ -72,7 +72,7 @@ def view(**options: Any) -> None:
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
-    serving = {name: options[name] for name in ("host", "port", "token", "browser")}
+    serving = {name: options[name] for name in ("host", "port", "token", "browser")} | {"reference": run.reference}
     with placing(run):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves_of_files(run, options), picks_file=picks,

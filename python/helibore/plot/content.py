@@ -46,6 +46,7 @@ from helibore.plot.tracks import (
     Shown,
 )
 from helibore.samples.helix import helix_of
+from helibore.trajectory.references import reference_of
 from helibore.trajectory.true_depth import true_depth
 from helibore.wall.uncertainty import NORMAL_95
 
@@ -374,8 +375,7 @@ def _reference(wall: Wall, drawing: Drawing) -> str:
     """What toolface 0 of the picture is; "" where nothing says so."""
     own = wall.path.reference if wall.path is not None else None
     if drawing.reference is None:
-        images = [image.reference for image in wall.images.values()]
-        return own or (images[0] if images else "")
+        return reference_of(wall) or ""
     if own not in (None, drawing.reference):
         raise InputError("reference", f"the wall's path counts toolfaces from {own}", repr(drawing.reference))
     return drawing.reference

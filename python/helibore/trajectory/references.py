@@ -20,7 +20,7 @@ from the dipping magnetic field itself.
 
 from __future__ import annotations
 
-from typing import Literal, Protocol, get_args
+from typing import Any, Literal, Protocol, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,7 @@ from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Mask, finite_column
 from helibore.base.errors import InputError
 
-__all__ = ["REFERENCES", "Reference", "defined", "from_high_side", "onto_path"]
+__all__ = ["REFERENCES", "Reference", "defined", "from_high_side", "onto_path", "reference_of"]
 
 Reference = Literal["high-side", "north", "parallel-transport"]
 """What toolface 0 of a path, a wall or an image points to."""
@@ -46,6 +46,12 @@ class FramedPath(Protocol):
     def reference(self) -> Reference: ...
     def tangent(self, depth: npt.ArrayLike) -> Floats: ...
     def frame(self, depth: npt.ArrayLike) -> Floats: ...
+
+
+def reference_of(wall: Any) -> Reference | None:
+    """Return what toolface 0 of a wall is: what its path says, or else its first image; None where neither does."""
+    stated = [getattr(wall, "path", None), *getattr(wall, "images", {}).values()]
+    return next((one.reference for one in stated if one is not None), None)
 
 
 def from_high_side(inclination: npt.ArrayLike, low: float = 4.0, high: float = 6.0) -> Mask:

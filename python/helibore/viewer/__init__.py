@@ -28,6 +28,7 @@ from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale, symmetric_limit
 from helibore.logs.curves import ScalarCurve, curves_of
 from helibore.logs.template import Template, TemplateTrack
+from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer.feed import Feed, ViewedWall
 from helibore.viewer.scene import Attribute
@@ -122,6 +123,7 @@ def view(
     attributes: Mapping[str | Attribute, npt.ArrayLike] | None = None,
     curves: Iterable[ScalarCurve] = (),
     template: Template | None = None,
+    reference: Reference | None = None,
     picks_file: str | os.PathLike[str] | None = None,
     beside: Mapping[str, Wall] | None = None,
     well: str = "",
@@ -146,6 +148,9 @@ def view(
         Curves along the hole that the page offers beside those of `Wall.logs`: gamma ray, rate of penetration ...
     template
         Which tracks the page shows at first, in which order and how wide.
+    reference
+        What toolface 0 of the wall is, if it has no `path`: the page then names the sides of the hole. None: what its
+        images say, if it has some.
     picks_file
         Where the page saves what is picked on it: `Picks.save`. ``wall.picks`` has the picks in any case.
     beside
@@ -188,7 +193,7 @@ def view(
         values |= {key: one for key, one, _ in others}
         curves += [curve for *_, own in others for curve in own]
         template = template or _side_by_side([str(key.name) for key, *_ in others])
-    feed = Feed(wall, path=path, attributes=values, well=well)
+    feed = Feed(wall, path=path, attributes=values, well=well, reference=reference)
     if isinstance(wall, Wall):
         feed.scene.picks = wall.picks
     feed.scene.picks_file = picks_file

@@ -167,6 +167,7 @@ def handshake(scene: Scene) -> dict[str, Any]:
         "well": shape.well,
         "basis": shape.basis,
         "basis_text": BASIS_TEXT[shape.basis],
+        "reference": shape.reference,
         "bit_diameter": shape.bit_diameter,
         "start_depth": shape.start_depth,
         "start_toolface": shape.start_toolface,

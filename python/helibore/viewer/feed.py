@@ -31,6 +31,7 @@ from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
 from helibore.logs.zones import Classification, classify
 from helibore.samples.helix import basis_of, helix_of
+from helibore.trajectory.references import Reference, reference_of
 from helibore.trajectory.survey import Path
 from helibore.trajectory.true_depth import true_depth
 from helibore.viewer.client import MOST_PENDING
@@ -64,7 +65,7 @@ class Feed:
 
     def __init__(
         self, wall: ViewedWall, *, path: Path | None, attributes: Mapping[str | Attribute, npt.ArrayLike], well: str,
-        scene: Scene | None = None,
+        scene: Scene | None = None, reference: Reference | None = None,
     ) -> None:  # fmt: skip
         self.scene = scene or Scene()  # a scene that is served already: its pages wait for the wall to begin
         self.path = path
@@ -75,7 +76,7 @@ class Feed:
         settings, helix = wall.settings, helix_of(wall)
         self._shape = WallShape(
             helix.sectors, helix.pitch, helix.start_depth, float(settings.bit_diameter), helix.start_toolface, well,
-            tuple(named), basis_of(wall),
+            tuple(named), basis_of(wall), reference or reference_of(wall),
         )  # fmt: skip
         self._values = {attribute.name: values for attribute, values in named.items()}
         for name, values in self._values.items():

@@ -24,6 +24,7 @@ from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Picks
 from helibore.logs.template import Template
 from helibore.samples.caliper import Basis
+from helibore.trajectory.references import Reference
 from helibore.trajectory.survey import Path
 from helibore.viewer import messages
 from helibore.viewer.levels import Level, overview_of, refresh_overview
@@ -68,6 +69,7 @@ class WallShape:
     well: str = ""
     attributes: tuple[Attribute, ...] = ()
     basis: Basis = "azimuthal"
+    reference: Reference | None = None  # what toolface 0 is, if no path says it
 
     def __post_init__(self) -> None:
         if not 3 <= self.sectors <= MAX_SECTORS:

@@ -32,12 +32,12 @@ def ink_texts(screen: Screen) -> list[str]:
     return [label["text"] for label in screen.evaluate("document.getElementById('ink').labels")]
 
 
-def with_gamma(caliper: hb.Caliper) -> hb.Wall:
+def with_gamma(caliper: hb.Caliper, reference: Any = "high-side") -> hb.Wall:
     """A wall of a caliper with a gamma image."""
     wall = hb.reconstruct(caliper, bit_diameter=BIT, sectors=32)
     depth = np.arange(2000.0, 2040.0, 0.1)
     rows = gamma(depth[:, None], np.arange(16.0)[None] * 22.5)
-    wall.images["GR"] = hb.SectorImage(depth, rows, "GR", "gAPI", origin="edge", reference="high-side")
+    wall.images["GR"] = hb.SectorImage(depth, rows, "GR", "gAPI", origin="edge", reference=reference)
     return wall
 
 
@@ -59,6 +59,19 @@ def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> 
         values = screen.readout()
         assert (values["Radius"], values["Over bit radius"], values["Samples used"]) == ("not measured", "–", "–")
         assert values["GR"].endswith("gAPI")
+        screen.close()
+
+
+@pytest.mark.parametrize(("reference", "sides"), [("high-side", "URDL"), ("north", "NESW")])
+def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, reference: str, sides: str) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT), reference)
+    assert content_of(wall, Drawing()).reference == reference
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2020&sec=30")
+        texts = ink_texts(screen)
+        assert [text for text in texts if text in sides][:5] == [*sides, sides[0]]
+        assert "no survey" in texts  # of true depth
+        assert screen.evaluate("document.getElementById('cut').selectedOptions[0].text").startswith("-".join(sides))
         screen.close()
 
 

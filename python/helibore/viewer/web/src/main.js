@@ -182,7 +182,7 @@ export class App {
     byId('gl').hidden = false;
     showBasis(handshake);
     this.alarms.begin(handshake.session);
-    this.path = new Path(handshake.start_depth, handshake.frame_step);
+    this.path = new Path(handshake.start_depth, handshake.frame_step, handshake.reference);
     this.glow.rows = this.store.levels[0].rows;
     const kept = this.quantities;
     this.quantities = quantities(this.store).map((q) => {
@@ -268,7 +268,7 @@ export class App {
   takeFrames(message) {
     const { count, surveyed } = this.path;
     this.path.apply(message);
-    nameCuts(this.path.surveyed);
+    this.view.choose({ cut: nameCuts(this.path, this.view.cut) });
     if (count && this.path.surveyed !== surveyed) this.fitted = false; // the hole has another direction: look at it anew
     this.redraw();
   }

@@ -38,14 +38,19 @@ function sections({ unit, scale }) {
   options('sectionLength', [['', 'custom'], ...SCALES.map((one) => choice(`1:${one}`)), ...SECTIONS.map((length) => choice(length / scale, `${length} ${unit}`)), ['all', 'whole well']]);
 }
 
-// Without a survey nothing is up or north: the wall is cut by the tool's own angles, and two of the four ways remain.
-/** @param {boolean} surveyed */
-export function nameCuts(surveyed) {
+// Name the cuts that the reference of the wall allows: a survey knows up and north; without one, toolface 0 is one of them, or
+// the wall is cut by the tool's own angles. Returns the cut, or another one where that is not among them.
+/** @param {Path} path @param {Cut} chosen @returns {Cut} */
+export function nameCuts({ surveyed, reference }, chosen) {
+  const named = surveyed ? ['up', 'north'] : reference === 'north' ? ['north'] : ['up'];
+  const known = surveyed || reference === 'north' || reference === 'high-side';
   for (const option of byId('cut').options) {
-    const { letters, label, offset, reference } = CUTS[/** @type {Cut} */ (option.value)];
-    option.text = surveyed ? `${letters.join('-')}: ${label}` : `cut at ${offset}° of the tool`;
-    option.hidden = !surveyed && reference === 'north';
+    const { letters, label, offset, reference: own } = CUTS[/** @type {Cut} */ (option.value)];
+    option.text = known ? `${letters.join('-')}: ${label}` : `cut at ${offset}° of the tool`;
+    option.hidden = !named.includes(own);
   }
+  if (named.includes(CUTS[chosen].reference)) return chosen;
+  return named[0] === 'north' ? 'north' : 'top';
 }
 
 /** @param {string} id @param {Choice[]} pairs */

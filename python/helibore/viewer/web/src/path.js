@@ -11,9 +11,10 @@ const DEG = 180 / Math.PI;
 const FAINT = Math.sin(1 / DEG); // a direction seen under less than a degree is no reference
 
 export class Path {
-  /** @param {number} startDepth @param {number} step */
-  constructor(startDepth, step) {
-    this.surveyed = false; // then the hole is drawn straight and vertical, and up, north and true depth are not known
+  /** @param {number} startDepth @param {number} step @param {string | null} [reference] */
+  constructor(startDepth, step, reference = null) {
+    this.surveyed = false; // then the hole is drawn straight and vertical, and true depth is not known
+    this.reference = reference; // what toolface 0 is, if it is not surveyed
     /** @type {Vector | null} */
     this.trueDepth = null; // [start, stop, down]: where the survey gives true depths, and their zero
     this.startDepth = startDepth;
@@ -69,7 +70,7 @@ export class Path {
   // Toolface of up and of north at a depth, degrees; null where undefined.
   /** @param {number} depth */
   dial(depth) {
-    if (!this.surveyed) return { up: null, north: null };
+    if (!this.surveyed) return { up: this.reference === 'high-side' ? 0 : null, north: this.reference === 'north' ? 0 : null };
     const frame = this.at(depth);
     /** @param {number} along @param {number} across */
     const angle = (along, across) => (Math.hypot(along, across) < FAINT ? null : Math.atan2(across, along) * DEG);
