@@ -62,7 +62,10 @@ td.missing { background: #b0b0b0; } figure { margin: 0 -5mm; } img { max-width: 
 nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-size: .8rem; margin-top: 2rem; }
 @media screen and (max-width: 700px) { body { padding: 0 3mm; margin: 1rem auto; } figure { margin: 0; }
   section, figure { overflow-x: auto; } img { max-width: none; width: 760px !important; }
+  figure::before { content: "Scroll sideways \\2192"; position: sticky; left: 0; color: #5d6b77; font-size: .8rem; }
   nav a { display: inline-block; padding: .3rem 0; } tbody th { width: auto; } }
+@media screen and (max-width: 480px) { body { padding: 0 2mm; } table { font-size: .7rem; }
+  th, td, thead th, td.number { padding: .25rem .1rem; } thead th { font-size: .62rem; } }
 @page { size: A4; margin: 12mm 0; }
 @media print { body { margin: 0; max-width: 200mm; } nav { display: none; } tr { break-inside: avoid; }
   figure { break-inside: avoid; } h2 { break-after: avoid; } thead { display: table-header-group; } }
