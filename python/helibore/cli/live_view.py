@@ -133,7 +133,10 @@ class Window:
         attributes: dict[str | Attribute, Floats] = {
             Attribute.usual(name, units.get(name, "")): values for name in self._images
         }
-        feed = Feed(live.wall, path=self._path(), attributes=attributes, well=self._well, scene=self.scene)
+        reference = next((layout.reference for layout in live.model.layouts.values()), None)  # one for all images
+        feed = Feed(
+            live.wall, path=self._path(), attributes=attributes, well=self._well, scene=self.scene, reference=reference
+        )
         feed.start()
         self._feed = feed
         feed.update()  # changes that came meanwhile

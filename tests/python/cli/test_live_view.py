@@ -127,6 +127,35 @@ def test_images_of_the_rig_are_on_the_page() -> None:
         until(lambda: window.refresh({}) or shown(window, live))
 
 
+@pytest.mark.browser
+@pytest.mark.usefixtures("needs_page")
+@NEEDS_BROWSER[1]
+def test_a_live_image_is_coloured_on_an_open_page_and_its_sides_are_named(browser: Any) -> None:
+    from helibore.cli.live_view import Window
+
+    with Window("well-7") as window:
+        live = hb.Live(parse(HOST))
+        window.follow(live)
+        window.show(pushed(live, 100.0, 400))
+        window.refresh({})
+        screen = Screen(browser, window.url, "#sec=4&quantity=GR")
+        assert "GR" not in screen.evaluate("window.__wall.app.quantities.map(({ id }) => id)")
+        depth = 100.0 + 0.1 * np.arange(20)
+        rows = np.add.outer(20.0 * (np.arange(20) % 5), 10.0 * np.arange(8.0))
+        live.append_image("GR", depth, rows, "gAPI", origin="edge", reference="high-side")
+        until(lambda: window.refresh({}) or "GR" in window.scene.state.ranges)
+        screen.until("window.__wall.app.quantity?.id === 'GR' && Number.isFinite(window.__wall.app.quantity.low)")
+        screen.until("[...__wall.app.store.levels[0].tiles.values()].some((t) => t.columns[0]?.some(Number.isFinite))")
+        screen.settle()
+        texts = [label["text"] for label in screen.evaluate("document.getElementById('ink').labels")]
+        assert "GR [gAPI]" in texts
+        assert {"U", "R", "D", "L", "no survey"} <= set(texts)
+        pixels = screen.pixels("image").reshape(-1, 4)[:, :3]
+        yellow = (pixels[:, 0].astype(int) - pixels[:, 2]) > 60  # of the gamma map; no value is grey
+        assert yellow.mean() > 0.1
+        screen.close()
+
+
 def shown(window: Any, live: hb.Live) -> bool:
     """Whether the page's values are those of the image as it is now."""
     wanted = live.image("GR").on(live.wall).astype(np.float32)
