@@ -1,4 +1,4 @@
-"""Measures the live viewer in a real browser: first picture, append to pixels, bytes, memory, many clients.
+"""Measures the live viewer in a real browser: first picture, append to pixels, panning, bytes, memory, many clients.
 
     python -m bench.live.page [--quads 1000000] [--appends 9] [--clients 10] [--hidden 60] [--exports]
 
@@ -30,6 +30,27 @@ from screen import FLAGS
 
 import helibore as hb
 from helibore.viewer import Viewer
+
+# Pans by a hundredth of the section a frame: the milliseconds that the page's own script takes of each frame.
+PAN = """(frames) => new Promise((done) => {
+  const { app } = window.__wall;
+  const times = [];
+  app.draw = () => {
+    const began = performance.now();
+    Object.getPrototypeOf(app).draw.call(app);
+    times.push(performance.now() - began);
+  };
+  const step = () => {
+    if (times.length >= frames) {
+      delete app.draw;
+      return done(times);
+    }
+    app.view.show(app.view.top - app.view.length / 100, app.view.length, app.store);
+    requestAnimationFrame(step);
+    return undefined;
+  };
+  step();
+})"""
 
 # Resolves when the page has drawn a wall of so many vertices and the GPU has finished.
 DRAWN = """(size) => new Promise((done) => {
@@ -115,6 +136,8 @@ def in_the_browser(quads: int, appends: int) -> None:
         say("bytes to the first picture and at rest", page.evaluate("window.__wall.stats.bytes") / 1e6, "MB")
         measure_appends(page, wall, viewer, appends)
         say("page memory over an empty page", memory(browser) - empty, "MB", "250 MB at 1 M")
+        measure_panning(page)
+        measure_hover(page)
         visit_all(page, wall)
         say("page memory after a walk along the whole well", memory(browser) - empty, "MB")
         context.close()
@@ -133,6 +156,26 @@ def check(page: Any, wall: MadeWall) -> None:
     last = len(wall) - 200
     radius = page.evaluate(f"window.__wall.app.store.vertex({last})?.radius ?? -1")
     assert abs(radius - wall.radius[last]) < 6e-6, "the page does not hold the wall: nothing is measured"
+
+
+def measure_panning(page: Any) -> None:
+    times = page.evaluate(PAN, 200)
+    say("own script of a frame while panning, p50", float(np.median(times)), "ms", "8 ms at 1 M")
+    say("own script of a frame while panning, p95", float(np.percentile(times, 95)), "ms")
+
+
+def measure_hover(page: Any) -> None:
+    """Move the pointer along the image, once the page rests."""
+    time.sleep(3)
+    image = page.evaluate("window.__wall.app.rects.image")
+    stage = page.evaluate("document.getElementById('stage').getBoundingClientRect().toJSON()")
+    before = page.evaluate("[window.__wall.stats.pictures, window.__wall.stats.frames]")
+    for step in range(20):
+        page.mouse.move(stage["x"] + image["left"] + 40 + step, stage["y"] + image["top"] + 40 + 10 * step)
+        time.sleep(0.05)
+    after = page.evaluate("[window.__wall.stats.pictures, window.__wall.stats.frames]")
+    say("3-D pictures that 20 moves of the pointer draw", after[0] - before[0], "", "0")
+    say("frames of ink that they draw", after[1] - before[1], "")
 
 
 def measure_appends(page: Any, wall: MadeWall, viewer: Viewer, appends: int) -> None:
