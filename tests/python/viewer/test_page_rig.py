@@ -24,11 +24,17 @@ DIGITS = """[...document.querySelectorAll('#rig .digits')].map((at) => {
 })"""
 
 
-@pytest.mark.parametrize("bit", [1033.4, 12345.6])
-def test_digits_can_be_read_from_three_metres(browser: Any, bit: float) -> None:
+CLIPPED = """[...document.querySelectorAll('#rig h2, #rig p')].filter((at) => {
+  const [inner, outer] = [at, at.parentElement].map((e) => e.getBoundingClientRect());
+  return inner.top < outer.top || inner.bottom > outer.bottom;
+}).map((at) => at.textContent)"""
+
+
+@pytest.mark.parametrize(("bit", "size"), [(1033.4, (1366, 768)), (12345.6, (1366, 768)), (1033.4, (3840, 2160))])
+def test_digits_can_be_read_from_three_metres(browser: Any, bit: float, size: tuple[int, int]) -> None:
     with hb.view(MadeWall(20_000)) as viewer:
         viewer.scene.update_state(bit_depth=bit, newest=time.time())
-        screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", size, drawn=False)
         screen.keyboard.press("k")
         screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
         screen.settle()
@@ -36,19 +42,25 @@ def test_digits_can_be_read_from_three_metres(browser: Any, bit: float) -> None:
         assert len(cells) == 5
         assert min(cell["height"] for cell in cells) >= 77
         assert all(cell["fits"] for cell in cells)
+        assert screen.evaluate(CLIPPED) == []
         texts = [cell["text"] for cell in cells]
         assert texts[0] == f"{bit:.1f} m"
         assert texts[3] == f"{bit - screen.evaluate('window.__wall.app.store.end'):.1f} m"
         worst = screen.evaluate("window.__wall.app.zones.toSorted((a, b) => b.severity - a.severity)[0].measure")
         assert texts[2] == f"+{1000 * worst:.0f} mm"
-        size = screen.evaluate("window.__wall.app.summary.mean_diameter")
-        assert texts[1] == f"{1000 * size:.0f} mm"
+        diameter = screen.evaluate("window.__wall.app.summary.mean_diameter")
+        assert texts[1] == f"{1000 * diameter:.0f} mm"
         screen.close()
 
 
 def test_rig_mode_follows_and_survives_a_reload(browser: Any) -> None:
     with hb.view(MadeWall(30_000)) as viewer:
         screen = Screen(browser, viewer.url, "#md=1010&sec=10", drawn=False)
+        section = "(({ top, length, follow }) => [top, length, follow])(window.__wall.app.view)"
+        before = screen.evaluate(section)
+        screen.keyboard.press("k")
+        screen.keyboard.press("k")
+        assert screen.evaluate(section) == before
         screen.keyboard.press("k")
         screen.settle()
         top = screen.evaluate("window.__wall.app.view.top")

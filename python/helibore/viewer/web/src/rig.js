@@ -40,6 +40,7 @@ export function writeRig(app) {
   byId('rig').hidden = !view.rig;
   document.body.classList.toggle('rig', view.rig);
   if (!view.rig) return;
+  for (const at of document.getElementsByClassName('recent')) at.textContent = `last ${showDepth(RECENT, view.units, 0)}`;
   const { scale, unit } = LENGTHS[view.units];
   /** @param {number | null | undefined} metres */
   const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');

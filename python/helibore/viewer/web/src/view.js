@@ -46,8 +46,8 @@ export class View extends Settings {
   /** @type {Cursor | null} */
   cursor = null;
   pinned = false;
-  /** @type {number | undefined} */
-  desk = undefined; // length of the section before rig mode
+  /** @type {Pick<View, 'top' | 'length' | 'follow'> | null} */
+  desk = null; // the section before rig mode
   /** @type {number[]} */
   pins = []; // depths of sections kept beside the polar plot
   /** @type {string[]} */
@@ -140,10 +140,11 @@ export class View extends Settings {
     this.#change(tracks);
   }
 
-  // Large digits, following the bit along the last `length` metres; back, the section is as long as before.
+  // Large digits, following the bit along the last `length` metres; back, the section is the one of before.
   /** @param {number} length @param {boolean} [on] */
   toggleRig(length, on = !this.rig) {
-    this.#change(on ? { rig: true, follow: true, desk: this.length, length, cursor: null, pinned: false } : { rig: false, length: this.desk ?? length });
+    const { top, length: before, follow } = this;
+    this.#change(on ? { rig: true, follow: true, desk: { top, length: before, follow }, length, cursor: null, pinned: false } : { rig: false, ...this.desk });
   }
 
   // Show `length` metres from `top`, kept near the wall; by the user's hand it stops following.
