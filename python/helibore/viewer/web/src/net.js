@@ -1,5 +1,5 @@
 // The picks in view as a stereonet (poles of planes on the lower hemisphere, equal area, north up) and as a rose (dip
-// azimuths of planes; both ends of breakout axes, from north). Without a survey both count from the tool's zero.
+// azimuths of planes; both ends of breakout axes, from north). Without a survey both count from toolface 0.
 
 import { symbol } from './dip_ink.js';
 import { wrap360 } from './helix.js';
@@ -25,6 +25,13 @@ export function rose(directions) {
   return counts;
 }
 
+// What lies at the top of both and, clockwise, at their other sides.
+/** @param {Path} path */
+const sidesOf = ({ surveyed, reference }) => {
+  if (surveyed || reference === 'north') return ['N', 'E', 'S', 'W'];
+  return reference === 'high-side' ? ['U', 'R', 'D', 'L'] : ['0°', '', '', ''];
+};
+
 /** @type {(plane: Plane, path: Path) => Pair} */
 const attitude = ({ dip, azimuth, apparent, deepest }, { surveyed }) => (surveyed ? [dip, azimuth] : [apparent, deepest]);
 
@@ -40,7 +47,7 @@ export function drawNet(canvas, { view, path }, { kept, boxes }) {
   const breakouts = boxes.filter(inView);
   const radius = Math.min(width / 4, height / 2) - 14;
   const [net, flower] = [width / 4, (3 * width) / 4].map((x) => ({ x, y: height / 2, radius }));
-  for (const place of [net, flower]) circle(ink, place, palette, path.surveyed ? ['N', 'E', 'S', 'W'] : ['0°', '', '', '']);
+  for (const place of [net, flower]) circle(ink, place, palette, sidesOf(path));
   for (const plane of planes) {
     const [dip, azimuth] = attitude(plane, path);
     const [x, y] = pole(dip || 0, azimuth || 0);

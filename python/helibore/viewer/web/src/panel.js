@@ -19,6 +19,7 @@ const SHAPES = [0, 1, 2, 3, 5, 10, 20];
 
 export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
+  sections(LENGTHS.mm.depth);
   options('camera', Object.entries(CAMERAS));
   options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
   options('shape', SHAPES.map((v) => [v, v ? `× ${v}` : 'auto']));
@@ -80,6 +81,7 @@ export function applyTheme({ theme }) {
 /** @param {boolean} on */
 export function disableControls(on) {
   for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #wallHead, #follow, #bar label, #pass'))) part.inert = on;
+  for (const id of ['wallHead', 'brief']) byId(id).hidden = on;
 }
 
 export const tabs = () => /** @type {HTMLCollectionOf<HTMLButtonElement>} */ (byId('tabs').children);
