@@ -4,7 +4,8 @@
     wall.summary(start=2000, stop=2100)         of an interval
 
 Diameters, volume and excess come from full turns; a turn with a missing radius counts as not measured. The mean
-diameter is that of the cylinder with the same volume. Metres of a kind of hole are those of its zones (``zones``).
+diameter is that of the cylinder with the same volume. Metres of a kind of hole are those of its zones (``zones``). A
+turn that an end of the interval cuts counts with its share of metres and volume.
 """
 
 from __future__ import annotations
@@ -124,7 +125,8 @@ def summarize(
     wall
         Radii on a helix.
     start, stop
-        Measured depths, metres; None: the ends of the wall. Turns count whose middle lies in [start, stop].
+        Measured depths, metres; None: the ends of the wall. Volume, mean diameter and metres are those of the hole in
+        [start, stop]; the other numbers those of the turns whose middle lies there.
     criteria
         Of the kinds of hole; None: the defaults.
     zones
@@ -138,11 +140,12 @@ def summarize(
     inside = helix.between(start, stop, radius.size)
     vertices = inside.stop - inside.start
     without = sum(int(np.isnan(radius[piece]).sum()) for piece in pieces(inside))
-    rows = turns.rows_between(start, stop)
     logs, height = turns.between(start, stop), turns.height
-    square = logs.equivalent_diameter[np.isfinite(logs.equivalent_diameter)] ** 2
-    mean_square = float(square.mean()) if square.size else math.nan
-    metres = {kind: float((zones.kind[rows] == code).sum()) * height for code, kind in enumerate(KINDS) if code}
+    share = _share_inside(turns, -math.inf if start <= ends[0] else start, math.inf if stop >= ends[1] else stop)
+    full = np.isfinite(turns.equivalent_diameter)
+    counted = float(share[full].sum())
+    mean_square = float((share * turns.equivalent_diameter**2)[full].sum()) / counted if counted else math.nan
+    metres = {kind: float(share[zones.kind == code].sum()) * height for code, kind in enumerate(KINDS) if code}
     nearest: Floats | None = getattr(wall, "nearest", None)
 
     def distances() -> Iterator[Floats]:
@@ -163,10 +166,10 @@ def summarize(
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
         greatest_diameter=_extreme(logs, logs.c1, np.nanargmax),
         inscribed_diameter=_extreme(logs, logs.inscribed_diameter, np.nanargmin),
-        volume=float(logs.volume[np.isfinite(logs.volume)].sum()),
+        volume=float((share * turns.volume)[full].sum()),
         excess=mean_square / turns.bit_diameter**2 - 1,
-        measured=float(square.size) * height,
-        not_measured=float(len(logs) - square.size) * height,
+        measured=counted * height,
+        not_measured=float(share[~full].sum()) * height,
         ovality=_mean_and_greatest(logs.ovality_api),
         rugosity=_mean_and_greatest(logs.rugosity),
         rugosity_window=turns.rugosity_window,
@@ -182,6 +185,15 @@ def summarize(
         nearest_half=half,
         nearest_most=most,
     )
+
+
+def _share_inside(turns: Logs, start: float, stop: float) -> Floats:
+    """(rows,) share of each turn that lies in [start, stop]; a turn reaches to the first vertex of the next one."""
+    first = turns.depth - turns.pitch * (turns.sectors - 1) / (2 * turns.sectors)
+    top, bottom = np.minimum(first, first + turns.pitch), np.maximum(first, first + turns.pitch)
+    inside = np.minimum(bottom, stop) - np.maximum(top, start)
+    shares: Floats = np.clip(np.round(inside / turns.height, 9), 0.0, 1.0)  # a cut between two turns cuts none
+    return shares
 
 
 def _extreme(logs: Logs, values: Floats, where: Any) -> Extreme:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from types import SimpleNamespace
 from typing import Any
 
@@ -55,7 +56,22 @@ def test_every_number_is_that_of_the_full_turns() -> None:
     assert (found.start, found.stop) == (1000.0, pytest.approx(1000 + (29 * K - 1) * PITCH / K))
 
 
-def test_an_interval_counts_the_turns_whose_middle_lies_in_it() -> None:
+def test_volume_and_mean_diameter_are_of_the_same_metres_of_hole() -> None:
+    wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (10, GAUGE), (1, GAP))
+    cuts = [1000.0, *(1000.0 + 0.3048 * np.arange(1, 11)), 1003.4]  # feet, where a turn is 0.1 m
+    rows = [summarize(wall, start, stop) for start, stop in pairwise(cuts)]
+    for row in rows:
+        assert row.measured == pytest.approx(row.stop - row.start)
+        assert row.volume == pytest.approx(math.pi / 4 * row.mean_diameter**2 * (row.stop - row.start), rel=1e-9)
+    assert sum(row.volume for row in rows) == pytest.approx(summarize(wall, 1000.0, 1003.4).volume)
+    assert sum(row.washed_out for row in rows) == pytest.approx(0.5)
+    upwards = wall_of((30, GAUGE))
+    upwards.settings.pitch = -PITCH
+    assert summarize(upwards, 997.111, 998.222).measured == pytest.approx(1.111)
+    assert summarize(upwards).measured == pytest.approx(3.0)
+
+
+def test_an_interval_counts_the_metres_that_lie_in_it() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, GAUGE))
     found = summarize(wall, 1001.2, 1002.0)
     assert found.washed_out == pytest.approx(0.3)
