@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -18,6 +19,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
+from helibore.preparation.passes import MOST_PASSES
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Samples, TimeSeries, observe_by_depth, observe_by_time
 
@@ -91,6 +93,10 @@ def observe(
     if any(each.time is None for each in found) and any(each.time is not None for each in found):
         report.append(("time", "left out: not every file has one"))
         found = [replace(each, time=None) for each in found]
+    elif found[0].time is not None and (names := _restarted(readings)):
+        text = f"left out: passes of {names} overlap in time, as where a clock restarts with each: ages are not known"
+        report.append(("time", text))
+        found = [replace(each, time=None) for each in found]
     if len(found) == 1:
         return replace(found[0], file=np.broadcast_to(np.int64(0), found[0].depth.size), counts=counts)
     file = np.repeat(np.arange(len(found)), [each.depth.size for each in found])
@@ -135,6 +141,26 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
         seen = observe_by_time(sensors, [when] * len(sensors), radii, depth, turning)
         parts.append(replace(seen, row=rows[seen.row]))
     return _joined(parts)
+
+
+def _restarted(readings: Sequence[Readings]) -> str:
+    """Name the files of the first passes whose times overlap; "" if one clock may have timed all."""
+    spans: list[tuple[float, float, str]] = []
+    for one in readings:
+        if one.time is None:
+            continue
+        clocks = _clocks(one, one.time, [])
+        if len(clocks) > MOST_PASSES:  # rows in no order
+            clocks = [np.flatnonzero(np.isfinite(one.time))]
+        for rows in clocks:
+            numbered = one.pass_number is None or (rows.size and one.pass_number[rows[0]] >= 0)
+            if rows.size and numbered:  # rows without a number may lie between passes
+                spans.append((float(one.time[rows].min()), float(one.time[rows].max()), one.name))
+    spans.sort()
+    for (_, last, name), (first, _, other) in pairwise(spans):
+        if first < last:
+            return name if other == name else f"{name} and {other}"
+    return ""
 
 
 def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
