@@ -509,7 +509,7 @@ class Model:
             if not chosen.any():
                 continue
             self._leave_out_crowded(name, rows, depth, chosen)
-            drawn |= chosen
+            drawn |= chosen & ~self._before_start(name, rows, depth, chosen)
             columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
             self._append(name, rows[chosen], columns, update)
             for source in sorted(set(rows["source"][chosen].tolist())):  # of each, samples are in order of arrival
@@ -519,6 +519,22 @@ class Model:
             self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
+
+    def _before_start(
+        self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
+    ) -> npt.NDArray[np.bool_]:
+        """Report samples of a layer that lie before its first vertex, out of its reach, and return which they are."""
+        settings = self.layers[name].settings
+        start = settings.start_depth
+        if start is None:
+            return np.zeros_like(chosen)
+        reach = np.inf if settings.max_distance is None else settings.max_distance
+        before: npt.NDArray[np.bool_] = chosen & (np.copysign(1.0, settings.pitch) * (start - depth) > reach)
+        if before.any():
+            outside, rule = np.flatnonzero(before), f"lies before the wall, which begins at start_depth = {start:g} m"
+            text = "layer {}: a sample at {:.1f} m {}: not drawn"
+            self.passes.report(rows, outside, "outside", lambda place: text.format(name, depth[outside[place]], rule))
+        return before
 
     def _leave_out_crowded(
         self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]

@@ -286,3 +286,15 @@ def test_threads_that_tell_lose_no_count():
     for thread in threads:
         thread.join()
     assert book.counts["a", "rule"] == book.latest[0].count == sum(event.count for event in book.take()) == 20_000
+
+
+@pytest.mark.parametrize(("start", "pitch"), [(110.0, ""), (90.0, "pitch = -0.1\n")])
+def test_samples_before_the_start_of_the_wall_are_reported(start, pitch):
+    live = Live(parse(SENT.replace("start_depth = 100.0\n", f"start_depth = {start:g}\n{pitch}")))
+    for frame in FRAMES[:7]:
+        live.receive("mwd", frame)
+    events = [event for event in live.poll().events if event.rule == "outside"]
+    assert sum(event.count for event in events) == 21
+    rule = f"lies before the wall, which begins at start_depth = {start:g} m: not drawn"
+    assert events[0].text == f"layer main: a sample at 100.0 m {rule}"
+    assert (len(live.wall), live.model.counts["drawn"]) == (0, 0)
