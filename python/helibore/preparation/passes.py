@@ -25,6 +25,7 @@ __all__ = ["choose", "difference", "evaluate", "number_passes"]
 MOST_PASSES = 50
 """Rows that turn back more often are in no order: they have no runs to compare."""
 
+
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     """Number the passes: a new one begins where the tool turned and then went back by more than ``reversal``.
 

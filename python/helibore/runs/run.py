@@ -363,6 +363,17 @@ def placing(run: Run) -> Iterator[None]:
         raise InputError(survey.file.name, str(error)) from error
 
 
+def check_path(run: Run, *ends: float) -> None:
+    """Refuse a path that does not reach the ends of a wall; the error names the file of the survey."""
+    if run.path is None:
+        return
+    try:
+        run.path.tangent(ends)
+    except InputError as error:
+        survey = run.settings.survey
+        raise (error if survey is None else error.within(survey.file.name)) from None
+
+
 def save_settings(run: Run, output: Path, verb: str, options: dict[str, Any]) -> RunSettings:
     """Write the settings that repeat ``output`` beside it, with the checksums of what was read and of the output."""
 

@@ -43,8 +43,9 @@ from helibore.runs.blocks import (
 )
 from helibore.runs.manifest import FILES, Job, path_part, strip_maps
 from helibore.runs.output_store import Json, Store, local_file
-from helibore.runs.run import OpenFiles, Run, build_wall, read_path, read_run
+from helibore.runs.run import OpenFiles, Run, build_wall, check_path, read_path, read_run
 from helibore.runs.run_settings import Input, RunSettings, run_settings
+from helibore.samples.helix import helix_of
 from helibore.wall.wall import Wall, wall_of
 
 
@@ -102,15 +103,27 @@ def _made(job: Job, store: Store) -> Json:
                 return before | {"made": False}
             store.delete([record_name(job.well), *before["files"]])
         most, is_stream = job.block_samples, needs_stream(run, job.block_samples)
+        if is_stream:
+            read_path(run)
         images, samples = ([], None) if is_stream else read_run(run)
         batches = stream(run, most) if is_stream else prepared_batches(run, samples, most)
         if batches is not None:
             made_from = _made_from(job, run.files, local)
-            return {"blocks": len(plan_well(run, store, _work(job), made_from, most, batches)["blocks"])}
+            plan = plan_well(run, store, _work(job), made_from, most, batches)
+            _check_path(job, run, plan["start_depth"], plan["stop_depth"])
+            return {"blocks": len(plan["blocks"])}
         build_wall(run, images, samples, threads=1)
+        if len(run.wall):
+            _check_path(job, run, *helix_of(run.wall).ends(len(run.wall)))
         files, row = write_outputs(run, job, store)
         made_from = _made_from(job, run.files, local)
     return _write_record(job, store, made_from, files, row)
+
+
+def _check_path(job: Job, run: Run, *ends: float) -> None:
+    """Refuse a path that ends before the wall where ``helibore mesh`` does: for an archive and a mesh."""
+    if {"archive", "mesh"} & set(job.outputs):
+        check_path(run, *ends)
 
 
 def reprocess_block(job: Job, number: int, expected: dict[str, str] | None = None) -> None:

@@ -528,8 +528,8 @@ def test_ages_are_missing_where_the_clock_restarts_with_each_file() -> None:
         return replace(log(time__s=start + time, **columns).readings(), name=name)
 
     anew = prepare([of("a.csv", 0.0, 1.0), of("b.csv", 10.0, 0.8)])
-    text = "left out: passes of a.csv and b.csv overlap in time, as where a clock restarts with each: ages are not known"
-    assert ("time", text) in anew.report
+    lines = [line for name, line in anew.report if name == "time"]
+    assert lines[0].startswith("left out: passes of a.csv and b.csv overlap in time")
     assert np.isnan(hb.reconstruct(anew, bit_diameter=0.2).logs().age).all()
     later = prepare([of("a.csv", 1e4, 1.0), of("b.csv", 0.0, 0.8)])  # one clock, the later file first
     assert not [line for name, line in later.report if name == "time"]

@@ -195,9 +195,13 @@ def test_a_survey_that_ends_above_the_well_leaves_nothing(field: Path, tmp_path:
     (field / "short.csv").write_text("md_m,incl_deg,azim_deg\n900,5,40\n950,7,50\n")
     text = MANIFEST.replace('"s.csv"', '"short.csv"')
     job = read_jobs(manifest(field, text, "g.toml"), str(tmp_path))[0]
-    with pytest.raises(hb.InputError, match="must not lie below the last station of the survey"):
-        reprocess_well(job)
-    assert content(tmp_path) == {}
+    job.tree["preparation"] = dict(BY_ROW)
+    for outputs in (job.outputs, ("archive",)):
+        for most in (job.block_samples, 1000):
+            with pytest.raises(hb.InputError, match=r"^short.csv: .*must not lie below the last station of the survey"):
+                reprocess_well(replace(job, outputs=outputs, block_samples=most))
+            assert not [name for name in content(tmp_path) if not name.startswith("work/")]
+    assert reprocess_well(replace(job, outputs=("logs",)))["made"]  # as helibore logs
 
 
 def test_another_store_gets_the_same_bytes(field: Path, tmp_path: Path) -> None:
