@@ -132,6 +132,10 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     return jobs
 
 
+MOST_NAMED = 10
+"""Missing files that an error names, at most."""
+
+
 def check_files(jobs: list[Job]) -> None:
     """Refuse jobs whose files do not exist, by well and address; stores are asked from 32 threads."""
 
@@ -143,8 +147,10 @@ def check_files(jobs: list[Job]) -> None:
     with ThreadPoolExecutor(32) as pool:
         lost = [one for one, is_missing in zip(named, pool.map(missing, named), strict=True) if is_missing]
     if lost:
-        more = f" (and {len(lost) - 1} more files)" if len(lost) > 1 else ""
-        raise InputError(f"well {lost[0][0]}: {lost[0][1]}", f"no such file{more}")
+        first, *others = [f"well {well}: {address}" for well, address in lost]
+        more = f", and {len(lost) - MOST_NAMED} more" if len(lost) > MOST_NAMED else ""
+        rule = f"no such file; nor {', '.join(others[: MOST_NAMED - 1])}{more}" if others else "no such file"
+        raise InputError(first, rule)
 
 
 def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:

@@ -25,7 +25,7 @@ import helibore as hb
 from helibore.cli import cli
 from helibore.files.log_files import save_table
 from helibore.runs.blocks import AS_STREAM, PartColumn, _beyond_gap
-from helibore.runs.manifest import OUTPUTS, Job, read_jobs
+from helibore.runs.manifest import OUTPUTS, Job, check_files, read_jobs
 from helibore.runs.output_store import Store
 from helibore.runs.reprocess import Progress, _started, status
 from helibore.runs.run import checksum
@@ -131,6 +131,12 @@ def test_nothing_starts_where_a_file_is_missing_or_the_output_cannot_be_written(
     assert result.exit_code == 2
     assert f"helibore: well B: {field}/9.parquet: no such file" in result.stderr
     assert not (tmp_path / "none").exists()
+    many = manifest(field, MANIFEST.replace("s.csv", "t.csv").replace("1.parquet", "9.parquet"))
+    names = f"well 15/9-F 1: {field}/t.csv: no such file; nor well B: {field}/9.parquet"
+    with pytest.raises(hb.InputError, match=f"^{names}$"):
+        check_files(read_jobs(many))
+    with pytest.raises(hb.InputError, match=r"a11\.csv, and 2 more$"):
+        check_files([Job("A", {"caliper": [{"file": f"{field}/a{k}.csv"} for k in range(2, 14)]}, "")])
     (tmp_path / "file").write_text("")
     with pytest.raises(hb.InputError, match="file/out: cannot be written: "):
         hb.reprocess(manifest(field), output=f"{tmp_path}/file/out")
