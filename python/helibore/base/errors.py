@@ -45,6 +45,12 @@ def check_not_negative(settings: Mapping[str, float]) -> None:
             raise InputError(name, "must be finite and not negative", str(value))
 
 
+def port_error(error: OSError, host: str, port: int, option: str) -> OSError:
+    """Return the error of an address that cannot be served on, which names it and what to change."""
+    reason = (error.strerror or str(error)).partition(" (while")[0]  # as socket.create_server repeats the address
+    return OSError(error.errno, f"{host} port {port}: {reason}; give another {option}")
+
+
 class MissingExtraError(ImportError):
     """Error for a library that an extra installs and that is missing.
 

@@ -15,7 +15,7 @@ from http import HTTPStatus
 from typing import Any
 from urllib.parse import parse_qs, urlsplit
 
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, port_error
 from helibore.cli.live_status import metrics
 from helibore.live.server import Server
 
@@ -97,7 +97,7 @@ class MetricsServer(http.server.HTTPServer):
         try:
             super().__init__((access.host, port), Pages)
         except OSError as error:
-            raise OSError(error.errno, f"{access.host} port {port} for metrics: {error.strerror}") from error
+            raise port_error(error, access.host, port, "port for metrics (--metrics-port)") from error
         if context := access.context():
             self.socket = context.wrap_socket(self.socket, server_side=True, do_handshake_on_connect=False)
         self._asked: queue.Queue[Any] = queue.Queue()

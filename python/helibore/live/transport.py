@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from helibore.base.errors import MissingExtraError
+from helibore.base.errors import MissingExtraError, port_error
 from helibore.live import wits
 from helibore.live.sources import Source, WitsSource
 
@@ -130,8 +130,11 @@ class TcpListener(Opener):
     def __init__(self, source: WitsSource, refuse: Callable[[str, str], None]) -> None:
         super().__init__(self._next)
         host, port = source.address.host, source.address.port
-        self._listening = socket.create_server((host, port), family=socket.AF_INET6 if ":" in host else socket.AF_INET,
-                                               backlog=64)  # fmt: skip
+        family = socket.AF_INET6 if ":" in host else socket.AF_INET
+        try:
+            self._listening = socket.create_server((host, port), family=family, backlog=64)
+        except OSError as error:
+            raise port_error(error, host, port, f"address of [source.{source.name}]") from error
         self._listening.settimeout(0.0)
         self.port = int(self._listening.getsockname()[1])
         self._source, self._refuse = source, refuse

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, port_error
 from helibore.live import wits
 from helibore.live.address import Address, read_address
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
@@ -215,7 +215,11 @@ def connect(address: str, seconds: float = 30.0) -> socket.socket:
     found = socket_address(address)
     where = (found.host, found.port)
     if found.kind == "listen":
-        with socket.create_server(where) as listening:
+        try:
+            listening = socket.create_server(where)
+        except OSError as error:
+            raise port_error(error, *where, "address (--wits)") from error
+        with listening:
             listening.settimeout(seconds)
             return listening.accept()[0]
     end = time.monotonic() + seconds

@@ -10,7 +10,7 @@ import time
 from typing import Any
 from urllib.parse import quote
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, MissingExtraError, port_error
 from helibore.viewer.scene import Scene
 
 START_SECONDS = 20.0
@@ -95,6 +95,9 @@ def import_server() -> Any:
     return uvicorn
 
 
+PORT_OPTION = "port, or 0 (--port; --view-port of helibore live)"
+
+
 def _bind(host: str, port: int) -> socket.socket:
     bound = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET, socket.SOCK_STREAM)
     bound.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
@@ -103,5 +106,5 @@ def _bind(host: str, port: int) -> socket.socket:
         bound.listen(128)
     except OSError as error:
         bound.close()
-        raise OSError(error.errno, f"{host} port {port}: {error.strerror}; give another port, or 0") from error
+        raise port_error(error, host, port, PORT_OPTION) from error
     return bound

@@ -71,7 +71,8 @@ def test_a_metrics_port_that_is_taken_is_named(running):
         port = taken.getsockname()[1]
         with pytest.raises(OSError) as raised:  # noqa: PT011 (the text is compared below)
             MetricsServer(running.server, port, Access())
-    assert str(raised.value) == f"[Errno 98] 127.0.0.1 port {port} for metrics: Address already in use"
+    rule = "Address already in use; give another port for metrics (--metrics-port)"
+    assert str(raised.value) == f"[Errno 98] 127.0.0.1 port {port}: {rule}"
 
 
 def test_metrics_need_no_new_thread_and_lose_no_slot(running, monkeypatch):

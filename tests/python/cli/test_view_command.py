@@ -184,7 +184,8 @@ def test_the_settings_of_a_run_show_its_wall(caliper: Path, tmp_path: Path) -> N
             taken = run(str(settings), "--no-browser", "--port", url.strip("/").rsplit(":", 1)[1])
             assert (taken.exit_code, taken.stderr.count("\n")) == (2, 1), taken.stderr
             port = url.strip("/").rsplit(":", 1)[1]
-            assert f"127.0.0.1 port {port}: Address already in use; give another port, or 0\n" in taken.stderr
+            rule = "Address already in use; give another port, or 0 (--port; --view-port of helibore live)"
+            assert taken.stderr == f"helibore: 127.0.0.1 port {port}: {rule}\n"
         finally:
             shown.send_signal(signal.SIGINT)
         assert shown.wait(20) == 0

@@ -334,6 +334,6 @@ def test_two_servers_cannot_share_an_address(tmp_path):
     port = free_port()
     with Running(configured(f"listen://127.0.0.1:{port}"), tmp_path / "a"):
         other = Running(configured(f"listen://127.0.0.1:{port}"), tmp_path / "b")
-        with pytest.raises(OSError, match="Address already in use"):
+        with pytest.raises(OSError, match=f"127.0.0.1 port {port}: Address already in use; give another address of"):
             other.server.start()
         other.live.close()

@@ -224,3 +224,11 @@ def test_a_snapshot_of_little_has_what_there_is(tmp_path):
     names = {path.name for path in snapshot(live, tmp_path)}
     assert names == {"main.wall", "main.csv", "survey.csv", "passes.csv", "snapshot.json"}, "the path ends at 110 m"
     assert len(hb.load(tmp_path / "main.wall")) == len(live.wall)
+
+
+def test_an_address_that_is_taken_is_named():
+    with socket.create_server(("127.0.0.1", 0)) as taken:
+        port = taken.getsockname()[1]
+        result = CliRunner().invoke(cli, ["simulate", "--wits", f"listen://127.0.0.1:{port}", "-q", *EM])
+    rule = "Address already in use; give another address (--wits)"
+    assert (result.exit_code, result.stderr) == (2, f"helibore: 127.0.0.1 port {port}: {rule}\n")
