@@ -15,23 +15,15 @@ import numpy.typing as npt
 from helibore.base import units
 from helibore.channels.roles import Role
 from helibore.files.raw_set import RawSet
+from helibore.samples.bit_sizes import FEW, looks_like_diameter
 
 Floats = npt.NDArray[np.float64]
-
-# Common bit diameters, inches. A radius near one of SMALL_BITS is probably a diameter, unless twice the radius is near
-# one of LARGE_BITS, which is then the size of the hole.
-SMALL_BITS = (7.875, 8.375, 8.5, 8.75, 9.5, 9.875, 10.625, 12.25)
-LARGE_BITS = (16.0, 17.5)
 
 RADIUS_RANGE = (0.02, 1.0)
 """Metres: no borehole has a median radius outside this range, so the unit is wrong."""
 
 LIKELY_NULLS = (-999.0, -9999.0, -99999.0, -999999.0, -32768.0, -32767.0, 9999.0, 99999.0, 999999.0, 999.25, 9999.25)
 """Numbers that files without a declaration mean no value by."""
-
-FEW = 5
-"""Fewer values than this are not checked for likely mistakes."""
-
 
 MANY = 1 << 16
 """If there are more values than this, the median is taken of evenly chosen values."""
@@ -65,7 +57,7 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
         return
     if bit_diameter is None and (role.confirmed or found.size < FEW):
         return
-    if _looks_like_diameter(median, bit_diameter):
+    if looks_like_diameter(median, bit_diameter):
         how = f', or give the bit diameter or confirm role = "{role.role}" there'
         if bit_diameter is not None:
             how = f", or --diameter {role.channel}: the bit's diameter is {bit_diameter:.3g} m"
@@ -73,17 +65,6 @@ def lengths(log_set: RawSet, role: Role, values: Floats, bit_diameter: float | N
             f'median {median:.3g}: looks like a diameter, where a radius is expected; state role = "diameter" in a map'
         )
         raise log_set.input_error(rule + how, column=role.channel)
-
-
-def _looks_like_diameter(median: float, bit_diameter: float | None) -> bool:
-    if bit_diameter is not None:
-        return median > 1.5 * bit_diameter / 2.0 and abs(median / bit_diameter - 1.0) < 0.25
-    inches = median / units.INCH
-
-    def near(value: float, sizes: tuple[float, ...]) -> bool:
-        return any(-0.005 <= value / size - 1.0 <= 0.03 for size in sizes)
-
-    return near(inches, SMALL_BITS) and not near(2.0 * inches, LARGE_BITS)
 
 
 def depths(log_set: RawSet, role: Role, values: Floats) -> None:

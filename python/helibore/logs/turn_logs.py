@@ -32,6 +32,7 @@ from helibore.base.threads import thread_count
 from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
+from helibore.samples.bit_sizes import looks_like_diameter
 from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, stretch_of
 from helibore.trajectory.survey import Path
@@ -214,8 +215,11 @@ class Logs(Tabular):
     def warnings(self) -> list[str]:
         """Return a sentence for each thing that a reader of the numbers must know."""
         size = self.equivalent_diameter[np.isfinite(self.equivalent_diameter)]
-        small = 1.0 - float(np.median(size)) / self.bit_diameter if size.size else 0.0
+        median = float(np.median(size)) if size.size else self.bit_diameter
+        small = 1.0 - median / self.bit_diameter
         found = []
+        if looks_like_diameter(0.5 * median, self.bit_diameter):
+            found.append("half of the turns are about twice as large as the bit: are the radii diameters?")
         if small > SMALL:
             found.append(f"half of the turns are at least {100 * small:.0f} % smaller than the bit: are bit size and "
                          "units right?")  # fmt: skip

@@ -32,6 +32,7 @@ from helibore.base.notebook import card, map_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import thread_count
 from helibore.base.units import ANGLE, LENGTH, TIME, factor
+from helibore.samples.bit_sizes import FEW, looks_like_diameter
 
 Basis = Literal["azimuthal", "average", "gauge"]
 """What a wall is made from."""
@@ -151,8 +152,9 @@ class Caliper(Tabular):
         Raises
         ------
         InputError
-            On a column that the table does not have or that does not hold numbers, an unknown unit, a table without a
-            complete row, and as `Caliper`; rows then count the complete ones.
+            On a column that the table does not have or that does not hold numbers, an unknown unit, radii whose median
+            is the size of a usual bit, a table without a complete row, and as `Caliper`; rows then count the complete
+            ones.
 
         Examples
         --------
@@ -185,6 +187,10 @@ class Caliper(Tabular):
         there = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
         if not there.any():
             raise InputError("table", f"none of {there.size} rows has all of {', '.join(columns)}")
+        median = float(np.median(columns["radius"][there]))
+        if there.sum() >= FEW and looks_like_diameter(median):
+            rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
+            raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         given: dict[str, Any] = columns if there.all() else {role: of[there] for role, of in columns.items()}
         made = cls(**given)
         made.__dict__["left_out"] = int(there.size - there.sum())

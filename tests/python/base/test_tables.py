@@ -133,6 +133,17 @@ def test_a_bad_table_is_refused(change, options, text):
     assert str(error.value) == text
 
 
+def test_diameters_in_the_place_of_radii_are_refused():
+    """An 8.5 in hole; the radii of a 17.5 in hole are as large, and stay."""
+    frame = {"DEPTH": np.arange(9.0), "TOOLFACE": np.arange(9.0), "RADIUS": np.full(9, 8.52)}
+    with pytest.raises(hb.InputError) as error:
+        hb.Caliper.from_table(frame, units={"radius": "in"})
+    rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
+    assert str(error.value) == f"column 'RADIUS': median = 0.216 m: {rule}"
+    frame["RADIUS"] = np.full(9, 8.75)
+    assert len(hb.Caliper.from_table(frame, units={"radius": "in"})) == 9
+
+
 @pytest.mark.parametrize(
     ("place", "call"),
     [

@@ -36,6 +36,11 @@ def test_a_hole_much_smaller_than_the_bit_is_reported() -> None:
     assert summarize(wall_of((10, GAUGE / 2), (4, WASHED))).warnings == (text,)
 
 
+def test_a_hole_twice_as_large_as_the_bit_is_reported() -> None:
+    text = "half of the turns are about twice as large as the bit: are the radii diameters?"
+    assert summarize(wall_of((10, 2 * GAUGE), (4, GAUGE))).warnings == (text,)
+
+
 def test_every_number_is_that_of_the_full_turns() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
     found = summarize(wall)

@@ -1,0 +1,28 @@
+"""The usual bit sizes, by which a diameter in the place of a radius is recognised.
+
+    median radius 0.216 m    that of an 8.5 in bit: looks like a diameter
+"""
+
+from __future__ import annotations
+
+from helibore.base.units import INCH
+
+# Common bit diameters, inches. A radius near one of SMALL_BITS is probably a diameter, unless twice the radius is near
+# one of LARGE_BITS, which is then the size of the hole.
+SMALL_BITS = (7.875, 8.375, 8.5, 8.75, 9.5, 9.875, 10.625, 12.25)
+LARGE_BITS = (16.0, 17.5)
+
+FEW = 5
+"""Fewer values than this are not checked for likely mistakes."""
+
+
+def looks_like_diameter(median: float, bit_diameter: float | None = None) -> bool:
+    """Whether a median radius, metres, is near the size of the bit; None: of a usual one."""
+    if bit_diameter is not None:
+        return median > 1.5 * bit_diameter / 2.0 and abs(median / bit_diameter - 1.0) < 0.25
+    inches = median / INCH
+
+    def near(value: float, sizes: tuple[float, ...]) -> bool:
+        return any(-0.005 <= value / size - 1.0 <= 0.03 for size in sizes)
+
+    return near(inches, SMALL_BITS) and not near(2.0 * inches, LARGE_BITS)
