@@ -6,6 +6,7 @@ one-dimensional, C-contiguous float64 array is copied here, and nowhere else.
 
 from __future__ import annotations
 
+import datetime
 from typing import Any
 
 import numpy as np
@@ -32,18 +33,34 @@ def numbers(values: npt.ArrayLike, dtype: npt.DTypeLike = np.float64) -> npt.NDA
 
 
 def are_dates(values: npt.ArrayLike) -> bool:
-    """Whether these are moments (datetime64)."""
-    return np.asarray(values).dtype.kind == "M"
+    """Whether these are moments (datetime64, or objects with a time zone)."""
+    array = np.asarray(values)
+    kind = array.dtype.kind
+    return kind == "M" or (kind == "O" and any(isinstance(of, datetime.datetime) for of in array.flat))
 
 
 def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
-    """Return ``values`` as float64; dates, if they are taken, as seconds since 1970, a missing one as NaN."""
+    """Return ``values`` as float64; dates, if they are taken, as seconds since 1970, a missing one as NaN.
+
+    Dates without a time zone are UTC, if none has one; dates with and without are an InputError.
+    """
     array = np.asarray(values)
     if dates and are_dates(array):
+        array = array if array.dtype.kind == "M" else _in_utc(array)
         return numbers((array - np.datetime64(0, "s")) / np.timedelta64(1, "s"))
     if array.dtype.kind in "Mm":
         raise TypeError("dates are not numbers")
     return numbers(array)
+
+
+def _in_utc(moments: Array) -> Array:
+    """Return objects as datetime64; None and NaT are missing."""
+    there = [of if of == of else None for of in moments.tolist()]  # NaT is not itself
+    if len({of.tzinfo is None for of in there if of is not None}) > 1:
+        raise InputError("dates", "some have a time zone and some have none: all must, or none")
+    utc = datetime.UTC
+    zoned = [of if of is None or of.tzinfo is None else of.astimezone(utc).replace(tzinfo=None) for of in there]
+    return np.array(zoned, "M8[us]")
 
 
 def column(name: str, values: npt.ArrayLike, length: int | None = None, like: str = "") -> Floats:

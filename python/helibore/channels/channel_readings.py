@@ -11,6 +11,8 @@ error, and never corrected silently: a diameter in the place of a radius, radian
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import numpy.typing as npt
 
@@ -32,6 +34,9 @@ UNSTATED = {
     units.TIME: "s, as no unit is stated",
 }
 """The unit that a channel without one is read in, by what it measures."""
+
+WITH_TIME = re.compile(r"(\S+[T ]\d[\d:.]*) ?(Z|UTC|[+-]\d\d(?::?\d\d)?)?")
+"""A date with a time of day, and perhaps its zone."""
 
 NORTH = ("n", "north", "m", "mtf", "magnetic", "0")
 HIGH_SIDE = ("h", "hs", "high side", "high-side", "g", "gtf", "gravity", "top", "1")
@@ -160,7 +165,7 @@ def _bit(log_set: RawSet, roles: RoleMap) -> float | None:
 
 
 def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
-    """Return times in seconds: as stated, or since 1970 if the file holds dates."""
+    """Return times in seconds: as stated, or since 1970 if the file holds dates; without a time zone they are UTC."""
     role = roles.one("time")
     if role is None:
         return None
@@ -168,14 +173,31 @@ def _time(log_set: RawSet, roles: RoleMap) -> Floats | None:
     if not channel.is_text:
         return column(log_set, role)
     seconds = np.full(log_set.rows, np.nan)
+    zoned: bool | None = None
     for row, cell in enumerate(channel.values):
-        if cell:
-            try:
-                seconds[row] = np.datetime64(cell.rstrip("Z"), "us").astype(np.int64) / 1e6
-            except ValueError:
-                rule = f"{cell[:40]!r} is no ISO 8601 date and time"
-                raise log_set.input_error(rule, row, role.channel) from None
+        if not cell or cell == "NaT":
+            continue
+        try:
+            seconds[row], has_zone = _since_1970(cell)
+        except ValueError:
+            rule = f"{cell[:40]!r} is no ISO 8601 date and time"
+            raise log_set.input_error(rule, row, role.channel) from None
+        if has_zone is not (zoned if zoned is not None else has_zone):
+            rule = f"{cell[:40]!r} has {'a' if has_zone else 'no'} time zone, unlike the dates above: all must, or none"
+            raise log_set.input_error(rule, row, role.channel)
+        zoned = has_zone
     return seconds
+
+
+def _since_1970(cell: str) -> tuple[float, bool]:
+    """Return the seconds since 1970 of a date in ISO 8601, and whether it has a time zone."""
+    found = WITH_TIME.fullmatch(cell)
+    text, zone = found.groups() if found else (cell, None)
+    seconds = float(np.datetime64(text, "us").astype(np.int64)) / 1e6
+    if zone and zone[0] in "+-":
+        minutes = 60 * int(zone[1:3]) + int(zone[3:].removeprefix(":") or 0)
+        seconds -= 60.0 * (minutes if zone[0] == "+" else -minutes)
+    return seconds, zone is not None
 
 
 def _passes(log_set: RawSet, roles: RoleMap) -> Integers | None:

@@ -48,7 +48,8 @@ def _one_line_errors() -> Iterator[None]:
     except BrokenPipeError:
         raise
     except OSError as error:
-        raise BadInput(f"{error.filename}: {error.strerror}" if error.filename else error.strerror or str(error)) from error
+        reason = error.strerror or str(error)
+        raise BadInput(f"{error.filename}: {reason}" if error.filename else reason) from error
     except (ValueError, MissingExtraError) as error:
         raise BadInput(str(error)) from error
 

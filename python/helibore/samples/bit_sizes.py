@@ -1,6 +1,6 @@
 """The usual bit sizes, by which a diameter in the place of a radius is recognised.
 
-    median radius 0.216 m    that of an 8.5 in bit: looks like a diameter
+median radius 0.216 m    that of an 8.5 in bit: looks like a diameter
 """
 
 from __future__ import annotations

@@ -142,8 +142,9 @@ class Caliper(Tabular):
         Parameters
         ----------
         table
-            ``table[name]`` is a column of numbers; a time may be of dates, which become seconds since 1970. A row with
-            a missing value (NaN, null) is left out; ``left_out`` of the caliper is how many.
+            ``table[name]`` is a column of numbers; a time may be of dates, which become seconds since 1970; without a
+            time zone they are UTC. A row with a missing value (NaN, null) is left out; ``left_out`` of the caliper is
+            how many.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
         units
@@ -171,11 +172,16 @@ class Caliper(Tabular):
                 raise InputError("units", f"{unknown!r} is none of depth, toolface, radius, time")
         columns: dict[str, Floats] = {}
         names = {"depth": depth, "toolface": toolface, "radius": radius, "time": time, "arm": arm}
+        named = list(getattr(table, "column_names", getattr(table, "columns", ())))  # Arrow; pandas and Polars
         for role, name in names.items():
             if name is None:
                 continue
+            if named.count(name) > 1:
+                raise InputError(f"column {name!r}", f"the table has {named.count(name)} of this name ({role})")
             try:
                 values = numbers_or_dates(table[name], dates=role == "time")
+            except InputError as error:
+                raise error.within(f"column {name!r}") from error
             except (TypeError, ValueError) as error:
                 raise InputError(f"column {name!r}", "must be numbers") from error
             except Exception as error:  # each library has an error of its own for a column that is not there

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from datetime import datetime
 
 import numpy as np
 import pandas as pd
@@ -99,6 +100,23 @@ def test_dates_are_seconds_since_1970_and_a_missing_one_is_left_out(of, ticks):
     assert (made.time.tolist(), made.left_out) == ([1704067200.0, 1704067201.5, 1704070800.0], 1)
 
 
+@pytest.mark.parametrize("of", [dict, pd.DataFrame, pl.DataFrame, pa.Table.from_pandas, pd.DataFrame.to_xarray])
+def test_dates_with_a_time_zone_are_seconds_since_1970(of):
+    when = pd.date_range("2024-01-01T01:00", periods=3, freq="h", tz="Europe/Oslo")
+    frame = pd.DataFrame({"DEPTH": [1.0, 2, 3], "TOOLFACE": [0.0, 1, 2], "RADIUS": [0.1] * 3, "WHEN": when})
+    frame.loc[1, "WHEN"] = pd.NaT
+    made = hb.Caliper.from_table(of(frame), time="WHEN")
+    assert (made.time.tolist(), made.left_out) == ([1704067200.0, 1704074400.0], 1)
+
+
+def test_columns_of_one_name_are_refused_by_name():
+    columns = [[1.0], [0.0], [0.1], [0.1]]
+    names = ["DEPTH", "TOOLFACE", "RADIUS", "RADIUS"]
+    for frame in (pd.DataFrame(np.transpose(columns), columns=names), pa.table(columns, names=names)):
+        with pytest.raises(hb.InputError, match=r"^column 'RADIUS': the table has 2 of this name \(radius\)$"):
+            hb.Caliper.from_table(frame)
+
+
 def test_null_of_integers_is_missing():
     frame = pl.DataFrame({"DEPTH": [1, 2, 3], "TOOLFACE": [0, None, 20], "RADIUS": [0.1, 0.1, 0.1], "T": [5, 6, 7]})
     made = hb.Caliper.from_table(frame, time="T")
@@ -125,6 +143,8 @@ def test_samples_go_round_by_a_data_frame(wall):
         ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}, "column 'T': must be numbers"),
         ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},
          "units: column 'T' is of dates, which have no unit (time)"),
+        ({"T": [*map(datetime.fromisoformat, ("2024-01-01", "2024-01-01T00:00Z"))] * 2}, {"time": "T"},
+         "column 'T': dates: some have a time zone and some have none: all must, or none"),
     ],
 )  # fmt: skip
 def test_a_bad_table_is_refused(change, options, text):

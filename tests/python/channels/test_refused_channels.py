@@ -69,6 +69,9 @@ def made(columns: dict[str, Any]) -> LogSet:
          "f.las, column radius: no toolface: name the toolface channel, or the angle of this one, by an option or in a "
          "map"),
         ({"pass": np.arange(N) + 0.5}, {}, "f.las, row 0, column pass: 0.5: a pass is a whole number"),
+        ({"time": np.array(["2020-01-01T00:00:00"] * 7 + ["2020-01-01T00:00:00-0330"])}, {},
+         "f.las, row 7, column time: '2020-01-01T00:00:00-0330' has a time zone, unlike the dates above: all must, or "
+         "none"),
         ({"time": np.array(["2020-01-01T00:00:00"] * 7 + ["noon"])}, {},
          "f.las, row 7, column time: 'noon' is no ISO 8601 date and time"),
         ({"tf_type": np.array(["N"] * 7 + ["up"])}, {},

@@ -309,7 +309,7 @@ def test_missing_values_are_left_out_and_counted() -> None:
 
 
 def test_dates_become_seconds() -> None:
-    when = channel("TIME", "", ["1970-01-01T00:00:10Z", "", "1970-01-02T00:00:00.5"])
+    when = channel("TIME", "", ["1970-01-01T01:00:10+01:00", "", "1970-01-02T00:00:00.5Z"])
     one = log_set(channel("MD", "m"), channel("TF", "deg", [0, 90, 180]), channel("radius", "mm", [100.0] * 3), when)
     found = wall_samples(one)
     assert found.time is not None
