@@ -19,12 +19,14 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.axial import Axes
+from helibore.base.notebook import card
 from helibore.base.percentiles import percentiles
 from helibore.base.ranges import pieces
+from helibore.base.units import size_text
 from helibore.logs.turn_logs import Logs, Shape
 from helibore.logs.zone_criteria import Criteria
 from helibore.logs.zones import KINDS, Classification, classify
-from helibore.samples.caliper import Basis
+from helibore.samples.caliper import BASIS_TEXT, Basis
 from helibore.samples.helix import WallLike, helix_of
 
 
@@ -33,6 +35,10 @@ class Extreme(NamedTuple):
 
     value: float
     depth: float
+
+    def text(self) -> str:
+        """Return both as text."""
+        return f"{size_text(self.value)} at {self.depth:.2f} m"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -109,6 +115,26 @@ class WallSummary:
     without_radius: float
     nearest_half: float
     nearest_most: float
+
+    def numbers(self) -> dict[str, str]:
+        """Return what a card shows, by name; missing numbers are left out."""
+        numbers = {
+            "depth": f"{self.start:.2f} to {self.stop:.2f} m",
+            "basis": BASIS_TEXT[self.basis],
+            "bit": size_text(self.bit_diameter),
+            "mean diameter": size_text(self.mean_diameter),
+            "least diameter": self.least_diameter.text(),
+            "greatest diameter": self.greatest_diameter.text(),
+            "volume": f"{self.volume:.3f} m³ over {self.measured:.1f} m, {100 * self.excess:+.1f} % against the bit",
+            "washed out": f"{self.washed_out:.1f} m",
+            "measured": f"{100 * self.coverage:.0f} % of the turns",
+            "vertices, samples": f"{self.vertices}, {self.samples}",
+            **{f"warning {number}": text for number, text in enumerate(self.warnings, 1)},
+        }
+        return {name: text for name, text in numbers.items() if "nan" not in text}
+
+    def _repr_html_(self) -> str:
+        return card("Wall summary", self.numbers(), "")
 
 
 def summarize(

@@ -19,6 +19,7 @@ import numpy.typing as npt
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError
+from helibore.base.notebook import card, curve_picture
 from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import lobes_of, lobes_of_arms
@@ -29,6 +30,9 @@ from helibore.samples.helix import WallLike
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
 """Kinds by their code in files, from 0."""
 CLASSES = ", ".join(f"{code} {kind}" for code, kind in enumerate(KINDS))
+
+WORST = 5
+"""Zones that a card lists."""
 
 Kinds = npt.NDArray[np.int8]
 GAUGE, WASHOUT, BREAKOUT, KEY_SEAT, UNDERGAUGE = range(5)
@@ -160,6 +164,20 @@ class Classification(Tabular):
                 (f"HIGH{number}", "m", "Height of the lobe over the circle of C2", [of.height for of in lobes]),
             ]
         return LogTable(columns_of(*rows), self.facts())
+
+    def _repr_html_(self) -> str:
+        metres = {kind: [zone.length for zone in self.of(kind)] for kind in KINDS[1:]}
+        numbers = {kind: f"{len(of)} zone{'s' * (len(of) != 1)}, {sum(of):.1f} m" for kind, of in metres.items() if of}
+        for number, zone in enumerate(sorted(self.zones, key=self.severity, reverse=True)[:WORST], 1):
+            size = f"{1000 * self.measure(zone):.1f} mm, {self.severity(zone):.1f} times its limit"
+            numbers[f"worst {number}"] = f"{zone.kind} {zone.start:.2f} to {zone.stop:.2f} m: {size}"
+        axis = self.breakout_axis()
+        if math.isfinite(axis.mean):
+            numbers["breakout axis"] = f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {axis.deviation:.0f}°"
+        picture = curve_picture(
+            np.where(self.kind < 0, np.nan, self.kind), self.logs.depth, f"class by depth: {CLASSES}"
+        )
+        return card(repr(self), numbers | self.criteria.facts(), picture)
 
     def __repr__(self) -> str:
         counts = ", ".join(f"{len(self.of(kind))} {kind}" for kind in KINDS[1:] if self.of(kind))

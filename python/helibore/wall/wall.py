@@ -24,14 +24,13 @@ from helibore.base.errors import InputError, MissingExtraError
 from helibore.base.notebook import card, map_picture
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
-from helibore.base.units import size_text
 from helibore.images.sector_image import SectorImage, SectorImages
 from helibore.logs.picks import ENDING as PICKS
 from helibore.logs.picks import Picks
 from helibore.mesh.attributes import WallAttributes
 from helibore.mesh.surface import Surface, surface_of
 from helibore.mesh.volume import Volume, volume_of
-from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper, check_basis
+from helibore.samples.caliper import Basis, Caliper, check_basis
 from helibore.samples.helix import helix_of, quad_room
 from helibore.trajectory.survey import Path, checked_path
 from helibore.wall import archive
@@ -557,19 +556,9 @@ class Wall:
         sectors = self._settings.sectors
         if len(self) < sectors:
             return card(repr(self), {}, "")
-        of = self.summary()
-        numbers = {
-            "depth": f"{of.start:.2f} to {of.stop:.2f} m",
-            "basis": BASIS_TEXT[of.basis],
-            "bit": size_text(of.bit_diameter),
-            "mean diameter": size_text(of.mean_diameter),
-            "washed out": f"{of.washed_out:.1f} m",
-            "measured": f"{100 * of.coverage:.0f} % of the turns",
-            "vertices, samples": f"{of.vertices}, {of.samples}",
-        }
         radius = self.radius[: len(self) // sectors * sectors].reshape(-1, sectors)
         picture = map_picture(radius, "caliper", "radius by depth and toolface")
-        return card("Wall", {name: text for name, text in numbers.items() if "nan" not in text}, picture)
+        return card("Wall", self.summary().numbers(), picture)
 
     def __repr__(self) -> str:
         if not len(self):

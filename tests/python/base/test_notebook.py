@@ -27,7 +27,18 @@ def everything():
                            "gAPI", origin="edge", reference="north")  # fmt: skip
     tuning = hb.tune(hb.Caliper(caliper.depth[::8], caliper.toolface[::8], caliper.radius[::8]),
                      bit_diameter=0.216, targets=100)  # fmt: skip
-    return {"wall": wall, "logs": wall.logs(), "caliper": caliper, "survey": survey, "image": image, "tuning": tuning}
+    washed = hb.Caliper(caliper.depth, caliper.toolface, caliper.radius + 0.03 * (caliper.depth > 1015))
+    zones, summary = hb.reconstruct(washed, bit_diameter=0.216).zones(), wall.summary()
+    return {
+        "wall": wall,
+        "logs": wall.logs(),
+        "zones": zones,
+        "summary": summary,
+        "caliper": caliper,
+        "survey": survey,
+        "image": image,
+        "tuning": tuning,
+    }
 
 
 @pytest.mark.parametrize("name", everything())
@@ -51,9 +62,18 @@ def test_empty_things_have_a_card():
     assert "no samples" in hb.Caliper([], [], [])._repr_html_()
 
 
+def test_zones_say_how_many_and_which_is_worst():
+    zones = everything()["zones"]
+    html, worst = zones._repr_html_(), max(zones.zones, key=zones.severity)
+    assert f"{len(zones.of('washout'))} zone, {sum(zone.length for zone in zones.of('washout')):.1f} m" in html
+    assert f"{worst.kind} {worst.start:.2f} to {worst.stop:.2f} m" in html
+
+
 def test_the_wall_says_what_its_summary_says():
     wall = everything()["wall"]
-    assert f"{wall.summary().mean_diameter * 1000:.1f} mm" in wall._repr_html_()
+    for html in (wall._repr_html_(), wall.summary()._repr_html_()):
+        assert f"{wall.summary().mean_diameter * 1000:.1f} mm" in html
+        assert f"at {wall.summary().greatest_diameter.depth:.2f} m" in html
 
 
 def test_a_map_has_the_colours_of_its_cells():
