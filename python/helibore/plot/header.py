@@ -110,14 +110,12 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
     """Explain the letters and the grey; say what drew it."""
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
     sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
-    words = "missing: no value, or no sample in reach."
     left = x + 5.2
-    sheet.text(left, y, words, SMALL)
+    left += sheet.text_width(sheet.text(left, y, "missing: no value, or no sample in reach.", SMALL)) + 4.0
     if content.hatching:
-        left += 46.0
         sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
-        sheet.text(left + 5.2, y, content.hatching, SMALL)
-    left += 41.0 if content.hatching else 48.0
+        left += 5.2
+        left += sheet.text_width(sheet.text(left, y, content.hatching, SMALL)) + 4.0
     sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - 24.0 - left)
     made = f"helibore {__version__}" + (f", {page}" if page else "")
     sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)

@@ -91,6 +91,10 @@ class Sheet:
             shown.set_text(words.rstrip() + "…")
         return shown
 
+    def text_width(self, shown: Text) -> float:
+        """Millimetres that a text takes at this many dots per inch: with few, its letters stand wider."""
+        return float(shown.get_window_extent().width) / self.dpi * MM
+
     def line(self, x: tuple[float, float], y: tuple[float, float], **extra: Any) -> None:
         """Draw a line from (x0, y0) to (x1, y1)."""
         from matplotlib.lines import Line2D

@@ -97,6 +97,10 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
     assert f"{100 * measured:.2f} % of the turns; the rest is interpolated between arms" in words
     assert "interpolated between arms" in words
     assert_readable(figure)
+    for dpi in (50, 70, 150):  # letters stand wider where dots are few; the key's boxes take 5.2 mm
+        foot = {text.get_text(): text for text in plot.log(wall, dpi=dpi, polar=(), body=()).texts}
+        ends = foot["missing: no value, or no sample in reach."].get_window_extent().x1
+        assert foot["interpolated between arms"].get_window_extent().x0 - ends > 5.2 / 25.4 * dpi
     (section,) = sections_at(wall, [2003.0], (wall.angular_gap > 60.0).astype(float))
     gap = wall.angular_gap[30 * 64 - 32 : 31 * 64 - 32]  # the turn around 2003 m
     assert np.count_nonzero(section.interpolated) == pytest.approx(np.count_nonzero(gap > 60), abs=2)
