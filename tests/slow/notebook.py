@@ -83,6 +83,7 @@ def main(picture: str | None) -> None:
             page = browser.new_page(viewport={"width": 1500, "height": 1100})
             page.goto(address)
             page.get_by_text("import numpy").first.wait_for(timeout=90_000)
+            page.get_by_text("| Idle").first.wait_for(timeout=90_000)  # a cell that is run before it is lost
 
             def run(cell: int) -> None:
                 page.locator(".jp-CodeCell").nth(cell).locator(".cm-content").click()
