@@ -101,8 +101,11 @@ def angles(log_set: RawSet, role: Role, values: Floats) -> None:
         raise log_set.input_error("every value is missing", column=role.channel)
     low, high = float(found.min()), float(found.max())
     if low < -720.0 or high > 720.0:
-        row = int(np.argmax(np.abs(values) > 720.0))
+        beyond = np.abs(values) > 720.0
+        row = int(np.argmax(beyond))
         rule = f"{values[row]:g} deg: an angle lies within -720 and 720"
+        if np.unique(values[beyond]).size == 1:
+            rule += f"; if the number means no value, --absent {values[row]:.10g} says so"
         raise log_set.input_error(rule, row, role.channel)
     within = -np.pi - 1e-3 <= low and high <= 2.0 * np.pi + 1e-3 and high - low > 3.0
     if within and not role.confirmed and found.size >= 4 * FEW:

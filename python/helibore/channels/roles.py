@@ -85,9 +85,9 @@ NORTH_TEXT = re.compile(r"(1|one) (azimuth|north)|\bmagnetic tool ?face\b|\bfrom
 
 RADIUS = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?(radius|radi)|r")
 DIAMETER = re.compile(r"(wall[_ ]?|hole[_ ]?|cal(iper)?[_ ]?)?diam(eter)?|dia|d")
-# One of the two arms of an X-Y caliper: pfc1_x, cal_y, c1, xcal, caliper_2.
+# One of the two arm pairs of an X-Y caliper: pfc1_x, cal_y, c1, xcal, caliper_2; by the numbers of the arms, C13, C24.
 ARM = re.compile(
-    r"(?:.*(?:cal|caliper|pfc|arm|diam)[a-z]*\d?[_ ]?)(x|y)|(x|y)[_ ]?cal(?:iper)?|(?:c|cal|caliper)[_ ]?([12])"
+    r"(?:.*(?:cal|caliper|pfc|arm|diam)[a-z]*\d?[_ ]?)(x|y)|(x|y)[_ ]?cal(?:iper)?|(?:c|cal|caliper)[_ ]?(1|2|13|24)"
 )
 SIDE = re.compile(r"\bcaliper\b.*\b(horizontal|vertical)\b|\b(horizontal|vertical)\b.*\bcaliper\b", re.IGNORECASE)
 ECHO = re.compile(r"(tw)?tt\d?|travel[_ ]?time|transit[_ ]?time|awtt|two[_ ]?way[_ ]?time")
@@ -289,7 +289,7 @@ def _wall_role(channel: Channel, has_toolface: bool) -> Role | None:
         reason = f'described as "{channel.description}": a diameter through {angle:g} and {angle + 180:g} deg'
         return Role(channel.name, "diameter", reason, unit, angle)
     if arm := ARM.fullmatch(name):
-        letter = (arm[1] or arm[2] or {"1": "x", "2": "y"}[arm[3]]).lower()
+        letter = (arm[1] or arm[2] or {"1": "x", "2": "y"}[arm[3][0]]).lower()
         angle = {"x": 0.0, "y": 90.0}[letter]
         reason = f"named like the {letter} arm pair of a caliper: across the hole at {angle:g} deg from the toolface"
         return Role(channel.name, "diameter", reason, unit, angle)

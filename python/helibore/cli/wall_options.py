@@ -104,7 +104,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opts("--travel-time", "NAME[@ANGLE][:UNIT] of an echo's travel time.", metavar="COLUMN"),
         opts("--header-line header_lines", "Line of the column names of a table (CSV, XLSX): LINE for SOURCE, "
              "FILE=LINE for any other file.  [found]", metavar="[FILE=]LINE"),
-        opts("--absent", "Number that means no value.  [-999.25, -9999, -9999.25]", type=float),
+        opts("--absent", "Number that means no value, besides -999.25, -9999, -9999.25.", type=float),
     ),
     "Sensors": (
         opt("--track", "File with depth (and toolface) by time, for a caliper that has only a time.", type=FILE),
@@ -401,7 +401,7 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
     from helibore.runs.run import OpenFiles
     from helibore.runs.run_settings import Input, PathSettings, RunSettings
 
-    nulls = tuple(options["absent"]) or NULLS
+    nulls = tuple(dict.fromkeys((*NULLS, *options["absent"])))
     archive = next((file for file in options["source"] if file.suffix.lower() == ARCHIVE), None)
     sources = [] if archive is not None else list(options["source"])
     if options["average"] is not None:

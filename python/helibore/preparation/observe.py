@@ -156,7 +156,7 @@ def _restarted(readings: Sequence[Readings]) -> str:
             numbered = one.pass_number is None or (rows.size and one.pass_number[rows[0]] >= 0)
             if rows.size and numbered:  # rows without a number may lie between passes
                 spans.append((float(one.time[rows].min()), float(one.time[rows].max()), one.name))
-    spans.sort()
+    spans.sort(key=lambda span: span[0])
     for (_, last, name), (first, _, other) in pairwise(spans):
         if first < last:
             return name if other == name else f"{name} and {other}"

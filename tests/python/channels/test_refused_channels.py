@@ -47,7 +47,9 @@ def made(columns: dict[str, Any]) -> LogSet:
          'f.las, column MD: unit missing: state it in a map ([channels."MD"] unit = ...), or as MD:UNIT in its option; '
          "depth is length"),
         ({"TF__deg": np.full(N, np.nan)}, {}, "f.las, column TF: every value is missing"),
-        ({"TF__deg": np.full(N, 1e4)}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720"),
+        ({"TF__deg": np.full(N, 1e4)}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720; if "
+                                           "the number means no value, --absent 10000 says so"),
+        ({"TF__deg": np.arange(N) + 1e4}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720"),
         ({"TF__deg": np.linspace(0, 6.28, N)}, {"radius": {"unit": "m"}}, None),
         ({"radius__m": np.full(N, np.nan)}, {}, "f.las, column radius: every value is missing"),
         ({"radius__m": np.full(N, 0.216)}, {},

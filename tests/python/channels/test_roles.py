@@ -113,6 +113,13 @@ def test_other_toolfaces_count_from_what_the_wall_counts_from(name: str) -> None
     assert guess(log_set(DEPTH, channel(name, "deg"), radius(0.1)))[name].reference == ""
 
 
+def test_arm_pairs_are_known_by_the_numbers_of_their_arms() -> None:
+    roles = guess(log_set(DEPTH, TURN, *(channel(name, "in", np.full(40, 8.5)) for name in ("C13 (IN)", "C24 (IN)"))))
+    assert [(roles[name].role, roles[name].angle) for name in ("C13 (IN)", "C24 (IN)")] == [
+        ("diameter", 0.0), ("diameter", 90.0),
+    ]  # fmt: skip
+
+
 def columns_of(stem: str, count: int, unit: str, described: str = "", **more: object) -> list[Channel]:
     return [channel(f"{stem}{n}", unit, described=described, **more) for n in range(1, count + 1)]
 
