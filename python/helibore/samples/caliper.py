@@ -29,6 +29,7 @@ from helibore.base.arrays import (
 )
 from helibore.base.errors import InputError
 from helibore.base.notebook import card, map_picture
+from helibore.base.nulls import NULLS
 from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import thread_count
 from helibore.base.units import ANGLE, LENGTH, TIME, factor
@@ -143,8 +144,8 @@ class Caliper(Tabular):
         ----------
         table
             ``table[name]`` is a column of numbers; a time may be of dates, which become seconds since 1970; without a
-            time zone they are UTC. A row with a missing value (NaN, null) is left out; ``left_out`` of the caliper is
-            how many.
+            time zone they are UTC. A row with a missing value (NaN, null, or a number that logs write for none, as in
+            files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the caliper is how many.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
         units
@@ -189,11 +190,16 @@ class Caliper(Tabular):
             kind = COLUMNS[role]
             if role in units and are_dates(table[name]):
                 raise InputError("units", f"column {name!r} is of dates, which have no unit ({role})")
+            null = np.isin(values, NULLS)
+            values = np.where(null, np.nan, values) if null.any() else values
             columns[role] = values * factor(units[role], kind) if role in units and kind else values
         there = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
         if not there.any():
             raise InputError("table", f"none of {there.size} rows has all of {', '.join(columns)}")
         median = float(np.median(columns["radius"][there]))
+        if median > LARGEST_RADIUS and "radius" not in units:
+            rule = f'must be at most {LARGEST_RADIUS:g} m: units={{"radius": "in"}} states another unit'
+            raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         if there.sum() >= FEW and looks_like_diameter(median):
             rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")

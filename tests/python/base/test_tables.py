@@ -117,6 +117,12 @@ def test_columns_of_one_name_are_refused_by_name():
             hb.Caliper.from_table(frame)
 
 
+def test_numbers_that_logs_write_for_no_value_are_missing():
+    frame = {"DEPTH": [1, 2, 3, 4], "TOOLFACE": [0, -9999, 20, 30], "RADIUS": [4.3, 4.3, -999.25, 4.3]}
+    made = hb.Caliper.from_table(pd.DataFrame(frame), units={"radius": "in"})
+    assert (made.depth.tolist(), made.left_out) == ([1.0, 4.0], 2)
+
+
 def test_null_of_integers_is_missing():
     frame = pl.DataFrame({"DEPTH": [1, 2, 3], "TOOLFACE": [0, None, 20], "RADIUS": [0.1, 0.1, 0.1], "T": [5, 6, 7]})
     made = hb.Caliper.from_table(frame, time="T")
@@ -138,7 +144,9 @@ def test_samples_go_round_by_a_data_frame(wall):
         ({}, {"units": {"R": "in"}}, "units: 'R' is none of depth, toolface, radius, time"),
         ({}, {"units": {"radius": "deg"}}, "unit 'deg': measures angle, "
          "must be a unit of length: m, cm, mm, ft, ftUS, in, 0.1in"),
-        ({"R": [4.0] * 4}, {}, "radius[0] = 4: must be above 0 and at most 2 m"),
+        ({"R": [4.0] * 4}, {},
+         "column 'R': median = 4 m: must be at most 2 m: units={\"radius\": \"in\"} states another unit"),
+        ({"R": [0.1, 0.1, 0.1, 4.0]}, {}, "radius[2] = 4: must be above 0 and at most 2 m"),
         ({"R": np.arange(4).astype("M8[s]")}, {}, "column 'R': must be numbers"),
         ({"T": np.arange(4).astype("m8[s]")}, {"time": "T"}, "column 'T': must be numbers"),
         ({"T": np.arange(4).astype("M8[s]")}, {"time": "T", "units": {"time": "s"}},
