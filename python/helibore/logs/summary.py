@@ -19,6 +19,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.axial import Axes
+from helibore.base.errors import InputError
 from helibore.base.notebook import card
 from helibore.base.percentiles import percentiles
 from helibore.base.ranges import pieces
@@ -157,12 +158,19 @@ def summarize(
         Of the kinds of hole; None: the defaults.
     zones
         `classify` of the same wall with these criteria, where it is at hand.
+
+    Raises
+    ------
+    InputError
+        ``stop = 1500 m: must not be above start = 1510 m``.
     """
     zones = classify(wall, criteria) if zones is None else zones
     turns = zones.logs
     radius, helix = wall.radius, helix_of(wall)
     ends = helix.ends(radius.size) if radius.size else (math.nan, math.nan)
     start, stop = ends[0] if start is None else float(start), ends[1] if stop is None else float(stop)
+    if stop < start:
+        raise InputError("stop", f"must not be above start = {start:g} m", f"{stop:g} m")
     inside = helix.between(start, stop, radius.size)
     vertices = inside.stop - inside.start
     without = sum(int(np.isnan(radius[piece]).sum()) for piece in pieces(inside))

@@ -84,6 +84,11 @@ def test_an_interval_counts_the_metres_that_lie_in_it() -> None:
     assert (found.start, found.stop) == (1001.2, 1002.0)
 
 
+def test_an_interval_that_ends_above_its_start_is_refused() -> None:
+    with pytest.raises(hb.InputError, match=r"^stop = 1000 m: must not be above start = 1001 m$"):
+        summarize(wall_of((10, GAUGE)), 1001.0, 1000.0)
+
+
 def test_washed_out_is_what_zones_call_washout() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
     found = classify(wall)
