@@ -176,11 +176,13 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
 
 def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
     """Rows split into runs of rising or falling time, if in the order of time the tool would jump from row to row."""
+    falls = np.diff(time[rows]) < 0
+    if falls.all() or not falls.any():
+        return [rows]
     known = rows[np.isfinite(depth[rows])]
     when, where = _in_order(time[known], depth[known])
     if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():
         return [rows]
-    falls = np.diff(time[rows]) < 0
     starts = [0]
     for step in np.flatnonzero(falls[1:] != falls[:-1]) + 1:
         if step > starts[-1]:  # the step to another clock; the one after it is the first of the next run
