@@ -503,38 +503,47 @@ class Model:
             self.counts[f"pass {name}"] += count
         time = (rows["time"] - self.clock.began) / SECOND
         drawn = np.zeros(len(rows), bool)
-        gaps = []
+        gaps, outside = [], []
         for name in self.layers:
             chosen = self._takes[name].chosen(kind, rows["number"])
             if not chosen.any():
                 continue
             self._leave_out_crowded(name, rows, depth, chosen)
-            drawn |= chosen & ~self._before_start(name, rows, depth, chosen)
+            before = chosen & self._before_start(name, depth)
+            drawn |= chosen & ~before
+            if before.any():
+                outside.append((name, np.flatnonzero(before)))
             columns = (depth[chosen], rows["toolface"][chosen], rows["radius"][chosen], time[chosen])
             self._append(name, rows[chosen], columns, update)
             for source in sorted(set(rows["source"][chosen].tolist())):  # of each, samples are in order of arrival
                 of = np.flatnonzero(chosen & (rows["source"] == source))
                 gaps += self._depth_gaps((name, source), depth[of], of)
+        self._report_outside(rows, depth, outside)
         if gaps:
             self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
 
-    def _before_start(
-        self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
-    ) -> npt.NDArray[np.bool_]:
-        """Report samples of a layer that lie before its first vertex, out of its reach, and return which they are."""
+    def _before_start(self, name: str, depth: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
+        """Return which samples lie before the first vertex of a layer, out of its reach."""
         settings = self.layers[name].settings
-        start = settings.start_depth
-        if start is None:
-            return np.zeros_like(chosen)
-        reach = np.inf if settings.max_distance is None else settings.max_distance
-        before: npt.NDArray[np.bool_] = chosen & (np.copysign(1.0, settings.pitch) * (start - depth) > reach)
-        if before.any():
-            outside, rule = np.flatnonzero(before), f"lies before the wall, which begins at start_depth = {start:g} m"
-            text = "layer {}: a sample at {:.1f} m {}: not drawn"
-            self.passes.report(rows, outside, "outside", lambda place: text.format(name, depth[outside[place]], rule))
+        start, reach = settings.start_depth, settings.max_distance
+        if start is None or reach is None:
+            return np.zeros(len(depth), bool)
+        before: npt.NDArray[np.bool_] = np.copysign(1.0, settings.pitch) * (start - depth) > reach
         return before
+
+    def _report_outside(
+        self, rows: Rows, depth: npt.NDArray[np.float64], outside: list[tuple[str, npt.NDArray[np.int64]]]
+    ) -> None:
+        """Report samples before the start of a layer, by layer, in order of arrival: so is the order at a replay."""
+        if not outside:
+            return
+        names = [name for name, of in outside for _ in of]
+        places = np.concatenate([of for _, of in outside])
+        rule = f"lies before the wall, which begins at start_depth = {self.configuration.wall['start_depth']:g} m"
+        text = "layer {}: a sample at {:.1f} m {}: not drawn"
+        self.passes.report(rows, places, "outside", lambda at: text.format(names[at], depth[places[at]], rule))
 
     def _leave_out_crowded(
         self, name: str, rows: Rows, depth: npt.NDArray[np.float64], chosen: npt.NDArray[np.bool_]
