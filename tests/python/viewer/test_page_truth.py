@@ -115,6 +115,8 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         cursor = screen.evaluate("window.__wall.app.view.cursor.depth")
         assert cursor == pytest.approx((zone.start + zone.stop) / 2, abs=1e-3)
         assert screen.evaluate("window.__wall.app.view.middle") == pytest.approx(cursor)
+        screen.settle()
+        assert screen.readout()["Radius"] == "–", "a cursor at a depth alone is on no quad, whose data could lack"
         screen.keyboard.press("f")
         assert screen.is_visible("#follow")
         viewer.scene.update_state(ended=True)  # a saved wall: it begins with its worst zone and follows nothing

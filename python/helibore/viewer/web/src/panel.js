@@ -146,7 +146,7 @@ export function readout({ store, view, path, quad }) {
     ['TVD', showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
-    ['Radius', measured ? showLength(measured.radius, units) : cursor ? (gauge ? 'not measured' : 'no data') : '–'],
+    ['Radius', measured ? showLength(measured.radius, units) : !cursor ? '–' : gauge ? 'not measured' : cursor.toolface === null ? '–' : 'no data'],
     ['Over bit radius', showSigned(measured ? measured.radius - store.bitRadius : NaN, units)],
     ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],
     ['Nearest sample', showLength(measured?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
