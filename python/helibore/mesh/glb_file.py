@@ -103,7 +103,7 @@ def write_glb(
     file.write(struct.pack("<I4s", size, b"BIN\0"))
     for view in views:
         for block in blocks:
-            file.write(np.ascontiguousarray(view.of(block)).data)
+            file.write(view.of(block).data)
 
 
 @dataclass(frozen=True)
