@@ -141,7 +141,7 @@ class SectorImage:
     def breakouts(self, criteria: ImageCriteria | None = None) -> ImageBreakouts:
         """Find where the image is dark on opposite sides of the hole: `helibore.images.image_breakouts`.
 
-        ``criteria``: how dark, how long and how opposite; None: those of the trade.
+        ``criteria``: how dark, how long and how opposite; None: the usual ones.
 
         Raises
         ------
@@ -230,7 +230,11 @@ class SectorImage:
         toolface = wall.settings.start_toolface + (np.arange(K, dtype=np.float64) + 0.5) * (360 / K)
         turned = (toolface - self.offset) * (1 if self.direction == "clockwise" else -1) * self.sectors / 360
         sector = turned + 0.5 if self.origin == "centre" else turned
-        quads, values, threads = (wall.start_depth, pitch, count), self.values.ravel(), thread_count(None)
+        quads, values, threads = (
+            (wall.start_depth, pitch, count),
+            self.values.ravel(),
+            thread_count(getattr(wall, "threads", None)),
+        )
         if method == "cell":
             low, high = self.cover()
             return _core.cell_values(self.depth, values, low, high, quads, sector, threads)

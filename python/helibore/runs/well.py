@@ -144,7 +144,7 @@ def merge_well(job: Job, expected: dict[str, str] | None = None) -> Json:
         files |= store.sizes(f"wells/{job.key}")
         zones = _save_tables(job, save, classify(wall, None, logs))
         if "mesh" in job.outputs:
-            _save_overview(job, save, surface_of(over, run.path))
+            _save_overview(job, save, surface_of(over, run.path, threads=1))
         row = catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
     made_from = read_plan(store, _work(job))["made_from"]
     record = _write_record(job, store, made_from, files, row)
@@ -235,11 +235,11 @@ def write_outputs(run: Run, job: Job, store: Store) -> tuple[dict[str, int], Jso
     files, save = _saver(store)
     if "archive" in job.outputs:
         save(f"wells/{key}/{key}.wall", wall.save)
-    zones = _save_tables(job, save, classify(wall, None, wall.logs(threads=1)))
+    zones = _save_tables(job, save, classify(wall, None, wall.logs()))
     if "mesh" in job.outputs:
         save(f"wells/{key}/{key}.glb", lambda path: wall.surface().save(path))
         coarse = vars(overview_settings(wall.settings))
-        _save_overview(job, save, surface_of(wall_of(wall.samples, threads=1, **coarse), wall.path))
+        _save_overview(job, save, surface_of(wall_of(wall.samples, threads=1, **coarse), wall.path, threads=1))
     return files, catalogue_row(job.well, run.settings, wall, summarize(wall, zones=zones))
 
 

@@ -39,12 +39,15 @@ class WallState:
     made_from: dict[str, Any]
     arms: Caliper | None = None
     sums: tuple[Floats, ...] = ()
+    threads: int | None = None
 
     @cached_property
     def angular_gap(self) -> Floats:
         depth, toolface, *_ = self.sample_columns
         reach = self.settings.gap_reach
-        return _core.angular_gaps(stretch_of(self), self.radius.size, depth, toolface, reach, thread_count(None))
+        return _core.angular_gaps(
+            stretch_of(self), self.radius.size, depth, toolface, reach, thread_count(self.threads)
+        )
 
     @property
     def samples(self) -> Caliper:

@@ -371,7 +371,7 @@ class Wall:
             the wall has nothing between ``start`` and ``stop``; and as `SectorImage.on` and `WallAttributes`.
         """
         state = self._state(samples=False)
-        surface = surface_of(state, self._resolve_path(path), start, stop)
+        surface = surface_of(state, self._resolve_path(path), start, stop, self._threads)
         for name, image in self.images.items():
             surface.attributes[name] = image.on(state)
             surface.attributes.units[name] = image.unit
@@ -404,7 +404,8 @@ class Wall:
             As `surface`; naming shell, vertex and depth where a shell does not lie beyond the one before, and where the
             path bends so sharply that a shell folds over itself; if a second wall has another helix.
         """
-        return volume_of(self._state(samples=False), self._resolve_path(path), shells, start, stop)
+        state = self._state(samples=False)
+        return volume_of(state, self._resolve_path(path), shells, start, stop, self._threads)
 
     def __reduce__(self) -> tuple[Any, ...]:
         state = self._state()
@@ -474,17 +475,19 @@ class Wall:
             sums = core.sums() if samples and self._settings.sigma else ()
             start_depth, arms = core.start_depth, self.arms if samples else None
         placing = (self.path, self.images, self.attributes, self.made_from)
-        return WallState(self._settings, self._basis, start_depth, *vertices, columns, *placing, arms, sums)
+        return WallState(
+            self._settings, self._basis, start_depth, *vertices, columns, *placing, arms, sums, self._threads
+        )
 
     def logs(self, rugosity_window: float = 1.0, threads: int | None = None, *, sigma: bool = False) -> Logs:
         """Measure every full turn: `helibore.logs.turn_logs.turn_logs` with this wall and its bit diameter.
 
-        ``rugosity_window``: metres of hole over which rugosity is taken. ``threads``: None: all cores.
+        ``rugosity_window``: metres of hole over which rugosity is taken. ``threads``: None: as many as the wall has.
         ``sigma``: with the uncertainty of diameters and volumes.
         """
         from helibore.logs.turn_logs import turn_logs
 
-        state = self._state()
+        state, threads = self._state(), self._threads if threads is None else threads
         if not sigma:
             return turn_logs(state, None, rugosity_window, threads)
         known = wall_sigma(self._with_sums(state), self._threads)
@@ -493,7 +496,7 @@ class Wall:
     def zones(self, criteria: Criteria | None = None) -> Classification:
         """Find washouts, breakouts, key seats and undergauge hole: `helibore.logs.zones.classify` with this wall.
 
-        ``criteria``: the limits, metres; None: those of the trade.
+        ``criteria`` holds the limits in metres; None: the limits that are usual in the industry.
         """
         from helibore.logs.zones import classify
 
