@@ -99,7 +99,7 @@ def plot(**options: Any) -> None:
 
     output = options["output"]
     check_ending(output)
-    check_file(output, (output.suffix,))
+    check_file(output, (output.suffix.lower(),))
     require_matplotlib()
     terminal = Terminal(options["quiet"])
     run, options, drawing = _drawing("plot", options, terminal)
