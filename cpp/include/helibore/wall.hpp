@@ -103,7 +103,8 @@ class Wall {
     // What the uncertainties of all radii are computed from: W, S, A and C of SigmaRule; NaN where the radius
     // is. Throws InputError without Settings::sigma.
     std::array<std::vector<double>, 4> sums() const;
-    // The same into columns of the caller; false, and nothing is written, if their number or lengths are others.
+    // Writes the same values into columns of the caller. Returns false, and writes nothing, if their number or a
+    // length is wrong.
     [[nodiscard]] bool read_sums(std::span<const std::span<double>> into) const;
 
     // Values measured with the samples, interpolated at the vertices by the neighbours and weights of the radius. Each

@@ -34,7 +34,7 @@ LAST_SECONDS = 1.0
 @section(
     "Options",
     opt("--journal", "Folder of the journal.  [journal.folder]", type=FOLDER),
-    opt("--snapshot folder", "Write wall, mesh and images here.  [snapshot.folder]", type=FOLDER),
+    opt("--snapshot folder", "Folder to write wall, mesh and images to.  [snapshot.folder]", type=FOLDER),
     opt("--every", "Seconds between snapshots.  [snapshot.every]", type=float),
     opt("--metrics-port", "Serve Prometheus metrics on this port.", type=int),
     opt("--view page", "Show the wall in a browser while it grows (extra 'view').", is_flag=True),

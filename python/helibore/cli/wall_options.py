@@ -134,7 +134,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--drop-repeated repeated", "Drop samples equal to an earlier one.", is_flag=True),
         opt("--drop-spikes spikes", "Drop samples that the turns around contradict by so many deviations; 6 is usual.",
             type=float, metavar="DEVIATIONS"),
-        opt("--turn-height", "Height of a turn, for a tool that does not turn.  [rotation, image row]", type=LENGTH),
+        opt("--turn-height", "Depth of a turn, for a tool that does not turn.  [from its rotation; an image: one row]",
+            type=LENGTH),
         opt("--recentre", "Take the tool's offset out of every turn.", is_flag=True),
     ),
     "Passes": (

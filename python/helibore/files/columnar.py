@@ -85,7 +85,7 @@ def _parquet_loader(source: InputFile, file: Any, name: str) -> Callable[[], Arr
 
 
 def parquet_values(column: Any) -> Array:
-    """Return a ``pyarrow.Array`` of numbers; a mask marks empty cells of floats."""
+    """Return the numbers of a ``pyarrow.Array``; a mask marks empty cells of floats."""
     values: Array = column.to_numpy(zero_copy_only=False)
     empty = bool(column.null_count) and values.dtype.kind == "f"
     return np.ma.MaskedArray(values, column.is_null().to_numpy(zero_copy_only=False)) if empty else values

@@ -20,5 +20,5 @@ def escaped(name: str) -> str:
 
 
 def can_be_file(name: str) -> bool:
-    """Whether files can be named after ``name``."""
+    """Return whether ``name`` can be part of the name of a file."""
     return name.isprintable() and len(escaped(name).encode()) <= LONGEST

@@ -384,7 +384,9 @@ class WitsSource(Source):
         super().model_post_init(context)
         self._derive(records=sorted({code // 100 for code in self.mapped}))
         if self.address.kind == "listen" and not self.address.is_loopback and "allow" not in self.model_fields_set:
-            raise InputError("allow", f"must be set: who may connect to a listener on {self.address.host}")
+            raise InputError(
+                "allow", f"must be set: the addresses that may connect to a listener on {self.address.host}"
+            )
 
 
 class StoreObject(Table):

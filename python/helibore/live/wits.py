@@ -117,7 +117,7 @@ class Parser:
 
     @property
     def state(self) -> bytes:
-        """All that the parser holds; a parser of the same settings goes on from it."""
+        """The complete state of the parser; a parser with the same settings can continue from it."""
         return self._core.state()
 
     @state.setter

@@ -345,9 +345,9 @@ def closed_stretches(
 ) -> tuple[float, list[tuple[int, int, int, int]]]:
     """Find the stretches in which all arms stay closed, with the ramps on which they close before and open after it.
 
-    Closed is the least that the arms read, where half of all readings are larger by ``open_by`` metres or more and
-    ``rows`` of them in a row stay within the tolerance. A ramp is where the largest arm reads more from row to row,
-    away from the closed stretch.
+    The closed radius is the least, over all rows, of what the largest arm reads, if half of all rows read at least
+    ``open_by`` metres more. A stretch has ``rows`` rows or more within ``tolerance`` metres of it. A ramp is where the
+    largest arm reads more from row to row, away from the closed stretch.
 
     Returns
     -------

@@ -116,7 +116,7 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
         raise InputError(f"{name}: output", "is missing: the folder of all results")
     outputs = tuple(tree.get("outputs", OUTPUTS))
     if not set(outputs) <= set(OUTPUTS):
-        raise InputError(f"{name}: outputs", f"must be of {', '.join(OUTPUTS)}", repr(list(outputs)))
+        raise InputError(f"{name}: outputs", f"must contain only {', '.join(OUTPUTS)}", repr(list(outputs)))
     most = tree.get("block_samples", BLOCK_SAMPLES)
     if not isinstance(most, int) or most < 1:
         raise InputError(f"{name}: block_samples", "must be a whole number of at least 1", repr(most))

@@ -306,7 +306,7 @@ class Scene:
     def frozen_copy(self, start: int, stop: int) -> Scene:
         """Return a scene that later changes do not reach: vertices [start, stop) and the whole overview.
 
-        A long download is written from it, so this scene is locked for a copy of the section only.
+        A long download reads the copy, so this scene is locked only while the section is copied.
         """
         copy = Scene()
         with self.lock:

@@ -205,7 +205,7 @@ def tune(
 
 
 def cross_validate(wall: Wall, targets: int = 1000, threads: int | None = None) -> Tuning:
-    """Say how well the settings of a wall do on its own samples, and what tuning would gain: `tune` without changes."""
+    """Measure how well the settings of a wall predict its own samples, and how much `tune` would gain."""
     return _tuning(in_depth_order(wall.samples), wall.settings, {}, targets, thread_count(threads), 0, FEW_BOXES)
 
 

@@ -164,7 +164,8 @@ def test_a_descriptor_beyond_1024_is_read(tmp_path):
 
 def test_a_listener_off_loopback_must_say_who_may_connect():
     with pytest.raises(
-        ValueError, match=r"^source\.mwd\.allow: must be set: who may connect to a listener on 0\.0\.0\.0$"
+        ValueError,
+        match=r"^source\.mwd\.allow: must be set: the addresses that may connect to a listener on 0\.0\.0\.0$",
     ):
         parse(configured("listen://0.0.0.0:5000"))
     with pytest.raises(ValueError, match=r"^source\.mwd\.allow\[0\] = 'rig': must be an IP address or a network"):

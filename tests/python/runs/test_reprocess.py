@@ -107,7 +107,7 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
         ("[defaults.wall]", "[default.wall]", "m.toml: default: must be one of output, outputs, "),
         ('output = "out"', "", "m.toml: output: is missing: the folder of all results"),
         ('output = "out"', 'output = "out"\noutputs = ["wall"]',
-         "m.toml: outputs = ['wall']: must be of archive, mesh, logs, zones"),
+         "m.toml: outputs = ['wall']: must contain only archive, mesh, logs, zones"),
         ('name = "B"', "", "m.toml: well 2.name: must be the name of the well"),
         ('name = "B"', 'name = "15/9-F 1"', "m.toml: well 15/9-F 1: comes twice; names must differ"),
         ("sectors = 32", 'sectors = "32"', "m.toml: well B: wall.sectors = '32': must be a whole number"),
