@@ -89,7 +89,7 @@ def kill(folder: Path) -> None:
         def killer() -> None:
             nonlocal killed
             begun.wait()
-            while killed < 10 and not finished.wait(moments.uniform(0.1, 1.0)):
+            while killed < 10 and not finished.wait(moments.uniform(0.05, 0.3)):
                 if there := workers():
                     moments.choice(there).kill()
                     killed += 1
@@ -103,6 +103,7 @@ def kill(folder: Path) -> None:
             finished.set()
             thread.join()
     print(f"{killed} workers killed; {report.sentence()} {report.failed}")
+    assert killed == 10, "the wells were made before ten workers were killed"
     assert content(folder / "killed") == want
     print("the same bytes as undisturbed")
 
