@@ -20,6 +20,7 @@ from __future__ import annotations
 import math
 from dataclasses import asdict, dataclass
 
+from helibore.base.arrays import Floats, Mask
 from helibore.base.errors import InputError, check_not_negative
 from helibore.base.units import INCH
 
@@ -100,3 +101,13 @@ class Criteria:
             f"criterion {name.replace('_', ' ')}": f"{value:.6g}" if name in shares else f"{value:.6g} m"
             for name, value in asdict(self).items()
         }
+
+
+def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> Mask:
+    """Return which turns are enlarged all around: C2 - bit >= `Criteria.washout`. NaN is not.
+
+    The one definition; a zone of washout is where such turns are long enough (`classify`).
+    """
+    criteria = Criteria() if criteria is None else criteria
+    washed: Mask = c2 - bit_diameter >= criteria.washout
+    return washed

@@ -24,7 +24,7 @@ from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
 from helibore.logs.breakouts import lobes_of, lobes_of_arms
 from helibore.logs.turn_logs import Logs, turn_logs
-from helibore.logs.zone_criteria import Criteria
+from helibore.logs.zone_criteria import Criteria, washed_out
 from helibore.samples.helix import WallLike
 
 KINDS = ("gauge", "washout", "breakout", "key seat", "undergauge")
@@ -182,16 +182,6 @@ class Classification(Tabular):
     def __repr__(self) -> str:
         counts = ", ".join(f"{len(self.of(kind))} {kind}" for kind in KINDS[1:] if self.of(kind))
         return f"Classification({len(self.kind)} turns: {counts or 'no zones'})"
-
-
-def washed_out(c2: Floats, bit_diameter: float, criteria: Criteria | None = None) -> Mask:
-    """Return which turns are enlarged all around: C2 - bit >= `Criteria.washout`. NaN is not.
-
-    The one definition; a zone of washout is where such turns are long enough (`classify`).
-    """
-    criteria = Criteria() if criteria is None else criteria
-    washed: Mask = c2 - bit_diameter >= criteria.washout
-    return washed
 
 
 def classify(wall: WallLike, criteria: Criteria | None = None, logs: Logs | None = None) -> Classification:

@@ -12,7 +12,8 @@ import pytest
 
 import helibore as hb
 from helibore.logs.summary import summarize
-from helibore.logs.zones import classify, washed_out
+from helibore.logs.zone_criteria import washed_out
+from helibore.logs.zones import classify
 
 K, BIT, PITCH = 72, 0.216, 0.1
 TOOLFACE = np.arange(K) * 5.0

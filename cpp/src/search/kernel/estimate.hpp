@@ -6,7 +6,7 @@
 
 #include "search/kernel/kriging.hpp"
 #include "search/kernel/select.hpp"
-#include "search/kernel/weight.hpp"
+#include "search/kernel/power_weight.hpp"
 
 namespace helibore::kernel {
 namespace {
