@@ -327,6 +327,11 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         screen.page.fill("#pickFields [name=apparent_dip]", "50")
         screen.keyboard.press("Enter")
         screen.until("window.__wall.app.picking.pick.apparent_dip === 50")
+        screen.page.evaluate("window.__wall.app.view.choose({units: 'ft'})")
+        depth = screen.locator("#pickFields label", has_text="MD ft").locator("input")
+        depth.fill(f"{1009.6 / 0.3048:.2f}")
+        screen.keyboard.press("Enter")
+        screen.until("Math.abs(window.__wall.app.picking.pick.depth - 1009.6) < 0.01")
         screen.mouse.click(*place(screen, 130, 1012.5))  # beside it: no longer selected
         screen.mouse.click(*place(screen, 130, 1015.0))
         screen.until("window.__wall.app.picking.pick?.kind === 'bed'")

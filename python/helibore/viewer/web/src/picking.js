@@ -8,7 +8,7 @@ import { messageOf } from './errors.js';
 import { fitPlane, planeDepth, planeOf } from './dips.js';
 import { byId, options } from './panel.js';
 import { download } from './saving.js';
-import { showAngle, showDepth, showLength } from './units.js';
+import { LENGTHS, depthUnit, showAngle, showDepth, showLength } from './units.js';
 
 export const BREAKOUT = 'breakout';
 export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
@@ -17,9 +17,14 @@ const HANDLE = 20; // degrees around the crest or the trough of a sine in which 
 const LEAST = { opening: 5, height: 0.02 }; // of a box that is dragged
 /** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
-  plane: [['depth', 'MD m', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
-  breakout: [['depth', 'MD m', 2], ['height', 'high m', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
+  plane: [['depth', 'MD', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
+  breakout: [['depth', 'MD', 2], ['height', 'high', 2], ['toolface', 'toolface °', 0], ['opening', 'wide °', 0], ['tilt', 'tilt °', 0]],
 };
+/** @param {string} name */
+const isDepth = (name) => name === 'depth' || name === 'height';
+// How many of the field's unit a metre is, for lengths along the hole; 1 for the others.
+/** @type {(name: string, units: Units) => number} */
+const unitOfField = (name, units) => (isDepth(name) ? LENGTHS[units].depth.scale : 1);
 /** @param {number} degrees */
 const turned = (degrees) => ((degrees % 360) + 360) % 360;
 /** @param {number} a @param {number} b */
@@ -228,7 +233,7 @@ export class Picking {
   /** @param {HTMLInputElement} hTMLInputElement */
   setField({ name, value, valueAsNumber }) {
     const { pick } = this;
-    if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber });
+    if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, this.app.view.units) });
   }
 
   /** @param {string} name @param {Record<string, string>} [more] */
@@ -286,23 +291,23 @@ export class Picking {
     } else if (!pick && this.kind !== BREAKOUT) lines.push(['Click three points or more, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     const text = lines.join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
-    writeFields(pick);
+    writeFields(pick, units);
   }
 }
 
 // Numbers of the selected pick as fields, those that nobody is typing in.
-/** @param {WallPick | null} pick */
-function writeFields(pick) {
+/** @param {WallPick | null} pick @param {Units} units */
+function writeFields(pick, units) {
   const box = byId('pickFields');
   const fields = pick ? FIELDS[pick.kind === BREAKOUT ? BREAKOUT : 'plane'] : [];
-  const wanted = fields.map(([name]) => name).join();
+  const wanted = [depthUnit(units), ...fields.map(([name]) => name)].join();
   box.hidden = !pick;
   if (box.dataset.fields !== wanted) {
     box.dataset.fields = wanted;
     box.replaceChildren(...[...fields, ...(pick ? [['note', 'note']] : [])].map(([name, words]) => {
       const [label, input] = ['label', 'input'].map((tag) => document.createElement(tag));
       Object.assign(input, name === 'note' ? { name, type: 'text', maxLength: 80 } : { name, type: 'number', step: 'any' });
-      label.append(`${words} `, input);
+      label.append(`${words} ${isDepth(name) ? `${depthUnit(units)} ` : ''}`, input);
       return label;
     }));
   }
@@ -311,7 +316,7 @@ function writeFields(pick) {
   const input = (/** @type {string} */ name) => /** @type {HTMLInputElement | null} */ (box.querySelector(`[name=${name}]:not(:focus)`));
   for (const [name, , digits] of fields) {
     const field = input(name);
-    if (field) field.value = String(Number(Number(values[name] ?? 0).toFixed(digits)));
+    if (field) field.value = String(Number((Number(values[name] ?? 0) * unitOfField(name, units)).toFixed(digits)));
   }
   const note = input('note');
   if (note) note.value = pick.note ?? '';
