@@ -109,8 +109,8 @@ class Logs(Tabular):
         Standard uncertainty of `equivalent_diameter`, with ``sigma=True``, else NaN: at most this, since the errors of
         a turn are taken to be equal. NaN where a vertex is not sampled.
     age
-        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall, by one
-        clock for all; NaN where there is none, or the samples carry no time.
+        Seconds (or ticks of the caliper's clock) from the newest sample at this depth to the newest of the wall; NaN
+        where there is none, or the samples carry no time.
     bit_diameter, sectors, pitch, step
         Metres; vertices a turn; metres a turn; metres a row, None for one row a turn.
     rugosity_window

@@ -11,7 +11,6 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
-from itertools import pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -19,7 +18,6 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError
-from helibore.preparation.passes import MOST_PASSES
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import Samples, TimeSeries, observe_by_depth, observe_by_time
 
@@ -93,10 +91,6 @@ def observe(
     if any(each.time is None for each in found) and any(each.time is not None for each in found):
         report.append(("time", "left out: not every file has one"))
         found = [replace(each, time=None) for each in found]
-    elif found[0].time is not None and (names := _restarted(readings)):
-        text = f"left out: passes of {names} overlap in time, as where a clock restarts with each: ages are not known"
-        report.append(("time", text))
-        found = [replace(each, time=None) for each in found]
     if len(found) == 1:
         return replace(found[0], file=np.broadcast_to(np.int64(0), found[0].depth.size), counts=counts)
     file = np.repeat(np.arange(len(found)), [each.depth.size for each in found])
@@ -143,26 +137,6 @@ def _observe(one: Readings, track: Track | None, report: Report, offset: float, 
     return _joined(parts)
 
 
-def _restarted(readings: Sequence[Readings]) -> str:
-    """Name the files of the first passes whose times overlap; "" if one clock may have timed all."""
-    spans: list[tuple[float, float, str]] = []
-    for one in readings:
-        if one.time is None:
-            continue
-        clocks = _clocks(one, one.time, [])
-        if len(clocks) > MOST_PASSES:  # rows in no order
-            clocks = [np.flatnonzero(np.isfinite(one.time))]
-        for rows in clocks:
-            numbered = one.pass_number is None or (rows.size and one.pass_number[rows[0]] >= 0)
-            if rows.size and numbered:  # rows without a number may lie between passes
-                spans.append((float(one.time[rows].min()), float(one.time[rows].max()), one.name))
-    spans.sort(key=lambda span: span[0])
-    for (_, last, name), (first, _, other) in pairwise(spans):
-        if first < last:
-            return name if other == name else f"{name} and {other}"
-    return ""
-
-
 def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
     """The rows that share a clock: all, or those of a pass, unless the clock restarts among them."""
     rows = np.flatnonzero(np.isfinite(time))
@@ -176,13 +150,11 @@ def _clocks(one: Readings, time: Floats, report: Report) -> list[Integers]:
 
 def _runs(rows: Integers, time: Floats, depth: Floats) -> list[Integers]:
     """Rows split into runs of rising or falling time, if in the order of time the tool would jump from row to row."""
-    falls = np.diff(time[rows]) < 0
-    if falls.all() or not falls.any():
-        return [rows]
     known = rows[np.isfinite(depth[rows])]
     when, where = _in_order(time[known], depth[known])
     if not (np.abs(np.diff(where)) > 1.0 + FASTEST * np.diff(when)).any():
         return [rows]
+    falls = np.diff(time[rows]) < 0
     starts = [0]
     for step in np.flatnonzero(falls[1:] != falls[:-1]) + 1:
         if step > starts[-1]:  # the step to another clock; the one after it is the first of the next run

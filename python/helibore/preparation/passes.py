@@ -22,8 +22,6 @@ from helibore.wall.wall import Wall
 
 __all__ = ["choose", "difference", "evaluate", "number_passes"]
 
-MOST_PASSES = 50
-"""Rows that turn back more often are in no order: they have no runs to compare."""
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:

@@ -24,7 +24,7 @@ from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
 from helibore.preparation.eccentering import Centres, find_centres, recentre, turn_positions
 from helibore.preparation.observe import REASONS, Track, observe, placed
-from helibore.preparation.passes import MOST_PASSES, choose, number_passes
+from helibore.preparation.passes import choose, number_passes
 from helibore.preparation.readings import Readings
 from helibore.preparation.shifts import Shifts, find_shifts
 from helibore.samples.caliper import LARGEST_RADIUS, Caliper
@@ -52,6 +52,8 @@ INSIDE_BIT = 0.01
 """Metres: arms that all read so much less than the bit's radius are closed."""
 STUCK_ROWS = 100
 """Rows of one and the same value after which an arm is reported as stuck, if the other arms move."""
+MOST_PASSES = 50
+"""Rows that turn back more often are in no order: they have no runs to compare."""
 
 REFERENCES = ("north", "high-side", "automatic")
 BIASES = ("none", "arm", "side")

@@ -516,24 +516,7 @@ def test_a_clock_that_starts_anew_with_each_pass() -> None:
         late = time[5:100] - 1.0
         both = np.concatenate([100 + 0.2 * late, 104 - 0.2 * late])
         np.testing.assert_allclose(np.sort(found.caliper.depth), np.sort(both))
-        apart = "left out: passes of f.csv overlap in time, as where a clock restarts with each: ages are not known"
-        assert [line for name, line in found.report if name == "time"] == [*lines, apart]
-        assert found.caliper.time is None
-
-
-def test_ages_are_missing_where_the_clock_restarts_with_each_file() -> None:
-    def of(name: str, start: float, speed: float) -> Readings:
-        time = np.arange(N, dtype=float)
-        columns = {"md__m": 100 + 0.01 * speed * time, "tf__deg": time * 30 % 360, "radius__m": np.full(N, 0.1)}
-        return replace(log(time__s=start + time, **columns).readings(), name=name)
-
-    anew = prepare([of("a.csv", 0.0, 1.0), of("b.csv", 10.0, 0.8)])
-    lines = [line for name, line in anew.report if name == "time"]
-    assert lines[0].startswith("left out: passes of a.csv and b.csv overlap in time")
-    assert np.isnan(hb.reconstruct(anew, bit_diameter=0.2).logs().age).all()
-    later = prepare([of("a.csv", 1e4, 1.0), of("b.csv", 0.0, 0.8)])  # one clock, the later file first
-    assert not [line for name, line in later.report if name == "time"]
-    assert np.isfinite(hb.reconstruct(later, bit_diameter=0.2).logs().age).all()
+        assert [line for name, line in found.report if name == "time"] == lines
 
 
 def test_rows_of_one_clock_may_come_in_any_order() -> None:
