@@ -32,7 +32,6 @@ from helibore.base.threads import thread_count
 from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
-from helibore.samples.bit_sizes import looks_like_diameter
 from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, stretch_of
 from helibore.trajectory.survey import Path
@@ -46,6 +45,8 @@ SEES_ALL_AROUND = 0.9
 """Mean coverage from which on the wall shows the shape better than the arms alone."""
 COVERED = 0.9
 """Mean coverage below which a wall is said to be interpolated."""
+LARGE = 1.85
+"""Times the bit's size from which on a hole is not as large, unless bit size or units are wrong."""
 SMALL = 0.1
 """Share of the bit's size by which a hole is not smaller, unless bit size or units are wrong."""
 SHAPE_KEPT = 0.7
@@ -218,8 +219,9 @@ class Logs(Tabular):
         median = float(np.median(size)) if size.size else self.bit_diameter
         small = 1.0 - median / self.bit_diameter
         found = []
-        if looks_like_diameter(0.5 * median, self.bit_diameter):
-            found.append("half of the turns are about twice as large as the bit: are the radii diameters?")
+        if median > LARGE * self.bit_diameter:
+            times = f"half of the turns are at least {median / self.bit_diameter:.1f} times as large as the bit"
+            found.append(f"{times}: are bit size and units right?")
         if small > SMALL:
             found.append(f"half of the turns are at least {100 * small:.0f} % smaller than the bit: are bit size and "
                          "units right?")  # fmt: skip
@@ -350,6 +352,7 @@ def turn_logs(
     radius = column("radius", wall.radius)
     helix, around = stretch_of(wall), (K, wall.settings.start_toolface)
     first = helix.first // K
+    threads = getattr(wall, "threads", None) if threads is None else threads
     found: dict[str, Any] = _core.turn_columns(radius, *around, window, thread_count(threads), first, reference)
     square, turns = found.pop("mean_square"), radius.size // K
     depth = helix.start_depth + (np.arange(first, first + turns, dtype=np.float64) * K + (K - 1) / 2) * (pitch / K)

@@ -151,7 +151,12 @@ class Classification(Tabular):
             ("TOP", "m", "Top of the zone", [of.start for of in zones]),
             ("BOTTOM", "m", "Bottom of the zone", [of.stop for of in zones]),
             ("CLASS", "", f"Class of hole, {codes}", [KINDS.index(of.kind) for of in zones], 0),
-            ("ENLARGE", "m", "Largest diameter less bit, median", [of.enlargement for of in zones]),
+            (
+                "ENLARGE",
+                "m",
+                "Largest diameter, or least if undergauge, less bit",
+                [of.enlargement for of in zones],
+            ),
             ("ELONG", "m", "Largest diameter less the one across it, median", [of.elongation for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),

@@ -23,7 +23,6 @@ from helibore.wall.wall import Wall
 __all__ = ["choose", "difference", "evaluate", "number_passes"]
 
 
-
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
     """Number the passes: a new one begins where the tool turned and then went back by more than ``reversal``.
 

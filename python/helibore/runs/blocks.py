@@ -36,7 +36,7 @@ from helibore.preparation.conditioning import in_range
 from helibore.preparation.prepare import Prepared
 from helibore.preparation.sensors import observe_by_depth
 from helibore.runs.output_store import Json, Store
-from helibore.runs.run import Run
+from helibore.runs.run import Run, interval, no_samples
 from helibore.runs.run_settings import Input
 from helibore.samples.caliper import LARGEST_RADIUS, Basis, Caliper
 from helibore.trajectory.survey import Path as WellPath
@@ -156,6 +156,9 @@ def plan_well(run: Run, store: Store, folder: str, made_from: Json, most_samples
                     file.write(content)
     if not counts:
         raise InputError(run.settings.caliper[0].file.name, "no row has depth, toolface and a radius")
+    top, bottom = interval(wall)
+    if ends[1] < top or ends[0] > bottom:
+        raise no_samples(run.settings.caliper[0].file.name, (ends[0], ends[1]), wall)
     plan = _helix(wall, (ends[0], ends[1]))
     vertices, turns = plan["vertices"], plan["vertices"] // wall.sectors
     span = "the wall from {start_depth:g} m to {stop_depth:g} m would have".format_map(plan)
@@ -243,7 +246,8 @@ def _helix(wall: Settings, ends: tuple[float, float]) -> Json:
     start = start if wall.start_depth is None else wall.start_depth
     stop = stop if wall.stop_depth is None else wall.stop_depth
     plan: Json = {"start_depth": start, "stop_depth": stop}
-    return plan | {"vertices": _count(wall, plan)}
+    vertices = _count(wall, plan)
+    return plan | {"vertices": vertices, "last_depth": start + (vertices - 1) * wall.pitch / wall.sectors}
 
 
 def _count(settings: Settings, plan: Json) -> int:

@@ -211,7 +211,13 @@ def _absolute(address: str, folder: str) -> str:
 def _merged(defaults: Json, own: Json) -> Json:
     """Return the tables of a well; a table takes what it lacks from the defaults."""
     both = {key: defaults[key] | own[key] for key in defaults if isinstance(own.get(key), dict) and key not in FILES}
-    return defaults | own | both
+    for key in FILES:
+        if isinstance(of_all := defaults.get(key), dict):
+            given = own.get(key, [of_all] if "file" in of_all else [])
+            given = given if isinstance(given, list) else [given]
+            many = [{"file": of} if isinstance(of, str) else of for of in given]
+            both[key] = [of_all | of if isinstance(of, dict) else of for of in many]
+    return {key: of for key, of in (defaults | own | both).items() if of != []}
 
 
 def _toml(path: Path, name: str) -> Json:

@@ -22,7 +22,6 @@ from typing import Any, cast
 
 import numpy as np
 
-from helibore.base.arrays import Floats
 from helibore.base.errors import InputError
 from helibore.base.settings import Settings
 from helibore.channels.channel_readings import note, readings
@@ -203,14 +202,19 @@ def read_run(
         )
         run.messages += [*_read_lines(run), *_survey_lines(run)]
         images = [_read_image(run, one) for one in settings.image]
-        if wall is None:
-            return images, None
-        if not settings.caliper:
-            return images, _read_round(run, wall, images)
+        unshaped = _read_round(run, wall, images) if wall and not settings.caliper else None
+    if wall is None:
+        return images, None
+    if unshaped is not None:
+        _check_interval(*unshaped, wall)
+        return images, unshaped
+    with stage("prepare", "Preparing the samples"):
         made = run.prepared = prepare(list(run.readings), settings.preparation, run.path, track, bit)
         complete = not any(found.missing for found in run.readings)
         run.messages += made.report or ([("dropped", "nothing")] if complete else [])
-        return images, (run.readings[0].name, made)
+        name = run.readings[0].name
+        _check_interval(name, made.caliper, wall)
+    return images, (name, made)
 
 
 def build_wall(
@@ -221,9 +225,8 @@ def build_wall(
     settings, wall = run.settings, run.settings.wall
     with stage("rebuild", "Rebuilding the wall"):
         if wall is not None and samples is not None:
-            name, made = samples
+            _, made = samples
             caliper = made if isinstance(made, Caliper) else made.caliper
-            _check_interval(name, caliper.depth, wall)
             if run.tune:
                 wall = _tune(run, wall, caliper, threads)
             run.built = reconstruct(made, threads=threads, **vars(wall))
@@ -329,15 +332,20 @@ def _read_average(run: Run, one: Input) -> tuple[str, Caliper]:
     return f"{one.file.name}:{role.channel}", Caliper.from_average(depth[usable], size[usable])
 
 
-def _check_interval(name: str, depth: Floats, settings: Settings) -> None:
+def _check_interval(name: str, caliper: Caliper, settings: Settings) -> None:
     """Refuse samples, from a file of this name, of which none lies where the wall is asked for."""
+    depth, (top, bottom) = caliper.depth, interval(settings)
+    if not ((depth >= top) & (depth <= bottom)).any():
+        raise no_samples(name, (float(depth.min()), float(depth.max())), settings)
+
+
+def no_samples(name: str, ends: tuple[float, float], settings: Settings) -> InputError:
+    """Return the error of samples between these depths, of which none lies where the wall is asked for."""
     top, bottom = interval(settings)
-    if (depth.min() >= top and depth.max() <= bottom) or ((depth >= top) & (depth <= bottom)).any():
-        return
     asked = f"between {top:g} and {bottom:g} m"
     if np.isinf(top) or np.isinf(bottom):
         asked = f"below {top:g} m" if np.isfinite(top) else f"above {bottom:g} m"
-    raise InputError(name, f"no samples {asked}; it has {depth.min():g} to {depth.max():g} m")
+    return InputError(name, f"no samples {asked}; it has {ends[0]:g} to {ends[1]:g} m")
 
 
 def interval(settings: Settings) -> tuple[float, float]:

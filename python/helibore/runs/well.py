@@ -110,7 +110,7 @@ def _made(job: Job, store: Store) -> Json:
         if batches is not None:
             made_from = _made_from(job, run.files, local)
             plan = plan_well(run, store, _work(job), made_from, most, batches)
-            _check_path(job, run, plan["start_depth"], plan["stop_depth"])
+            _check_path(job, run, plan["start_depth"], plan["last_depth"])
             return {"blocks": len(plan["blocks"])}
         build_wall(run, images, samples, threads=1)
         if len(run.wall):

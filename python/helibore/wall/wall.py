@@ -189,6 +189,11 @@ class Wall:
         return self._core.toolface()
 
     @property
+    def threads(self) -> int:
+        """How many threads its work is shared out to."""
+        return self._threads
+
+    @property
     def radius(self) -> Floats:
         """(n,) float64 radius at each vertex, metres; NaN where no sample is in reach; a copy."""
         return self._core.radius()
@@ -487,7 +492,7 @@ class Wall:
         """
         from helibore.logs.turn_logs import turn_logs
 
-        state, threads = self._state(), self._threads if threads is None else threads
+        state = self._state()
         if not sigma:
             return turn_logs(state, None, rugosity_window, threads)
         known = wall_sigma(self._with_sums(state), self._threads)

@@ -38,7 +38,7 @@ def test_a_hole_much_smaller_than_the_bit_is_reported() -> None:
 
 
 def test_a_hole_twice_as_large_as_the_bit_is_reported() -> None:
-    text = "half of the turns are about twice as large as the bit: are the radii diameters?"
+    text = "half of the turns are at least 2.0 times as large as the bit: are bit size and units right?"
     assert summarize(wall_of((10, 2 * GAUGE), (4, GAUGE))).warnings == (text,)
 
 

@@ -73,6 +73,28 @@ def content(folder: Path) -> dict[str, bytes]:
     return {str(file.relative_to(folder)): file.read_bytes() for file in folder.rglob("*") if file.is_file()}
 
 
+def test_defaults_of_files_hold_for_every_file_of_their_key(tmp_path: Path) -> None:
+    text = """output = "out"
+[defaults.caliper]
+map = "arms.toml"
+[defaults.wall]
+bit_diameter = 0.2
+[[well]]
+name = "A"
+caliper = "a.csv"
+[[well]]
+name = "B"
+[[well.caliper]]
+file = "b.csv"
+map = "b.toml"
+"""
+    a, b = read_jobs(manifest(tmp_path, text))
+    assert a.tree["caliper"] == [{"file": f"{tmp_path}/a.csv", "map": f"{tmp_path}/arms.toml"}]
+    assert b.tree["caliper"] == [{"file": f"{tmp_path}/b.csv", "map": f"{tmp_path}/b.toml"}]
+    with pytest.raises(hb.InputError, match="mapp"):
+        read_jobs(manifest(tmp_path, text.replace("map =", "mapp =", 1)))
+
+
 def test_a_manifest_becomes_jobs(field: Path) -> None:
     first, second = read_jobs(manifest(field))
     assert (first.well, first.key, first.output, first.outputs) == (
@@ -314,6 +336,18 @@ def test_a_well_of_few_samples_and_many_vertices_is_made_in_blocks_whatever_its_
     shared = [name for name in one if name.endswith((".parquet", "overview.glb"))]
     assert len(shared) == 3
     assert all(many[name] == one[name] for name in shared)
+
+
+@pytest.mark.parametrize("most", [9_000, 5_000, 1_000_000])
+def test_a_wall_asked_for_where_no_sample_lies_is_refused_however_it_is_made(tmp_path: Path, most: int) -> None:
+    of = simulate(Hole.example(1000.0, 1012.0, seed=5), Tool(), samples=9000, seed=5)
+    columns = {"depth_m": of.depth, "toolface_deg": of.toolface, "radius_m": of.radius}
+    parquet.write_table(pyarrow.table(columns), file := tmp_path / "a.parquet")
+    wall = {"bit_diameter": 0.2159, "sectors": 16, "pitch": 0.01, "start_depth": 900.0, "stop_depth": 920.0}
+    tree = {"caliper": [{"file": str(file)}], "wall": wall, "preparation": BY_ROW}
+    with pytest.raises(hb.InputError, match=r"no samples between 900 and 920 m; it has 1\d\d\d"):
+        reprocess_well(Job("A", tree, str(tmp_path / "out"), block_samples=most))
+    assert content(tmp_path / "out") == {}
 
 
 def test_a_tool_of_few_arms_with_too_many_vertices_for_one_piece_is_refused(tmp_path: Path) -> None:
