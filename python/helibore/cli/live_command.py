@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import signal
 import sys
 import threading
@@ -59,6 +60,7 @@ def live(
 
     SIGHUP (kill -HUP) reads CONFIGURATION again: what it changes applies to the bytes from then on.
     """
+    importlib.import_module("helibore.live.checks")  # before all else of live: it names the extra that is missing
     from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer
     from helibore.live.configuration import load

@@ -332,6 +332,14 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         depth.fill(f"{1009.6 / 0.3048:.2f}")
         screen.keyboard.press("Enter")
         screen.until("Math.abs(window.__wall.app.picking.pick.depth - 1009.6) < 0.01")
+        depth.fill("99999")
+        screen.keyboard.press("Enter")
+        screen.page.get_by_text("is outside the wall").wait_for()
+        depth.fill(f"{1011 / 0.3048:.2f}")
+        screen.keyboard.press("Enter")
+        screen.until("Math.abs(window.__wall.app.picking.pick.depth - 1011) < 0.01")
+        screen.locator("#dipUndo").click()  # takes back the last change, not the pick
+        screen.until("Math.abs(window.__wall.app.picking.pick.depth - 1009.6) < 0.01")
         screen.mouse.click(*place(screen, 130, 1012.5))  # beside it: no longer selected
         screen.mouse.click(*place(screen, 130, 1015.0))
         screen.until("window.__wall.app.picking.pick?.kind === 'bed'")

@@ -21,7 +21,7 @@ export function lamp(app) {
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
 /** @param {App} app */
-export function lampWords({ status, words, store, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
+export function lampWords({ status, words, store, alarms, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
@@ -31,7 +31,7 @@ export function lampWords({ status, words, store, bitDepth, newest, ended, sourc
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
   else parts.push('saved wall');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
-  const late = !ended && seconds > LATE;
+  const late = !ended && (seconds > LATE || alarms.feed.some((alarm) => alarm.startsWith('lost')));
   if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`${showCount(store.levels[0].size)} vertices`);
   return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];

@@ -8,7 +8,7 @@ import { messageOf } from './errors.js';
 import { fitPlane, planeDepth, planeOf } from './dips.js';
 import { byId, options } from './panel.js';
 import { download } from './saving.js';
-import { LENGTHS, depthUnit, showAngle, showDepth, showLength } from './units.js';
+import { LENGTHS, depthUnit, showAngle, showDepth, showLength, showSpan } from './units.js';
 
 export const BREAKOUT = 'breakout';
 export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
@@ -37,6 +37,10 @@ export class Picking {
   points = []; // of the plane that is being picked
   /** @type {WallPick[]} */
   kept = []; // the picks of the wall
+  /** @type {Map<string, WallPick>} */
+  saved = new Map(); // as the server has them, while one is dragged, too
+  /** @type {{ key: string, before: WallPick | null }[]} */
+  changes = []; // made here, for undo
   /** @type {string | null} */
   selected = null; // key of one
   /** @type {WallPick | null} */
@@ -69,6 +73,7 @@ export class Picking {
   /** @param {WallPick[]} picks */
   receive(picks) {
     const { dragged } = this;
+    this.saved = new Map(picks.map((pick) => [pick.key, pick]));
     this.kept = picks.map((pick) => (pick.key === dragged?.key ? dragged : pick));
     if (!this.pick) this.selected = null;
     this.app.redraw();
@@ -189,23 +194,39 @@ export class Picking {
     this.app.redraw();
   }
 
+  /** @param {string} key */
+  remember(key) {
+    this.changes.push({ key, before: this.saved.get(key) ?? null });
+  }
+
   /** @param {WallPick} pick */
   put(pick) {
+    this.remember(pick.key);
+    this.saved.set(pick.key, pick);
     this.replace(pick);
     this.send('pick', { method: 'PUT', body: JSON.stringify(pick) });
   }
 
   remove(pick = this.pick) {
     if (!pick) return;
+    this.remember(pick.key);
+    this.saved.delete(pick.key);
     this.replace(pick, true);
     this.selected = null;
     this.send('pick', { method: 'DELETE' }, { key: pick.key });
     this.app.resize();
   }
 
+  // Take back the last point, or the last change of a pick.
   undo() {
+    const last = this.points.length ? null : this.changes.pop();
     if (this.points.pop()) this.app.redraw();
-    else this.remove(this.kept.at(-1));
+    if (!last) return;
+    const count = this.changes.length;
+    const made = this.kept.find(({ key }) => key === last.key);
+    if (last.before) this.put(last.before);
+    else if (made) this.remove(made);
+    this.changes.length = count; // undoing is no change
   }
 
   keep() {
@@ -232,8 +253,11 @@ export class Picking {
 
   /** @param {HTMLInputElement} hTMLInputElement */
   setField({ name, value, valueAsNumber }) {
-    const { pick } = this;
-    if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, this.app.view.units) });
+    const { app, pick } = this;
+    const { units } = app.view;
+    const depth = name === 'depth' ? valueAsNumber / unitOfField(name, units) : NaN;
+    if (depth < app.store.span[0] || depth > app.store.span[1]) return app.notice(`${showDepth(depth, units)} is outside the wall, ${showSpan(app.store.span[0], app.store.span[1], units)}`, 10);
+    if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, units) });
   }
 
   /** @param {string} name @param {Record<string, string>} [more] */
