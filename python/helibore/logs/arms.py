@@ -83,23 +83,30 @@ def arm_diameters(arms: Caliper, depth: Floats, height: float, reach: float) -> 
 
 
 def _pairs(arms: Caliper) -> tuple[Integers, Floats, Floats, Floats, Floats]:
-    """Pairs of samples half a turn apart at one depth: arm, depth, diameter, axis in [0, 180), difference of radii."""
+    """Pairs of places half a turn apart at one depth: arm, depth, diameter, axis in [0, 180), difference of radii.
+
+    Samples at one place, as of two calipers with one direction, count as their mean, and their arm as the first.
+    """
     assert arms.arm is not None
-    toolface = np.mod(arms.toolface, 360.0)
-    axis = np.rint(toolface / _SAME_AXIS).astype(np.int64) % round(180 / _SAME_AXIS)
+    turn, half = round(360 / _SAME_AXIS), round(180 / _SAME_AXIS)
+    toolface = np.rint(np.mod(arms.toolface, 360.0) / _SAME_AXIS).astype(np.int64) % turn
     time = np.zeros(len(arms)) if arms.time is None else arms.time
-    order = np.lexsort((toolface, axis, time, arms.depth))
-    first, second = order[:-1], order[1:]
-    apart = np.abs(toolface[second] - toolface[first] - 180.0) <= 2 * _SAME_AXIS
-    same = (arms.depth[first] == arms.depth[second]) & (time[first] == time[second]) & apart
-    first, second = first[same], second[same]
-    return (
-        np.minimum(arms.arm[first], arms.arm[second]),
-        arms.depth[first],
-        arms.radius[first] + arms.radius[second],
-        axis[first] * _SAME_AXIS,
-        np.abs(arms.radius[first] - arms.radius[second]),
-    )
+    order = np.lexsort((toolface, toolface % half, time, arms.depth))
+    depth, time, toolface = arms.depth[order], time[order], toolface[order]
+    other = (np.diff(depth) != 0) | (np.diff(time) != 0) | (np.diff(toolface) != 0)
+    start = np.flatnonzero(np.concatenate([[True], other])[: order.size])
+    radius = np.add.reduceat(arms.radius[order], start) / np.diff(np.append(start, order.size))
+    number = np.minimum.reduceat(arms.arm[order], start)
+    depth, time, toolface = depth[start], time[start], toolface[start]
+    opposite = np.abs(np.abs(np.diff(toolface)) - half) <= 2
+    first = np.flatnonzero((np.diff(depth) == 0) & (np.diff(time) == 0) & opposite)
+    second = first + 1
+    axis = toolface[first] % half
+    pair = np.minimum(number[first], number[second])
+    if np.unique(axis).size < np.unique(pair).size:  # several arms look along one axis, here and there one alone
+        pair = axis
+    off = np.abs(radius[first] - radius[second])
+    return pair, depth[first], radius[first] + radius[second], np.multiply(axis, _SAME_AXIS), off
 
 
 def _means(at: Floats, columns: Floats, depth: Floats, height: float, reach: float) -> Floats:

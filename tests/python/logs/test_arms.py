@@ -220,3 +220,24 @@ def test_a_round_hole_keeps_its_shape_without_a_warning_of_division() -> None:
     assert logs.shape == "arms"
     assert np.isnan(logs.shape_kept)
     assert len(logs.warnings()) == 1
+
+
+@pytest.mark.parametrize("alone", [0, 100])
+def test_two_diameters_over_one_direction_show_no_side(alone: int) -> None:
+    """Over 8 of 30 m the second caliper reads 20 mm less; in the last ``alone`` rows there is no first caliper."""
+    rng = np.random.default_rng(3)
+    depth = np.arange(1000, 1030, 0.15)
+    rows = np.arange(depth.size)
+    first = 0.108 + rng.normal(0, 2e-4, depth.size) + 0.01 * ((depth > 1008) & (depth < 1016))
+    second, across = 0.108 + rng.normal(0, 2e-4, (2, depth.size))
+    few = rows[: depth.size - alone]
+    parts = [(0, 0, first, few), (0, 180, first, few), (1, 0, second, rows), (1, 180, second, rows)]
+    parts += [(2, 90, across, rows), (2, 270, across, rows)]
+    columns = [(depth[at], np.full(at.size, angle), radius[at], np.full(at.size, n)) for n, angle, radius, at in parts]
+    at, toolface, radius, arm = (np.concatenate(column) for column in zip(*columns, strict=True))
+    wall = hb.reconstruct(hb.Caliper(at, toolface, radius, arm=arm), bit_diameter=BIT, max_distance=1.0)
+    logs = wall.logs()
+    assert logs.shape == "arms"
+    assert len(logs.arm_diameter) == 2
+    np.testing.assert_allclose(logs.uneven, 0.0, atol=1e-12)
+    assert "key seat" not in [zone.kind for zone in wall.zones().zones]
