@@ -44,8 +44,9 @@ _TABLE: dict[str, tuple[str, float, str]] = {
 _NAMES = {name.lower(): unit for unit, (_, _, others) in _TABLE.items() for name in (unit, *others.split())}
 
 _QUANTITY = re.compile(
-    r"""\s*(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
-        (?:[\s-]+(?P<fraction>\d+/[1-9]\d*))?
+    r"""\s*(?:(?P<plain>[-+]?\d+/[1-9]\d*)
+        |(?P<number>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)
+         (?:[\s-]+(?P<fraction>\d+/[1-9]\d*))?)
         \s*(?P<unit>.*?)\s*""",
     re.VERBOSE | re.DOTALL,
 )
@@ -98,11 +99,11 @@ def split(name: str, kind: str) -> tuple[str, str | None]:
 
 
 def quantity(text: str, kind: str) -> float:
-    """Return ``8.5in``, ``12 1/4 in``, ``100 mm`` or a number without a unit in metres, degrees or seconds."""
+    """Return ``8.5in``, ``12 1/4 in``, ``1/16in`` or a number without a unit in metres, degrees or seconds."""
     match = _QUANTITY.fullmatch(text)
     if match is None:
         raise InputError(f"'{text}'", f"must be a number with a unit of {kind}, such as {_EXAMPLES[kind]}")
-    number = float(match["number"])
+    number = float(Fraction(match["plain"]) if match["plain"] else match["number"])
     if match["fraction"]:
         number += math.copysign(float(Fraction(match["fraction"])), number)
     return number * factor(match["unit"], kind) if match["unit"] else number
