@@ -130,7 +130,10 @@ def _write(verb: str, options: dict[str, Any]) -> None:
 def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | None]) -> None:
     """Refuse options that the output would not show: colours in a format without any, an interval in an archive."""
     output, ending, preparation = options["output"], options["output"].suffix.lower(), run.settings.preparation
-    check_file(output, VOLUME_ENDINGS if options["shells"] else ENDINGS)
+    if options["shells"]:
+        check_file(output, VOLUME_ENDINGS, " with --shell")
+    else:
+        check_file(output, ENDINGS)
     if options["color_by"] is not None and (options["shells"] or ending in COLORLESS):
         kind = "a volume" if options["shells"] else ending
         raise click.UsageError(f"--color-by: does not go with {kind}, which has no colours")

@@ -40,10 +40,10 @@ def add_sigma(wall: Wall, terminal: Terminal) -> None:
         wall.attributes.units["sigma"] = "m"
 
 
-def check_file(file: Path, endings: Sequence[str]) -> None:
+def check_file(file: Path, endings: Sequence[str], why: str = "") -> None:
     """Refuse an ending that is not one of these, a folder that does not exist, and a folder in a file's place."""
     if not file.name.lower().endswith(tuple(endings)):
-        raise InputError(str(file), f"the ending must be one of {', '.join(endings)}")
+        raise InputError(str(file), f"the ending must be one of {', '.join(endings)}{why}")
     check_folder(file)
 
 

@@ -99,7 +99,7 @@ def test_a_constant_image_and_one_below_zero_keep_their_values(folder: Path) -> 
     ("arguments", "rule"),
     [
         (["w.wall", "-o", "m.xyz"], "m.xyz: the ending must be one of .glb, "),
-        (["w.wall", "-o", "m.glb", "--shell", "5cm"], "m.glb: the ending must be one of .vtu, .vtkhdf"),
+        (["w.wall", "-o", "m.glb", "--shell", "5cm"], "m.glb: the ending must be one of .vtu, .vtkhdf with --shell"),
         (["w.wall", "-o", "m.vtu", "--shell", "5cm", "--shell", "4cm"], "must lie beyond shells[0]"),
         (["w.wall", "-o", "no/m.vtu"], "the folder no must exist"),
         (["w.wall", "-o", "m.ply", "--color-by", "RT"], "RT"),
