@@ -373,20 +373,33 @@ def closed_stretches(
     return level, found
 
 
-def require_agreement(readings: Readings, apart: float = 0.0025) -> None:
-    """Refuse two calipers that look in one direction and differ by more than ``apart`` metres in half of the rows."""
+def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> list[str]:
+    """Where two calipers that look in one direction differ by more than ``apart`` metres: a sentence for each two.
+
+    Stretches of so many rows or more count. An InputError where they do so in half of all rows.
+    """
     place = [(sensor.mounting, sensor.offset) for sensor in readings.sensors]
+    lines = {}
     for one in range(len(place)):
         for other in range(one):
             if readings.arm[one] == readings.arm[other] or place[one] != place[other]:
                 continue
+            names = " and ".join(readings.channels[int(readings.arm[number])] for number in (other, one))
             off = np.abs(readings.radii[one] - readings.radii[other])
-            off = off[np.isfinite(off)]
-            if off.size and np.median(off) > apart:
-                names = [readings.channels[int(readings.arm[number])] for number in (other, one)]
-                apart_by = f"{1e3 * np.median(off):.1f} mm of radius in half of the rows"
+            known = off[np.isfinite(off)]
+            if known.size and np.median(known) > apart:
+                apart_by = f"{1e3 * np.median(known):.1f} mm of radius in half of the rows"
                 rule = f"look in one direction and differ by {apart_by}: name the one to use"
-                raise InputError(f"{readings.name}: {' and '.join(names)}", rule)
+                raise InputError(f"{readings.name}: {names}", rule)
+            found = _stretches(off > apart, rows)
+            if found:
+                first, last = max(found, key=lambda ends: ends[1] - ends[0])
+                lines[names] = (
+                    f"{readings.name}: {names} look in one direction and differ by more than {1e3 * apart:.1f} mm of "
+                    f"radius in {sum(last - first for first, last in found):,} rows, the longest stretch from "
+                    f"{readings.depth[first]:.2f} to {readings.depth[last - 1]:.2f} m: name the one to use"
+                )
+    return list(lines.values())
 
 
 def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:

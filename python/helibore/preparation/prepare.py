@@ -278,7 +278,7 @@ class _Pipeline:
     def _conditioned(self, one: Readings) -> Readings:
         """The readings without flat tops, closed and stuck stretches; calipers that disagree are an error."""
         if not one.is_image:
-            conditioning.require_agreement(one)
+            self.report += [("arms", line) for line in conditioning.disagreements(one)]
             if self.settings.closed is None:
                 one = self._opened(one)
             if self.settings.saturated:

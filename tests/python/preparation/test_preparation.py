@@ -353,7 +353,16 @@ def test_two_calipers_that_disagree_are_not_merged() -> None:
     )
     near = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.1)
     roles = overlay(guess(near), near, diameters, "map")
-    assert len(prepare(near.readings(roles)).caliper) == 4 * N
+    merged = prepare(near.readings(roles))
+    assert len(merged.caliper) == 4 * N
+    assert "arms" not in [label for label, _ in merged.report]
+    part = log(md__m=one["md"].values, rb__deg=one["rb"].values, cal_x__in=x, cal_z__in=y + 0.35 * (np.arange(N) < 40))
+    depth = part["md"].values
+    assert prepare(part.readings(overlay(guess(part), part, diameters, "map"))).report[0] == (
+        "arms",
+        "f.csv: cal_x and cal_z look in one direction and differ by more than 2.5 mm of radius in 40 rows, the longest "
+        f"stretch from {depth[0]:.2f} to {depth[39]:.2f} m: name the one to use",
+    )
 
 
 def test_two_calipers_of_four_arms_are_no_imaging_tool() -> None:
