@@ -143,7 +143,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--passes", "Passes to use, such as 2,3.  [all]", type=NUMBERS),
         opt("--latest", "In each 0.5 m, use the last pass that was there.  [merge them]", is_flag=True),
         opts("--shift shifts", "Add a length to a pass's depths, such as 3=-0.2m.", type=SHIFT),
-        opt("--find-shifts", "Find each pass's depth shift from the overlap.", is_flag=True),
+        opt("--find-shifts", "Find each pass's depth shift from the overlap; --shift holds a pass.", is_flag=True),
         opt("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
         opt("--compare-with earlier", "Earlier passes; the attribute 'difference' is how much larger the wall is now.",

@@ -101,7 +101,8 @@ class Preparation:
     shifts
         (pass, metres) to be added to its depths.
     find_shifts
-        Find the shift of every pass from the overlap, after those given.
+        Find the shift of every pass from the overlap. Passes with a shift given are held where it puts them; without
+        any, the mean of the shifts is 0.
     bias
         Find from the overlap what reads too much, and subtract it: "none", each pass and "arm", or each pass and arm by
         the "side" of the hole it is on.
@@ -508,7 +509,8 @@ class _Pipeline:
             depth = np.where(number == one, depth + shift, depth)
             self.report.append(("shift", f"pass {one}: {shift:+.3f} m, as given"))
         if self.settings.find_shifts:
-            found = self.shifts = find_shifts(depth, self.samples.radius, number)
+            held = [one for one, _ in self.settings.shifts]
+            found = self.shifts = find_shifts(depth, self.samples.radius, number, held=held)
             depth = depth + found.at(number)
             self.report += [("shift", line) for line in found.lines()]
         self.samples = replace(self.samples, depth=depth)

@@ -4,12 +4,13 @@ r"""How far each pass is off in depth, found by correlating its median radius al
     less trend     _/\__/\____    the others                           at the shift to be added to its depths
 
 All arms of a pass count alike, so a pass that lies rotated in the hole still matches. Only differences can be found:
-unless one pass is held, the mean of the shifts is 0. A hole whose shape repeats along it (a spiral, regular ledges)
+unless passes are held, the mean of the shifts is 0. A hole whose shape repeats along it (a spiral, regular ledges)
 matches at several shifts: where another peak is nearly as high, no shift is found. Not here: stretching within a pass.
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -38,7 +39,7 @@ class Shifts:
     correlation: Floats  # with the others at the shift; NaN where they do not overlap
     before: Floats  # the same at no shift
     found: Mask  # whether one clear peak of the least correlation asked for lies inside the limits
-    sigma: Floats  # standard deviation of the shift, from the curvature of the peak; NaN where there is no peak
+    sigma: Floats  # standard deviation of the shift, from the peak's curvature; 0 of a held pass, NaN without a peak
     second: Floats  # shift of the second-best peak; NaN where there is none
     second_correlation: Floats  # the correlation there
 
@@ -47,9 +48,11 @@ class Shifts:
         return self.shift[rows_of("pass_number", whole_column("pass_number", pass_number), self.passes)]
 
     def lines(self) -> list[str]:
-        """Return one sentence a pass."""
+        """Return one sentence a pass that was not held."""
         lines = []
         for row, number in enumerate(self.passes):
+            if self.sigma[row] == 0:
+                continue
             before, after, second = self.before[row], self.correlation[row], self.second_correlation[row]
             text = "left where it is: no clear match"
             rival = "" if np.isnan(second) else f"{self.second[row]:+.3f} m with correlation {second:.2f}"
@@ -69,7 +72,7 @@ def find_shifts(
     radius: npt.ArrayLike,
     pass_number: npt.ArrayLike,
     *,
-    reference: int | None = None,
+    held: Sequence[int] = (),
     step: float = 0.05,
     limit: float = 2.0,
     trend: float = 10.0,
@@ -81,9 +84,9 @@ def find_shifts(
     ----------
     depth, radius, pass_number
         Metres, metres, whole numbers, (n,), finite, in any order.
-    reference
-        A pass to hold; the others are shifted onto it alone. None: each onto the mean of the others, again and again
-        until they rest.
+    held
+        Passes that stay where they are. The others are shifted onto these first; then, as where none is held, each onto
+        the mean of all others, again and again until they rest.
     step, limit
         Spacing of the trial shifts and the largest of them, m; the best is refined by a parabola.
     trend
@@ -98,8 +101,9 @@ def find_shifts(
         place = f"step = {step:g}, limit = {limit:g}, trend = {trend:g}"
         raise InputError(place, "must be 0 < step <= limit and trend > 2 step")
     passes, row = np.unique(number, return_inverse=True)
-    if reference is not None and reference not in passes:
-        raise InputError("reference", f"is not among {passes.tolist()}", str(reference))
+    for one in held:
+        if one not in passes:
+            raise InputError("held", f"is not among {passes.tolist()}", str(one))
     count = passes.size
     shift, found = np.zeros(count), np.zeros(count, dtype=bool)
     best, before, sigma, second, second_best = np.full((5, count), np.nan)
@@ -111,12 +115,13 @@ def find_shifts(
         _profile((where[row == i] - where.min()) / step, distance[row == i], grid, step, trend) for i in range(count)
     ]
     most, enough = round(limit / step), round(trend / step)
-    held = passes == reference
+    fixed = np.isin(passes, held)
     for turn in range(_ROUNDS):
+        first = turn == 0 and fixed.any()
         start = shift.copy()
         placed = np.stack([_moved(p, s / step) for p, s in zip(profiles, shift, strict=True)])
-        for i in np.flatnonzero(~held):
-            others = placed[held] if reference is not None else np.delete(placed, i, axis=0)
+        for i in np.flatnonzero(~fixed):
+            others = placed[fixed] if first else np.delete(placed, i, axis=0)
             curve, overlap = _correlations(profiles[i], _mean(others), 2 * most, enough)
             if turn == 0:
                 before[i] = curve[2 * most]
@@ -124,12 +129,12 @@ def find_shifts(
             shift[i], sigma[i], second[i] = peak.shift * step, peak.sigma * step, peak.second * step
             best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found
             placed[i] = _moved(profiles[i], peak.shift)
-        if reference is None and found.any():
+        if found.any() and not fixed.any():
             shift[found] -= shift[found].mean()
-        if reference is not None or np.abs(shift - start).max() < 0.01 * step:
+        if not first and np.abs(shift - start).max() < 0.01 * step:
             break
-    found[held], best[held], before[held] = True, 1.0, 1.0
-    sigma[held] = 0.0
+    found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
+    sigma[fixed] = 0.0
     # Only now: while the others are not yet in place, each of them makes a peak of its own.
     found &= ~(second_best > _RIVAL * best)
     shift[~found] = 0.0

@@ -112,9 +112,10 @@ def test_shifts_and_biases_of_a_known_wall(quantum):
     assert found.found.all()
     np.testing.assert_allclose(found.shift, shift - shift.mean(), atol=0.02)
     assert np.all(found.correlation[[0, 1]] > found.before[[0, 1]])
-    held = find_shifts(depth, radius, passes, reference=9)
+    held = find_shifts(depth, radius, passes, held=[9])
     np.testing.assert_allclose(held.shift, shift - shift[2], atol=0.06)  # one pass holds less than four
     assert held.shift[2] == 0.0
+    assert not [line for line in held.lines() if line.startswith("pass 9:")]
     bias = find_bias(depth + found.at(passes), looking, radius, passes, arms)
     np.testing.assert_allclose(bias.by_pass, by_pass - by_pass.mean(), atol=6e-5)
     np.testing.assert_allclose(bias.by_arm, by_arm - by_arm.mean(), atol=6e-5)
@@ -297,6 +298,15 @@ def test_shifts_state_their_uncertainty():
     assert "; second best " in found.lines()[0]
 
 
+def test_a_pass_that_does_not_overlap_the_held_one_is_shifted_by_the_others():
+    (depth, _, radius, passes, _), shift, *_ = logged(1)
+    middle = np.median(depth)
+    seen = np.where(passes == 7, depth < middle - 2, np.where(passes == 11, depth > middle + 2, True))
+    found = find_shifts(depth[seen], radius[seen], passes[seen], held=[7])
+    assert found.found.all()
+    np.testing.assert_allclose(found.shift, shift - shift[0], atol=0.06)
+
+
 @pytest.mark.parametrize("period", [0.7, 1.5, 3.0])
 def test_a_periodic_hole_is_not_shifted(period):
     rng = np.random.default_rng(5)
@@ -360,7 +370,7 @@ def test_difference_of_two_walls_with_other_helices():
         (lambda: find_bias([1], [0], [0.1], [1], sectors=0),
          "cell = 0.5, sectors = 0, floor = 0.0002, expected = 0.002, sides = 1: all must be larger than 0"),
         (lambda: find_bias([1], [0], [0.1], [1]).at([2]), "pass_number[0] = 2: is not among [1]"),
-        (lambda: find_shifts([1], [0.1], [1], reference=4), "reference = 4: is not among [1]"),
+        (lambda: find_shifts([1], [0.1], [1], held=[4]), "held = 4: is not among [1]"),
         (lambda: find_shifts([1], [0.1], [1], step=3),
          "step = 3, limit = 2, trend = 10: must be 0 < step <= limit and trend > 2 step"),
         (lambda: arm_sides([0], [0], 0), "sides = 0: must be at least 1"),

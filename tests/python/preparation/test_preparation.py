@@ -236,6 +236,11 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert silent[0] == "bias"
     assert "radius of pass 3 reads +0." in silent[1]
     assert silent[1].endswith("; --bias arm subtracts it")
+    held = prepare(one.readings(), Preparation(shifts=((2, 0.0),), find_shifts=True))
+    assert held.shifts is not None
+    np.testing.assert_allclose(held.shifts.shift, [-0.4, 0, -0.4], atol=0.02)
+    lines = [line for label, line in held.report if label == "shift"]
+    assert [line.split(":")[0] for line in lines] == ["pass 2", "pass 1", "pass 3"]
     given = prepare(one.readings(), Preparation(shifts=((2, 0.4),), latest=True, passes=(3, 2)))
     assert ("shift", "pass 2: +0.400 m, as given") in given.report
     assert given.pass_number is not None
