@@ -99,6 +99,7 @@ def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
     depth = table.depth.values
+    known = {"bit": table.facts.get("bit diameter", "")} | header
     lines = [
         "~Version Information",
         _las_line("VERS", "", "2.0", "CWLS LOG ASCII STANDARD - VERSION 2.0"),
@@ -108,7 +109,7 @@ def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
         _las_line("STOP", "M", last, "Last depth"),
         _las_line("STEP", "M", _las_step(depth), "Step; 0 where no even step fits the decimals"),
         _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
-        *(_las_line(LAS_WELL[name], "", header.get(name, ""), name.capitalize()) for name in LAS_WELL),
+        *(_las_line(LAS_WELL[name], *_unit_and_value(known.get(name, "")), name.capitalize()) for name in LAS_WELL),
         _las_line("SRVC", "", "helibore", "Made by"),
         "~Curve Information",
         *(_las_line(column.mnemonic, column.unit.upper(), "", _one_line(column.description)) for column in table),
