@@ -107,7 +107,7 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = "") -> None:
-    """Explain the letters and the grey; say what drew it."""
+    """Explain the letters and the grey; below, say what drew it."""
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
     sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
     left = x + 5.2
@@ -116,6 +116,6 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
         sheet.box(left, y - 1.2, 4.0, 2.4, facecolor="white", edgecolor=HATCH_COLOR, linewidth=0.4, hatch="//////")
         left += 5.2
         left += sheet.text_width(sheet.text(left, y, content.hatching, SMALL)) + 4.0
-    sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - 24.0 - left)
+    sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - left)
     made = f"helibore {__version__}" + (f", {page}" if page else "")
-    sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)
+    sheet.text(sheet.width - x, y + 3.6, made, SMALL, ha="right", color=FAINT)

@@ -145,9 +145,9 @@ class DepthTrack:
         look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
         major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
         if all(depth - stretch.top > 3.2 * room for depth in major):
-            axes.text(0.5, stretch.top + 0.1 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
+            axes.text(0.5, stretch.top + 0.6 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
         if all(stretch.bottom - depth > 5.4 * room for depth in major):
-            axes.text(0.5, stretch.bottom - 0.1 * room, f"{stretch.bottom / self.unit.metres:.1f}", va="bottom", **look)
+            axes.text(0.5, stretch.bottom - 0.6 * room, f"{stretch.bottom / self.unit.metres:.1f}", va="bottom", **look)
 
     def _true(self, axes: Axes, depth: float, place: float) -> None:
         """Write the true depth of ``depth`` at ``place``, where the path reaches so far."""

@@ -18,10 +18,10 @@ from helibore import plot
 from helibore.base.colors import MISSING
 from helibore.logs.curves import ScalarCurve, nice_limits
 from helibore.logs.zones import KINDS
-from helibore.plot.content import content_of
+from helibore.plot.content import REFERENCES, content_of
 from helibore.plot.cross_sections import sections_at
 from helibore.plot.diameters import Diameters, diameters, thinned
-from helibore.plot.header import header_height
+from helibore.plot.header import SIDES_TEXT, header_height
 from helibore.plot.html_report import page
 from helibore.plot.log import MARGIN, _divided
 from helibore.plot.paper import MM
@@ -101,6 +101,12 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
         foot = {text.get_text(): text for text in plot.log(wall, dpi=dpi, polar=(), body=()).texts}
         ends = foot["missing: no value, or no sample in reach."].get_window_extent().x1
         assert foot["interpolated between arms"].get_window_extent().x0 - ends > 5.2 / 25.4 * dpi
+    for reference in REFERENCES:
+        second = plot.pages(wall, (210.0, 120.0), scale=40, polar=(), body=(), reference=reference)[1]
+        assert_readable(second)
+        foot = {text.get_text(): text.get_window_extent() for text in second.texts}
+        made = next(place for text, place in foot.items() if text.startswith("helibore"))
+        assert foot[SIDES_TEXT[reference]].y0 > made.y1  # not shortened, and on a line of its own
     (section,) = sections_at(wall, [2003.0], (wall.angular_gap > 60.0).astype(float))
     gap = wall.angular_gap[30 * 64 - 32 : 31 * 64 - 32]  # the turn around 2003 m
     assert np.count_nonzero(section.interpolated) == pytest.approx(np.count_nonzero(gap > 60), abs=2)
@@ -482,8 +488,10 @@ def test_the_last_page_is_no_stub_and_the_ends_have_their_depths(wall: hb.Wall) 
     assert min(bottom - top for top, bottom in parts) * 1000 / 40 >= 40
     figure = plot.log(wall, scale=40, start=2000.3, stop=2021.7, polar=(), body=(), dpi=60)
     assert_readable(figure)
-    words = [text.get_text() for text in tracks_of(figure)[0].texts]
-    assert {"2000.3", "2021.7"} <= set(words)
+    ends = {text.get_text(): text.get_window_extent() for text in tracks_of(figure)[0].texts}
+    frame, least = tracks_of(figure)[0].bbox, 0.5 / 25.4 * 60  # half a millimetre off the frame
+    assert frame.y1 - ends["2000.3"].y1 > least
+    assert ends["2021.7"].y0 - frame.y0 > least
 
 
 def test_depths_are_in_feet_and_sizes_in_inches(wall: hb.Wall) -> None:
