@@ -111,6 +111,7 @@ def test_the_summary_says_what_a_driller_asks(folder: Path, tmp_path: Path) -> N
         in words
     )
     assert "breakouts along 60 and 240 deg" in words
+    assert "rugosity over 0.9 m, an odd number of turns (9): mean" in words
     assert "elongation 0.0254 m; washout 0.0127 m" in words
     assert run(folder / "w.wall", "-o", tmp_path / "w.las", "-q").output == ""
 
