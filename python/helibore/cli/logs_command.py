@@ -37,7 +37,12 @@ DECIMALS = {"in": 4, "mm": 3}
 @section(
     "Logs",
     opt("--step", "One row for each step of depth.  [one a turn]", type=LENGTH),
-    opt("--rugosity-window", "Length of hole that rugosity is taken over.", type=LENGTH, default="1m"),
+    opt(
+        "--rugosity-window",
+        "Length of hole that rugosity is taken over, made an odd number of turns.",
+        type=LENGTH,
+        default="1m",
+    ),
     opt("--sigma", "Uncertainty of diameters and volumes, too: DEQ_SIGMA, VOL_SIGMA.", is_flag=True),
     opts("--casing casings", "Outer diameter of a casing: annulus and clearance.", type=LENGTH),
     opt("--well", "Name of the well, for the files.  [as the source states it, else its name]"),
@@ -97,7 +102,7 @@ def logs(**options: Any) -> None:
         measured = _measured(wall, options, run.reference)
         annuli = [annulus(measured.rows, size) for size in options["casings"]]
         dark = [wall.images[name].breakouts() for name in images]
-        summary = summarize(wall, options["start_depth"], options["stop_depth"], zones=measured.zones)
+        summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
     facts = measured.zones.criteria.facts() if measured.zones else {}
     if measured.columns:

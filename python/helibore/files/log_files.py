@@ -99,7 +99,7 @@ def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
     widths = [max(map(len, column), default=0) for column in texts]
     first, last = (texts[0][0], texts[0][-1]) if table.rows else (f"{NULL:.2f}",) * 2
     depth = table.depth.values
-    known = {"bit": table.facts.get("bit diameter", "")} | header
+    known = {"bit": table.facts.get("bit diameter", ""), **header}
     lines = [
         "~Version Information",
         _las_line("VERS", "", "2.0", "CWLS LOG ASCII STANDARD - VERSION 2.0"),

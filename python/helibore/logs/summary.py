@@ -53,7 +53,7 @@ class WallSummary:
     basis, bit_diameter, sectors, pitch
         As of the wall.
     vertices, samples
-        Vertices of the interval; samples of the whole wall.
+        Of the interval; samples: of the whole wall where only their number is known.
     mean_diameter
         Of the cylinder with the same volume.
     least_diameter, greatest_diameter
@@ -195,7 +195,7 @@ def summarize(
         sectors=helix.sectors,
         pitch=helix.pitch,
         vertices=vertices,
-        samples=int(getattr(wall, "sample_count", 0)),
+        samples=_sample_count(wall, start, stop),
         mean_diameter=math.sqrt(mean_square),
         least_diameter=_extreme(logs, logs.least_diameter, np.nanargmin),
         greatest_diameter=_extreme(logs, logs.c1, np.nanargmax),
@@ -219,6 +219,13 @@ def summarize(
         nearest_half=half,
         nearest_most=most,
     )
+
+
+def _sample_count(wall: WallLike, start: float, stop: float) -> int:
+    columns: tuple[Floats, ...] | None = getattr(wall, "sample_columns", None)
+    if columns is None:
+        return int(getattr(wall, "sample_count", 0))
+    return int(np.count_nonzero((columns[0] >= start) & (columns[0] <= stop))) if columns else 0
 
 
 def _share_inside(turns: Logs, start: float, stop: float) -> Floats:

@@ -11,7 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import partial
+from functools import cached_property, partial
 from string import ascii_uppercase
 from typing import TYPE_CHECKING, Literal
 
@@ -55,6 +55,7 @@ if TYPE_CHECKING:
     from helibore.plot.diameters import Diameters
     from helibore.trajectory.references import Reference
     from helibore.trajectory.survey import Path
+    from helibore.wall.state import WallState
     from helibore.wall.wall import Wall
 
 RADIUS = "Radius"
@@ -221,7 +222,12 @@ class Content:
     def summary(self, start: float | None = None, stop: float | None = None) -> WallSummary:
         """Return the summary of the interval, or of a part of it."""
         ends = (self.top if start is None else start, self.bottom if stop is None else stop)
-        return summarize(self.wall, *ends, zones=self.zones)
+        return summarize(self._state, *ends, zones=self.zones)
+
+    @cached_property
+    def _state(self) -> WallState:
+        """The wall with its samples, which are copied once."""
+        return self.wall._state()
 
     @property
     def hatching(self) -> str:

@@ -42,8 +42,6 @@ BLOCK = 14.4
 def facts(content: Content) -> list[tuple[str, str, bool]]:
     """Return label, text and whether it is a warning, for everything a reader must know."""
     wall, settings, summary = content.wall, content.wall.settings, content.summary()
-    depth = wall.samples.depth
-    samples = int(depth.searchsorted(content.bottom, "right") - depth.searchsorted(content.top))
     bit = settings.bit_diameter
     made = BASIS_TEXT[wall.basis]
     unit = content.drawing.depth_unit
@@ -60,7 +58,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),
-        ("Samples", f"{samples:,}", False),
+        ("Samples", f"{summary.samples:,}", False),
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
         ("Measured", measured_text(content), True)
         if content.hatching

@@ -61,8 +61,12 @@ def viewer_numbers(wall: hb.Wall, summary: WallSummary) -> dict[str, float | Non
 def test_one_number(seed: int) -> None:
     wall = wall_of(seed)
     summary = wall.summary()
+    depth = wall.samples.depth
+    inside = np.count_nonzero((depth >= summary.start) & (depth <= summary.stop))
     lines = " | ".join(f"{label} {text}" for label, text in summary_lines(summary))
     rows, viewed = report_rows(wall), SimpleNamespace(**viewer_numbers(wall, summary))
+    assert rows["Samples"] == f"{inside:,}"
+    assert f"vertices, from {inside:,} samples" in lines
     volume = numbers(re.search(r"\| volume ([^|]*)", lines)[1])[0]
     excess = re.search(r"([-+][\d.]+) % against the bit", lines)[1]
     assert numbers(rows["Hole volume"])[0] == volume == f"{summary.volume:,.3f}" == f"{viewed.volume:,.3f}"
