@@ -90,7 +90,7 @@ def logs(**options: Any) -> None:
     terminal = Terminal(options["quiet"])
     run = open_run(options, terminal, tables)
     options = own_options(run, "logs", options)
-    from helibore.runs.run import make_wall
+    from helibore.runs.run import make_wall, preparation_lines
 
     make_wall(run, options["threads"], terminal.stage)
     wall, header = run.wall, {"well": run.name} | header_of(run, options)
@@ -105,6 +105,8 @@ def logs(**options: Any) -> None:
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
     facts = measured.zones.criteria.facts() if measured.zones else {}
+    prepared = enumerate(preparation_lines(wall), 1)
+    facts |= {f"prepared {number}": f"{label} {text}".strip() for number, (label, text) in prepared}
     if measured.columns:
         from helibore.logs.zones import CLASSES
 

@@ -337,6 +337,8 @@ def _settings(content: Content, zones: Classification | None) -> str:
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
     for name, value in made_from.items():
+        if name == "preparation":  # among the messages
+            continue
         of_a_run = name == "files" and isinstance(value, list)
         if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):
             yield from (("made from", f"{one['name']}, BLAKE2b {one['blake2b']}") for one in value)

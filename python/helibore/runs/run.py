@@ -194,6 +194,7 @@ def read_run(
                 raise InputError("survey", f"{settings.archive.file.name} has a path of its own")
             run.path = run.path or run.built.path
             run.messages.append(("wall", f"{settings.archive.file.name}: archive of a wall"))
+            run.messages += preparation_lines(run.built)
         bit = wall.bit_diameter if wall and wall.bit_diameter > 0 else None
         track = _track(run.files.log_set(settings.track), settings.track.roles) if settings.track else None
         run.readings = tuple(
@@ -234,9 +235,18 @@ def build_wall(
             if made_from:
                 sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]
                 run.built.made_from = {"files": sums}
+            if run.prepared is not None and run.prepared.report:
+                run.built.made_from["preparation"] = [list(line) for line in run.prepared.report]
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run
+
+
+def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
+    """Return the lines on what preparation left out and corrected, which a run keeps in ``wall.made_from``."""
+    kept = wall.made_from.get("preparation")
+    lines = kept if isinstance(kept, list) else []
+    return [(str(line[0]), str(line[1])) for line in lines if isinstance(line, list) and len(line) == 2]
 
 
 def read_path(run: Run) -> None:

@@ -74,7 +74,8 @@ class Wall:
         `WallAttributes`: other values, one for each quad of the wall. Every surface has them, too.
     made_from
         What else is known of where the wall comes from (files, runs, shifts), as JSON has it: texts, numbers, lists,
-        dicts. Archives and meshes carry it; nothing is read from it.
+        dicts. Archives and meshes carry it. Reports and logs of an archive read only ``"preparation"``: the lines on
+        what the commands left out and corrected.
     picks
         `Picks`: beds, fractures and breakouts that were picked on the wall.
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import html
 import re
 import tomllib
 from dataclasses import replace
@@ -15,7 +16,7 @@ import helibore as hb
 from helibore.cli import cli
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
-from helibore.runs.run import add_images, checksum, repeat
+from helibore.runs.run import add_images, checksum, preparation_lines, repeat
 from helibore.runs.run_settings import Output, read_settings, settings_file, write_settings
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
 
@@ -213,6 +214,27 @@ def written(folder: Path, tmp_path: Path, kind: str) -> tuple[Path, list[object]
         f"{rows}</logData></log></logs>"
     )
     return path, []
+
+
+def test_an_archive_keeps_what_preparation_left_out_and_corrected(folder: Path, tmp_path: Path) -> None:
+    archive, page, logs = (tmp_path / name for name in ("w.wall", "w.html", "w.csv"))
+    first = run("reconstruct", folder / "c.csv", "-o", archive, "--bit-diameter", "216mm", "--drop-spikes", 6)
+    assert first.exit_code == 0, first.output
+    lines = preparation_lines(hb.load(archive))
+    assert "spikes" in dict(lines)
+    for command, output in (("report", page), ("logs", logs)):
+        done = run(command, archive, "-o", output)
+        assert done.exit_code == 0, done.output
+        assert "archive of a wall" in done.output
+        assert "\nspikes " in done.output
+    for number, (label, text) in enumerate(lines, 1):
+        assert f"<tr><th>{label}</th><td>{html.escape(text)}</td></tr>" in page.read_text()
+        assert f"# prepared {number}: {label} {text}" in logs.read_text()
+    assert "made from: preparation" not in page.read_text()
+    foreign = hb.Wall(bit_diameter=0.216)
+    for kept in ({}, {"preparation": "none"}, {"preparation": [1, ["a"]]}):
+        foreign.made_from = kept
+        assert preparation_lines(foreign) == []
 
 
 def without_origin(mesh: Path) -> bytes:
