@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST")
 """Columns of lengths along the hole, or on the wall."""
 
-DECIMALS = {"in": 4, "mm": 3}
+DECIMALS = {"in": 4, "mm": 3, "ft": 5}
 
 
 @click.command("logs", cls=Sectioned, short_help="Write the logs of a wall as LAS, CSV, Parquet or DLIS.")
@@ -49,8 +49,9 @@ DECIMALS = {"in": 4, "mm": 3}
     HEADER,
     opt(
         "--unit",
-        "Unit of diameters, radii and other sizes across the hole; depths stay in metres.",
-        type=click.Choice(["m", "mm", "in"]),
+        "Unit of diameters, radii and other sizes across the hole; depths stay in metres. ft: inches, and feet for "
+        "depths.",
+        type=click.Choice(["m", "mm", "in", "ft"]),
         default="m",
     ),
 )
@@ -132,15 +133,18 @@ def logs(**options: Any) -> None:
 
 
 def _in_unit(table: LogTable, unit: str) -> LogTable:
-    """The table with sizes across the hole in another unit."""
+    """The table with sizes across the hole in another unit; ft: in inches, and lengths along it in feet."""
     from helibore.base import units
     from helibore.base.tables import LogTable
 
+    across, along = ("in", "ft") if unit == "ft" else (unit, "m")
+
     def changed(one: LogColumn) -> LogColumn:
-        if one.unit != "m" or one.mnemonic in ALONG:
+        to = along if one.mnemonic in ALONG else across
+        if one.unit != "m" or to == "m":
             return one
-        values = one.values / units.factor(unit, units.LENGTH)
-        return replace(one, unit=unit, values=values, decimals=DECIMALS[unit])
+        values = one.values / units.factor(to, units.LENGTH)
+        return replace(one, unit=to, values=values, decimals=DECIMALS[to])
 
     return table if unit == "m" else LogTable([changed(one) for one in table], table.facts)
 

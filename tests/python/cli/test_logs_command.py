@@ -131,6 +131,22 @@ def test_sizes_in_another_unit(folder: Path, tmp_path: Path, unit: str, metres: 
     assert f"C1 ({unit})" in output.read_text()
 
 
+def test_feet_are_of_depths_and_inches_of_sizes(folder: Path, tmp_path: Path) -> None:
+    lasio = pytest.importorskip("lasio")
+    output, zones = tmp_path / "w.las", tmp_path / "z.csv"
+    done = run(folder / "w.wall", "-o", output, "--unit", "ft", "--zones", zones, "--step", "1ft")
+    assert done.exit_code == 0, done.output
+    expected, las = hb.load(folder / "w.wall").logs().by_step(0.3048), lasio.read(output)
+    assert las["DEPT"] * 0.3048 == pytest.approx(expected.depth, abs=2e-6)
+    assert las["C1"] * 0.0254 == pytest.approx(expected.c1, abs=2e-6)
+    assert (las.curves.DEPT.unit, las.curves.C1.unit, las.curves.VOL.unit) == ("FT", "IN", "M3")
+    assert {las.well[name].unit for name in ("STRT", "STOP", "STEP")} == {"FT"}
+    assert (las.well.STRT.value, las.well.STEP.value) == (las["DEPT"][0], 1.0)
+    assert hb.open(output).set()["DEPT"].unit.lower() == "ft"
+    assert "TOP (ft)" in zones.read_text()
+    assert "ENLARGE (in)" in zones.read_text()
+
+
 def test_zones_without_zones_are_an_empty_table(folder: Path, tmp_path: Path) -> None:
     zones = tmp_path / "zones.csv"
     zones.write_text("old")
