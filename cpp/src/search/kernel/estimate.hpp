@@ -5,8 +5,8 @@
 #pragma once
 
 #include "search/kernel/kriging.hpp"
-#include "search/kernel/select.hpp"
 #include "search/kernel/power_weight.hpp"
+#include "search/kernel/select.hpp"
 
 namespace helibore::kernel {
 namespace {
