@@ -138,7 +138,7 @@ class RigHistory:
         time
             Time of each measurement, ns.
         order
-            Number of the frame that carried the measurement; -1: it was made before (latency), and ``time`` decides.
+            Number of the frame that contained the measurement; -1: it was made before (latency), and ``time`` decides.
         depth
             The sensor's depth if it was sent; NaN if it must be computed from the bit depth.
         offset
