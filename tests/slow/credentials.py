@@ -101,7 +101,7 @@ def traces(kept: bytes) -> list[str]:
 
 def main() -> None:
     os.environ["STORE_PASSWORD"] = PASSWORD
-    store.SOON = server.FIRST_WAIT = server.LONGEST_WAIT = 0.01
+    store.SOON = server.FIRST_WAIT = server.LONGEST_WAIT_FOR_STORE = 0.01
     forms = {name: page[2:-2] for name, page in test_live_store.written_in_twenty_ways().items()}
     answers = [raw for written in forms.values() for raw in places(written).values()]
     ways = f"{len(forms)} forms in {len(answers) // len(forms)} places"

@@ -2,8 +2,9 @@
 
     link -> journal -> queue (bounded) -> model          a full queue or a full disk stops the reading: the sender waits
 
-Bytes are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4 ... 60 s. Each wait
-is randomly shortened by up to half, so that the sources do not reconnect at the same time.
+Bytes are in the journal before they are in the queue. A broken link is opened again after 1, 2, 4, 5, 5 ... s, a
+store is asked again after 1, 2, 4 ... 60 s. Each wait is randomly shortened by up to half, so that the sources do not
+reconnect at the same time.
 """
 
 from __future__ import annotations
@@ -35,12 +36,14 @@ from helibore.live.update import Update
 
 QUEUE_BYTES = 4 << 20
 QUEUE_RECORDS = 4096
-FIRST_WAIT, LONGEST_WAIT = 1.0, 60.0
+FIRST_WAIT, LONGEST_WAIT, LONGEST_WAIT_FOR_STORE = 1.0, 5.0, 60.0
+CHECKPOINT_AGAIN = 60.0
+"""Seconds until the next try after a checkpoint could not be written."""
 
 
-def back_off(failures: int, draw: Callable[[], float] = random.random) -> float:
-    """Return the seconds to wait after consecutive ``failures``: 1, 2, 4 ... 60, each times 0.5 to 1."""
-    return float(min(LONGEST_WAIT, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
+def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
+    """Return the seconds to wait after consecutive ``failures``: 1, 2, 4 ... ``longest``, each times 0.5 to 1."""
+    return float(min(longest, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
 
 
 class Queue:
@@ -260,6 +263,7 @@ class Server:
     def _follow(self, source: Source, one: Opener) -> None:
         """Open and read a source again and again until the server stops."""
         failures = 0
+        longest = LONGEST_WAIT_FOR_STORE if isinstance(source, StoreSource) else LONGEST_WAIT
         connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
         while not self._stop.is_set():
             began = time.monotonic()
@@ -276,14 +280,14 @@ class Server:
                 self._stop.wait()
                 return
             except OSError as error:
-                failures = 1 if time.monotonic() - began > LONGEST_WAIT else failures + 1
+                failures = 1 if self.last_received.get(source.name, 0.0) > began else failures + 1
                 self._report(source.name, "link", str(error))
             if one.ends and failures == 0:
                 self.states[source.name] = "ended"
                 return
             if failures and source.address.kind != "listen":
                 self.states[source.name] = "waiting to connect"
-                self._stop.wait(back_off(failures))
+                self._stop.wait(back_off(failures, longest))
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:
         """Read one link to its end; return whether any bytes came."""
@@ -370,7 +374,7 @@ class Server:
                     archive(path.parent, remove=rules.old == "remove", before=before)
             except (OSError, InputError) as error:
                 self.live.report("checkpoint", str(error))
-                self._stop.wait(LONGEST_WAIT)
+                self._stop.wait(CHECKPOINT_AGAIN)
 
     def _watch(self) -> None:
         """Report silence when it begins, check the alarms, and begin the next configuration when it is due."""

@@ -26,9 +26,28 @@ from helibore.live.journal import JournalFullError
 from helibore.live.server import Server, back_off
 
 
-def test_back_off_grows_to_a_minute_and_is_spread():
-    assert [back_off(n, lambda: 1.0) for n in (1, 2, 3, 6, 7, 50)] == [1, 2, 4, 32, 60, 60]
-    assert back_off(3, lambda: 0.0) == 2.0
+def test_back_off_grows_to_its_limit_and_is_spread():
+    assert [back_off(n, 60.0, lambda: 1.0) for n in (1, 2, 3, 6, 7, 50)] == [1, 2, 4, 32, 60, 60]
+    assert [back_off(n, 5.0, lambda: 1.0) for n in (1, 2, 3, 4, 50)] == [1, 2, 4, 5, 5]
+    assert back_off(3, 60.0, lambda: 0.0) == 2.0
+
+
+def test_a_link_that_gave_bytes_and_broke_is_opened_again_at_once(tmp_path, monkeypatch):
+    waits = []
+    monkeypatch.setattr(server_module, "back_off", lambda failures, longest: waits.append((failures, longest)) or 0.01)
+    port = free_port()
+    with Running(configured(f"tcp://127.0.0.1:{port}"), tmp_path) as running:
+        until(lambda: len(waits) > 5)  # nobody listens yet
+        for number in range(2):
+            with socket.create_server(("127.0.0.1", port)) as sender:
+                link, _ = sender.accept()
+                link.sendall(frames(1, number)[0])
+                until(lambda: running.live.model.counts["received"] > number)  # noqa: B023
+                link.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, b"\1\0\0\0\0\0\0\0")  # reset, not closed
+                waits.clear()
+                link.close()
+            until(lambda: waits)
+            assert waits[0] == (1, 5.0)
 
 
 def test_a_file_is_read_to_its_end(tmp_path):
