@@ -6,8 +6,8 @@
     sensor depth = bit depth - offset
 
 A sample gets its depth when the entries before and after its time have arrived, so the packets that the stream was cut
-into do not matter. Depth is never extrapolated, and never interpolated over more than ``max_depth_gap``. Heave and
-stretch of the string are not modelled.
+into do not matter. Depth is never extrapolated, and never interpolated over a time of more than ``max_depth_gap`` or a
+step of more than ``depth.jump``. Heave and stretch of the string are not modelled.
 
 Each bit depth entry decides the pass from the string's motion:
 
@@ -21,18 +21,14 @@ from __future__ import annotations
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base import units
 from helibore.live.clock import SECOND
-from helibore.live.depth_limits import DepthLimits
+from helibore.live.depth_limits import DepthLimits, unit_differs, unit_rule
 from helibore.live.events import Flag
 from helibore.live.growing_array import GrowingArray
 from helibore.live.pass_rules import DRILL, REAM, RESCAN, TRIP, UNKNOWN, PassRules
 
 Times = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
-FOOT = units.factor("ft", units.LENGTH)
-NEAR = 0.02
-"""A sent depth has the wrong unit if its ratio to the bit depth is that of feet to metres within this share."""
 DEEP_ENOUGH = 100.0
 """Metres: at a smaller depth, a sensor high above the bit could have the same ratio, so the unit is not checked."""
 
@@ -147,7 +143,7 @@ class RigHistory:
             Time of the latest frame; a measurement that can no longer get a depth is ready with the flag NO_DEPTH.
         """
         bit = self.tracks["bit_depth"]
-        at = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
+        at = self._bit_before(time, order)
         sent = ~np.isnan(depth)
         flags = np.zeros(len(time), np.int64)
         if not len(bit.value):
@@ -160,29 +156,48 @@ class RigHistory:
         flags[known & self._off_bottom.values[at]] |= Flag.OFF_BOTTOM
         flags[self._not_rotating(time, order)] |= Flag.NOT_ROTATING
         found, ready = self._from_bit(time, at, now)
-        flags[~sent & np.isnan(found)] |= Flag.NO_DEPTH
+        across = ~sent & np.isfinite(found) & self._across_jump(time, at)
+        found[across] = np.nan
+        flags[across] |= Flag.RANGE
+        flags[~sent & np.isnan(found) & ~across] |= Flag.NO_DEPTH
         return np.where(sent, depth, found - offset), kind, flags, sent | ready
+
+    def _bit_before(self, time: Times, order: Times) -> Times:
+        """Return the bit depth entry at or before each measurement; -1 if there is none."""
+        bit = self.tracks["bit_depth"]
+        at: Times = np.where(order >= 0, bit.before(order), np.searchsorted(bit.time, time, side="right") - 1)
+        return at
+
+    def _across_jump(self, time: Times, at: Times) -> npt.NDArray[np.bool_]:
+        """Return which measurements were made while the bit depth jumped, after entry ``at``."""
+        bit = self.tracks["bit_depth"]
+        low, high = np.maximum(at, 0), np.minimum(at + 1, len(bit.value) - 1)
+        jumps = np.abs(bit.value[high] - bit.value[low]) > self._limits.jump
+        across: npt.NDArray[np.bool_] = jumps & (time != bit.time[low])
+        return across
 
     def _wrong_depth(self, depth: Values, known: npt.NDArray[np.bool_], at: Times) -> npt.NDArray[np.bool_]:
         """Return which sent depths are below the hole, or have the ratio of feet to metres to the bit depth."""
         at = np.maximum(at, 0)
-        ratio = depth / np.maximum(self.tracks["bit_depth"].value[at], 1e-9)
         has_hole = known & np.isfinite(self._reached.values[at])
-        in_feet = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
+        in_feet = unit_differs(depth, self.tracks["bit_depth"].value[at])
         too_deep = depth > self._reached.values[at] + self._limits.beyond_hole
         wrong: npt.NDArray[np.bool_] = has_hole & (too_deep | (in_feet & (depth > DEEP_ENOUGH)))
         return wrong
 
-    def depth_rule(self, depth: float, order: int) -> str:
-        """Return what is wrong with a depth that was sent in frame ``order``."""
+    def depth_rule(self, row: np.void) -> str:
+        """Return why a pending row, with the depth that it was given, has the flag RANGE."""
+        depth = float(row["depth"])
         if self._limits.outside(np.array(depth)):
-            return self._limits.rule()
-        at = max(int(self.tracks["bit_depth"].before(np.array([order]))[0]), 0)
-        bit, hole = self.tracks["bit_depth"].value[at], self._reached.values[at]
-        for unit, factor in (("feet were read as metres", 1 / FOOT), ("metres were read as feet", FOOT)):
-            if abs(depth / max(bit, 1e-9) / factor - 1) < NEAR:
-                return f"the bit is at {bit:g} m: it seems that {unit}"
-        return f"lies below the hole, which is {hole:g} m deep"
+            return f"depth {depth:g} m: {self._limits.rule()}"
+        bit, at = self.tracks["bit_depth"], int(self._bit_before(row["time"], row["order"]))
+        if np.isnan(depth):
+            step = f"the bit depth jumps from {bit.value[at]:g} m to {bit.value[at + 1]:g} m"
+            return f"no depth: {step}, more than {self._limits.jump:g} m: nothing is interpolated between them"
+        known, hole = bit.value[max(at, 0)], self._reached.values[max(at, 0)]
+        if unit_differs(depth, known):
+            return f"depth {depth:g} m: the bit is at {known:g} m: {unit_rule(depth, known)}"
+        return f"depth {depth:g} m: lies below the hole, which is {hole:g} m deep"
 
     def _from_bit(self, time: Times, at: Times, now: int) -> tuple[Values, npt.NDArray[np.bool_]]:
         """Return the bit depth at ``time``, between entries ``at`` and ``at + 1`` (NaN: none), and if it is final."""

@@ -2,6 +2,7 @@
 
 2010.1  2010.2  9840.0  2010.3             a single jump: wrong
 2010.1  2010.2  1800.0  1800.1  1800.2     a jump that the next depth confirms: the tool was lifted
+2010.1  2010.2  6595.1  6595.4  6595.8     feet instead of metres: wrong for as long as it lasts
 """
 
 from __future__ import annotations
@@ -12,12 +13,16 @@ import numpy as np
 import numpy.typing as npt
 from pydantic import AfterValidator
 
+from helibore.base import units
 from helibore.live.checks import Table, within
 from helibore.live.clock import SECOND
 from helibore.live.events import Flag
 
 CONFIRMED_WITHIN = 600 * SECOND
 """A jump counts only if the next sample confirms it within this time."""
+FOOT = units.factor("ft", units.LENGTH)
+NEAR = 0.02
+"""Two depths have different units if their ratio is that of feet to metres within this share."""
 Values = npt.NDArray[np.float64]
 Rows = npt.NDArray[np.void]
 
@@ -52,74 +57,135 @@ def _steps(last: float, depth: Values) -> Values:
     return steps
 
 
-class Steps:
-    """Checks bit or hole depths: a value that jumps is used only if the next value does not jump back."""
-
-    STATE = ("_last", "_rejected")
-
-    def __init__(self, limits: DepthLimits) -> None:
-        self._limits = limits
-        self._last = self._rejected = np.nan
-
-    def wrong(self, values: Values) -> npt.NDArray[np.int64]:
-        """Return the rows of the values that are wrong."""
-        wrong = self._limits.outside(values)
-        known = np.isfinite(values) & ~wrong
-        if np.isnan(self._rejected) and not (_steps(self._last, values[known]) > self._limits.jump).any():
-            self._last = values[known][-1] if known.any() else self._last
-            return np.flatnonzero(wrong)
-        for row in np.flatnonzero(known).tolist():
-            value = values[row]
-            near = [abs(value - other) <= self._limits.jump for other in (self._last, self._rejected)]
-            if np.isnan(self._last) or any(near):
-                self._last, self._rejected = value, np.nan
-            else:
-                wrong[row], self._rejected = True, value
-        return np.flatnonzero(wrong)
+def unit_differs(depth: npt.ArrayLike, known: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+    """Return whether a depth and a known one have the ratio of feet to metres, either way."""
+    ratio = np.asarray(depth) / np.maximum(known, 1e-9)
+    differs: npt.NDArray[np.bool_] = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
+    return differs
 
 
-class HeldSample:
-    """Checks the depths of one source's samples; it holds a sample that jumps until the next one comes."""
+def unit_rule(depth: float, known: float) -> str:
+    """Return what is wrong with a depth for which `unit_differs`."""
+    return f"it seems that {'feet were read as metres' if depth > known else 'metres were read as feet'}"
 
-    STATE = ("_last", "_held")
+
+class LastDepth:
+    """The last depth that was used, and the last one refused because it seems to have another unit (NaN: none).
+
+    The refused level is followed: drilling goes on, so the ratio to the last used depth does not stay the same.
+    """
+
+    STATE: tuple[str, ...] = ("_last", "_other_unit")
 
     def __init__(self, limits: DepthLimits) -> None:
         self.limits = limits
-        self._last = np.nan
+        self._last = self._other_unit = np.nan
+
+    def _use(self, depth: float) -> None:
+        self._last, self._other_unit = depth, np.nan
+
+    def _use_last_of(self, depths: Values) -> None:
+        if len(depths):
+            self._use(float(depths[-1]))
+
+    def _near(self, depth: float, other: float) -> bool:
+        return abs(depth - other) <= self.limits.jump
+
+    def _has_other_unit(self, depth: float) -> bool:
+        """Return whether a depth that jumps seems to have another unit."""
+        if self._near(depth, self._other_unit) or unit_differs(depth, self._last):
+            self._other_unit = depth
+            return True
+        return False
+
+    def _refused(self, depth: float) -> str:
+        why = f"the last was {self._last:g} m: {unit_rule(depth, self._last)}: not used"
+        return f"{depth:g} m: {why}. If it is right, set depth.jump above this step and reload the configuration"
+
+    def _confirmed(self, depth: float) -> str:
+        return f"{depth:g} m: the last was {self._last:g} m, and the depth before confirms the jump: used"
+
+
+class Steps(LastDepth):
+    """Checks bit or hole depths: a value that jumps is used only if the next value does not jump back."""
+
+    STATE = (*LastDepth.STATE, "_rejected")
+
+    def __init__(self, limits: DepthLimits) -> None:
+        super().__init__(limits)
+        self._rejected = np.nan
+
+    def take(self, values: Values) -> tuple[npt.NDArray[np.int64], dict[int, str]]:
+        """Return the rows of the values that are wrong, and by row what to report of new levels of depth."""
+        wrong = self.limits.outside(values)
+        known = np.isfinite(values) & ~wrong
+        levels: dict[int, str] = {}
+        if np.isnan(self._rejected) and not (_steps(self._last, values[known]) > self.limits.jump).any():
+            self._use_last_of(values[known])
+            return np.flatnonzero(wrong), levels
+        for row in np.flatnonzero(known).tolist():
+            value = float(values[row])
+            if np.isnan(self._last) or self._near(value, self._last):
+                self._use(value)
+            elif self._has_other_unit(value):
+                wrong[row], levels[row] = True, self._refused(value)
+            elif self._near(value, self._rejected):
+                levels[row] = self._confirmed(value)
+                self._use(value)
+            else:
+                wrong[row], self._rejected = True, value
+                continue
+            self._rejected = np.nan
+        return np.flatnonzero(wrong), levels
+
+
+class HeldSample(LastDepth):
+    """Checks the depths of one source's samples; it holds a sample that jumps until the next one comes."""
+
+    STATE = (*LastDepth.STATE, "_held")
+
+    def __init__(self, limits: DepthLimits) -> None:
+        super().__init__(limits)
         self._held: Rows | None = None
 
-    def take(self, rows: Rows) -> tuple[Rows, Rows]:
-        """Return the rows to place, in order of arrival, and the rows among them whose jump was not confirmed.
+    def take(self, rows: Rows) -> tuple[Rows, list[int], dict[int, str]]:
+        """Return the rows to place, in order of arrival, which of them jump unconfirmed, and what to report by row.
 
-        Rows whose jump was not confirmed get the flag RANGE. If the last row jumps, it is held for the next call.
+        Rows whose jump was not confirmed, or whose depth seems to have another unit, get the flag RANGE. If the last
+        row jumps, it is held for the next call.
         """
         if self._held is not None:
             rows = np.concatenate([self._held, rows])
         depth = rows["depth"]
         known = (depth == depth) & ~self.limits.outside(depth) & ((rows["flags"] & ~int(DRAWABLE)) == 0)
+        levels: dict[int, str] = {}
         if self._held is None and not (_steps(self._last, depth[known]) > self.limits.jump).any():
-            self._last = depth[known][-1] if known.any() else self._last
-            return rows, rows[:0]
+            self._use_last_of(depth[known])
+            return rows, [], levels
         self._held = None
         jumped = -1
         wrong: list[int] = []
         for row in np.flatnonzero(known).tolist():
-            near_last = np.isnan(self._last) or abs(depth[row] - self._last) <= self.limits.jump
+            value = float(depth[row])
+            use = np.isnan(self._last) or self._near(value, self._last)
             if jumped >= 0:
                 soon = rows["time"][row] - rows["time"][jumped] <= CONFIRMED_WITHIN
-                if soon and not near_last and abs(depth[row] - depth[jumped]) <= self.limits.jump:
-                    near_last = True  # this row confirms the jump
+                if soon and not use and self._near(value, float(depth[jumped])):
+                    use, levels[row] = True, self._confirmed(value)
                 else:
                     wrong.append(jumped)
                 jumped = -1
-            if near_last:
-                self._last = depth[row]
+            if use:
+                self._use(value)
+            elif self._has_other_unit(value):
+                rows["flags"][row] |= int(Flag.RANGE)
+                levels[row] = self._refused(value)
             else:
                 jumped = row
         rows["flags"][wrong] |= int(Flag.RANGE)
         if jumped >= 0:
             self._held, rows = rows[jumped:], rows[:jumped]
-        return rows, rows[wrong]
+        return rows, wrong, levels
 
 
 DRAWABLE = Flag.OFF_BOTTOM | Flag.GAP_BEFORE | Flag.LATE

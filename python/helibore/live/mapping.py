@@ -331,18 +331,18 @@ class SourceReader:
         """Return the rig quantities; a bit or hole depth that cannot be true becomes NaN, with an event."""
         rig = {name: self._value(values, item) for name, item in self.source.rig.items()}
         for name, steps in self._steps.items():
-            wrong = steps.wrong(rig[name])
-            if not len(wrong):
-                continue
-            texts = [f"{name} {depth:g} m: {self._depth_rule(depth)}" for depth in rig[name][wrong].tolist()]
-
-            def describe(place: int, wrong: Integers = wrong, texts: list[str] = texts) -> Event:
-                row = int(wrong[place])
-                return self._event(int(reading.wall[row]), "range", texts[place], int(reading.line[row]))
-
-            self._events.report_rows(np.arange(len(wrong)), describe)
+            wrong, levels = steps.take(rig[name])
+            depths = rig[name].tolist()
+            rules = {row: self._depth_rule(depths[row]) for row in wrong.tolist() if row not in levels}
+            self._report_depths(reading, "range", {row: f"{name} {depths[row]:g} m: {rules[row]}" for row in rules})
+            self._report_depths(reading, "depth_jump", {row: f"{name} {text}" for row, text in levels.items()})
             rig[name][wrong] = np.nan
         return rig
+
+    def _report_depths(self, reading: Reading, rule: str, texts: dict[int, str]) -> None:
+        self._events.report_rows(
+            list(texts), lambda row: self._event(int(reading.wall[row]), rule, texts[row], int(reading.line[row]))
+        )
 
     def _depth_rule(self, depth: float) -> str:
         if self._limits.outside(np.array(depth)):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import json
 from collections import Counter
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import replace
 from typing import Any
@@ -58,6 +58,8 @@ MOST_SET_ASIDE = 10_000
 """The most records whose numbers and reasons are kept."""
 LARGEST_RADIUS = 10.0
 """Metres: a larger radius from a host is wrong."""
+USABLE, OUTSIDE = "usable", "outside"
+"""Outcomes of samples besides the names of flags: no rule refuses it; it lies before the start of the wall."""
 
 
 class Model:
@@ -79,14 +81,16 @@ class Model:
         One for each change of the configuration: utc and record from which it applies, its text and its meaning.
     events, counts
         Events, and counters of samples: received, drawn, kept apart, and not drawn by each flag.
+    outcomes
+        Number of samples by source and outcome: `USABLE`, `OUTSIDE`, or each flag that refuses the sample.
     out_of_memory
         Whether a record was set aside because the memory was full: a replay with more memory draws more.
     """
 
     STATE = (
         "samples", "image_rows", "stations", "layouts", "readers", "clock", "rig", "passes", "events", "counts",
-        "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held", "_pending",
-        "_held_rows", "_next_row", "_session", "_meaning", "_deepest",
+        "outcomes", "records", "wall_time", "next_sequence", "last_seen", "set_aside", "_cell_counts", "_held",
+        "_pending", "_held_rows", "_next_row", "_session", "_meaning", "_deepest",
     )  # fmt: skip
 
     def __init__(
@@ -98,6 +102,7 @@ class Model:
         self.stretches: list[dict[str, str]] = []
         self.events = EventBook()
         self.counts: Counter[str] = Counter()
+        self.outcomes: Counter[tuple[str, str]] = Counter()
         self.layers = {name: Wall(**configuration.wall) for name in configuration.layers}
         self.stations = Stations(configuration.path, configuration.depth)
         self.images: dict[str, ImageRows] = {}
@@ -349,9 +354,12 @@ class Model:
             rows["depth"], rows["toolface"], rows["radius"] = reading.triples.T
             rows["flags"], rows["image"] = reading.triple_flags, -1
             rows["source"], rows["number"] = self.numbers[name], reading.pass_number[reading.triple_frame]
-            rows, wrong = self._held[self.numbers[name]].take(rows)
-            jumped = f"jumps by more than {self.configuration.depth.jump:g} m, and the next depth does not confirm it"
-            self._report_depths(wrong, lambda _: jumped)
+            rows, wrong, levels = self._held[self.numbers[name]].take(rows)
+            jump = f"jumps by more than {self.configuration.depth.jump:g} m, and the next depth does not confirm it"
+            text = lambda place: f"depth {rows['depth'][wrong[place]]:g} m: {jump}"  # noqa: E731
+            self.passes.report(rows, np.array(wrong, np.int64), "range", text)
+            texts = list(levels.values())
+            self.passes.report(rows, np.array(list(levels), np.int64), "depth_jump", lambda i: f"depth {texts[i]}")
             found.append(rows)
         for image, frame, depth, values, flags in reading.images:
             rows = self._pending_rows(reading, frame, image.latency, image.offset)
@@ -439,8 +447,7 @@ class Model:
         if new.any():
             shown = rows[new]
             shown["depth"] = depth[new]
-            orders = shown["received"].tolist()
-            self._report_depths(shown, lambda place: self.rig.depth_rule(float(shown["depth"][place]), orders[place]))
+            self.passes.report(shown, np.arange(len(shown)), "range", lambda place: self.rig.depth_rule(shown[place]))
         self._pending = rows[~ready]
         late_from_bit = ((flags & Flag.LATE) != 0) & np.isnan(rows["depth"])
         flags[late_from_bit] |= Flag.NO_DEPTH  # its time of measurement is not known
@@ -451,12 +458,6 @@ class Model:
         self._draw(rows[triples], depth[triples], kind[triples], flags[triples], update)
         for index in np.unique(rows["image"][ready & (rows["image"] >= 0)]).tolist():
             self._draw_image(index, rows, depth, flags, ready & (rows["image"] == index), update)
-
-    def _report_depths(self, rows: Rows, rule: Callable[[int], str]) -> None:
-        """Report depths that cannot be true; ``rule(i)`` returns what is wrong with row ``i``."""
-        if len(rows):
-            depths = rows["depth"].tolist()
-            self.passes.report(rows, np.arange(len(rows)), "range", lambda i: f"depth {depths[i]:g} m: {rule(i)}")
 
     def _append(self, name: str, rows: Rows, columns: tuple[npt.NDArray[np.float64], ...], update: Update) -> None:
         """Append samples to a layer; if that fails, append record by record and leave out only the wrong record."""
@@ -494,6 +495,7 @@ class Model:
         good = (flags & int(NEVER_DRAWN)) == 0
         if not good.all():
             self.counts["not drawn"] += int(np.count_nonzero(~good))
+            self._count_refused(rows["source"][~good], flags[~good])
             rows, depth, kind = rows[good], depth[good], kind[good]
         if not len(rows):
             return
@@ -519,10 +521,24 @@ class Model:
                 of = np.flatnonzero(chosen & (rows["source"] == source))
                 gaps += self._depth_gaps((name, source), depth[of], of)
         self._report_outside(rows, depth, outside)
+        before_start = np.unique(np.concatenate([np.empty(0, np.int64), *(of for _, of in outside)]))
+        before_start = before_start[~drawn[before_start]]
+        self._count(rows["source"][before_start], OUTSIDE)
+        self._count(np.delete(rows["source"], before_start), USABLE)
         if gaps:
             self.passes.report(rows, np.array([row for row, _ in gaps]), "depth_gap", lambda place: gaps[place][1])
         self.counts["drawn"] += int(np.count_nonzero(drawn))
         self.counts["kept apart"] += int(np.count_nonzero(~drawn))
+
+    def _count(self, sources: npt.NDArray[np.int32], outcome: str) -> None:
+        for number, count in enumerate(np.bincount(sources).tolist()):
+            if count and number in self.readers:
+                self.outcomes[self.readers[number].source.name, outcome] += count
+
+    def _count_refused(self, sources: npt.NDArray[np.int32], flags: npt.NDArray[np.int64]) -> None:
+        """Count refused samples by source and flag, except those of a string that does not turn: these are usual."""
+        for flag in NEVER_DRAWN & ~Flag.NOT_ROTATING:
+            self._count(sources[(flags & int(flag)) != 0], str(flag.name))
 
     def _before_start(self, name: str, depth: npt.NDArray[np.float64]) -> npt.NDArray[np.bool_]:
         """Return which samples lie before the first vertex of a layer, out of its reach."""

@@ -16,6 +16,7 @@ from live_wires import (
 
 from helibore import Live
 from helibore.live import live as live_module
+from helibore.live import wits
 from helibore.live.configuration import parse
 
 
@@ -112,3 +113,62 @@ def test_depth_is_never_guessed():
     rig(live, 151)  # too late: 62 s between the depths
     assert (live.model.waiting, live.wall.sample_count) == (0, 0)
     assert live.model.counts["flag NO_DEPTH"] == 2
+
+
+def texts(live, rule):
+    return {event.source: event.newest.text for event in live.model.events.latest if event.rule == rule}
+
+
+def test_no_sample_is_drawn_between_two_levels_of_bit_depth():
+    clock = Clock()
+    live = from_bit(clock=clock)
+    for depth in (500.0, 500.1, 320.0, 320.1):  # lifted while the line was down; the second value confirms it
+        clock.step(5)
+        rig(live, depth)
+        clock.step(5)
+        sample(live)
+    assert live.wall.samples.depth.tolist() == [500.05 - 10.0]
+    clock.step(5)
+    rig(live, 320.2)
+    np.testing.assert_allclose(live.wall.samples.depth, [310.15, 490.05])
+    assert (live.model.counts["flag RANGE"], live.model.counts["not drawn"]) == (2, 2)
+    assert texts(live, "range")["mwd"] == (
+        "no depth: the bit depth jumps from 500.1 m to 320.1 m, more than 100 m: nothing is interpolated between them"
+    )
+    assert texts(live, "depth_jump")["rig"] == (
+        "hole_depth 320.1 m: the last was 500.1 m, and the depth before confirms the jump: used"
+    )
+
+
+def test_bit_depth_that_changes_to_feet_is_refused_for_as_long_as_it_lasts(tmp_path, monkeypatch):
+    clock = Clock()
+    with Live(parse(FROM_BIT.replace("LATENCY", "0")), tmp_path, clock=clock) as live:
+        for i in range(300):
+            depth = 500 + 0.5 * i
+            rig(live, depth / 0.3048 if 40 <= i < 290 else depth)  # 125 m are drilled meanwhile
+            if i == 289:
+                assert texts(live, "depth_jump")["rig"] == (
+                    "hole_depth 2114.5 m: the last was 519.5 m: it seems that feet were read as metres: not used. "
+                    "If it is right, set depth.jump above this step and reload the configuration"
+                )
+            clock.step(1)
+            sample(live, float(i * 37 % 360))
+            clock.step(1)
+        assert live.wall.samples.depth.max() < 650.0
+        assert live.model.counts["drawn"] == 39 + 8
+        assert live.model.events.counts["rig", "depth_jump"] == 2 * (250 + 1)  # bit and hole; back in metres: confirmed
+    for records in (1, 8192):
+        monkeypatch.setattr(live_module, "WINDOW_RECORDS", records)
+        again = Live.replay(tmp_path)
+        assert same_bits(again.wall, live.wall)
+        assert (again.model.counts, again.model.events.counts) == (live.model.counts, live.model.events.counts)
+
+
+def test_a_sent_depth_that_changes_to_feet_is_refused_for_as_long_as_it_lasts():
+    live = Live(parse(FROM_BIT.replace("offset = 10.0, latency = LATENCY", 'depth = ["5011"]')), clock=Clock())
+    for i in range(100):
+        depth = (500 + i) / (0.3048 if 20 <= i < 90 else 1.0)
+        live.receive("mwd", wits.frame([(5010, str(i)), (5011, f"{depth:.2f}"), (5012, "110")]))
+    assert live.wall.samples.depth.tolist() == [500.0 + i for i in range(100) if not 20 <= i < 90]
+    assert live.model.counts["flag RANGE"] == 70
+    assert live.model.events.counts["mwd", "depth_jump"] == 70
