@@ -63,6 +63,7 @@ def live(
     importlib.import_module("helibore.live.checks")  # before all else of live: it names the extra that is missing
     from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer
+    from helibore.live.alarms import receiver
     from helibore.live.configuration import load
     from helibore.live.live import Live
     from helibore.live.server import Server
@@ -70,6 +71,7 @@ def live(
     settings = load(configuration)
     if check:
         settings.following()
+        receiver(settings.alarms)
         click.echo(f"{configuration}: fine: {', '.join(settings.sources)}")
         return
     where = journal or (Path(settings.journal.folder) if settings.journal.folder else None)

@@ -15,6 +15,7 @@ import http.client
 import json
 import os
 import queue
+import shutil
 import signal
 import socket
 import subprocess
@@ -24,14 +25,16 @@ import urllib.error
 import urllib.request
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 
 from helibore.base.errors import InputError
 from helibore.live.clock import SECOND, utc
+from helibore.live.configuration import AlarmLimits
 from helibore.live.live import Live
+from helibore.live.model import OUTSIDE, USABLE
 from helibore.live.update import Update
 
 HOLD = 60.0
@@ -46,6 +49,15 @@ STEP = 0.01
 """Metres by which the bit must move to count as moving."""
 TICK = 0.25
 WAITING = "waiting for the disk"
+REASONS = {
+    "NULL": "no value",
+    "INVALID": "not a number",
+    "RANGE": "depth or radius out of range",
+    "DUPLICATE": "sent twice",
+    "NO_DEPTH": "no bit depth near it in time",
+    OUTSIDE: "before the start of the wall",
+}
+"""Why samples are refused, in words, by their outcome."""
 
 
 def local(wall: int) -> datetime.datetime:
@@ -90,6 +102,37 @@ class Alarm:
         return f"{what}: {self.text}, since {utc(self.wall)[11:19]} UTC, {local(self.wall):%H:%M:%S} here"
 
 
+def receiver(limits: AlarmLimits) -> str:
+    """Check what receives the alarms, and return the address of the webhook; "": none.
+
+    Raises
+    ------
+    InputError
+        If the command is no program on this machine, or the environment variable of the webhook is not set or holds no
+        address.
+    """
+    if limits.command and shutil.which(limits.command[0]) is None:
+        raise InputError("alarms.command[0]", "must be a program that can be run", repr(limits.command[0]))
+    address = limits.webhook or ""
+    if address.startswith("env:"):
+        if address[4:] not in os.environ:
+            raise InputError("alarms.webhook", "is not set in the environment", repr(address))
+        variable, address = address, os.environ[address[4:]]
+        if not address.startswith(("https://", "http://")):
+            raise InputError("alarms.webhook", "the variable must hold https://... or http://...", repr(variable))
+    return address
+
+
+@dataclass
+class Refused:
+    """Samples of one source that were refused since the last usable one: their time, monotonic ns, and reasons."""
+
+    before: Counter[str]
+    first: int = 0
+    last: int = 0
+    reasons: Counter[str] = field(default_factory=Counter)
+
+
 class Alarms:
     """The alarms of a running server.
 
@@ -110,7 +153,7 @@ class Alarms:
     Raises
     ------
     InputError
-        If the environment variable of the webhook is not set, or holds no address.
+        As `receiver`.
     """
 
     def __init__(self, live: Live, states: Mapping[str, str]) -> None:
@@ -124,19 +167,14 @@ class Alarms:
         self._connected = dict.fromkeys(states, self.synced)
         self._position, self._moved = np.nan, self.synced
         self._received, self._sampled = live.model.counts["received"], -(1 << 62)
-        self._held: dict[str, tuple[int, str]] = {}
+        self._refused = {name: Refused(self._outcomes(name)) for name in live.configuration.sources}
+        self._jumps = self._depth_jumps()
+        self._held: dict[tuple[str, str], tuple[int, str]] = {}
         self._changed: deque[tuple[int, int]] = deque(maxlen=MOST_RANGES)
         self._lock_file = live.journal.folder / "lock" if live.journal else None
         self._journal = str(live.journal.folder) if live.journal else ""
         self._inode = self._lock_file.stat().st_ino if self._lock_file else 0
-        address = self._limits.webhook or ""
-        if address.startswith("env:"):
-            if address[4:] not in os.environ:
-                raise InputError("alarms.webhook", "is not set in the environment", repr(address))
-            variable, address = address, os.environ[address[4:]]
-            if not address.startswith(("https://", "http://")):
-                raise InputError("alarms.webhook", "the variable must hold https://... or http://...", repr(variable))
-        self._address = address
+        self._address = address = receiver(self._limits)
         self._ways = [
             way for way, wanted in ((self._command, self._limits.command), (self._webhook, address)) if wanted
         ]
@@ -168,11 +206,15 @@ class Alarms:
         wall, now = self._live.clock()
         drift, self._drift = wall - now - self._drift, wall - now
         if abs(drift) > self._limits.clock * SECOND:
-            self._held["clock"] = now, f"the wall clock was set by {drift / SECOND:+.3f} s"
+            self._held["clock", ""] = now, f"the wall clock was set by {drift / SECOND:+.3f} s"
         self._measure(now)
         self._hang_up()
-        found = {(rule, ""): text for rule, (at, text) in self._held.items() if now - at < HOLD * SECOND}
-        found |= self._of_sources(now) | self._of_depth(now) | self._of_journal(now)
+        before, self._jumps = self._jumps, self._depth_jumps()
+        for source, (count, text) in self._jumps.items():
+            if count != before.get(source, (0, ""))[0]:
+                self._held["depth_jump", source] = now, text
+        found = {key: text for key, (at, text) in self._held.items() if now - at < HOLD * SECOND}
+        found |= self._of_sources(now) | self._of_samples(now) | self._of_depth(now) | self._of_journal(now)
         try:
             os.close(os.open(os.devnull, os.O_RDONLY))
         except OSError as error:
@@ -183,9 +225,7 @@ class Alarms:
             self.begin(rule, text, source)
         for alarm in self.active:
             if alarm.rule != "failure" and (alarm.rule, alarm.source) not in found:
-                with self._lock:
-                    del self._active[alarm.rule, alarm.source]
-                self._tell(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
+                self._end(alarm, wall, f"after {(now - alarm.monotonic) / SECOND:.1f} s: ")
 
     def _hang_up(self) -> None:
         """End a request to the webhook that takes too long; the time limit of urllib is for each piece of an answer."""
@@ -204,8 +244,17 @@ class Alarms:
             self.counts[rule, source] += 1
         self._tell(alarm, alarm.wall)
 
+    def _end(self, alarm: Alarm, wall: int, ended: str) -> None:
+        with self._lock:
+            del self._active[alarm.rule, alarm.source]
+        self._tell(alarm, wall, ended)
+
     def close(self) -> None:
-        """Stop; the lines that wait are tried once more, for a few seconds at most."""
+        """End all alarms but a failure, and stop; lines that wait are tried once more, for a few seconds at most."""
+        wall, now = self._live.clock()
+        for alarm in self.active:
+            if alarm.rule != "failure":
+                self._end(alarm, wall, f"helibore stops, after {(now - alarm.monotonic) / SECOND:.1f} s: ")
         self._stopping.set()
         if self._thread:
             self._thread.join(SECONDS / 2)
@@ -226,6 +275,32 @@ class Alarms:
             if state == WAITING:
                 found["disk", ""] = "the disk takes no record"
         return found
+
+    def _outcomes(self, source: str) -> Counter[str]:
+        """Return how many samples of a source there were so far, by outcome."""
+        counted = self._live.model.outcomes
+        return Counter({outcome: counted[source, outcome] for outcome in (USABLE, *REASONS)})
+
+    def _of_samples(self, now: int) -> dict[tuple[str, str], str]:
+        """Find the sources whose samples have all been refused."""
+        found = {}
+        for name, refused in self._refused.items():
+            new = self._outcomes(name) - refused.before
+            refused.before += new
+            if new[USABLE]:
+                refused.reasons.clear()
+            elif new:
+                refused.first = refused.first if refused.reasons else now
+                refused.last, refused.reasons = now, refused.reasons + new
+            if refused.reasons and refused.last - refused.first > self._limits.refused * SECOND:
+                why = ", ".join(f"{count:,} {REASONS[reason]}" for reason, count in refused.reasons.most_common())
+                found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}"
+        return found
+
+    def _depth_jumps(self) -> dict[str, tuple[int, str]]:
+        """Return the count and the latest text of the jumps of depth of each source."""
+        events = (event for event in self._live.model.events.latest if event.rule == "depth_jump")
+        return {event.source: (event.count, event.newest.text) for event in events}
 
     def _of_depth(self, now: int) -> dict[tuple[str, str], str]:
         """Compare the bit depth, or without it the wall's end, with its last value."""
@@ -273,7 +348,7 @@ class Alarms:
                     turn = int(np.nanargmax(sign * over))
                     depth, word = turns.depth[turn * sectors], "below" if rule == "tight" else "above"
                     text = f"at {depth:.2f} m the diameter is {1e3 * abs(over[turn]):.1f} mm {word} the bit's"
-                    self._held[rule] = now, text
+                    self._held[rule, ""] = now, text
 
     def _tell(self, alarm: Alarm, wall: int, ended: str = "") -> None:
         """Report that an alarm begins, or that it ``ended``, and queue the line for the command and the webhook."""

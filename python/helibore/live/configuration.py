@@ -144,13 +144,14 @@ def _webhook(address: str) -> str:
 class AlarmLimits(Table):
     """The table ``alarms``: when an alarm begins, and who receives it besides page, metrics and log.
 
-    An alarm begins after so many seconds without a connection (``lost``), with samples but the same bit depth
-    (``standing``), or without a successful sync (``sync``); when the clock of the machine jumps by more seconds
-    (``clock``); with fewer gigabytes left (``disk_gb``); and where the median diameter of a turn is so many metres
-    below the bit's (``tight``) or above it (``washout``).
+    An alarm begins after so many seconds without a connection (``lost``), with samples that all are refused
+    (``refused``), with samples but the same bit depth (``standing``), or without a successful sync (``sync``); when the
+    clock of the machine jumps by more seconds (``clock``); with fewer gigabytes left (``disk_gb``); and where the
+    median diameter of a turn is so many metres below the bit's (``tight``) or above it (``washout``).
     """
 
     lost: Annotated[float, within(0.1)] = 30.0
+    refused: Annotated[float, within(1)] = 120.0
     standing: Annotated[float, within(1)] = 900.0
     disk_gb: Annotated[float, within(0)] = 1.0
     sync: Annotated[float, within(0.1)] = 2.0

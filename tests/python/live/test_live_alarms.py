@@ -107,6 +107,67 @@ def test_depth_that_stands_while_samples_come_is_an_alarm():
     assert rules(alarms) == []
 
 
+def test_samples_that_are_all_refused_are_an_alarm_until_one_is_usable():
+    text = HOST + 'caliper = { toolface = ["5010"], depth = ["5011"], radius = ["5012"] }\n'
+    live, clock, alarms = alarmed(text + "[alarms]\nrefused = 30.0\n")
+
+    def send(seconds, radius, depth=110.0):
+        clock.step(seconds)
+        live.receive(
+            "mwd", b"&&\r\n501010\r\n5011%.3f\r\n5012%.4f\r\n!!\r\n" % (depth + clock.wall % 997 / 1e3, radius)
+        )
+        alarms.check()
+
+    send(1, 110)
+    send(1, 4.33)  # inches, as millimetres
+    clock.step(300)
+    alarms.check()
+    assert rules(alarms) == [("no_data", "mwd")]  # one wrong sample, and then silence
+    send(1, 110)
+    for _ in range(4):
+        send(10, 4.33)
+    assert rules(alarms) == []
+    send(1, -9999)
+    assert rules(alarms) == [("refused", "mwd")]
+    expected = "no sample was usable for 30 s: 4 depth or radius out of range, 1 no value"
+    assert texts(live)["alarm_refused"] == expected
+    send(1, 110)
+    assert rules(alarms) == []
+    for _ in range(5):
+        send(10, 110, 50.0)
+    assert "5 before the start of the wall" in texts(live)["alarm_refused"]
+
+
+def test_samples_of_a_string_that_does_not_turn_are_no_alarm():
+    items = 'items = { bit_depth = "0108", rotation = "0120" }\n'
+    live, clock, alarms = alarmed(HOST + items + 'caliper = { toolface = ["5010"], radius = ["5012"] }\n')
+    for number in range(40):
+        clock.step(10)
+        live.receive("mwd", b"&&\r\n0108%.3f\r\n01200\r\n501010\r\n5012110\r\n!!\r\n" % (110 + number / 10))
+        alarms.check()
+    assert live.model.counts["flag NOT_ROTATING"] == 40
+    assert rules(alarms) == []
+
+
+def test_a_jump_of_depth_is_an_alarm_for_a_minute():
+    text = HOST + 'items = { bit_depth = "0108" }\n'
+    live, clock, alarms = alarmed(text)
+    for depth in (2000.0, 9000.0, 2000.1):  # one wrong value is no alarm
+        live.receive("mwd", b"&&\r\n0108%.3f\r\n!!\r\n" % depth)
+        alarms.check()
+    assert rules(alarms) == []
+    live.receive("mwd", b"&&\r\n01086561.7\r\n!!\r\n")
+    alarms.check()
+    assert rules(alarms) == [("depth_jump", "mwd")]
+    assert "it seems that feet were read as metres: not used" in texts(live)["alarm_depth_jump"]
+    clock.step(61)
+    alarms.check()
+    assert rules(alarms) == [("no_data", "mwd")]
+    restarted = Alarms(live, STATES)
+    restarted.check()
+    assert ("depth_jump", "mwd") not in rules(restarted)  # it was before the start
+
+
 def test_disk_sync_lock_and_folder_are_alarms(tmp_path, monkeypatch):
     live, clock, alarms = alarmed(HOST + "[alarms]\nsync = 3.0\ndisk_gb = 2.0\n", tmp_path / "j")
     alarms.check()
@@ -345,8 +406,8 @@ def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch, answer, text
         clock.step(61)
         alarms.check()
         until(lambda: alarms.undelivered == 1)
+        assert len(hook.lines) == 3
         alarms.close()
-    assert len(hook.lines) == 3
     assert texts(live)["alarm_not_delivered"] == f"webhook: {text}"
 
 
@@ -366,6 +427,30 @@ def test_wrong_settings_of_alarms_are_named(entry, error):
     with pytest.raises(ValueError) as raised:  # noqa: PT011 (the text is compared whole below)
         parse(HOST + f"[alarms]\n{entry}\n")
     assert str(raised.value) == error.replace("from 0.1", "at least 0.1")
+
+
+@pytest.mark.parametrize("command", ["/no/such/horn", "no-such-horn", __file__])
+def test_a_command_that_cannot_be_run_is_an_error_at_the_start(command):
+    with pytest.raises(ValueError, match=r"^alarms\.command\[0\] = '.*': must be a program that can be run$"):
+        alarmed(HOST + f"[alarms]\ncommand = {json.dumps([command])}\n")
+
+
+def test_alarms_that_last_end_at_the_stop(tmp_path):
+    log = tmp_path / "log"
+    keep = ["sh", "-c", f"cat >> {log}"]
+    live, clock, alarms = alarmed(HOST + f"[alarms]\ncommand = {json.dumps(keep)}\n")
+    alarms.start(thread)
+    clock.step(70)
+    alarms.check()
+    alarms.begin("failure", "thread draw died")
+    clock.step(5)
+    alarms.close()
+    found = [json.loads(line) for line in log.read_text().splitlines()]
+    assert [(line["alarm"], line["state"]) for line in found] == [
+        ("no_data", "begins"), ("failure", "begins"), ("no_data", "ends"),
+    ]  # fmt: skip
+    assert texts(live)["alarm_no_data_end"] == "helibore stops, after 5.0 s: nothing has come for 60 s"
+    assert rules(alarms) == [("failure", "")]
 
 
 def test_a_webhook_whose_variable_is_not_set_is_an_error_at_the_start(monkeypatch):
