@@ -92,7 +92,8 @@ struct Counts {
 // Reads one stream (one connection). Several threads may call; one call waits for the other.
 class Parser {
   public:
-    explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25}, Limits limits = {});
+    explicit Parser(std::vector<double> nulls = {-9999.0, -8888.0, -999.25, -9999.25, -999.0, -99999.0},
+                    Limits limits = {});
     ~Parser();
     Parser(Parser&&) noexcept;
     Parser& operator=(Parser&&) noexcept;

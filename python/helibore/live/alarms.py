@@ -282,7 +282,7 @@ class Alarms:
         return Counter({outcome: counted[source, outcome] for outcome in (USABLE, *REASONS)})
 
     def _of_samples(self, now: int) -> dict[tuple[str, str], str]:
-        """Find the sources whose samples have all been refused."""
+        """Find the sources whose samples have all been refused, or whose toolfaces seem to have another unit."""
         found = {}
         for name, refused in self._refused.items():
             new = self._outcomes(name) - refused.before
@@ -295,6 +295,9 @@ class Alarms:
             if refused.reasons and refused.last - refused.first > self._limits.refused * SECOND:
                 why = ", ".join(f"{count:,} {REASONS[reason]}" for reason, count in refused.reasons.most_common())
                 found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}"
+        for reader in list(self._live.model.readers.values()):
+            if reader.seems_radians:
+                found["toolface", reader.source.name] = reader.seems_radians
         return found
 
     def _depth_jumps(self) -> dict[str, tuple[int, str]]:

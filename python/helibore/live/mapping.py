@@ -23,13 +23,15 @@ from helibore.live.depth_limits import DepthLimits, Steps
 from helibore.live.events import Event, EventBook, Flag
 from helibore.live.pass_rules import LARGEST, NO_NUMBER
 from helibore.live.sequence import SequenceWatch
-from helibore.live.sources import Image, Item, Source
+from helibore.live.sources import Image, Item, Source, WitsCaliper
 
 Integers = npt.NDArray[np.int64]
 Values = npt.NDArray[np.float64]
 
 ABSENT, VALUE, NULL, INVALID = range(4)
 REMEMBERED, DIGEST_BYTES = 4096, 16
+FIRST_TOOLFACES = 100
+"""Number of toolfaces after which their unit is judged."""
 
 
 @dataclass(slots=True)
@@ -68,10 +70,17 @@ class Reading:
 
 
 class SourceReader:
-    """Reads one source: a parser for each connection, then the mapping."""
+    """Reads one source: a parser for each connection, then the mapping.
+
+    Attributes
+    ----------
+    seems_radians
+        Why the toolfaces seem to be radians though the configuration does not say so; "" if they do not.
+    """
 
     STATE: tuple[str, ...] = (
-        "_steps", "_parser", "_connection", "counts", "watches", "recent", "_pass_number", "_held", "_ends", "_walls"
+        "_steps", "_parser", "_connection", "counts", "watches", "recent", "_pass_number", "_held", "_ends", "_walls",
+        "_toolfaces", "seems_radians",
     )  # fmt: skip
 
     def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
@@ -95,6 +104,8 @@ class SourceReader:
         self._distinguishing = np.append(self._column[[*self.watches]], self._places(depths)[0])
         self._recent: OrderedDict[bytes, None] = OrderedDict()
         self._pass_number = NO_NUMBER
+        self._toolfaces: list[float] = []  # the first ones
+        self.seems_radians = ""
         self._held = bytearray()  # bytes that the parser holds; below, ends and wall times of their records
         self._ends: list[int] = []
         self._walls: list[int] = []
@@ -397,9 +408,26 @@ class SourceReader:
             return self._event(int(reading.wall[frame[row]]), "range", text, int(reading.line[frame[row]]))
 
         self._events.report_rows(outside.nonzero()[0], describe)
+        self._judge_unit(toolface, reading, frame)
         toolface = wrapped(toolface + caliper.toolface_offset)
         reading.triple_frame, reading.triple_flags = frame, triple_flags
         reading.triples = np.column_stack([depth, toolface, radius])
+
+    def _judge_unit(self, toolface: Values, reading: Reading, frame: Integers) -> None:
+        """Report first toolfaces that cover more than half a turn if they are radians, and no more than one turn."""
+        caliper = self.source.caliper
+        if not isinstance(caliper, WitsCaliper) or caliper.toolface_unit or len(self._toolfaces) == FIRST_TOOLFACES:
+            return
+        rows = np.flatnonzero(np.isfinite(toolface))[: FIRST_TOOLFACES - len(self._toolfaces)]
+        self._toolfaces += toolface[rows].tolist()
+        low, high = min(self._toolfaces, default=0.0), max(self._toolfaces, default=0.0)
+        half = np.pi + 0.005  # senders round
+        one_turn = (low >= 0 and high <= 2 * half) or (low >= -half and high <= half)
+        if len(self._toolfaces) == FIRST_TOOLFACES and one_turn and high - low > np.pi:
+            rule = 'it seems that they are radians: state toolface_unit = "rad", or "deg" if they are degrees'
+            self.seems_radians = f"the first {FIRST_TOOLFACES} toolfaces lie from {low:g} to {high:g}: {rule}"
+            at = int(frame[rows[-1]])
+            self._report(int(reading.wall[at]), "toolface", self.seems_radians, int(reading.line[at]))
 
     def _images(self, reading: Reading, values: Values, states: npt.NDArray[np.uint8], flags: Integers) -> None:
         for image in self.source.images:

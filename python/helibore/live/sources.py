@@ -75,16 +75,20 @@ def _code(value: object) -> Item:
         raise ValueError(rule) from None
 
 
-def _length_unit(unit: str) -> str:
-    try:
-        units.factor(unit, units.LENGTH)
-    except ValueError as error:
-        raise ValueError(str(error).partition(": ")[2]) from None
-    return unit
+def _unit_of(kind: str) -> AfterValidator:
+    def check_unit(unit: str) -> str:
+        try:
+            units.factor(unit, kind)
+        except ValueError as error:
+            raise ValueError(str(error).partition(": ")[2]) from None
+        return unit
+
+    return AfterValidator(check_unit)
 
 
 Code = Annotated[Item, PlainValidator(_code)]
-LengthUnit = Annotated[str, AfterValidator(_length_unit)]
+LengthUnit = Annotated[str, _unit_of(units.LENGTH)]
+AngleUnit = Annotated[str, _unit_of(units.ANGLE)]
 Latency = Annotated[float, within(0, 3600)]
 Text = Annotated[str, Field(min_length=1)]
 
@@ -204,6 +208,7 @@ class WitsCaliper(CaliperTable):
     order: list[str] = ["toolface", "depth", "radius"]
     depth_unit: LengthUnit | None = None
     radius_unit: LengthUnit | None = None
+    toolface_unit: AngleUnit | None = None
 
     def model_post_init(self, context: Context) -> None:
         lists = {"toolface": self.toolface, "radius": self.radius, "depth": self.depth}
@@ -219,8 +224,9 @@ class WitsCaliper(CaliperTable):
         for name in ("toolface", "radius"):
             if name not in columns:
                 raise InputError(name, "must be set: a list of items, one for each triple")
-        for name, unit in zip(("depth", "radius"), context.lengths, strict=True):
-            scale = units.factor(getattr(self, f"{name}_unit") or unit, units.LENGTH)
+        for name, unit in zip(("depth", "radius", "toolface"), (*context.lengths, "deg"), strict=True):
+            kind = units.ANGLE if name == "toolface" else units.LENGTH
+            scale = units.factor(getattr(self, f"{name}_unit") or unit, kind)
             if name in columns:
                 columns[name] = [Item(item.code, scale) for item in columns[name]]
         self._set_items(columns, "items", context.bit_diameter)

@@ -19,7 +19,7 @@ Rows = npt.NDArray[np.void]
 
 LINE_LIMIT, FRAME_LIMIT, ITEM_LIMIT = _core.WITS_LIMITS
 """Bytes of a line, bytes and lines of a frame, by default: `Limits` in cpp/include/helibore/wits.hpp."""
-NULLS = (*nulls.NULLS, -8888.0)
+NULLS = (*nulls.NULLS, -8888.0, -999.0, -99999.0)
 """Numbers that mean "no value" unless a source says otherwise; compared as numbers, so ``-9999.00`` counts too."""
 
 NULL = 1

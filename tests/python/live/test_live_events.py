@@ -298,3 +298,21 @@ def test_samples_before_the_start_of_the_wall_are_reported(start, pitch):
     rule = f"lies before the wall, which begins at start_depth = {start:g} m: not drawn"
     assert events[0].text == f"layer main: a sample at 100.0 m {rule}"
     assert (len(live.wall), live.model.counts["drawn"]) == (0, 0)
+
+
+@pytest.mark.parametrize("turn", [(0.0, 2 * np.pi), (-np.pi, np.pi)])
+@pytest.mark.parametrize("unit", ["", "rad", "deg"])
+def test_toolfaces_that_seem_to_be_radians_are_told_unless_their_unit_is_stated(turn, unit):
+    stated = f', toolface_unit = "{unit}"' if unit else ""
+    caliper = 'caliper = { toolface = ["5010"], depth = ["5011"], radius = ["5012"]' + stated + " }\n"
+    live = Live(parse(WALL + '[source.mwd]\naddress = "host"\nunits = "metric"\n' + caliper), clock=Clock())
+    angles = np.linspace(*turn, 120)
+    for i, angle in enumerate(angles.tolist()):
+        live.receive("mwd", wits.frame([(5010, f"{angle:.4f}"), (5011, f"{100 + i / 100:.2f}"), (5012, "110")]))
+    assert live.model.events.counts["mwd", "toolface"] == (0 if unit else 1)
+    assert bool(live.model.readers[1].seems_radians) == (not unit)
+    if not unit:
+        (event,) = [event for event in live.model.events.latest if event.rule == "toolface"]
+        assert event.text.endswith('they are radians: state toolface_unit = "rad", or "deg" if they are degrees')
+    expected = np.degrees(angles) if unit == "rad" else angles
+    np.testing.assert_allclose(live.wall.samples.toolface, expected % 360, atol=0.01)

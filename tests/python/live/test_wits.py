@@ -163,7 +163,7 @@ def test_what_is_not_a_number_is_invalid_and_its_text_is_kept(text):
     assert parser.counts["not_numbers"] == 1
 
 
-@pytest.mark.parametrize("text", ["", "   ", "-9999", "-9999.00", "-8888.0", "-999.25", "-9.99925e3", " -9999"])
+@pytest.mark.parametrize("text", ["", "   ", "-9999", "-9999.00", "-8888.0", "-999.25", "-9.99925e3", " -9999", "-999"])
 def test_nulls_are_compared_as_numbers(text):
     frames, _, parser = read(b"&&\n0108" + text.encode() + b"\n!!\n")
     assert frames[0][0][2] == wits.NULL
