@@ -25,14 +25,14 @@ import hashlib
 import json
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
 from helibore.base.errors import InputError, MissingExtraError
 from helibore.runs.output_store import Json, file_system, local_file
-from helibore.runs.run_settings import RunSettings, run_settings
+from helibore.runs.run_settings import ImageInput, Input, RunSettings, run_settings
 from helibore.wall.wall import Wall
 
 OUTPUTS = ("archive", "mesh", "logs", "zones")
@@ -46,6 +46,15 @@ KEYS = ("output", "outputs", "block_samples", "catalogue", "defaults", "well")
 
 FILES = ("caliper", "average", "archive", "survey", "track", "image")
 """Keys of a well that name files."""
+
+OF_A_RUN = ("verb", "output", "scalar", "options")
+"""Keys of the settings of a run that a well does not have."""
+
+OF_A_WELL = ("name", *(each.name for each in fields(RunSettings) if each.name not in OF_A_RUN))
+"""Keys of a well."""
+
+OF_A_FILE = {key: (*(each.name for each in fields(ImageInput if key == "image" else Input)), "map") for key in FILES}
+"""Keys of a table that names a file."""
 
 
 def path_part(well: str) -> str:
@@ -104,9 +113,7 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     name, folder = address.rpartition("/")[2], address.rpartition("/")[0]
     with local_file(address) as path:
         tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else _toml(path, name)
-    for key in tree:
-        if key not in KEYS:
-            raise InputError(f"{name}: {key}", f"must be one of {', '.join(KEYS)}")
+    _check_keys(tree, KEYS, name)
     wells = tree.get("well", [])
     if "catalogue" in tree:
         with local_file(_absolute(tree["catalogue"], folder)) as path:
@@ -158,9 +165,7 @@ def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
     if not isinstance(well, str) or not well.strip():
         raise InputError(f"{name}: {place}.name", "must be the name of the well", None if well is None else repr(well))
     place = f"{name}: well {well}"
-    for key in ("output", "scalar", "verb", "options"):
-        if key in tree:
-            raise InputError(f"{place}: {key}", "is not a key of a well")
+    _check_keys(tree, OF_A_WELL, place)
     for key in FILES:
         if key in tree:
             tree[key] = _files(key, tree[key], f"{place}: {key}", folder)
@@ -192,6 +197,12 @@ def strip_maps(tree: Json) -> Json:
     }
 
 
+def _check_keys(table: Json, keys: tuple[str, ...], place: str) -> None:
+    for key in table:
+        if key not in keys:
+            raise InputError(f"{place}: {key}", f"must be one of {', '.join(keys)}")
+
+
 def _files(key: str, given: Any, place: str, folder: str) -> Any:
     """Return the table of a file, or a list of them, with addresses; an address alone stands for its table."""
     many = given if isinstance(given, list) else [given]
@@ -199,6 +210,7 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
     for of in tables:
         if not isinstance(of, dict) or not isinstance(of.get("file"), str):
             raise InputError(place, "must name a file")
+        _check_keys(of, OF_A_FILE[key], place)
     made = [of | {name: _absolute(of[name], folder) for name in ("file", "map") if name in of} for of in tables]
     return made if key in ("caliper", "image") else made[0]
 

@@ -138,6 +138,9 @@ def test_a_parquet_catalogue_gives_the_same_jobs(field: Path) -> None:
         ('caliper = "0.parquet"', "",
          "m.toml: well 15/9-F 1: caliper, average, archive, gauge: exactly one of them must say"),
         ('caliper = "0.parquet"', "caliper = 3", "m.toml: well 15/9-F 1: caliper: must name a file"),
+        ('caliper = "0.parquet"', 'caliper = { file = "0.parquet", mapp = "m.toml" }',
+         "m.toml: well 15/9-F 1: caliper: mapp: must be one of file, blake2b, set, channel, header_line, map"),
+        ('name = "B"', 'name = "B"\nverb = "logs"', "m.toml: well B: verb: must be one of name, helibore, nulls, "),
         ("[[well]]", "[[well]", "m.toml: not TOML: "),
     ],
 )  # fmt: skip
