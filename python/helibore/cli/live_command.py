@@ -41,7 +41,7 @@ LAST_SECONDS = 1.0
     opt("--view page", "Show the wall in a browser while it grows (extra 'view').", is_flag=True),
     opt("--view-port", "Port of --view; 0: a free one.", type=click.IntRange(0, 65535), default=0),
     opt("--seconds", "Stop after this time.  [until Ctrl-C, or all files are read]", type=float),
-    opt("--check", "Check the configuration and stop.", is_flag=True),
+    opt("--check", "Check the configuration, say how each item is understood, and stop.", is_flag=True),
     opt("-q --quiet", "No status page.", is_flag=True),
     opt("--host", "Address of page and metrics; other machines need --token.", default="127.0.0.1"),
     opt("--token", "Secret that page and metrics ask for.  [HELIBORE_TOKEN]", envvar="HELIBORE_TOKEN"),
@@ -58,9 +58,11 @@ def live(
     \b
     helibore live rig.toml --journal well-7.journal --snapshot now
 
-    SIGHUP (kill -HUP) reads CONFIGURATION again: what it changes applies to the bytes from then on.
+    docs/driller.md ("While drilling") has the smallest CONFIGURATION, docs/live.md every setting. SIGHUP (kill -HUP)
+    reads it again: what it changes applies to the bytes from then on.
     """
     importlib.import_module("helibore.live.checks")  # before all else of live: it names the extra that is missing
+    from helibore.cli.live_check import described
     from helibore.cli.live_log import logged
     from helibore.cli.live_metrics import Access, MetricsServer
     from helibore.live.alarms import receiver
@@ -73,6 +75,7 @@ def live(
         settings.following()
         receiver(settings.alarms)
         click.echo(f"{configuration}: fine: {', '.join(settings.sources)}")
+        click.echo("\n".join(described(settings)))
         return
     where = journal or (Path(settings.journal.folder) if settings.journal.folder else None)
     if where is None:
