@@ -34,7 +34,9 @@ from helibore.base.errors import InputError
 from helibore.live.clock import SECOND, utc
 from helibore.live.configuration import AlarmLimits
 from helibore.live.live import Live
+from helibore.live.mapping import SourceReader
 from helibore.live.model import OUTSIDE, USABLE
+from helibore.live.sources import WitsSource
 from helibore.live.update import Update
 
 HOLD = 60.0
@@ -44,6 +46,7 @@ SECONDS = 10.0
 WAITS = (0.0, 1.0, 5.0)
 """Seconds before each try to deliver a line."""
 MOST_LINES = 100
+MOST_ITEMS = 20
 MOST_RANGES = 256
 STEP = 0.01
 """Metres by which the bit must move to count as moving."""
@@ -168,6 +171,7 @@ class Alarms:
         self._position, self._moved = np.nan, self.synced
         self._received, self._sampled = live.model.counts["received"], -(1 << 62)
         self._refused = {name: Refused(self._outcomes(name)) for name in live.configuration.sources}
+        self._lacking: dict[str, int] = {}
         self._jumps = self._depth_jumps()
         self._held: dict[tuple[str, str], tuple[int, str]] = {}
         self._changed: deque[tuple[int, int]] = deque(maxlen=MOST_RANGES)
@@ -282,7 +286,7 @@ class Alarms:
         return Counter({outcome: counted[source, outcome] for outcome in (USABLE, *REASONS)})
 
     def _of_samples(self, now: int) -> dict[tuple[str, str], str]:
-        """Find the sources whose samples have all been refused, or whose toolfaces seem to have another unit."""
+        """Find the sources whose samples are all refused, seem to have toolfaces in radians, or lack an item."""
         found = {}
         for name, refused in self._refused.items():
             new = self._outcomes(name) - refused.before
@@ -296,9 +300,30 @@ class Alarms:
                 why = ", ".join(f"{count:,} {REASONS[reason]}" for reason, count in refused.reasons.most_common())
                 found["refused", name] = f"no sample was usable for {self._limits.refused:g} s: {why}"
         for reader in list(self._live.model.readers.values()):
+            name = reader.source.name
             if reader.seems_radians:
-                found["toolface", reader.source.name] = reader.seems_radians
+                found["toolface", name] = reader.seems_radians
+            if lacking := self._items_lacking(reader):
+                if now - self._lacking.setdefault(name, now) > self._limits.refused * SECOND:
+                    found["missing", name] = lacking
+            else:
+                self._lacking.pop(name, None)
         return found
+
+    def _items_lacking(self, reader: SourceReader) -> str:
+        """Return which items that a sample needs were in no frame so far, and which others were; "" if none lacks."""
+        source, caliper = reader.source, reader.source.caliper
+        if not isinstance(source, WitsSource) or caliper is None or not reader.total("frames"):
+            return ""
+        bit = [source.rig["bit_depth"]] if "bit_depth" in source.rig and not caliper.depth else []
+        needed = {"toolface": caliper.toolface, "radius": caliper.radius, "depth": caliper.depth, "bit_depth": bit}
+        codes = {name: [item.code for item in items] for name, items in needed.items() if items}
+        lacking = [f"{name} (item {of[0]:04d})" for name, of in codes.items() if not reader.seen[of].any()]
+        if not lacking:
+            return ""
+        others = [f"{code:04d}" for code in np.flatnonzero(reader.seen).tolist() if code not in source.mapped]
+        listed = ", ".join(others[:MOST_ITEMS]) + (" ..." if len(others) > MOST_ITEMS else "")
+        return f"no frame had {', '.join(lacking)}; items that came and are not mapped: {listed or 'none'}"
 
     def _depth_jumps(self) -> dict[str, tuple[int, str]]:
         """Return the count and the latest text of the jumps of depth of each source."""

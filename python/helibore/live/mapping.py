@@ -76,11 +76,13 @@ class SourceReader:
     ----------
     seems_radians
         Why the toolfaces seem to be radians though the configuration does not say so; "" if they do not.
+    seen
+        Whether each WITS item, by its code, has come.
     """
 
     STATE: tuple[str, ...] = (
         "_steps", "_parser", "_connection", "counts", "watches", "recent", "_pass_number", "_held", "_ends", "_walls",
-        "_toolfaces", "seems_radians",
+        "_toolfaces", "seems_radians", "seen",
     )  # fmt: skip
 
     def __init__(self, source: Source, events: EventBook, limits: DepthLimits) -> None:
@@ -106,6 +108,7 @@ class SourceReader:
         self._pass_number = NO_NUMBER
         self._toolfaces: list[float] = []  # the first ones
         self.seems_radians = ""
+        self.seen = np.zeros(10_000, bool)
         self._held = bytearray()  # bytes that the parser holds; below, ends and wall times of their records
         self._ends: list[int] = []
         self._walls: list[int] = []
@@ -164,7 +167,7 @@ class SourceReader:
             self._pass_number = before._pass_number
         self.counts = {name: before.counts.get(name, 0) for name in self.counts}
         self.watches |= {code: watch for code, watch in before.watches.items() if code in self.watches}
-        self._connection, self._recent = before._connection, before._recent
+        self._connection, self._recent, self.seen = before._connection, before._recent, before.seen
 
     @property
     def recent(self) -> bytes:
@@ -227,6 +230,7 @@ class SourceReader:
         items, frames = batch.items, batch.frames
         values = np.full((len(frames), len(self._codes)), np.nan)
         states = np.zeros(values.shape, np.uint8)
+        self.seen[items["code"]] = True
         column = self._column[items["code"]]
         mapped = np.flatnonzero(column >= 0)[::-1]  # backwards, so that the first of two equal items in a frame stays
         of = np.repeat(np.arange(len(frames)), frames["items"])

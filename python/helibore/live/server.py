@@ -266,7 +266,7 @@ class Server:
         longest = LONGEST_WAIT_FOR_STORE if isinstance(source, StoreSource) else LONGEST_WAIT
         connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
         while not self._stop.is_set():
-            began = time.monotonic()
+            began, why = time.monotonic(), "the connection ended, and nothing came"
             self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
             try:
                 link = one.open(TICK)
@@ -281,12 +281,13 @@ class Server:
                 return
             except OSError as error:
                 failures = 1 if self.last_received.get(source.name, 0.0) > began else failures + 1
-                self._report(source.name, "link", str(error))
+                why = str(error)
+                self._report(source.name, "link", why)
             if one.ends and failures == 0:
                 self.states[source.name] = "ended"
                 return
             if failures and source.address.kind != "listen":
-                self.states[source.name] = "waiting to connect"
+                self.states[source.name] = f"waiting to connect: {why}"
                 self._stop.wait(back_off(failures, longest))
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:

@@ -109,6 +109,15 @@ class SocketLink(Link):
         self._connection.close()
 
 
+def _connected(host: str, port: int, seconds: float) -> SocketLink:
+    """Return a connection to a sender; an OSError names the sender."""
+    name = f"{host}:{port}"
+    try:
+        return SocketLink(socket.create_connection((host, port), timeout=seconds), name)
+    except OSError as error:
+        raise OSError(f"{name}: {error.strerror or error}") from error
+
+
 @dataclass
 class Newcomer:
     """A connection that came while another sender was connected, and the bytes that it sent so far."""
@@ -270,8 +279,7 @@ def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
     if address.kind == "file":
         return Opener(lambda _: FileLink(Path(address.file), address.speed), ends=True)
     if address.kind == "tcp":
-        where, name = (address.host, address.port), f"{address.host}:{address.port}"
-        return Opener(lambda seconds: SocketLink(socket.create_connection(where, timeout=max(seconds, 5.0)), name))
+        return Opener(lambda seconds: _connected(address.host, address.port, max(seconds, 5.0)))
     try:
         import serial
     except ImportError:

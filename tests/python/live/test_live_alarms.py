@@ -138,6 +138,26 @@ def test_samples_that_are_all_refused_are_an_alarm_until_one_is_usable():
     assert "5 before the start of the wall" in texts(live)["alarm_refused"]
 
 
+def test_items_that_never_come_are_an_alarm_that_names_those_that_do():
+    items = 'items = { bit_depth = "0108" }\n'
+    live, clock, alarms = alarmed(HOST + items + 'caliper = { toolface = ["5010"], radius = ["5012"] }\n')
+
+    def send(frame):
+        clock.step(50)
+        live.receive("mwd", frame)
+        alarms.check()
+
+    for _ in range(3):
+        send(b"&&\r\n0108110\r\n08445\r\n501010\r\n!!\r\n")
+        assert rules(alarms) == []
+    send(b"&&\r\n0108110\r\n081140\r\n501010\r\n!!\r\n")
+    assert rules(alarms) == [("refused", "mwd"), ("missing", "mwd")]
+    expected = "no frame had radius (item 5012); items that came and are not mapped: 0811, 0844"
+    assert texts(live)["alarm_missing"] == expected
+    send(b"&&\r\n5012110\r\n501010\r\n0108110\r\n!!\r\n")
+    assert ("missing", "mwd") not in rules(alarms)
+
+
 def test_samples_of_a_string_that_does_not_turn_are_no_alarm():
     items = 'items = { bit_depth = "0108", rotation = "0120" }\n'
     live, clock, alarms = alarmed(HOST + items + 'caliper = { toolface = ["5010"], radius = ["5012"] }\n')
