@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from helibore.base.arrays import Bytes, Floats
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, check_choice, needs
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap, Normalize
@@ -61,8 +61,7 @@ COLOR_MAPS: dict[str, ColorMap] = {
 
 def check_map(color_map: str) -> None:
     """Raise an InputError that lists the maps unless ``color_map`` is one of them."""
-    if color_map not in COLOR_MAPS:
-        raise InputError("color_map", f"must be one of {', '.join(COLOR_MAPS)}", repr(color_map))
+    check_choice("color_map", color_map, COLOR_MAPS)
 
 
 def color_table(color_map: str, count: int = 256) -> Colors:
@@ -131,10 +130,8 @@ class ColorScale:
 
     def matplotlib(self) -> tuple[Colormap, Normalize]:
         """Return the scale for matplotlib, missing values in grey: ``cmap, norm = scale.matplotlib()``."""
-        try:
+        with needs("matplotlib", "plot"):
             from matplotlib.colors import ListedColormap, LogNorm, Normalize
-        except ImportError as error:
-            raise MissingExtraError("matplotlib", "plot") from error
         table = color_table(self.color_map, 256) / 255.0
         drawn = ListedColormap(table[::-1] if self.reverse else table, name=self.color_map)
         red, green, blue = (part / 255.0 for part in MISSING)

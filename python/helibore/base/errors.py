@@ -10,7 +10,9 @@ A caller recognises them by their class and their attributes, never by their tex
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
+from contextlib import contextmanager
+from os import PathLike
 
 
 class InputError(ValueError):
@@ -45,6 +47,27 @@ def check_not_negative(settings: Mapping[str, float]) -> None:
             raise InputError(name, "must be finite and not negative", str(value))
 
 
+def check_choice(place: str, value: object, choices: Collection[object]) -> None:
+    """Raise an InputError that lists the choices unless the value is one of them."""
+    if value not in choices:
+        raise InputError(place, f"must be one of {', '.join(map(str, choices))}", repr(value))
+
+
+def check_names(prefix: str, names: Iterable[str], known: Collection[str]) -> None:
+    """Raise an InputError that lists the known names for the first name that is not known, at ``prefix + name``."""
+    for name in names:
+        if name not in known:
+            raise InputError(f"{prefix}{name}", f"must be one of {', '.join(known)}")
+
+
+def check_ending(path: str | PathLike[str], endings: Collection[str], why: str = "") -> str:
+    """Return the ending of a file's name in lower case; an InputError lists those that are known."""
+    for ending in endings:
+        if str(path).lower().endswith(ending):
+            return ending
+    raise InputError(str(path), f"the ending must be one of {', '.join(endings)}{why}")
+
+
 def port_error(error: OSError, host: str, port: int, option: str) -> OSError:
     """Return the error of an address that cannot be served on, which names it and what to change."""
     reason = (error.strerror or str(error)).partition(" (while")[0]  # as socket.create_server repeats the address
@@ -66,3 +89,12 @@ class MissingExtraError(ImportError):
 
     def __reduce__(self) -> tuple[type[MissingExtraError], tuple[str, str]]:
         return type(self), (self.library, self.extra)
+
+
+@contextmanager
+def needs(library: str, extra: str) -> Iterator[None]:
+    """Make an ImportError of what an extra installs a `MissingExtraError`; without a library, it names the module."""
+    try:
+        yield
+    except ImportError as error:
+        raise MissingExtraError(library or error.name or extra, extra) from error

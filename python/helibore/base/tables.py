@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, NoReturn
 import numpy as np
 
 from helibore.base.arrays import Floats, column
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -59,10 +59,8 @@ class Tabular(ABC):
         MissingExtraError
             If pandas is not installed.
         """
-        try:
+        with needs("pandas", "tables"):
             from pandas import DataFrame
-        except ImportError as error:
-            raise MissingExtraError("pandas", "tables") from error
         table = self.table()
         frame = DataFrame({of.mnemonic: of.values for of in table})
         frame.attrs = {"units": {of.mnemonic: of.unit for of in table}, "facts": table.facts}

@@ -26,7 +26,8 @@ from pathlib import Path
 from typing import Any
 
 from helibore.base import units
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice, check_names
+from helibore.base.toml_file import read_toml
 from helibore.channels.log_set import LogFile
 from helibore.channels.roles import REFERENCES, ROLES, SINGLE, WALL, Role, RoleMap, guess, toolface_reference
 from helibore.files.raw_set import RawSet
@@ -91,16 +92,9 @@ def read_map(path: str | Path, file: LogFile) -> RoleMap:
     An InputError names map, channel and rule: not TOML, an unknown key, role, channel or unit, a unit of the wrong
     kind, one role given twice.
     """
-    import tomllib
-
     path = Path(path)
-    try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path.name, f"not TOML: {error}") from error
-    unknown = set(tree) - {"set", "channels"}
-    if unknown:
-        raise InputError(f"{path.name}: {min(unknown)}", "must be one of set, channels")
+    tree = read_toml(path, path.name)
+    check_names(f"{path.name}: ", tree, ("set", "channels"))
     entries = tree.get("channels", {})
     if not isinstance(entries, dict) or not isinstance(tree.get("set", ""), str):
         raise InputError(path.name, "channels must be tables, set must be a name")
@@ -137,8 +131,7 @@ def _entry(base: Role, entry: Any, place: str, why: str, own_reference: str) -> 
         if not (number if KEYS[key] is float else isinstance(value, str)):
             raise InputError(f"{place}: {key}", f"must be {'a number' if KEYS[key] is float else 'text'}", repr(value))
     role = entry.get("role", base.role)
-    if role not in ROLES:
-        raise InputError(f"{place}: role", f"must be one of {', '.join(ROLES)}", repr(role))
+    check_choice(f"{place}: role", role, ROLES)
     unit = entry.get("unit", base.unit)
     if unit and ROLES[role] and units.measures(unit) != ROLES[role]:
         raise InputError(f"{place}: unit", f"must be a unit of {ROLES[role]} for a {role}", repr(unit))

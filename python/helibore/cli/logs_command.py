@@ -75,7 +75,7 @@ def logs(**options: Any) -> None:
     Every file states bit size, windows, definitions and criteria. Beside well.las stands well.las.toml, which repeats
     the run.
     """
-    from helibore.files.log_files import check_ending, save_table
+    from helibore.files.log_files import check_format, save_table
     from helibore.logs.annulus import annulus
     from helibore.logs.summary import summarize
 
@@ -84,7 +84,7 @@ def logs(**options: Any) -> None:
     images = {name: Path(file) for name, file in pairs}
     tables = [output, *([zones_file] if zones_file else []), *images.values()]
     for file in tables:
-        check_ending(file)
+        check_format(file)
         check_folder(file)
     if len({file.resolve() for file in tables}) < len(tables):
         raise click.UsageError("--output, --zones and --breakouts: the files must differ")

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import click
 from click.core import ParameterSource
 
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_ending, check_names
 from helibore.cli.lines import Lines
 from helibore.cli.quantities import FILE
 from helibore.cli.wall_options import SECTIONS, opt
@@ -42,8 +42,7 @@ def add_sigma(wall: Wall, terminal: Terminal) -> None:
 
 def check_file(file: Path, endings: Sequence[str], why: str = "") -> None:
     """Refuse an ending that is not one of these, a folder that does not exist, and a folder in a file's place."""
-    if not file.name.lower().endswith(tuple(endings)):
-        raise InputError(str(file), f"the ending must be one of {', '.join(endings)}{why}")
+    check_ending(file, endings, why)
     check_folder(file)
 
 
@@ -73,9 +72,8 @@ def own_options(run: Run, verb: str, options: dict[str, Any]) -> dict[str, Any]:
         return options
     context, place = click.get_current_context(), f"{run.settings.output.file.name}.toml: options"
     own, found = _own(context), dict(options)
+    check_names(f"{place}.", run.settings.options, own)
     for name, value in run.settings.options.items():
-        if name not in own:
-            raise InputError(f"{place}.{name}", f"must be one of {', '.join(own)}")
         try:
             wanted = _plain(own[name].type_cast_value(context, value))
         except (click.BadParameter, TypeError, ValueError) as error:

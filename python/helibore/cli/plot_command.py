@@ -95,11 +95,10 @@ def plot(**options: Any) -> None:
     well.pdf stands well.pdf.toml, which repeats the run.
     """
     import helibore.plot as drawn
-    from helibore.plot.paper import MM, check_ending, require_matplotlib
+    from helibore.plot.paper import ENDINGS, MM, require_matplotlib
 
     output = options["output"]
-    check_ending(output)
-    check_file(output, (output.suffix.lower(),))
+    check_file(output, ENDINGS)
     require_matplotlib()
     terminal = Terminal(options["quiet"])
     run, options, drawing = _drawing("plot", options, terminal)

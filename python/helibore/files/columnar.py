@@ -16,7 +16,7 @@ from typing import Any
 
 import numpy as np
 
-from helibore.base.errors import MissingExtraError
+from helibore.base.errors import needs
 from helibore.files.headings import describe
 from helibore.files.input_file import InputFile, refuse_zip_bomb
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, unique
@@ -30,11 +30,9 @@ OWN_UNITS = {
 
 def read_parquet(source: InputFile) -> RawFile:
     """Open a Parquet file; each column is read at its first use."""
-    try:
+    with needs("pyarrow", "parquet"):
         import pyarrow as pa
         from pyarrow import parquet
-    except ImportError as error:
-        raise MissingExtraError("pyarrow", "parquet") from error
     try:
         file = parquet.ParquetFile(source.path, page_checksum_verification=True)
         schema, rows = file.schema_arrow, file.metadata.num_rows

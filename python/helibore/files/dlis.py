@@ -17,7 +17,7 @@ from typing import Any
 
 import numpy as np
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, readable_sets, unique
@@ -25,10 +25,8 @@ from helibore.files.raw_set import Array, Channel, RawFile, RawSet, SectorAxis, 
 
 def read(source: InputFile) -> RawFile:
     """Open a DLIS file; the rows of a frame are read when they are first used."""
-    try:
+    with needs("dlisio", "dlis"):
         from dlisio import dlis
-    except ImportError as error:
-        raise MissingExtraError("dlisio", "dlis") from error
     readers = []
     with damage_named(source), dlisio_warnings() as warned, ExitStack() as opened:
         logical_files = opened.enter_context(dlis.load(str(source.path)))

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base import units
-from helibore.base.errors import MissingExtraError
+from helibore.base.errors import needs
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
 from helibore.files.number_rows import read_rows
@@ -141,10 +141,8 @@ def _name_curves(curves: list[LasCurve], remarks: list[str]) -> None:
 
 
 def _lasio_header(source: InputFile, sections: list[LasSection], data: LasSection) -> Any:
-    try:
+    with needs("lasio", "las"):
         import lasio
-    except ImportError as error:
-        raise MissingExtraError("lasio", "las") from error
     lines = []
     for section in sections:
         if section is not data:

@@ -9,7 +9,7 @@ from contextlib import suppress
 from functools import partial
 from typing import Any
 
-from helibore.base.errors import MissingExtraError
+from helibore.base.errors import needs
 from helibore.files.dlis import damage_named, dlisio_warnings, text_of
 from helibore.files.headings import is_number
 from helibore.files.input_file import InputFile
@@ -18,10 +18,8 @@ from helibore.files.raw_set import Channel, RawFile, RawSet, readable_sets
 
 def read(source: InputFile) -> RawFile:
     """Open a LIS file; all its rows are read."""
-    try:
+    with needs("dlisio", "dlis"):
         from dlisio import lis
-    except ImportError as error:
-        raise MissingExtraError("dlisio", "dlis") from error
     with damage_named(source, "LIS"), dlisio_warnings() as warned, lis.load(str(source.path)) as tape:
         readers = []
         for number, logical in enumerate(tape):

@@ -28,7 +28,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import check_ending, needs
 from helibore.base.tables import LogColumn, LogTable
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
@@ -66,25 +66,20 @@ def save_table(
     OSError
         If the folder cannot be written to; the old file stays.
     """
-    path = Path(filename)
-    check_ending(path)
-    writer = {".las": _las, ".csv": _csv, ".parquet": _parquet, ".dlis": _dlis}[path.suffix.lower()]
+    writer = {".las": _las, ".csv": _csv, ".parquet": _parquet, ".dlis": _dlis}[check_format(filename)]
     known = {name: _one_line(text) for name, text in (header or {}).items()} | (
         {"well": _one_line(well)} if well else {}
     )
-    write_whole(path, writer(table, known))
+    write_whole(Path(filename), writer(table, known))
 
 
-def check_ending(filename: str | os.PathLike[str]) -> None:
-    """Refuse a name whose ending `save_table` does not know, or whose format needs a library that is not installed."""
-    ending = Path(filename).suffix.lower()
-    if ending not in ENDINGS:
-        raise InputError(str(Path(filename)), f"the ending must be one of {', '.join(ENDINGS)}")
+def check_format(filename: str | os.PathLike[str]) -> str:
+    """Return the ending; refuse one that `save_table` does not know, or that needs a library that is not installed."""
+    ending = check_ending(filename, ENDINGS)
     if library := {".parquet": "pyarrow", ".dlis": "dliswriter"}.get(ending):
-        try:
+        with needs(library, ending[1:]):
             __import__(library)
-        except ImportError as error:
-            raise MissingExtraError(library, ending[1:]) from error
+    return ending
 
 
 def _texts(column: LogColumn, missing: str) -> list[str]:

@@ -10,7 +10,7 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 from helibore.files.headings import describe, is_number, is_units_row
 from helibore.files.input_file import InputFile, refuse_zip_bomb
 from helibore.files.number_rows import column_of
@@ -22,10 +22,8 @@ HEADING_ROWS = 500
 
 def read(source: InputFile) -> RawFile:
     """Open a workbook; ``source.header_line`` is the row of the column names in every sheet, counted from 1."""
-    try:
+    with needs("python-calamine", "xlsx"):
         import python_calamine
-    except ImportError as error:
-        raise MissingExtraError("python-calamine", "xlsx") from error
     refuse_zip_bomb(source)
     try:
         book = python_calamine.CalamineWorkbook.from_path(source.path)

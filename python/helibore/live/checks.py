@@ -12,12 +12,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import fields, is_dataclass, replace
 from typing import Annotated, Any, TypeVar, get_args, get_origin
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 
-try:
+with needs("pydantic", "live"):
     from pydantic import AfterValidator, BaseModel, ConfigDict, PlainValidator, ValidationError
-except ImportError:
-    raise MissingExtraError("pydantic", "live") from None
 
 
 class Table(BaseModel):

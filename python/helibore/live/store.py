@@ -23,7 +23,7 @@ import time
 from collections.abc import Callable
 from typing import Any
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 from helibore.live import witsml
 from helibore.live.redaction import Redactor, check_password
 from helibore.live.sources import StoreSource
@@ -57,10 +57,8 @@ class StoreClient(Opener):
 
     def __init__(self, source: StoreSource, position: Position) -> None:
         super().__init__(lambda _: StoreLink(self))  # the link sends the first query
-        try:
+        with needs("httpx2", "witsml"):
             import httpx2
-        except ImportError:
-            raise MissingExtraError("httpx2", "witsml") from None
         self.source, self.position, self.http = source, position, httpx2
         for name in ("httpx2", "httpcore2"):  # they log reason phrases and headers, which may repeat the password
             logging.getLogger(name).setLevel(logging.WARNING)

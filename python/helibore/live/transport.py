@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from helibore.base.errors import MissingExtraError, port_error
+from helibore.base.errors import needs, port_error
 from helibore.live import wits
 from helibore.live.sources import Source, WitsSource
 
@@ -280,9 +280,7 @@ def opener(source: Source, refuse: Callable[[str, str], None]) -> Opener:
         return Opener(lambda _: FileLink(Path(address.file), address.speed), ends=True)
     if address.kind == "tcp":
         return Opener(lambda seconds: _connected(address.host, address.port, max(seconds, 5.0)))
-    try:
+    with needs("pyserial", "serial"):
         import serial
-    except ImportError:
-        raise MissingExtraError("pyserial", "serial") from None
     file, baud = address.file, address.baud
     return Opener(lambda seconds: SerialLink(serial.Serial(file, baud, timeout=seconds, write_timeout=5), file))

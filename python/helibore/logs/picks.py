@@ -27,7 +27,7 @@ from typing import Any
 import numpy as np
 
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.trajectory.survey import Path
 
 ENDING = ".picks.csv"
@@ -89,8 +89,7 @@ class Pick:
     key: str = field(default_factory=lambda: secrets.token_hex(6), compare=False)
 
     def __post_init__(self) -> None:
-        if self.kind not in CLASSES:
-            raise InputError("class", f"must be one of {', '.join(CLASSES)}", repr(self.kind))
+        check_choice("class", self.kind, CLASSES)
         for name, (low, high) in LIMITS.items():
             value = getattr(self, name)
             if value is not None and not (isinstance(value, (int, float)) and low <= value <= high):

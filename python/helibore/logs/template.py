@@ -22,12 +22,12 @@ serves many wells.
 from __future__ import annotations
 
 import os
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
 
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice, check_names
+from helibore.base.toml_file import read_toml
 from helibore.base.units import INCH, MILLIMETRE
 
 KINDS = ("caliper", "image", "curves", "dips")
@@ -62,20 +62,18 @@ class Template:
     @classmethod
     def load(cls, filename: str | os.PathLike[str]) -> Template:
         """Read a template; an InputError names file and place of what breaks a rule."""
+        tree = read_toml(Path(filename), str(filename))
         try:
-            return template_of(tomllib.loads(Path(filename).read_text("utf-8")))
+            return template_of(tree)
         except InputError as error:
             raise error.within(str(filename)) from error
-        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-            raise InputError(str(filename), f"not TOML: {error}") from error
 
 
 def template_of(content: dict[str, Any]) -> Template:
     """Return the template that parsed TOML holds."""
-    _known("", content, ("units", "scale", "track"))
+    check_names("", content, ("units", "scale", "track"))
     units, scale, rows = content.get("units", "mm"), content.get("scale"), content.get("track", [])
-    if units not in UNITS:
-        raise InputError("units", f"must be one of {', '.join(UNITS)}", repr(units))
+    check_choice("units", units, UNITS)
     if scale is not None and not (type(scale) is int and scale >= 1):
         raise InputError("scale", "must be a whole number, 200 for 1:200", repr(scale))
     if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
@@ -84,10 +82,9 @@ def template_of(content: dict[str, Any]) -> Template:
 
 
 def _track(place: str, row: dict[str, Any]) -> TemplateTrack:
-    _known(place, row, ("kind", "name", "names", "width"))
-    kind, name, names, width = row.get("kind"), row.get("name", ""), row.get("names", []), row.get("width")
-    if kind not in KINDS:
-        raise InputError(f"{place}: kind", f"must be one of {', '.join(KINDS)}", repr(kind))
+    check_names(f"{place}: ", row, ("kind", "name", "names", "width"))
+    kind, name, names, width = row.get("kind", ""), row.get("name", ""), row.get("names", []), row.get("width")
+    check_choice(f"{place}: kind", kind, KINDS)
     if not isinstance(name, str) or (kind == "image") != bool(name):
         raise InputError(f"{place}: name", "must name the image of an image track, and stand in no other", repr(name))
     if not (isinstance(names, list) and all(isinstance(one, str) for one in names)) or (kind == "curves") != bool(
@@ -99,10 +96,3 @@ def _track(place: str, row: dict[str, Any]) -> TemplateTrack:
     if width is not None and not (isinstance(width, (int, float)) and WIDTHS[0] <= width <= WIDTHS[1]):
         raise InputError(f"{place}: width", f"must be {WIDTHS[0]:g} to {WIDTHS[1]:g} pixels", repr(width))
     return TemplateTrack(kind, name, tuple(names), width)
-
-
-def _known(place: str, content: dict[str, Any], names: tuple[str, ...]) -> None:
-    """Refuse a name that has no meaning."""
-    for name in content:
-        if name not in names:
-            raise InputError(": ".join(part for part in (place, name) if part), f"must be one of {', '.join(names)}")

@@ -18,7 +18,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers, Mask
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
 from helibore.base.ranges import PIECE, pieces
 from helibore.base.tables import LogColumn, LogTable, Tabular, columns_of
@@ -103,8 +103,7 @@ class Classification(Tabular):
         InputError
             ``kind = 'cave': must be one of gauge, washout, ...``.
         """
-        if kind not in KINDS:
-            raise InputError("kind", f"must be one of {', '.join(KINDS)}", repr(kind))
+        check_choice("kind", kind, KINDS)
         return tuple(zone for zone in self.zones if zone.kind == kind)
 
     def measure(self, zone: Zone) -> float:

@@ -24,7 +24,7 @@ import numpy as np
 from helibore.base.arrays import Floats, Rows
 from helibore.base.atomic_file import write_whole
 from helibore.base.colors import Colors, ColorScale, check_map, check_positive, colors_of
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice, check_ending
 from helibore.mesh.glb_file import check_size, write_glb
 from helibore.mesh.mesh import Mesh, quad_radius, triangles
 from helibore.mesh.vtk_mesh import AXES, check_origin, vtk_mesh, z_up
@@ -57,8 +57,8 @@ def save_surface(
         if len(limits) != 2:
             raise InputError("limits", "must be two finite numbers, the first below the second", str(limits))
         ColorScale(*limits, color_map=color_map, log=log)
-    if color_by not in (None, "radius", *mesh.attributes):
-        raise InputError("color_by", f"must be one of {', '.join(['radius', *mesh.attributes])}", repr(color_by))
+    if color_by is not None:
+        check_choice("color_by", color_by, ["radius", *mesh.attributes])
     if ending not in _PAINTED:
         _write_vtk(mesh, path, origin, color_by)
         return
@@ -80,9 +80,7 @@ def save_volume(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> N
 
 
 def _checked_ending(mesh: Mesh, path: Path, known: tuple[str, ...], reason: str) -> str:
-    ending = path.suffix.lower()
-    if ending not in known:
-        raise InputError(str(path), f"the ending must be one of {', '.join(known)}{reason}")
+    ending = check_ending(path, known, reason)
     if not len(mesh.cells):
         empty = "the surface has no quads to save" if mesh.layer is None else "the volume has no hexahedra to save"
         raise InputError(str(path), empty)

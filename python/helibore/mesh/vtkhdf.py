@@ -22,7 +22,7 @@ import numpy as np
 
 from helibore.base.arrays import Array
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 from helibore.mesh.mesh import Mesh
 from helibore.mesh.vtk_mesh import VtkMesh, check_origin, vtk_mesh
 
@@ -68,10 +68,8 @@ def append_mesh(mesh: Mesh, path: Path, origin: tuple[float, float, float]) -> N
 
 
 def _h5py() -> Any:
-    try:
+    with needs("h5py", "vtkhdf"):
         import h5py
-    except ImportError as error:
-        raise MissingExtraError("h5py", "vtkhdf") from error
     return h5py
 
 

@@ -19,7 +19,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.colors import ColorScale, check_map, customary_map
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale, sliding_window, symmetric_limit
 from helibore.images.sector_image import SectorImage
@@ -162,14 +162,13 @@ class Drawing:
     def __post_init__(self) -> None:
         if self.scale is not None and not (isinstance(self.scale, int) and self.scale >= 1):
             raise InputError("scale", "must be a whole number, 200 for 1:200", str(self.scale))
-        if self.reference is not None and self.reference not in REFERENCES:
-            raise InputError("reference", f"must be one of {', '.join(REFERENCES)}", repr(self.reference))
+        if self.reference is not None:
+            check_choice("reference", self.reference, REFERENCES)
         if self.elevation is not None and not math.isfinite(self.elevation):
             raise InputError("elevation", "must be finite", str(self.elevation))
         if self.left not in (0, 90, 180, 270):
             raise InputError("left", "must be 0, 90, 180 or 270", f"{self.left:g}")
-        if self.unit not in UNITS:
-            raise InputError("unit", f"must be one of {', '.join(UNITS)}", repr(self.unit))
+        check_choice("unit", self.unit, UNITS)
         for name in self.curves:
             if name not in CURVES:
                 raise InputError(f"curve {name!r}", f"must be one of {', '.join(CURVES)}")

@@ -15,11 +15,10 @@ import io
 import os
 from collections.abc import Sequence
 from functools import partial
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, check_ending, needs
 from helibore.base.units import INCH, MILLIMETRE
 
 if TYPE_CHECKING:
@@ -38,10 +37,8 @@ FONT = "DejaVu Sans"
 
 def require_matplotlib() -> None:
     """Raise `MissingExtraError` if matplotlib is not installed."""
-    try:
+    with needs("matplotlib", "plot"):
         import matplotlib as _  # noqa: F401
-    except ImportError as error:
-        raise MissingExtraError("matplotlib", "plot") from error
 
 
 def screen_picture(figure: Figure) -> bytes:
@@ -120,14 +117,6 @@ LONGEST_PDF = 5_080.0
 """Millimetres a side of a PDF page may have (200 inches)."""
 
 
-def check_ending(path: str | os.PathLike[str]) -> str:
-    """Return the ending, in lower case; a ValueError lists those that are known."""
-    ending = Path(path).suffix.lower()
-    if ending not in ENDINGS:
-        raise InputError(str(path), f"the ending must be one of {', '.join(ENDINGS)}")
-    return ending
-
-
 def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> None:
     """Write figures to a file; its ending is the format.
 
@@ -145,7 +134,7 @@ def save(figures: Figure | Sequence[Figure], path: str | os.PathLike[str]) -> No
     OSError
         If the file cannot be written; the old one is then as it was.
     """
-    ending = check_ending(path)
+    ending = check_ending(path, ENDINGS)
     each = list(figures) if isinstance(figures, Sequence) else [figures]
     if len(each) != 1 and ending != ".pdf":
         raise InputError(f"{path}: {len(each)} pages", "only .pdf holds more than one")

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, check_choice
 from helibore.base.tables import refuse_table
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
@@ -136,10 +136,9 @@ class Preparation:
     earlier: tuple[int, ...] = ()
 
     def __post_init__(self) -> None:
-        if self.toolface_from not in (None, *REFERENCES):
-            raise InputError("toolface_from", f"must be one of {', '.join(REFERENCES)}", repr(self.toolface_from))
-        if self.bias not in BIASES:
-            raise InputError("bias", f"must be one of {', '.join(BIASES)}", repr(self.bias))
+        if self.toolface_from is not None:
+            check_choice("toolface_from", self.toolface_from, REFERENCES)
+        check_choice("bias", self.bias, BIASES)
         for name in ("turn_height", "closed", "spikes", "reversal"):
             value = getattr(self, name)
             if value is not None and not 0 < value < np.inf:

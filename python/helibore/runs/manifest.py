@@ -30,7 +30,8 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, check_names, needs
+from helibore.base.toml_file import read_toml
 from helibore.runs.output_store import Json, file_system, local_file
 from helibore.runs.run_settings import ImageInput, Input, RunSettings, run_settings
 from helibore.wall.wall import Wall
@@ -112,8 +113,8 @@ def read_jobs(manifest: str | Path, output: str | None = None) -> list[Job]:
     address = str(manifest)
     name, folder = address.rpartition("/")[2], address.rpartition("/")[0]
     with local_file(address) as path:
-        tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else _toml(path, name)
-    _check_keys(tree, KEYS, name)
+        tree: Json = {"well": _rows(path)} if name.endswith(".parquet") else read_toml(path, name)
+    check_names(f"{name}: ", tree, KEYS)
     wells = tree.get("well", [])
     if "catalogue" in tree:
         with local_file(_absolute(tree["catalogue"], folder)) as path:
@@ -165,7 +166,7 @@ def _job(name: str, folder: str, place: str, tree: Json, *how: Any) -> Job:
     if not isinstance(well, str) or not well.strip():
         raise InputError(f"{name}: {place}.name", "must be the name of the well", None if well is None else repr(well))
     place = f"{name}: well {well}"
-    _check_keys(tree, OF_A_WELL, place)
+    check_names(f"{place}: ", tree, OF_A_WELL)
     for key in FILES:
         if key in tree:
             tree[key] = _files(key, tree[key], f"{place}: {key}", folder)
@@ -197,12 +198,6 @@ def strip_maps(tree: Json) -> Json:
     }
 
 
-def _check_keys(table: Json, keys: tuple[str, ...], place: str) -> None:
-    for key in table:
-        if key not in keys:
-            raise InputError(f"{place}: {key}", f"must be one of {', '.join(keys)}")
-
-
 def _files(key: str, given: Any, place: str, folder: str) -> Any:
     """Return the table of a file, or a list of them, with addresses; an address alone stands for its table."""
     many = given if isinstance(given, list) else [given]
@@ -210,7 +205,7 @@ def _files(key: str, given: Any, place: str, folder: str) -> Any:
     for of in tables:
         if not isinstance(of, dict) or not isinstance(of.get("file"), str):
             raise InputError(place, "must name a file")
-        _check_keys(of, OF_A_FILE[key], place)
+        check_names(f"{place}: ", of, OF_A_FILE[key])
     made = [of | {name: _absolute(of[name], folder) for name in ("file", "map") if name in of} for of in tables]
     return made if key in ("caliper", "image") else made[0]
 
@@ -232,21 +227,10 @@ def _merged(defaults: Json, own: Json) -> Json:
     return {key: of for key, of in (defaults | own | both).items() if of != []}
 
 
-def _toml(path: Path, name: str) -> Json:
-    import tomllib
-
-    try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(name, f"not TOML: {error}") from error
-
-
 def _rows(path: Path) -> list[Json]:
     """Return the rows of a Parquet catalogue; a column ``wall.sectors`` is a key of the table ``wall``."""
-    try:
+    with needs("pyarrow", "scale"):
         from pyarrow import ArrowException, parquet
-    except ImportError as error:
-        raise MissingExtraError("pyarrow", "scale") from error
     try:
         rows = parquet.read_table(path).to_pylist()
     except (ArrowException, OSError) as error:

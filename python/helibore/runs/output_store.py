@@ -25,7 +25,7 @@ import numpy as np
 
 from helibore.base.arrays import Array, Floats
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 from helibore.files.columnar import DAMAGED_NPZ
 
 Json = dict[str, Any]
@@ -33,11 +33,9 @@ Json = dict[str, Any]
 
 def file_system(address: str) -> tuple[Any, str, bool]:
     """Return the file system of an address, the path in it, and whether that is a path of this machine."""
-    try:
+    with needs("fsspec", "scale"):
         from fsspec.core import url_to_fs
         from fsspec.implementations.local import LocalFileSystem
-    except ImportError as error:
-        raise MissingExtraError("fsspec", "scale") from error
     try:
         system, path = url_to_fs(address)
     except ImportError as error:

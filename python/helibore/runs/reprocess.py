@@ -18,7 +18,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, MissingExtraError, needs
 from helibore.base.threads import thread_count
 from helibore.files.log_files import write_parquet
 from helibore.runs.manifest import Job, check_files, read_jobs
@@ -134,12 +134,10 @@ def reprocess(
 @contextlib.contextmanager
 def connected(client: Client | str | None) -> Iterator[Any]:
     """Give a client as it is, one of a scheduler's address, or one of a cluster on this machine."""
-    try:
+    with needs("", "scale"):
         import dask
         import pyarrow  # noqa: F401
         from distributed import Client, LocalCluster
-    except ImportError as error:
-        raise MissingExtraError(error.name or "distributed", "scale") from error
     if isinstance(client, str):
         try:
             made = Client(client)

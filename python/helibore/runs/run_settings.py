@@ -29,6 +29,7 @@ from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError
 from helibore.base.nulls import NULLS
 from helibore.base.settings import Settings
+from helibore.base.toml_file import read_toml
 from helibore.channels.roles import Role, RoleMap
 from helibore.preparation.conditioning import Echo
 from helibore.preparation.prepare import Preparation
@@ -177,14 +178,9 @@ def read_settings(path: str | os.PathLike[str]) -> RunSettings:
 
     An InputError names the file, the table, the key and the rule.
     """
-    import tomllib
-
     path = Path(path)
-    try:
-        tree = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
-        raise InputError(path.name, f"not TOML: {error}") from error
-    return typing.cast(RunSettings, _Reader(path.name, path.parent).group("", RunSettings, tree))
+    reader = _Reader(path.name, path.parent)
+    return typing.cast(RunSettings, reader.group("", RunSettings, read_toml(path, path.name)))
 
 
 def run_settings(tree: dict[str, Any], place: str) -> RunSettings:

@@ -15,14 +15,12 @@ import uuid
 from collections.abc import MutableMapping
 from typing import Any
 
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 
-try:
+with needs("", "notebook"):
     import anywidget
     import traitlets
     from starlette.applications import Starlette
-except ModuleNotFoundError as error:
-    raise MissingExtraError(error.name or "anywidget", "notebook") from error
 
 from helibore.viewer.html_export import html_export
 from helibore.viewer.scene import Scene

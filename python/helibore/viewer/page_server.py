@@ -10,7 +10,7 @@ import time
 from typing import Any
 from urllib.parse import quote
 
-from helibore.base.errors import InputError, MissingExtraError, port_error
+from helibore.base.errors import InputError, needs, port_error
 from helibore.viewer.scene import Scene
 
 START_SECONDS = 20.0
@@ -86,12 +86,10 @@ class PageServer:
 
 def import_server() -> Any:
     """Return uvicorn; raise `MissingExtraError` if a library of the extra is missing."""
-    try:
+    with needs("", "view"):
         import starlette  # noqa: F401
         import uvicorn
         import websockets  # noqa: F401
-    except ModuleNotFoundError as error:
-        raise MissingExtraError(error.name or "uvicorn", "view") from error
     return uvicorn
 
 

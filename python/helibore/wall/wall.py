@@ -20,7 +20,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, sample_columns
-from helibore.base.errors import InputError, MissingExtraError
+from helibore.base.errors import InputError, needs
 from helibore.base.notebook import card, map_picture
 from helibore.base.settings import Settings
 from helibore.base.threads import thread_count
@@ -533,10 +533,8 @@ class Wall:
         MissingExtraError
             If xarray is not installed.
         """
-        try:
+        with needs("xarray", "tables"):
             from xarray import Dataset
-        except ImportError as error:
-            raise MissingExtraError("xarray", "tables") from error
         state, sectors = self._state(), self._settings.sectors
         helix, radius = helix_of(state), state.radius
         turns = -(-radius.size // sectors)

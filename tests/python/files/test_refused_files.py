@@ -17,7 +17,7 @@ import helibore as hb
 from helibore.files import json_log
 from helibore.files.dlis import _frame
 from helibore.files.input_file import InputFile
-from helibore.files.log_files import check_ending
+from helibore.files.log_files import check_format
 
 LAS2 = "~Version\nVERS. 2.0 :\nWRAP. NO :\n~Well\nSTRT.M 1 :\nSTOP.M 2 :\nSTEP.M 1 :\nNULL. -999.25 :\n"
 LAS3 = LAS2.replace("2.0", "3.0").replace("WRAP. NO :\n", "WRAP. NO :\nDLM. COMMA :\n")
@@ -167,10 +167,10 @@ def test_a_format_to_write_without_its_library_names_the_extra(
 ) -> None:
     monkeypatch.setitem(sys.modules, library, None)
     with pytest.raises(ImportError) as caught:
-        check_ending(f"well.{ending}")
+        check_format(f"well.{ending}")
     assert str(caught.value) == f'needs {library}: pip install "helibore[{ending}]"'
     with pytest.raises(hb.InputError) as refused:
-        check_ending("well.xls")
+        check_format("well.xls")
     assert str(refused.value) == "well.xls: the ending must be one of .las, .csv, .parquet, .dlis"
 
 

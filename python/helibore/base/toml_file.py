@@ -1,0 +1,18 @@
+"""A file of TOML as tables."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from helibore.base.errors import InputError
+
+
+def read_toml(path: Path, place: str) -> dict[str, Any]:
+    """Return the tables of a file of TOML in UTF-8; an InputError at ``place`` says where it is none."""
+    import tomllib
+
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise InputError(place, f"not TOML: {error}") from error
