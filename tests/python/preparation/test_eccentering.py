@@ -11,7 +11,7 @@ import helibore as hb
 from helibore.preparation.eccentering import Centres, Shape, find_centres, recentre, turn_positions
 from helibore.preparation.turn_fits import evaluate, leverage, normal_equations, powers
 
-TURNS = 300
+TURNS = 150
 
 
 def lobe(phi, at, width, depth, edge):
@@ -44,7 +44,7 @@ class Simulated:
             return r + lobe(phi, wash, washout_width, washout, edge)
 
         near, far = np.full(angle.shape, 0.02), np.full(angle.shape, 0.3)
-        for _ in range(48):
+        for _ in range(30):
             middle = 0.5 * (near + far)
             point = centre + middle * np.exp(1j * angle)
             inside = np.abs(point) < wall(np.angle(point))
@@ -225,7 +225,7 @@ def whirling(seed, a_turn, samples=64, eccentering=0.010, turns=200, lobes=0.012
         return 0.108 + 0.003 * np.cos(2 * (phi - 0.4)) + enlarged + lobe(phi, 1.2, 200, washout, "bell")
 
     near, far = np.full(angle.size, 0.02), np.full(angle.size, 0.3)
-    for _ in range(48):
+    for _ in range(30):
         middle = 0.5 * (near + far)
         point = centre(position) + middle * np.exp(1j * angle)
         inside = np.abs(point) < wall(np.angle(point))
@@ -337,7 +337,7 @@ def test_spikes_do_not_move_the_centre():
     assert tool.inside(centres) >= 0.99
 
 
-@settings(max_examples=15, deadline=None)
+@settings(max_examples=8, deadline=None)
 @given(st.floats(0, 360), st.integers(0, 1000), st.integers(-5, 5))
 def test_laws_rotation_order_and_turns_apart(angle, seed, shift):
     rng = np.random.default_rng(seed)

@@ -15,6 +15,7 @@ from contextlib import contextmanager
 from typing import Any
 
 import numpy as np
+import pytest
 from locations import ROOT
 from screen import NEEDS_BROWSER, Screen
 
@@ -57,8 +58,12 @@ def alike(screen: Any) -> None:
     screen.settle()
 
 
-def shows_what_a_new_page_shows(browser: Any, screen: Any, url: str) -> None:
+def shows_what_a_new_page_shows(browser: Any, screen: Any, url: str, *scripts: str) -> None:
+    """Check that a page has the numbers of these scripts and the pixels that a page opened now has."""
     new = Screen(browser, url, ADDRESS, SIZE)
+    new.settle()
+    for script in scripts:
+        assert screen.evaluate(script) == pytest.approx(new.evaluate(script), abs=1e-6, nan_ok=True), script
     for one in (screen, new):
         alike(one)
     for part in ("image", "wall"):

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import pytest
 from made_wall import MadeWall, curved_path
 from screen import NEEDS_BROWSER, Screen
 
@@ -85,13 +84,7 @@ def test_the_first_survey_places_a_page_that_was_open_before_it(browser: Any) ->
             )
             assert ("U-R-D-L-U: cut at high side" in cuts) == bool(path)
             assert (cuts == ["cut at 0° of the tool", "cut at 180° of the tool"]) != bool(path)
-            new = Screen(browser, viewer.url, ADDRESS, SIZE)
-            new.settle()
-            assert screen.evaluate(EYE) == pytest.approx(new.evaluate(EYE), abs=1e-6), "it stands where a new page does"
-            tvd = "window.__wall.app.path.tvd(1025)"
-            assert screen.evaluate(tvd) == pytest.approx(new.evaluate(tvd), nan_ok=True)
-            new.close()
-            shows_what_a_new_page_shows(browser, screen, viewer.url)
+            shows_what_a_new_page_shows(browser, screen, viewer.url, EYE, "window.__wall.app.path.tvd(1025)")
         screen.close()
 
 
