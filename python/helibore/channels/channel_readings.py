@@ -22,7 +22,7 @@ from helibore.channels.columns import about_names, column, needed
 from helibore.channels.roles import ROLES, WALL, Role, RoleMap, guess
 from helibore.files.raw_set import RawSet
 from helibore.preparation.conditioning import Echo
-from helibore.preparation.readings import Readings
+from helibore.preparation.readings import IMAGE_ROW, Readings
 from helibore.preparation.sensors import Sensor
 
 Floats = npt.NDArray[np.float64]
@@ -88,20 +88,23 @@ def readings(
     bit = bit_diameter if bit_diameter is not None else _bit(log_set, roles)
     sensors: list[Sensor] = []
     radii: list[Floats] = []
-    arm: list[int] = []
-    for number, role in enumerate(arms):
+    arm: list[str] = []
+    across: list[bool] = []
+    for role in arms:
         radius = _radius(log_set, role, bit, echo)
         angles = _angles(log_set, role, radius.shape[1], turning is not None or tracked)
         sensors += [Sensor(role.channel, role.offset, angle, role.latency) for angle in angles]
         radii += list(radius.T) if len(angles) == radius.shape[1] else [0.5 * radius[:, 0]] * 2
-        arm += [number] * len(angles)
-    across = tuple(arms[number].role == "diameter" for number in arm)
+        arm += _arm_names(log_set, role, radius.shape[1]) * (len(angles) // radius.shape[1])
+        across += [role.role == "diameter"] * len(angles)
+    names = list(dict.fromkeys(arm))
     time = _time(log_set, roles)
     if tracked and time is None:
         needed(log_set, roles, "time")
     return Readings(
-        log_set.path.name, depth, toolface, tuple(sensors), tuple(radii), np.array(arm, dtype=np.int64),
-        tuple(role.channel for role in arms), across, time, _passes(log_set, roles),
+        log_set.path.name, depth, toolface, tuple(sensors), tuple(radii),
+        np.array([names.index(name) for name in arm], dtype=np.int64), tuple(names), tuple(across), time,
+        _passes(log_set, roles),
         turning.reference if turning else "", _high_side(log_set, roles), turning is not None,
         _count_missing(log_set, roles, depth, toolface, time), _notes(roles, arms), log_set.place,
     )  # fmt: skip
@@ -145,6 +148,10 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
     if width > 1 or arm.role == "radius-image":
         if arm.first is None or arm.step is None:
             rule = "the angles of its sectors are not stated: set first and step (degrees) in a map"
+            names = log_set[arm.channel].member_names if width < IMAGE_ROW else ()
+            if names and arm.role == "radius-image":
+                each = " ".join(f"--radius {name}@{360 * at / width:g}" for at, name in enumerate(names))
+                rule += f", or name the arms of a tool that has so few: {each}"
             raise log_set.input_error(rule, column=arm.channel)
         return [arm.first + arm.step * sector for sector in range(width)]
     if arm.angle is None and not turning:
@@ -155,6 +162,14 @@ def _angles(log_set: RawSet, arm: Role, width: int, turning: bool) -> list[float
         raise log_set.input_error(rule, column=arm.channel)
     angle = arm.angle or 0.0
     return [angle, angle + 180.0] if arm.role == "diameter" else [angle]
+
+
+def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
+    """Return the arm of each value in a row: fewer sectors than an image has are arms, each with its own name."""
+    if not 1 < width < IMAGE_ROW:
+        return [role.channel] * width
+    members = log_set[role.channel].member_names
+    return list(members) or [f"{role.channel}[{sector}]" for sector in range(1, width + 1)]
 
 
 def _bit(log_set: RawSet, roles: RoleMap) -> float | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gzip
 import re
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +16,7 @@ from wall_samples import WallSamples, wall_samples
 
 import helibore as hb
 from helibore.base import units
+from helibore.channels.channel_readings import readings
 from helibore.channels.log_set import LogSet
 from helibore.channels.role_map import overlay, parse_options
 from helibore.channels.roles import RoleMap, guess
@@ -387,3 +389,26 @@ def test_what_is_long_is_shown_in_short(tmp_path: Path) -> None:
     assert repr(file.image("GR")) == "RawSectorImage('GR', 'gAPI', 400 rows x 8 sectors, 1000 to 1003.99 m)"
     prepared = hb.prepare(file.readings(), hb.Preparation(recentre=True))
     assert repr(prepared.centres) == "Centres(10 turns, tool off by 0.0 mm in half of them)"
+
+
+def test_few_sectors_are_the_arms_of_a_tool(tmp_path: Path) -> None:
+    """Four columns give the same logs, read as an image of four sectors or as four arms; C1 is that of the arms."""
+    depth = np.arange(400) * 0.05
+    toolface = 60 + 10 * np.sin(depth)
+    arms = [0.118 + 0.018 * np.cos(2 * np.radians(toolface + turned - 60)) for turned in (0, 90, 180, 270)]
+    rows = np.column_stack([depth, toolface, *arms])
+    text = "MD_m,TF_deg,ARM1_m,ARM2_m,ARM3_m,ARM4_m\n" + "\n".join(",".join(map(str, row)) for row in rows)
+    path = written(tmp_path, text)
+    one = hb.open(path).set()
+    guessed = guess(one)
+    with pytest.raises(ValueError, match=r"arms of a tool that has so few: --radius ARM1_m@0 --radius ARM2_m@90 --rad"):
+        readings(one, guessed)
+    stated = {**guessed.roles, "ARM": replace(guessed["ARM"], first=0.0, step=90.0)}
+    of_image = readings(one, replace(guessed, roles=stated))
+    of_arms = readings(*chosen(path, radius=[f"ARM{arm}_m@{90 * (arm - 1)}" for arm in (1, 2, 3, 4)]))
+    assert of_image.channels == of_arms.channels == ("ARM1_m", "ARM2_m", "ARM3_m", "ARM4_m")
+    walls = [hb.reconstruct(hb.prepare(of).caliper, bit_diameter=0.2159) for of in (of_image, of_arms)]
+    image, arm = (wall.logs() for wall in walls)
+    assert image.shape == arm.shape == "arms"
+    assert len(image.arm_diameter) == 2
+    assert image.c1.tolist() == arm.c1.tolist()
