@@ -60,11 +60,13 @@ export class Path {
     return { centre: mix(this.centre, 3, 0, 3), high, right, tangent: cross(high, right) };
   }
 
-  // True vertical depth; NaN where the survey does not give one.
+  // True vertical depth; NaN where the survey does not give one, and above and below the frames, which are the wall's.
   /** @param {number} depth */
   tvd(depth) {
     const [start, stop, down] = this.trueDepth ?? [NaN, NaN, NaN];
-    return depth >= start && depth <= stop ? this.at(depth).centre[2] - down : NaN;
+    const place = (depth - this.startDepth) / this.step;
+    const known = depth >= start && depth <= stop && place >= 0 && place <= this.count - 1;
+    return known ? this.at(depth).centre[2] - down : NaN;
   }
 
   // Toolface of up and of north at a depth, degrees; null where undefined.

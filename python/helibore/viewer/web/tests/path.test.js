@@ -1,0 +1,35 @@
+// True depth: known between the first and the last station, as far as the frames of the wall reach.
+
+import assert from 'node:assert/strict';
+import { test } from 'node:test';
+import { Path } from '../src/path.js';
+
+/** @param {number} step */
+function slanted(step) {
+  const path = new Path(2000, step);
+  const [count, down] = [11, step / 2]; // 60 degrees off vertical
+  const centre = Float64Array.from({ length: 3 * count }, (_, k) => (k % 3 === 2 ? 1500 + Math.floor(k / 3) * down : 0));
+  path.apply({ first: 0, count, total: count, centre, directions: new Float32Array(6 * count), surveyed: true });
+  path.trueDepth = [1000, 3000, 0];
+  return path;
+}
+
+for (const step of [2, -2]) {
+  test(`a true depth is not known above and below the frames, ${step} m apart`, () => {
+    const path = slanted(step);
+    for (const [place, known] of [[0, 1500], [1, 1500 + step / 2], [9.5, 1500 + 4.75 * step], [10, 1500 + 5 * step], [-0.01, NaN], [10.01, NaN], [-200, NaN]]) {
+      const found = path.tvd(2000 + place * step);
+      assert.ok(Number.isNaN(known) ? Number.isNaN(found) : Math.abs(found - known) < 2e-3, `${place}: ${found}`);
+    }
+    path.trueDepth = [2000 + 5 * step - 1, 2000 + 5 * step + 1, 0];
+    assert.ok(Number.isNaN(path.tvd(2000 + 8 * step)), 'beyond the survey');
+    path.trueDepth = null;
+    assert.ok(Number.isNaN(path.tvd(2000 + 5 * step)), 'no survey that gives it');
+  });
+}
+
+test('a path without frames knows no true depth', () => {
+  const path = new Path(2000, 2);
+  path.trueDepth = [0, 3000, 0];
+  assert.ok(Number.isNaN(path.tvd(2000)));
+});
