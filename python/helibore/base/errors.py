@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from importlib import import_module
 from os import PathLike
 
 
@@ -98,3 +99,9 @@ def needs(library: str, extra: str) -> Iterator[None]:
         yield
     except ImportError as error:
         raise MissingExtraError(library or error.name or extra, extra) from error
+
+
+def require_library(library: str, extra: str) -> None:
+    """Raise the `MissingExtraError` of a library that cannot be imported."""
+    with needs(library.replace("_", "-"), extra):
+        import_module(library)

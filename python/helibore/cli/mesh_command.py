@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 import click
 import numpy as np
 
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, require_library
 from helibore.cli.lines import Lines, summary_lines
 from helibore.cli.outputs import OUTPUT, QUIET, SIGMA, add_sigma, check_file, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH
@@ -134,6 +134,8 @@ def _check(run: Run, options: dict[str, Any], ends: tuple[float | None, float | 
         check_file(output, VOLUME_ENDINGS, " with --shell")
     else:
         check_file(output, ENDINGS)
+    if ending == ".vtkhdf":
+        require_library("h5py", "vtkhdf")
     if options["color_by"] is not None and (options["shells"] or ending in COLORLESS):
         kind = "a volume" if options["shells"] else ending
         raise click.UsageError(f"--color-by: does not go with {kind}, which has no colours")

@@ -28,7 +28,7 @@ import numpy as np
 
 from helibore.base.arrays import Floats
 from helibore.base.atomic_file import write_whole
-from helibore.base.errors import check_ending, needs
+from helibore.base.errors import check_ending, require_library
 from helibore.base.tables import LogColumn, LogTable
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
@@ -77,8 +77,7 @@ def check_format(filename: str | os.PathLike[str]) -> str:
     """Return the ending; refuse one that `save_table` does not know, or that needs a library that is not installed."""
     ending = check_ending(filename, ENDINGS)
     if library := {".parquet": "pyarrow", ".dlis": "dliswriter"}.get(ending):
-        with needs(library, ending[1:]):
-            __import__(library)
+        require_library(library, ending[1:])
     return ending
 
 

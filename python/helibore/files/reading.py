@@ -5,7 +5,7 @@ from __future__ import annotations
 from importlib import import_module
 from pathlib import Path
 
-from helibore.base.errors import InputError
+from helibore.base.errors import InputError, require_library
 from helibore.files.input_file import InputFile, find_format
 from helibore.files.raw_set import RawFile
 
@@ -15,6 +15,21 @@ READERS = {
     "parquet": ("columnar", "read_parquet"), "npz": ("columnar", "read_npz"),
 }  # fmt: skip
 """The file and the function that read a format; a file is imported when it is needed."""
+
+
+LIBRARIES = {".las": "lasio", ".dlis": "dlisio", ".lis": "dlisio", ".xlsx": "python_calamine", ".parquet": "pyarrow"}
+"""What reads a format that NumPy and Python do not read alone, by the usual ending of its files."""
+
+
+def ending_of(address: str) -> str:
+    """Return the ending of a file in lower case, without that of gzip."""
+    return Path(address.lower().removesuffix(".gz")).suffix
+
+
+def check_library(ending: str) -> None:
+    """Refuse an ending, as of `ending_of`, whose files need a library that is not installed."""
+    if ending in LIBRARIES:
+        require_library(LIBRARIES[ending], "dlis" if ending == ".lis" else ending[1:])
 
 
 def read_file(path: Path, nulls: tuple[float, ...], header_line: int | None = None) -> RawFile:
