@@ -35,7 +35,8 @@ def reprocess(manifest: tuple[str, ...], output: str | None, scheduler: str | No
     helibore reprocess status manifest.toml
 
     MANIFEST is TOML, or a Parquet table with one row a well. A well whose outputs are there, from the same files and
-    settings, is not made again. Exit code 3: some wells failed, and the others are done.
+    settings, is not made again; status says which wells are not made or out of date, and starts none. Exit code 3: some
+    wells failed, and the others are done.
     """
     from helibore.runs.manifest import read_jobs
     from helibore.runs.reprocess import reprocess as run
@@ -47,13 +48,18 @@ def reprocess(manifest: tuple[str, ...], output: str | None, scheduler: str | No
     jobs = read_jobs(file, output)
     if words:
         found = status(jobs)
-        click.echo(f"{len(found.skipped)} of {found.wells} wells are done, {len(found.failed)} failed")
+        counts = f"{len(found.skipped)} of {found.wells} wells are done, {len(found.failed)} failed"
+        click.echo(f"{counts}, {len(found.outdated)} out of date, {found.unmade} not made")
+        for well, changed in sorted(found.outdated.items()):
+            click.echo(f"{well}: out of date: changed since it was made: {changed}")
     else:
         found = run(jobs, scheduler, progress=None if quiet else _show)
         if not quiet:
             click.echo(found.sentence())
     for well, reason in sorted(found.failed.items()):
         click.echo(f"{well}: {reason}", err=not words)
+    if found.orphans and not quiet:
+        click.echo(f"not in {file}, but in the output and its catalogue: {', '.join(found.orphans)}")
     for file, reason in found.unwritten.items():
         click.echo(f"{file}: cannot be written: {reason}", err=True)
     if found.failed or found.unwritten:

@@ -13,17 +13,29 @@ import contextlib
 import time
 import uuid
 from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
+from urllib.parse import unquote
 
 from helibore.base.atomic_file import write_whole
 from helibore.base.errors import InputError, MissingExtraError, needs
 from helibore.base.threads import thread_count
 from helibore.files.log_files import write_parquet
+from helibore.files.reading import check_library, ending_of
+from helibore.runs.main_guard import check_main_guard
 from helibore.runs.manifest import Job, check_files, read_jobs
 from helibore.runs.output_store import Json, Store
-from helibore.runs.well import check_versions, merge_well, record_name, reprocess_block, reprocess_well, versions
+from helibore.runs.well import (
+    changes,
+    check_versions,
+    merge_well,
+    record_name,
+    reprocess_block,
+    reprocess_well,
+    versions,
+)
 
 if TYPE_CHECKING:
     from distributed import Client
@@ -52,11 +64,18 @@ class Progress:
     unwritten: dict[str, str] = field(default_factory=dict)  # file of all wells that could not be written, to reason
     seconds: float = 0.0
     dashboard: str | None = None  # where Dask shows what the workers do
+    outdated: dict[str, str] = field(default_factory=dict)  # `status`: well to what changed since it was made
+    orphans: list[str] = field(default_factory=list)  # wells of the output that the manifest does not name
 
     @property
     def finished(self) -> int:
         """Wells that need no more work."""
         return len(self.done) + len(self.skipped) + len(self.failed)
+
+    @property
+    def unmade(self) -> int:
+        """Wells that were not tried, or whose outputs are not there."""
+        return self.wells - self.finished - len(self.outdated)
 
     @property
     def seconds_left(self) -> float:
@@ -93,13 +112,15 @@ def reprocess(
     Returns
     -------
     Progress
-        The wells made, there already, and failed with their reasons; and whether the catalogue could not be written.
+        The wells made, there already, and failed with their reasons; the wells of the output that the manifest does not
+        name; and whether the catalogue could not be written.
 
     Raises
     ------
     InputError
         Before any work: a manifest that breaks a rule (well, key, rule), a missing file, an output that cannot be
-        written, a worker with other versions of helibore, NumPy or pyarrow.
+        written, a worker with other versions of helibore, NumPy or pyarrow, or without a library that a file needs; a
+        script without ``if __name__ == "__main__":``, if ``client`` is None.
     MissingExtraError
         Without the extra ``scale``.
 
@@ -111,12 +132,14 @@ def reprocess(
     jobs = read_jobs(jobs, output) if isinstance(jobs, str | Path) else list(jobs)
     if not jobs:
         raise InputError("jobs", "must be at least one")
+    if client is None:
+        check_main_guard("hb.reprocess")
     check_files(jobs)
     store = Store(jobs[0].output)
     store.check_writable()
     records: dict[str, Json] = {}
     with connected(client) as cluster:
-        _check_workers(cluster)
+        _check_workers(cluster, jobs)
         so_far = _run(cluster, jobs, records, progress or (lambda _: None))
     try:
         name = CATALOGUE
@@ -128,6 +151,7 @@ def reprocess(
             store.delete([FAILURES])
     except OSError as error:
         so_far.unwritten[name] = _reason(error)
+    so_far.orphans = _orphans(store, jobs)
     return so_far
 
 
@@ -164,20 +188,57 @@ def _started(start: Callable[[], Any]) -> Any:
 
 
 def status(jobs: Sequence[Job]) -> Progress:
-    """Return how far the wells are, by the records in the store; it opens none of them."""
+    """Return how far the wells are: those that need no work are ``skipped``. All inputs are read, for their checksums.
+
+    A well that is neither ``skipped`` nor ``failed`` nor ``outdated`` is not made.
+    """
     store = Store(jobs[0].output)
-    there = store.sizes("records")
     failed = store.read_json(FAILURES) or {}
     found = Progress(len(jobs), failed={job.well: failed[job.well] for job in jobs if job.well in failed})
-    found.skipped = [job.well for job in jobs if record_name(job.well) in there and job.well not in found.failed]
+    others = [job for job in jobs if job.well not in found.failed]
+    with ThreadPoolExecutor() as pool:
+        for job, changed in zip(others, pool.map(changes, others), strict=True):
+            if changed:
+                found.outdated[job.well] = changed
+            elif changed is not None:
+                found.skipped.append(job.well)
+    found.orphans = _orphans(store, jobs)
     return found
 
 
-def _check_workers(client: Any) -> None:
-    """Refuse workers with other versions, by name, before any work. One that comes later refuses its first task."""
-    for worker, error in client.run(check_versions, versions(), on_error="return").items():
-        if error is not None and not isinstance(error, OSError):  # one that has just died does not answer
-            raise InputError(f"worker {worker}", str(error))
+def _orphans(store: Store, jobs: Sequence[Job]) -> list[str]:
+    """Return the wells that have a record in the store and are not among the jobs."""
+    known = {record_name(job.well) for job in jobs}
+    records = (name for name in store.sizes("records") if name.endswith(".json") and name not in known)
+    return sorted(unquote(name.removeprefix("records/").removesuffix(".json")) for name in records)
+
+
+def _check_workers(client: Any, jobs: Sequence[Job]) -> None:
+    """Refuse workers with other versions, or without a library that a file needs, by name, before any work.
+
+    One that comes later refuses its first task.
+    """
+    files: dict[str, str] = {}  # the first file of each ending
+    for job in jobs:
+        for address in job.addresses():
+            files.setdefault(ending_of(address), f"well {job.well}: {address}")
+    for worker, reason in client.run(_refusal, versions(), files, on_error="return").items():
+        if reason and not isinstance(reason, OSError):  # one that has just died does not answer
+            raise InputError(f"worker {worker}", str(reason))
+
+
+def _refusal(expected: dict[str, str], files: dict[str, str]) -> str:
+    """Return why this worker cannot work for who asks; "" if it can. Of what is raised, Dask prints the traceback."""
+    try:
+        check_versions(expected)
+    except InputError as error:
+        return str(error)
+    for ending, file in files.items():
+        try:
+            check_library(ending)
+        except MissingExtraError as error:
+            return f"{file}: {error}"
+    return ""
 
 
 def _run(client: Any, jobs: Sequence[Job], records: dict[str, Json], tell: Callable[[Progress], object]) -> Progress:

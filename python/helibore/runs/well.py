@@ -99,7 +99,7 @@ def _made(job: Job, store: Store) -> Json:
     with _opened(job) as (run, local):
         before: Json | None = store.read_checked(record_name(job.well))
         if before is not None:
-            if before["made_from"] == _made_from(job, run.files, local) and store.holds(before["files"]):
+            if not _changes(before, _made_from(job, run.files, local), store):
                 return before | {"made": False}
             store.delete([record_name(job.well), *before["files"]])
         most, is_stream = job.block_samples, needs_stream(run, job.block_samples)
@@ -175,6 +175,36 @@ def _made_from(job: Job, files: OpenFiles, local: dict[str, Path]) -> Json:
     """Return all that decides the bytes of the outputs."""
     inputs = [{"name": file.name, "blake2b": files.checksum(file).result()} for file in local.values()]
     return {"settings": job.settings_hash, "inputs": inputs, "versions": versions()}
+
+
+def _changes(record: Json, now: Json, store: Store) -> str:
+    """Return what has changed since a well was made; "" if it need not be made again."""
+    before = record["made_from"]
+    found = ["its settings"] if before["settings"] != now["settings"] else []
+    known = {(of["name"], of["blake2b"]) for of in before["inputs"]}
+    found += [of["name"] for of in now["inputs"] if (of["name"], of["blake2b"]) not in known]
+    found += [f"{name} {was}" for name, was in before["versions"].items() if now["versions"].get(name) != was]
+    if not found and before != now:
+        found = ["its input files"]
+    return ", ".join(found if store.holds(record["files"]) else [*found, "its outputs"])
+
+
+def changes(job: Job) -> str | None:
+    """Return what has changed since a well was made, as "its settings, A-1.csv"; "" if nothing, None if it is not made.
+
+    All its inputs are read, for their checksums.
+    """
+    store = Store(job.output)
+    record: Json | None = store.read_checked(record_name(job.well))
+    if record is None:
+        return None
+    files = OpenFiles(())
+    with contextlib.ExitStack() as copies:
+        try:
+            local = {address: copies.enter_context(local_file(address)) for address in job.addresses()}
+            return _changes(record, _made_from(job, files, local), store)
+        except FileNotFoundError as error:
+            return f"{Path(error.filename or str(error)).name} (no such file)"
 
 
 def _provenance(made_from: Json) -> Json:

@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import resource
 import shutil
+import subprocess
+import sys
 import zipfile
 from collections import Counter
 from collections.abc import Iterator
@@ -481,7 +483,76 @@ def test_the_command(field: Path, tmp_path: Path, client: Any) -> None:
     assert (result.exit_code, result.stdout) == (3, "")
     assert result.stderr.startswith("C: bad.parquet: ")
     result = CliRunner().invoke(cli, ["reprocess", "status", str(field / "b.toml"), "-o", str(tmp_path)])
-    assert (result.exit_code, result.stdout.splitlines()[0]) == (3, "2 of 3 wells are done, 1 failed")
+    assert (result.exit_code, result.stdout.splitlines()[0]) == (
+        3, "2 of 3 wells are done, 1 failed, 0 out of date, 0 not made"
+    )  # fmt: skip
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_status_names_what_is_out_of_date_and_who_left_the_manifest(field: Path, tmp_path: Path) -> None:
+    for name in ("0.parquet", "1.parquet", "s.csv"):
+        shutil.copy(field / name, tmp_path)
+
+    def found(text: str = MANIFEST) -> tuple[list[str], dict[str, str], list[str], int]:
+        of = status(read_jobs(manifest(tmp_path, text)))
+        return of.skipped, of.outdated, of.orphans, of.unmade
+
+    both = ["15/9-F 1", "B"]
+    assert found() == ([], {}, [], 2)
+    for job in read_jobs(manifest(tmp_path)):
+        reprocess_well(job)
+    assert found() == (both, {}, [], 0)
+    assert found(MANIFEST.replace("sectors = 32", "sectors = 64")) == (both[:1], {"B": "its settings"}, [], 0)
+    assert found(MANIFEST.replace('"B"', '"C"')) == (both[:1], {}, ["B"], 1)
+    (tmp_path / "out/logs/well=B/logs-0.parquet").unlink()
+    (tmp_path / "s.csv").write_text("md_m,incl_deg,azim_deg\n990,5,40\n1010,7,51\n")
+    assert found() == ([], {"15/9-F 1": "s.csv", "B": "its outputs"}, [], 0)
+    (tmp_path / "s.csv").unlink()
+    (tmp_path / "1.parquet").write_bytes((tmp_path / "0.parquet").read_bytes())
+    assert found()[1] == {"15/9-F 1": "s.csv (no such file)", "B": "1.parquet, its outputs"}
+    text = MANIFEST.replace('"B"', '"C"')
+    result = CliRunner().invoke(cli, ["reprocess", "status", str(manifest(tmp_path, text))])
+    assert (result.exit_code, result.stdout.splitlines()) == (0, [
+        "0 of 2 wells are done, 0 failed, 1 out of date, 1 not made",
+        "15/9-F 1: out of date: changed since it was made: s.csv (no such file)",
+        f"not in {tmp_path}/m.toml, but in the output and its catalogue: B",
+    ])  # fmt: skip
+
+
+def test_a_script_that_would_start_itself_again_is_refused(field: Path, tmp_path: Path) -> None:
+    manifest(tmp_path, MANIFEST)
+    for name in ("0.parquet", "1.parquet", "s.csv"):
+        shutil.copy(field / name, tmp_path)
+    call = 'hb.reprocess("m.toml")'
+    script = tmp_path / "all.py"
+
+    def run(text: str) -> subprocess.CompletedProcess[str]:
+        script.write_text(f"import helibore as hb\n{text}\n")
+        return subprocess.run([sys.executable, "all.py"], cwd=tmp_path, capture_output=True, text=True, timeout=100)
+
+    for text, line in ((call, 2), (f"def main():\n    {call}\nmain()", 4)):
+        done = run(text)
+        assert done.stderr.count("Traceback") == 1
+        assert (
+            f'InputError: all.py, line {line}: stands outside of if __name__ == "__main__": write that' in done.stderr
+        )
+        assert not (tmp_path / "out").exists()
+    done = run(f'if __name__ == "__main__":\n    print({call}.sentence())')
+    assert done.stdout.startswith("2 made, 0 there already, 0 failed"), done.stderr
+
+
+@pytest.mark.filterwarnings("ignore")
+def test_a_missing_library_is_named_before_any_work(
+    field: Path, tmp_path: Path, client: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (field / "late.las").write_text("~V\n")
+    text = MANIFEST + '[[well]]\nname = "L"\ncaliper = "late.las"\n'
+    monkeypatch.setitem(sys.modules, "lasio", None)
+    with pytest.raises(
+        hb.InputError, match=r'^worker .*: well L: .*late.las: needs lasio: pip install "helibore\[las\]"'
+    ):
+        hb.reprocess(manifest(field, text), client, output=str(tmp_path))
+    assert not list(tmp_path.rglob("*.*"))
 
 
 def flip(file: Path, seed: int, above: float = 0.0) -> None:

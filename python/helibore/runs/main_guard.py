@@ -1,0 +1,38 @@
+"""Refuse to start processes from a script that would start them again in each of these.
+
+A new process runs the script of the user from its top, except what stands below ``if __name__ == "__main__":``. Without
+it, each process calls what started it, and dies with a traceback.
+"""
+
+from __future__ import annotations
+
+import ast
+import sys
+from pathlib import Path
+
+from helibore.base.errors import InputError
+
+
+def check_main_guard(caller: str) -> None:
+    """Refuse a call from the script that runs, unless it stands below ``if __name__ == "__main__":``."""
+    main = vars(sys.modules["__main__"])
+    file, spec = main.get("__file__"), main.get("__spec__")
+    if file is None or (spec is not None and spec.name.endswith("__main__")):  # a new process does not run these again
+        return
+    frame = sys._getframe()
+    while frame.f_back is not None and not (frame.f_code.co_name == "<module>" and frame.f_globals is main):
+        frame = frame.f_back
+    if frame.f_globals is not main or frame.f_code.co_name != "<module>":  # a thread
+        return
+    try:
+        tree = ast.parse(Path(file).read_bytes())
+    except (OSError, SyntaxError):
+        return
+    line = frame.f_lineno
+    within = (node for node in tree.body if node.lineno <= line <= (node.end_lineno or line))
+    if not any(isinstance(of, ast.Name) and of.id == "__name__" for node in within for of in ast.walk(node)):
+        rule = (
+            f'stands outside of if __name__ == "__main__": write that line above it, and indent it; {caller} starts '
+            "processes, and each runs this file again from its top"
+        )
+        raise InputError(f"{Path(file).name}, line {line}", rule)
