@@ -3,7 +3,7 @@
     share = (value - low) / (high - low), of logarithms on a log scale       colour = map[share]       missing: grey
 
 ``color_maps.json`` is the only definition of the maps: meshes, pictures and the viewer's page read it. No map holds a
-colour close to the grey. ``normalization`` finds low and high.
+colour close to the grey.
 """
 
 from __future__ import annotations
@@ -16,9 +16,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+import numpy.typing as npt
 
-from helibore.base.arrays import Bytes, Floats
+from helibore.base.arrays import Bytes, Floats, column
 from helibore.base.errors import InputError, check_choice, needs
+from helibore.base.units import MILLIMETRE
 
 if TYPE_CHECKING:
     from matplotlib.colors import Colormap, Normalize
@@ -41,6 +43,10 @@ ZONE_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINI
 
 PICK_COLORS: dict[str, str] = {kind: f"#{light}" for kind, (light, _) in _DEFINITION["picks"].items()}
 """The same of the classes of picks."""
+
+PERCENTILES = (2.0, 98.0)
+NEARLY_ALL = 99.8
+"""Percentile of the distance from bit size that the colours of a wall reach."""
 
 
 @dataclass(frozen=True)
@@ -176,3 +182,77 @@ def colors_of(
     there = values[np.isfinite(values)]
     low, high = (float(there.min()), float(there.max())) if there.size else (1.0, 2.0)
     return ColorScale(low, high if high > low else low + max(abs(low), 1.0), color_map, log).colors(values)
+
+
+def percentile_limits(
+    values: npt.ArrayLike, percentiles: tuple[float, float] = PERCENTILES, log: bool = False
+) -> tuple[float, float]:
+    """Return the two ends of a static scale: percentiles of the values that are not missing.
+
+    Parameters
+    ----------
+    values
+        Numbers of any shape; NaN where missing.
+    percentiles
+        Two in [0, 100], the first below the second; (0, 100) gives the least and the greatest.
+    log
+        For a log scale: values must be above 0.
+
+    Raises
+    ------
+    InputError
+        ``values: all 96 are missing``; ``values: 98 % or more are 60: no range ...``; on a log scale as `ColorScale`.
+    """
+    low, high = percentiles
+    if not 0 <= low < high <= 100:
+        rule = "must be two numbers in [0, 100], the first below the second"
+        raise InputError("percentiles", rule, str(percentiles))
+    flat = column("values", np.ravel(values))
+    there = flat[np.isfinite(flat)]
+    if not there.size:
+        raise InputError("values", f"all {flat.size} are missing")
+    if log:
+        check_positive(flat.reshape(np.shape(values)))
+    ends = np.percentile(there, [low, high])
+    if not ends[0] < ends[1]:
+        rule = f"constant, {ends[0]:g} at both the {low:g} and the {high:g} percentile: give limits=(low, high)"
+        raise InputError("values", rule)
+    return float(ends[0]), float(ends[1])
+
+
+def symmetric_limit(values: Floats, unit: float) -> float:
+    """Return how far a scale centred on zero reaches: 1, 2, 3 or 5 times a power of ten of ``unit``, at least one unit.
+
+    The scale holds 99.8 % of the values; NaN are left out.
+    """
+    there = np.abs(values[np.isfinite(values)])
+    reach = max(float(np.percentile(there, NEARLY_ALL)) / unit, 1.0) if there.size else 1.0
+    power = 10.0 ** math.floor(math.log10(reach) + 1e-9)
+    return unit * power * next(step for step in (1, 2, 3, 5, 10) if step * power >= reach * (1 - 1e-9))
+
+
+def usual_scale(
+    values: npt.ArrayLike,
+    name: str,
+    unit: str = "",
+    color_map: str | None = None,
+    log: bool | None = None,
+    limits: tuple[float, float] | None = None,
+) -> ColorScale:
+    """Return the usual colours of a quantity.
+
+    By default, name and unit choose the map (`customary_map`), the values the limits (`percentile_limits`), and a
+    resistivity has a log scale.
+    """
+    color_map = color_map or customary_map(name, unit)
+    log = color_map == "resistivity" if log is None else log
+    return ColorScale(*(limits or percentile_limits(values, log=log)), color_map, log)
+
+
+def over_bit(
+    radius: Floats, bit_diameter: float, color_map: str | None = None, limits: tuple[float, float] | None = None
+) -> tuple[Floats, ColorScale]:
+    """Return radii over half the bit size, millimetres, and their colours, of which the middle is 0."""
+    over = (radius - 0.5 * bit_diameter) / MILLIMETRE
+    limit = symmetric_limit(over, 1.0)
+    return over, ColorScale(*(limits or (-limit, limit)), color_map or "over-bit")

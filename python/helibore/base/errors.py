@@ -12,7 +12,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from importlib import import_module
 from os import PathLike
 
 
@@ -104,4 +103,4 @@ def needs(library: str, extra: str) -> Iterator[None]:
 def require_library(library: str, extra: str) -> None:
     """Raise the `MissingExtraError` of a library that cannot be imported."""
     with needs(library.replace("_", "-"), extra):
-        import_module(library)
+        __import__(library)

@@ -7,6 +7,7 @@ light and dark. A card has less than 30 kB.
 from __future__ import annotations
 
 import base64
+import contextlib
 import struct
 import zlib
 from collections.abc import Mapping
@@ -15,7 +16,8 @@ from html import escape
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import colors_of
+from helibore.base.colors import ColorScale, colors_of, usual_scale
+from helibore.base.errors import InputError
 
 _WIDTH, _HEIGHT = 72, 120
 """Cells of a map and pixels of a curve, at most."""
@@ -35,14 +37,17 @@ def card(title: str, numbers: Mapping[str, str], picture: str) -> str:
     )
 
 
-def map_picture(values: Floats, color_map: str, label: str) -> str:
+def map_picture(values: Floats, scale: ColorScale | None, label: str) -> str:
     """Return a picture of values by row (down) and column, each (rows, columns); grey where missing.
+
+    Without a scale, colours run from the least value to the greatest.
 
     Every cell shows one value of its place, not a mean, so that nothing missing is filled.
     """
     rows, columns = (np.linspace(0, size - 1, min(size, most)).astype(int) for size, most in
                      zip(values.shape, (_HEIGHT, _WIDTH), strict=True))  # fmt: skip
-    pixels = colors_of(values[np.ix_(rows, columns)], color_map=color_map)[..., :3]
+    cells = values[np.ix_(rows, columns)]
+    pixels = (scale.colors(cells) if scale else colors_of(cells))[..., :3]
     height, width = pixels.shape[:2]
     lines = np.zeros((height, 1 + 3 * width), np.uint8)  # each line begins with its filter: none
     lines[:, 1:] = pixels.reshape(height, -1)
@@ -54,6 +59,14 @@ def map_picture(values: Floats, color_map: str, label: str) -> str:
     source = base64.b64encode(png).decode()
     style = f"width:{2 * _WIDTH}px;height:{2 * _HEIGHT}px;image-rendering:pixelated"
     return f'<img alt="{escape(label)}" title="{escape(label)}" style="{style}" src="data:image/png;base64,{source}">'
+
+
+def usual_picture(values: Floats, name: str, unit: str, label: str) -> str:
+    """Return a picture of a quantity in its usual colours; of one that is constant, in one colour."""
+    scale = None
+    with contextlib.suppress(InputError):
+        scale = usual_scale(values, name, unit)
+    return map_picture(values, scale, label)
 
 
 def curve_picture(across: Floats, down: Floats, label: str, equal: bool = False) -> str:

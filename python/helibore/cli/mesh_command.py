@@ -161,8 +161,7 @@ def _save(wall: Wall, made: Surface | Volume, output: Path, color_by: str | None
 
 def _colors(wall: Wall, made: Surface, output: Path, name: str) -> dict[str, Any]:
     """Return the usual colours of an image: its colour map, between percentiles of its values."""
-    from helibore.base.colors import customary_map
-    from helibore.images.normalization import PERCENTILES
+    from helibore.base.colors import PERCENTILES, customary_map
 
     values = made.attributes[name] if name in wall.images else np.empty(0)
     there = values[np.isfinite(values)]

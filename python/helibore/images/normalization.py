@@ -15,50 +15,11 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers, column
-from helibore.base.colors import ColorScale, check_positive, customary_map
+from helibore.base.colors import ColorScale, check_positive, usual_scale
 from helibore.base.errors import InputError
 from helibore.images.sector_image import SectorImage
 
-PERCENTILES = (2.0, 98.0)
-NEARLY_ALL = 99.8
-"""Percentile of the distance from bit size that the colours of a wall reach."""
 WINDOW = 1.0
-
-
-def percentile_limits(
-    values: npt.ArrayLike, percentiles: tuple[float, float] = PERCENTILES, log: bool = False
-) -> tuple[float, float]:
-    """Return the two ends of a static scale: percentiles of the values that are not missing.
-
-    Parameters
-    ----------
-    values
-        Numbers of any shape; NaN where missing.
-    percentiles
-        Two in [0, 100], the first below the second; (0, 100) gives the least and the greatest.
-    log
-        For a log scale: values must be above 0.
-
-    Raises
-    ------
-    InputError
-        ``values: all 96 are missing``; ``values: 98 % or more are 60: no range ...``; on a log scale as `ColorScale`.
-    """
-    low, high = percentiles
-    if not 0 <= low < high <= 100:
-        rule = "must be two numbers in [0, 100], the first below the second"
-        raise InputError("percentiles", rule, str(percentiles))
-    flat = column("values", np.ravel(values))
-    there = flat[np.isfinite(flat)]
-    if not there.size:
-        raise InputError("values", f"all {flat.size} are missing")
-    if log:
-        check_positive(flat.reshape(np.shape(values)))
-    ends = np.percentile(there, [low, high])
-    if not ends[0] < ends[1]:
-        rule = f"constant, {ends[0]:g} at both the {low:g} and the {high:g} percentile: give limits=(low, high)"
-        raise InputError("values", rule)
-    return float(ends[0]), float(ends[1])
 
 
 def image_scale(
@@ -67,25 +28,8 @@ def image_scale(
     log: bool | None = None,
     limits: tuple[float, float] | None = None,
 ) -> ColorScale:
-    """Return the colours of a whole image, the same on paper and on the viewer's page.
-
-    By default, its name and unit choose the map (`customary_map`), its values the limits (`percentile_limits`), and a
-    resistivity has a log scale.
-    """
-    color_map = color_map or customary_map(image.name, image.unit)
-    log = color_map == "resistivity" if log is None else log
-    return ColorScale(*(limits or percentile_limits(image.values, log=log)), color_map, log)
-
-
-def symmetric_limit(values: Floats, unit: float) -> float:
-    """Return how far a scale centred on zero reaches: 1, 2, 3 or 5 times a power of ten of ``unit``, at least one unit.
-
-    The scale holds 99.8 % of the values; NaN are left out.
-    """
-    there = np.abs(values[np.isfinite(values)])
-    reach = max(float(np.percentile(there, NEARLY_ALL)) / unit, 1.0) if there.size else 1.0
-    power = 10.0 ** math.floor(math.log10(reach) + 1e-9)
-    return unit * power * next(step for step in (1, 2, 3, 5, 10) if step * power >= reach * (1 - 1e-9))
+    """Return the colours of a whole image, the same on paper, on the viewer's page and in notebooks."""
+    return usual_scale(image.values, image.name, image.unit, color_map, log, limits)
 
 
 def sliding_window(depth: npt.ArrayLike, values: npt.ArrayLike, window: float = WINDOW, log: bool = False) -> Floats:

@@ -22,9 +22,8 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.angles import wrapped
 from helibore.base.arrays import Floats, Integers, column
-from helibore.base.colors import customary_map
 from helibore.base.errors import InputError
-from helibore.base.notebook import card, map_picture
+from helibore.base.notebook import card, usual_picture
 from helibore.base.threads import thread_count
 from helibore.images.image_breakouts import ImageBreakouts, ImageCriteria, find_breakouts
 from helibore.samples.helix import WallLike
@@ -123,7 +122,7 @@ class SectorImage:
             "missing": f"{100 * self.missing / self.values.size:.1f} %",
             "toolface 0": self.reference,
         }
-        picture = map_picture(self.values, customary_map(self.name, self.unit), f"{self.name} by depth and sector")
+        picture = usual_picture(self.values, self.name, self.unit, f"{self.name} by depth and sector")
         return card(f"SectorImage {self.name}", numbers, picture)
 
     @property

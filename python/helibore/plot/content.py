@@ -18,10 +18,10 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 
 from helibore.base.arrays import Floats
-from helibore.base.colors import ColorScale, check_map, customary_map
+from helibore.base.colors import ColorScale, check_map, customary_map, over_bit
 from helibore.base.errors import InputError, check_choice
 from helibore.base.units import MILLIMETRE
-from helibore.images.normalization import image_scale, sliding_window, symmetric_limit
+from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
 from helibore.logs.picks import PLANES
@@ -447,9 +447,7 @@ def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, F
     """Radius over half the bit size, millimetres, one a vertex; the middle of the whole wall's colours is 0."""
     if look.log or look.window is not None:
         raise InputError("Radius", "is drawn over bit size, on a plain scale: log and window are not for it")
-    over = (wall.radius - 0.5 * wall.settings.bit_diameter) / MILLIMETRE
-    limit = symmetric_limit(over, 1.0)
-    scale = ColorScale(*(look.limits or (-limit, limit)), look.color_map or "over-bit")
+    over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits)
     remark = f"wall, {wall.settings.sectors} sectors"
     inside = (wall.depth >= top) & (wall.depth <= bottom)
     return Shown(RADIUS_TITLE, "mm", scale, remark, False, *_beyond(over[inside], scale.low, scale.high)), over

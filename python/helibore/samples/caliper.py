@@ -28,7 +28,7 @@ from helibore.base.arrays import (
     whole_column,
 )
 from helibore.base.errors import InputError
-from helibore.base.notebook import card, map_picture
+from helibore.base.notebook import card, usual_picture
 from helibore.base.nulls import NULLS
 from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import thread_count
@@ -306,7 +306,10 @@ class Caliper(Tabular):
             "radius": f"{1000 * self.radius.min():.1f} to {1000 * self.radius.max():.1f} mm",
             "basis": BASIS_TEXT[self.basis],
         }
-        return card("Caliper", numbers, map_picture(mean.reshape(120, 72), "caliper", "radius by depth and toolface"))
+        if self.left_out:
+            numbers["left out"] = f"{self.left_out} rows of the table, with a value missing"
+        picture = usual_picture(mean.reshape(120, 72), "radius", "m", "radius by depth and toolface")
+        return card("Caliper", numbers, picture)
 
     def __repr__(self) -> str:
         if not len(self):

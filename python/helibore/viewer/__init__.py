@@ -22,10 +22,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy.typing as npt
 
+from helibore.base.colors import symmetric_limit
 from helibore.base.errors import InputError
 from helibore.base.tables import refuse_table
 from helibore.base.units import MILLIMETRE
-from helibore.images.normalization import image_scale, symmetric_limit
+from helibore.images.normalization import image_scale
 from helibore.logs.curves import ScalarCurve, curves_of
 from helibore.logs.template import Template, TemplateTrack
 from helibore.trajectory.references import Reference

@@ -22,11 +22,10 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base.arrays import Floats, numbers
-from helibore.base.colors import customary_map
+from helibore.base.colors import customary_map, percentile_limits, symmetric_limit
 from helibore.base.errors import InputError
 from helibore.base.ranges import Range, union
 from helibore.base.units import MILLIMETRE
-from helibore.images.normalization import percentile_limits, symmetric_limit
 from helibore.logs.curves import curves_of
 from helibore.logs.summary import summarize
 from helibore.logs.zones import Classification, classify

@@ -20,6 +20,7 @@ import numpy.typing as npt
 
 from helibore import _core
 from helibore.base.arrays import Floats, sample_columns
+from helibore.base.colors import over_bit
 from helibore.base.errors import InputError, needs
 from helibore.base.notebook import card, map_picture
 from helibore.base.settings import Settings
@@ -563,8 +564,9 @@ class Wall:
         sectors = self._settings.sectors
         if len(self) < sectors:
             return card(repr(self), {}, "")
-        radius = self.radius[: len(self) // sectors * sectors].reshape(-1, sectors)
-        picture = map_picture(radius, "caliper", "radius by depth and toolface")
+        over, scale = over_bit(self.radius, self._settings.bit_diameter)
+        turns = over[: len(self) // sectors * sectors].reshape(-1, sectors)
+        picture = map_picture(turns, scale, "radius over bit size by depth and toolface")
         return card("Wall", self.summary().numbers(), picture)
 
     def __repr__(self) -> str:

@@ -15,6 +15,7 @@ import pytest
 import helibore as hb
 from helibore.base.colors import MISSING
 from helibore.base.notebook import curve_picture, map_picture
+from helibore.plot.content import Drawing, content_of
 
 
 @cache
@@ -46,7 +47,7 @@ def test_a_card_is_small_and_needs_nothing_else(name):
     html = everything()[name]._repr_html_()
     assert 500 < len(html.encode()) < 30_000
     assert not re.search(r"https?://|url\(|<script|<link| id=| class=", html)
-    assert "nan" not in html
+    assert "nan" not in re.sub(r"base64,[^\"]+", "", html)
 
 
 def test_a_tuning_shows_what_it_chose_and_every_candidate():
@@ -76,15 +77,36 @@ def test_the_wall_says_what_its_summary_says():
         assert f"at {wall.summary().greatest_diameter.depth:.2f} m" in html
 
 
-def test_a_map_has_the_colours_of_its_cells():
-    values = np.array([[0.0, 1.0, np.nan], [1.0, 0.0, 1.0]])
-    source = re.search(r"base64,([^\"]+)", map_picture(values, "viridis", "a map"))
+def pixels_of(html):
+    source = re.search(r"base64,([^\"]+)", html)
     png = base64.b64decode(source[1])
     width, height = struct.unpack(">2I", png[16:24])
     start = png.index(b"IDAT")
     size = struct.unpack(">I", png[start - 4 : start])[0]
     pixels = np.frombuffer(zlib.decompress(png[start + 4 : start + 4 + size]), np.uint8).reshape(height, -1)
-    pixels = pixels[:, 1:].reshape(height, width, 3)
+    return pixels[:, 1:].reshape(height, width, 3)
+
+
+def test_a_card_has_the_colours_of_the_print():
+    wall, image = everything()["wall"], everything()["image"]
+    wall.images["GR"] = image
+    content = content_of(wall, Drawing(polar=(), body=()))
+    radius, gamma = (track.shown.scale for track in content.tracks[2:])
+    over = (wall.radius - 0.108) * 1000
+    assert (pixels_of(wall._repr_html_())[0, :64] == radius.colors(over[:64])[:, :3]).all()
+    assert (pixels_of(image._repr_html_())[0, :16] == gamma.colors(image.values[0])[:, :3]).all()
+    wall.images.clear()
+
+
+def test_a_card_of_samples_says_how_many_rows_were_left_out():
+    frame = {"DEPTH": [1.0, 1.1, 1.2], "TOOLFACE": [0.0, 90.0, 180.0], "RADIUS": [0.1, np.nan, 0.1]}
+    assert "1 rows of the table" in hb.Caliper.from_table(frame)._repr_html_()
+    assert "left out" not in hb.Caliper([1.0], [0.0], [0.1])._repr_html_()
+
+
+def test_a_map_has_the_colours_of_its_cells():
+    values = np.array([[0.0, 1.0, np.nan], [1.0, 0.0, 1.0]])
+    pixels = pixels_of(map_picture(values, None, "a map"))
     assert tuple(pixels[0, 2]) == MISSING
     assert (pixels[0, 0] == pixels[1, 1]).all()
     assert (pixels[0, 1] == pixels[1, 0]).all()

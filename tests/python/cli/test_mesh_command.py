@@ -9,8 +9,8 @@ import pytest
 from click.testing import CliRunner, Result
 
 import helibore as hb
+from helibore.base.colors import percentile_limits
 from helibore.cli import cli
-from helibore.images.normalization import percentile_limits
 
 BIT = 0.216
 SURVEY = hb.Survey([990.0, 1020.0], [48.0, 52.0], [248.0, 240.0])

@@ -9,7 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from helibore.images.normalization import percentile_limits, sliding_window
+from helibore.base.colors import percentile_limits
+from helibore.images.normalization import sliding_window
 
 
 def test_limits_are_percentiles_of_what_is_there() -> None:

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 
 import helibore as hb
+from helibore.base.colors import percentile_limits
 from helibore.images.image_breakouts import ImageCriteria
-from helibore.images.normalization import percentile_limits, sliding_window
+from helibore.images.normalization import sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.annulus import annulus
 from helibore.logs.zone_criteria import Criteria
