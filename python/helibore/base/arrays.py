@@ -56,6 +56,9 @@ def numbers_or_dates(values: npt.ArrayLike, *, dates: bool) -> Floats:
 def _in_utc(moments: Array) -> Array:
     """Return objects as datetime64; None and NaT are missing."""
     there = [of if of == of else None for of in moments.tolist()]  # NaT is not itself
+    for row, of in enumerate(there):
+        if of is not None and not isinstance(of, datetime.datetime):
+            raise InputError(f"row {row}", "must be a date with a time of day, as others are", repr(of))
     if len({of.tzinfo is None for of in there if of is not None}) > 1:
         raise InputError("dates", "some have a time zone and some have none: all must, or none")
     utc = datetime.UTC

@@ -20,19 +20,17 @@ from helibore import _core
 from helibore.base.arrays import (
     Floats,
     Integers,
-    are_dates,
     column,
-    numbers_or_dates,
     require,
     sample_columns,
     whole_column,
 )
 from helibore.base.errors import InputError
+from helibore.base.frames import frame_columns
 from helibore.base.notebook import card, usual_picture
-from helibore.base.nulls import NULLS
 from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import thread_count
-from helibore.base.units import ANGLE, LENGTH, TIME, factor
+from helibore.base.units import ANGLE, LENGTH, TIME
 from helibore.samples.bit_sizes import FEW, looks_like_diameter
 
 Basis = Literal["azimuthal", "average", "gauge"]
@@ -167,45 +165,17 @@ class Caliper(Tabular):
         >>> len(caliper), caliper.left_out
         (2, 1)
         """
-        units = units or {}
-        for unknown in units:
-            if COLUMNS.get(unknown) is None:
-                raise InputError("units", f"{unknown!r} is none of depth, toolface, radius, time")
-        columns: dict[str, Floats] = {}
         names = {"depth": depth, "toolface": toolface, "radius": radius, "time": time, "arm": arm}
-        named = list(getattr(table, "column_names", getattr(table, "columns", ())))  # Arrow; pandas and Polars
-        for role, name in names.items():
-            if name is None:
-                continue
-            if named.count(name) > 1:
-                raise InputError(f"column {name!r}", f"the table has {named.count(name)} of this name ({role})")
-            try:
-                values = numbers_or_dates(table[name], dates=role == "time")
-            except InputError as error:
-                raise error.within(f"column {name!r}") from error
-            except (TypeError, ValueError) as error:
-                raise InputError(f"column {name!r}", "must be numbers") from error
-            except Exception as error:  # each library has an error of its own for a column that is not there
-                raise InputError(f"column {name!r}", f"is not in the table ({role})") from error
-            kind = COLUMNS[role]
-            if role in units and are_dates(table[name]):
-                raise InputError("units", f"column {name!r} is of dates, which have no unit ({role})")
-            null = np.isin(values, NULLS)
-            values = np.where(null, np.nan, values) if null.any() else values
-            columns[role] = values * factor(units[role], kind) if role in units and kind else values
-        there = np.logical_and.reduce([~np.isnan(of) for of in columns.values()])
-        if not there.any():
-            raise InputError("table", f"none of {there.size} rows has all of {', '.join(columns)}")
-        median = float(np.median(columns["radius"][there]))
-        if median > LARGEST_RADIUS and "radius" not in units:
+        columns, left_out = frame_columns(table, {role: (names[role], COLUMNS[role]) for role in COLUMNS}, units)
+        median = float(np.median(columns["radius"]))
+        if median > LARGEST_RADIUS and "radius" not in (units or {}):
             rule = f'must be at most {LARGEST_RADIUS:g} m: units={{"radius": "in"}} states another unit'
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
-        if there.sum() >= FEW and looks_like_diameter(median):
+        if columns["radius"].size >= FEW and looks_like_diameter(median):
             rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
-        given: dict[str, Any] = columns if there.all() else {role: of[there] for role, of in columns.items()}
-        made = cls(**given)
-        made.__dict__["left_out"] = int(there.size - there.sum())
+        made = cls(**columns)  # type: ignore[arg-type]
+        made.__dict__["left_out"] = left_out
         return made
 
     @classmethod
@@ -307,7 +277,7 @@ class Caliper(Tabular):
             "basis": BASIS_TEXT[self.basis],
         }
         if self.left_out:
-            numbers["left out"] = f"{self.left_out} rows of the table, with a value missing"
+            numbers["left out"] = f"{self.left_out} of the table's rows: a value is missing"
         picture = usual_picture(mean.reshape(120, 72), "radius", "m", "radius by depth and toolface")
         return card("Caliper", numbers, picture)
 

@@ -10,6 +10,7 @@ convergence, declination, sag) and its uncertainty.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import InitVar, dataclass, field
 from typing import Any, Literal
 
@@ -19,7 +20,9 @@ import numpy.typing as npt
 from helibore import _core
 from helibore.base.arrays import Floats, column
 from helibore.base.errors import InputError
+from helibore.base.frames import frame_columns
 from helibore.base.notebook import card, curve_picture
+from helibore.base.units import ANGLE, LENGTH
 from helibore.trajectory.references import Reference
 
 Method = Literal["minimum-curvature", "radius-of-curvature"]
@@ -49,6 +52,7 @@ class Survey:
     depth: Floats
     inclination: Floats
     azimuth: Floats
+    left_out: int  # rows of a table that `from_table` left out
     _core: _core.Survey = field(init=False)
 
     def __init__(self, depth: npt.ArrayLike, inclination: npt.ArrayLike, azimuth: npt.ArrayLike) -> None:
@@ -57,7 +61,7 @@ class Survey:
             columns[name] = column(name, values, columns["depth"].size, "depth").copy()
         for of in columns.values():
             of.flags.writeable = False
-        self.__dict__.update(columns, _core=_core.Survey(**columns))
+        self.__dict__.update(columns, left_out=0, _core=_core.Survey(**columns))
 
     def __len__(self) -> int:
         return self.depth.size
@@ -72,6 +76,8 @@ class Survey:
             "inclination": f"{self.inclination.min():.2f} to {self.inclination.max():.2f} deg",
             "greatest dogleg": f"{self.dogleg().max():.2f} deg between stations",
         }
+        if self.left_out:
+            numbers["left out"] = f"{self.left_out} of the table's rows: a value is missing"
         position = self.path().position(np.linspace(self.depth[0], self.depth[-1], 200))
         away = np.hypot(position[:, 0], position[:, 1])
         return card(
@@ -80,6 +86,48 @@ class Survey:
 
     def __repr__(self) -> str:
         return f"Survey({len(self)} stations, {self.depth[0]:g} to {self.depth[-1]:g} m)"
+
+    @classmethod
+    def from_table(
+        cls,
+        table: Any,
+        *,
+        depth: str = "DEPTH",
+        inclination: str = "INCLINATION",
+        azimuth: str = "AZIMUTH",
+        units: Mapping[str, str] | None = None,
+    ) -> Survey:
+        """Return the survey in the columns of a data frame: pandas, Polars, Arrow, xarray, or a dict of columns.
+
+        Parameters
+        ----------
+        table
+            ``table[name]`` is a column of numbers. A row with a missing value (NaN, null, or a number that logs write
+            for none, as in files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the survey is how many.
+        depth, inclination, azimuth
+            Names of the columns.
+        units
+            Unit of a quantity where it is not metres and degrees: ``{"depth": "ft"}``.
+
+        Raises
+        ------
+        InputError
+            On a column that the table does not have or that does not hold numbers, an unknown unit, a table without a
+            complete row, and as `Survey`; rows then count the complete ones.
+
+        Examples
+        --------
+        >>> Survey.from_table(
+        ...     {"MD": [0, 1000], "INC": [0, 20], "AZI": [0, 45]},
+        ...     depth="MD", inclination="INC", azimuth="AZI", units={"depth": "ft"},
+        ... )
+        Survey(2 stations, 0 to 304.8 m)
+        """
+        wanted = {"depth": (depth, LENGTH), "inclination": (inclination, ANGLE), "azimuth": (azimuth, ANGLE)}
+        columns, left_out = frame_columns(table, wanted, units)
+        made = cls(**columns)
+        made.__dict__["left_out"] = left_out
+        return made
 
     def dogleg(self) -> Floats:
         """Angle between the directions of each two neighbouring stations, degrees, (n - 1,) float64."""

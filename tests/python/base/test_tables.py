@@ -109,6 +109,26 @@ def test_dates_with_a_time_zone_are_seconds_since_1970(of):
     assert (made.time.tolist(), made.left_out) == ([1704067200.0, 1704074400.0], 1)
 
 
+@pytest.mark.parametrize("of", [dict, pd.DataFrame, pl.DataFrame, pa.table, lambda d: xr.Dataset(pd.DataFrame(d))])
+def test_any_data_frame_becomes_a_survey_without_its_missing_rows(of):
+    frame = of({"MD": [0.0, 1000, 2000, 3000], "INC": [0.0, 20, np.nan, 30], "AZI": [0.0, 45, 50, -9999]})
+    names = {"depth": "MD", "inclination": "INC", "azimuth": "AZI"}
+    made = hb.Survey.from_table(frame, **names, units={"depth": "ft"})
+    assert (made.depth.tolist(), made.left_out) == ([0.0, 304.8], 2)
+    assert (made.inclination.tolist(), made.azimuth.tolist()) == ([0.0, 20.0], [0.0, 45.0])
+    assert "2 of the table" in made._repr_html_()
+    with pytest.raises(hb.InputError, match=r"^column 'DEPTH': is not in the table \(depth\)$"):
+        hb.Survey.from_table(frame)
+
+
+def test_a_column_that_is_the_index_is_refused_with_the_way_out():
+    frame = pd.DataFrame(FRAME).set_index("MD")
+    with pytest.raises(
+        hb.InputError, match=r"^column 'MD': is not in the table \(depth\): it is the index, which reset"
+    ):
+        hb.Caliper.from_table(frame, depth="MD", toolface="TF", radius="R")
+
+
 def test_columns_of_one_name_are_refused_by_name():
     columns = [[1.0], [0.0], [0.1], [0.1]]
     names = ["DEPTH", "TOOLFACE", "RADIUS", "RADIUS"]
@@ -153,6 +173,10 @@ def test_samples_go_round_by_a_data_frame(wall):
          "units: column 'T' is of dates, which have no unit (time)"),
         ({"T": [*map(datetime.fromisoformat, ("2024-01-01", "2024-01-01T00:00Z"))] * 2}, {"time": "T"},
          "column 'T': dates: some have a time zone and some have none: all must, or none"),
+        ({"T": [datetime(2024, 1, 1), "2024-01-01"] * 2}, {"time": "T"},
+         "column 'T': row 1 = '2024-01-01': must be a date with a time of day, as others are"),
+        ({"T": [None, datetime(2024, 1, 1), 7.0, None]}, {"time": "T"},
+         "column 'T': row 2 = 7.0: must be a date with a time of day, as others are"),
     ],
 )  # fmt: skip
 def test_a_bad_table_is_refused(change, options, text):
