@@ -56,11 +56,14 @@ class Sheet:
 
     def __init__(self, width: float, height: float, dpi: int) -> None:
         require_matplotlib()
+        from matplotlib.backends.backend_agg import RendererAgg
         from matplotlib.figure import Figure
 
         self.width, self.height, self.dpi = width, height, dpi
         self.figure: Figure = Figure(figsize=(width / MM, height / MM), dpi=dpi, facecolor="white")
         vars(self.figure)["_repr_png_"] = partial(screen_picture, self.figure)  # notebooks show it without pyplot
+        # matplotlib's own renderer is a picture as large as the page, made anew for every text that is measured.
+        self._measure = RendererAgg(1, 1, self.figure.dpi)
 
     def axes(self, x: float, y: float, width: float, height: float, **extra: Any) -> Axes:
         """Return axes whose upper left corner is at (x, y)."""
@@ -79,18 +82,18 @@ class Sheet:
         shown = self.figure.text(x / self.width, 1.0 - y / self.height, text, parse_math=False, **look)
         if within is None:
             return shown
-        room, words = within / MM * self.dpi, text
-        while shown.get_window_extent().width > room and size > LEAST:
+        words = text
+        while self.text_width(shown) > within and size > LEAST:
             size = max(size - 0.5, LEAST)
             shown.set_fontsize(size)
-        while shown.get_window_extent().width > room and len(words) > 1:
+        while self.text_width(shown) > within and len(words) > 1:
             words = words[:-1]
             shown.set_text(words.rstrip() + "…")
         return shown
 
     def text_width(self, shown: Text) -> float:
         """Millimetres that a text takes at this many dots per inch: with few, its letters stand wider."""
-        return float(shown.get_window_extent().width) / self.dpi * MM
+        return float(shown.get_window_extent(self._measure).width) / self.dpi * MM
 
     def line(self, x: tuple[float, float], y: tuple[float, float], **extra: Any) -> None:
         """Draw a line from (x0, y0) to (x1, y1)."""

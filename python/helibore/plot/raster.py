@@ -11,6 +11,7 @@ Not here: colours (``colors``) and paper (``paper``).
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,11 +43,14 @@ class Grid:
 def unroll_wall(values: Floats, settings: HelixSettings, start_depth: float, grid: Grid) -> Floats:
     """Return one value of a helix a pixel, (rows, columns), from (n,) one a vertex, which is the middle of its cell."""
     K, pitch = settings.sectors, settings.pitch
+    # Column j lies j/K of a turn farther along: each has its own rows for the same depths.
+    along = (grid.edges() - start_depth) / pitch
+    first = min(max(math.floor(along.min()) - 2, 0), (values.size - 1) // K)  # only turns that these pixels reach
+    values = values[first * K : max(math.ceil(along.max()) + 2, first + 1) * K]
+    along -= first
     turns = -(-values.size // K)
     by_turn = np.full(turns * K, np.nan)
     by_turn[: values.size] = values
-    # Column j lies j/K of a turn farther along: each has its own rows for the same depths.
-    along = (grid.edges() - start_depth) / pitch
     reduced = np.empty((grid.rows, K))
     columns = by_turn.reshape(turns, K)
     sums, counts = _running(columns)
@@ -61,30 +65,33 @@ def unroll_image(image: SectorImage, values: Floats, grid: Grid) -> Floats:
 
     ``values`` are (n, S): ``image.values``, or those normalised.
     """
-    sums, counts = _running(values)
     edges = grid.edges()
     middle = 0.5 * (edges[:-1] + edges[1:])
-    first = np.searchsorted(image.depth, edges[:-1])
-    stop = np.searchsorted(image.depth, edges[1:])
+    ends = np.searchsorted(image.depth, edges[[0, -1]])
+    part = slice(max(ends[0] - 1, 0), ends[1] + 1)  # only rows that these pixels reach
+    depth, values = image.depth[part], values[part]
+    sums, counts = _running(values)
+    first = np.searchsorted(depth, edges[:-1])
+    stop = np.searchsorted(depth, edges[1:])
     several = stop - first >= 2
     total, count = sums[stop] - sums[first], counts[stop] - counts[first]
     reduced = np.where(2 * count >= (stop - first)[:, None], total / np.maximum(count, 1), np.nan)
     reduced[count == 0] = np.nan
-    reduced[~several] = _nearest_rows(image, values, middle[~several])
+    reduced[~several] = _nearest_rows(depth, values, middle[~several], image.reach)
     turn = 1 if image.direction == "clockwise" else -1
     sector = (grid.toolfaces() - image.offset) * (turn * image.sectors / 360.0)
     # Sector 1 is cell 0 of _around, centred on 0.
     return _around(reduced, sector if image.origin == "centre" else sector - 0.5)
 
 
-def _nearest_rows(image: SectorImage, values: Floats, depth: Floats) -> Floats:
-    """Return the row nearest to each depth, missing beyond its reach."""
-    right = np.clip(np.searchsorted(image.depth, depth), 1, max(image.depth.size - 1, 1))
+def _nearest_rows(depths: Floats, values: Floats, depth: Floats, reach: float) -> Floats:
+    """Return the row, of those at ``depths``, nearest to each depth; missing beyond its reach."""
+    right = np.clip(np.searchsorted(depths, depth), 1, max(depths.size - 1, 1))
     left = right - 1
-    right = np.minimum(right, image.depth.size - 1)
-    row = np.where(depth - image.depth[left] < image.depth[right] - depth, left, right)
+    right = np.minimum(right, depths.size - 1)
+    row = np.where(depth - depths[left] < depths[right] - depth, left, right)
     near: Floats = values[row].copy()
-    near[np.abs(depth - image.depth[row]) > image.reach] = np.nan
+    near[np.abs(depth - depths[row]) > reach] = np.nan
     return near
 
 
@@ -135,6 +142,6 @@ def at_points(image: SectorImage, values: Floats, depth: Floats, toolface: Float
     turn = 1 if image.direction == "clockwise" else -1
     sector = (toolface - image.offset) * (turn * image.sectors / 360.0)
     column = np.floor(sector + 0.5 if image.origin == "centre" else sector).astype(np.int64) % image.sectors
-    rows = _nearest_rows(image, values, depth)
+    rows = _nearest_rows(image.depth, values, depth, image.reach)
     found: Floats = np.take_along_axis(rows, column[:, None], axis=1)[:, 0]
     return found
