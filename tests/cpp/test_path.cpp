@@ -122,7 +122,8 @@ void bad_surveys_and_depths() {
     CHECK_THROWS(InputError, "inclination[1] = nan: must be finite", survey(0, 9, nan, 0));
     CHECK_THROWS(InputError, "azimuth[1] = -361: must lie in -360 to 360 degrees", survey(0, 9, 0, -361));
     const std::string turned =
-        "depth[1] = 100: the hole turns by 180 deg since depth[0] = 0, which no one arc does: must be less than 180";
+        "depth[1] = 100: the hole turns by 180 deg since depth[0] = 0, so the arc between them is not known: "
+        "must be less than 180";
     CHECK_THROWS(InputError, turned, Path(survey(0, 100, 180, 0)));
     CHECK_THROWS(InputError, "extend = -1: must be finite and not negative",
                  Path(survey(0, 9, 0, 0), {.extend = -1.0}));
@@ -206,8 +207,8 @@ void stations() {
           (std::vector<std::string>{
               "station at nan m: depth must be finite", "station at 2e+07 m: depth must lie in -10000000 to 10000000 m",
               "station at 10 m: inclination 190, azimuth 0: must be in [0, 180], [-360, 360]",
-              "station at 20 m: depth[1] = 20: the hole turns by 180 deg since depth[0] = 10, which no one arc does: "
-              "must be less than 180",
+              "station at 20 m: depth[1] = 20: the hole turns by 180 deg since depth[0] = 10, so the arc between "
+              "them is not known: must be less than 180",
               "station at 10 m: depth[1] = 10.000000001: must be 1e-6 m or more below depth[0] = 10",
               "station at 15 m: inclination[1] = 190: must lie in 0 to 180 degrees"}));
     CHECK_THROWS(InputError, "azimuth has 6 values, depth has 7: must be equal",

@@ -155,7 +155,7 @@ void require_arc(const Station& above, const Station& below, Index index) {
     if (glm::length(above.tangent + below.tangent) >= least_from_opposite) return;
     throw InputError(entry_name("depth", index),
                      "the hole turns by 180 deg since " + entry_text("depth", index - 1, above.depth) +
-                         ", which no one arc does: must be less than 180",
+                         ", so the arc between them is not known: must be less than 180",
                      number_text(below.depth));
 }
 

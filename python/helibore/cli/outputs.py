@@ -41,13 +41,13 @@ def add_sigma(wall: Wall, terminal: Terminal) -> None:
 
 
 def check_file(file: Path, endings: Sequence[str], why: str = "") -> None:
-    """Refuse an ending that is not one of these, a folder that does not exist, and a folder in a file's place."""
+    """Raise InputError unless the file has one of these endings, its folder exists, and it is not itself a folder."""
     check_ending(file, endings, why)
     check_folder(file)
 
 
 def check_folder(file: Path) -> None:
-    """Refuse a folder that does not exist, and a folder in a file's place."""
+    """Raise InputError unless the folder of a file exists and the file is not itself a folder."""
     if not file.parent.is_dir():
         raise InputError(str(file), f"the folder {file.parent} must exist")
     if file.is_dir():

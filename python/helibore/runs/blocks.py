@@ -300,7 +300,7 @@ def _load(store: Store, plan: Json, low: float, high: float) -> list[Floats]:
 
 
 def stretch(store: Store, plan: Json, settings: Settings, first: int, stop: int) -> Wall:
-    """Return the vertices [first, stop) of the well, as they are in one piece; none if no sample is near."""
+    """Return the vertices [first, stop), equal to those of one wall of the whole well; none if no sample is near."""
     own = {"start_depth": plan["start_depth"], "stop_depth": None, "first_vertex": first, "stop_vertex": stop}
     step = settings.pitch / settings.sectors
     shallow, deep = sorted((plan["start_depth"] + first * step, plan["start_depth"] + stop * step))
