@@ -9,13 +9,20 @@ NAMES = {
     "well": ("WELL", "WELL_NAME", "WN", "NAMEWELL", "UWI"),
     "field": ("FLD", "FIELD", "FIELD_NAME", "FN"),
     "location": ("LOC", "LOCATION", "FL"),
+    "service": ("SRVC", "SERVICE", "SERVICE_COMPANY"),
+    "run": ("RUN", "RUN_NUMBER", "RUNN"),
     "date": ("DATE", "LOG_DATE", "LOGDATE"),
-    "datum": ("DATUM", "PDAT", "LMF", "DREF", "EREF", "EKB", "ELEVATION"),
+    "datum": ("DATUM", "PDAT", "LMF", "DREF", "EREF", "ELEVATION"),
+    "kb": ("EKB", "KB", "ELEV_KB"),
+    "gl": ("EGL", "GL", "ELEV_GL"),
     "bit": ("BS", "BIT", "BITSIZE", "BIT_SIZE"),
     "mud": ("MUD", "DFT", "MUD_TYPE"),
     "remarks": ("REM", "REMARKS", "COMMENT", "R1"),
 }
-"""Entries of a header, and the names that files have for them, in upper case."""
+"""Entries of a header, and the names that files have for them, in upper case.
+
+``kb`` and ``gl`` are the elevations of kelly bushing and ground.
+"""
 
 
 def log_header(headers: Iterable[Mapping[str, str]]) -> dict[str, str]:

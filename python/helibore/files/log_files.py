@@ -33,8 +33,8 @@ from helibore.base.tables import LogColumn, LogTable
 
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
 NULL = -999.25
-LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "date": "DATE", "datum": "DATUM",
-            "bit": "BS", "mud": "MUD", "remarks": "REM"}  # fmt: skip
+LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
+            "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD", "remarks": "REM"}  # fmt: skip
 """Mnemonics of what is known of the hole."""
 
 _DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}
@@ -104,7 +104,7 @@ def _las(table: LogTable, header: Mapping[str, str]) -> Callable[[BinaryIO], obj
         _las_line("STEP", table.depth.unit.upper(), _las_step(depth), "Step; 0 where no even step fits the decimals"),
         _las_line("NULL", "", f"{NULL:.2f}", "Missing"),
         *(_las_line(LAS_WELL[name], *_unit_and_value(known.get(name, "")), name.capitalize()) for name in LAS_WELL),
-        _las_line("SRVC", "", "helibore", "Made by"),
+        _las_line("PROG", "", "helibore", "Made by"),
         "~Curve Information",
         *(_las_line(column.mnemonic, column.unit.upper(), "", _one_line(column.description)) for column in table),
         "~Parameter Information",

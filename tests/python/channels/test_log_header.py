@@ -63,7 +63,7 @@ GR.GAPI : Gamma
 @pytest.mark.parametrize(
     ("text", "header"),
     [
-        (LAS2, {"well": "A-1", "datum": "54.9 M", "bit": "8.5 IN", "mud": "OBM"}),
+        (LAS2, {"well": "A-1", "kb": "54.9 M", "bit": "8.5 IN", "mud": "OBM"}),
         (LAS3, {"well": "A-1", "datum": "MSL", "bit": "8.5 IN", "mud": "WBM"}),
         (
             "# Well: A-1\n# 3 rows\n# mud: OBM; 1.2 s.g.: heavy\nmd_m,GR\n100,1\n101,2\n",

@@ -160,7 +160,7 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
         (("--scalar", "mem.las:GR", "--log", "GR", "--limits", "GR=0,9"), "curve 'GR': a logarithmic scale needs "
                                                                          "limits above 0"),
         (("--header", "colour=red"), "--header colour=red: must be NAME=TEXT, NAME one of company, well, field, "
-                                     "location, date, datum, bit, mud, remarks"),
+                                     "location, service, run, date, datum, kb, gl, bit, mud, remarks"),
     ],
 )  # fmt: skip
 def test_what_is_refused_of_scalar_tracks_and_headers(
