@@ -128,6 +128,11 @@ class Classification(Tabular):
         }[zone.kind]
         return self.measure(zone) / limit if limit else math.inf
 
+    def by_severity(self, start: float = -math.inf, stop: float = math.inf) -> list[Zone]:
+        """Return the zones that reach into an interval, the worst first; equally bad ones by depth."""
+        inside = (zone for zone in self.zones if zone.stop > start and zone.start < stop)
+        return sorted(inside, key=lambda zone: (-self.severity(zone), zone.start))
+
     def breakout_axis(self) -> Axes:
         """Return mean axis and spread of all breakouts, weighted by length; NaN where there are none."""
         found = self.of("breakout")
@@ -172,7 +177,7 @@ class Classification(Tabular):
     def _repr_html_(self) -> str:
         metres = {kind: [zone.length for zone in self.of(kind)] for kind in KINDS[1:]}
         numbers = {kind: f"{len(of)} zone{'s' * (len(of) != 1)}, {sum(of):.1f} m" for kind, of in metres.items() if of}
-        for number, zone in enumerate(sorted(self.zones, key=self.severity, reverse=True)[:WORST], 1):
+        for number, zone in enumerate(self.by_severity()[:WORST], 1):
             size = f"{1000 * self.measure(zone):.1f} mm, {self.severity(zone):.1f} times its limit"
             numbers[f"worst {number}"] = f"{zone.kind} {zone.start:.2f} to {zone.stop:.2f} m: {size}"
         axis = self.breakout_axis()

@@ -62,6 +62,10 @@ RADIUS = "Radius"
 RADIUS_TITLE = "Radius − bit/2"
 REFERENCES = tuple(reference for reference in SIDES if reference)
 MOST_SECTIONS = len(ascii_uppercase)
+ROOM = 192.0
+"""Millimetres of A4 for tracks, each with a gap of 2."""
+NARROW_CURVE, NARROW_IMAGE = 15.0, 24.0
+"""Least millimetres of a curve and of an image, unless a template says otherwise."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -264,15 +268,21 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     limits = _diameter_limits([(wall, turns), *((one.wall, one.turns) for one in others)], top, bottom, drawing)
     if wall.basis != "gauge":
         tracks.append(_caliper(wall, turns, limits, drawing, reference))
-    tracks += [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
+    scalars = [ScalarTrack(curve, top, bottom) for curve in drawing.scalars]
     picks = [pick for pick in wall.picks if top <= pick.depth <= bottom]
-    dips: list[PlacedTrack] = [DipTrack(picks, wall.path)] if any(pick.kind in PLANES for pick in picks) else []
+    dips: list[PlacedTrack] = (
+        [DipTrack(picks, wall.path, reference)] if any(pick.kind in PLANES for pick in picks) else []
+    )
     ink = partial(draw_picks, picks=picks, left=drawing.left, bit_diameter=wall.settings.bit_diameter)
     calipers = [one.caliper(limits, drawing) for one in others]
     sure = _uncertainty(wall, top, bottom)
     count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
-    room = 192.0 - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
-    width = min(130.0, max(24.0, room / max(count, 1)))
+    room = ROOM - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
+    for track in scalars:  # first they get narrower, then the images, then the paper wider
+        track.width = min(track.width, max(NARROW_CURVE, (room - NARROW_IMAGE * count) / len(scalars) - 2.0))
+    tracks += scalars
+    room -= sum(track.width + 2.0 for track in scalars)
+    width = min(130.0, max(NARROW_IMAGE, room / max(count, 1)))
     radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom)
     helix = (wall.settings, wall.start_depth)
     interpolated = None
@@ -328,7 +338,7 @@ def _arranged(
             found = [track for track in tracks if isinstance(track, kind)]
         for track in found:
             if wanted.millimetres is not None:
-                track.width = wanted.millimetres / len(found)
+                track.width = max(wanted.millimetres / len(found), track.least)
         arranged += found
     return arranged
 

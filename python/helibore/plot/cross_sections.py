@@ -134,11 +134,12 @@ def draw_section(
     return axes
 
 
-def key_text(bit_diameter: float, unit: str, pitch: float) -> str:
+def key_text(bit_diameter: float, unit: str, pitch: float, hatched: bool) -> str:
     """Explain what the sections show, in one line."""
     size, near = length_text(bit_diameter / LENGTHS[unit], unit), f"{500 * abs(pitch):g} mm"
-    signs = f"Red: wall; dashed: bit, {size}; dots: samples within {near}; grey: no sample in reach"
-    return f"Cross sections, looking downhole, true shape. {signs}; hatched: interpolated"
+    signs = f"Red: wall; dashed: bit, {size}; amber: over bit; green: under bit; dots: samples within {near}"
+    gaps = "grey: no sample in reach" + ("; hatched: interpolated" if hatched else "")
+    return f"Cross sections, looking downhole. {signs}; {gaps}"
 
 
 def _fill(axes: Axes, section: CrossSection, bit: float, outer: float) -> None:

@@ -5,13 +5,16 @@ A wall that is not an image of the shape says so in the header, in red.
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from helibore._core import __version__
+from helibore.base.colors import PICK_COLORS
 from helibore.base.units import INCH
 from helibore.plot.paper import FAINT, INK, LARGE, RULE, SMALL, USUAL, Sheet
+from helibore.plot.picked import DASHES
 from helibore.plot.scales import length_text
-from helibore.plot.tracks import GREY, HATCH_COLOR
+from helibore.plot.tracks import GREY, HATCH_COLOR, LETTERS
+from helibore.plot.zone_list import zone_sign
 from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
@@ -31,12 +34,14 @@ SIDES_TEXT = {
 }
 WARNING = "#b3261e"
 HEADER = {
-    "company": "Company", "field": "Field", "location": "Location", "date": "Date", "datum": "Depth datum",
-    "mud": "Mud",
+    "company": "Company", "field": "Field", "location": "Location", "service": "Service co.", "run": "Run",
+    "date": "Date", "datum": "Depth datum", "kb": "Elevation KB", "gl": "Elevation GL", "mud": "Mud",
 }  # fmt: skip
 """What the header of a log states of every well, if only that it was not given."""
-BLOCK = 14.4
+BLOCK = 22.4
 """Millimetres of height that the well and `HEADER` take."""
+ROW = 3.6
+"""Millimetres between the rows of the foot."""
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
@@ -45,12 +50,23 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     bit = settings.bit_diameter
     made = BASIS_TEXT[wall.basis]
     unit = content.drawing.depth_unit
-    ends = f"{unit.text(content.top)} to {unit.text(content.bottom)} {unit.name} MD"
+    ends = unit.ends(content.top, content.bottom)
     elevation = content.drawing.elevation
     header = content.drawing.header
     hole = [(name.capitalize(), text, False) for name, text in header.items() if text and name not in HEADER]
     below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.12g} {unit.name}"
     paper = f"{1000 * unit.metres / content.scale:.4g} mm on paper a {'foot' if unit.name == 'ft' else 'metre'}"
+    measured: list[tuple[str, str, bool]] = []
+    if wall.basis != "gauge":  # whose samples are no measurements
+        measured.append(("Samples", f"{summary.samples:,}", False))
+        measured.append(
+            ("Measured", measured_text(content), True)
+            if content.hatching
+            else ("No sample in reach", f"{100 * summary.without_radius:.2f} % of the interval", False)
+        )
+    if wall.basis == "azimuthal":
+        metres = (f"{kind} {unit.text(length, 1)} {unit.name}" for kind, length in summary.kinds.items())
+        measured.append(("Zones", ", ".join(metres) or "none by the criteria", False))
     return [
         *hole,
         ("Interval", f"{ends} ({unit.text(content.bottom - content.top, 1)} {unit.name})", False),
@@ -58,17 +74,14 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
         ("Depth scale", f"1:{content.scale}, {paper}{below}", False),
         ("Toolface", REFERENCE_TEXT[content.reference], False),
         ("Wall made from", made, wall.basis != "azimuthal"),
-        ("Samples", f"{summary.samples:,}", False),
+        *measured,
         ("Helix", f"{settings.sectors} sectors, pitch {settings.pitch:g} m, {summary.vertices:,} vertices", False),
-        ("Measured", measured_text(content), True)
-        if content.hatching
-        else ("No sample in reach", f"{100 * summary.without_radius:.2f} % of the interval", False),
     ]
 
 
 def header_height(content: Content) -> float:
     """Return the millimetres that the header takes."""
-    return 21.6 + 4.3 * ((len(facts(content)) + 1) // 2)
+    return BLOCK + 7.2 + 4.3 * ((len(facts(content)) + 1) // 2)
 
 
 def measured_text(content: Content) -> str:
@@ -88,8 +101,8 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
     sheet.text(x + 2.0, y + 5.0, title, LARGE, weight="bold", within=first - 4.0)
     sheet.text(x + 2.0, y + 11.0, content.drawing.subtitle, USUAL, color=FAINT, within=first - 4.0)
     for index, name in enumerate(HEADER):
-        column, row = divmod(index, 3)
-        left, at = x + first + column * (width - first) / 2, y + 3.0 + row * 4.3
+        column, row = divmod(index, len(HEADER) // 2)
+        left, at = x + first + column * (width - first) / 2, y + 2.9 + row * 4.15
         if not row:
             sheet.line((left - 1.0, left - 1.0), (y, y + BLOCK), color=RULE)
         text = content.drawing.header.get(name, "")
@@ -104,8 +117,22 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
         sheet.text(left + label, at, text, USUAL, within=(width - first if column else first) - label - 3.0, **look)
 
 
-def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = "") -> None:
-    """Explain the letters and the grey; below, say what drew it."""
+def _kinds(content: Content) -> tuple[list[str], list[str]]:
+    """The kinds of zones and of picks in the interval, whose colours the foot explains."""
+    zones = {zone.kind for zone in content.zones.by_severity(content.top, content.bottom)}
+    picks = {pick.kind for pick in content.wall.picks if content.top <= pick.depth <= content.bottom}
+    return [kind for kind in LETTERS if kind in zones], [kind for kind in PICK_COLORS if kind in picks]
+
+
+def footer_height(content: Content) -> float:
+    """Return the millimetres that the foot takes, from its upper line to the margin."""
+    return 10.0 + ROW * sum(bool(kinds) for kinds in _kinds(content))
+
+
+def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: str = "", part: str = "") -> None:
+    """Explain letters and colours; below them, write the well, ``part`` (its depths), scale, and what drew it."""
+    zones, picks = _kinds(content)
+    y = bottom - footer_height(content) + 6.0
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
     sheet.box(x, y - 1.2, 4.0, 2.4, facecolor=GREY, edgecolor=RULE, linewidth=0.4)
     left = x + 5.2
@@ -115,5 +142,21 @@ def draw_footer(sheet: Sheet, content: Content, x: float, y: float, page: str = 
         left += 5.2
         left += sheet.text_width(sheet.text(left, y, content.hatching, SMALL)) + 4.0
     sheet.text(left, y, SIDES_TEXT[content.reference], SMALL, within=sheet.width - x - left)
+    for name, kinds in (("Zones", zones), ("Picks", picks)):
+        if not kinds:
+            continue
+        y += ROW
+        left = x + sheet.text_width(sheet.text(x, y, f"{name}:", SMALL)) + 2.0
+        for kind in kinds:
+            if name == "Zones":
+                zone_sign(sheet, left, y, kind)
+            else:
+                look: dict[str, Any] = {"color": PICK_COLORS[kind], "dashes": DASHES.get(kind, (None, None))}
+                sheet.line((left - 1.0, left + 4.0), (y, y), linewidth=1.0, **look)
+            left += 4.0 + 1.2
+            left += sheet.text_width(sheet.text(left, y, kind, SMALL)) + 4.0
+    y += ROW
     made = f"helibore {__version__}" + (f", {page}" if page else "")
-    sheet.text(sheet.width - x, y + 3.6, made, SMALL, ha="right", color=FAINT)
+    room = sheet.width - 2 * x - sheet.text_width(sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT))
+    title = content.drawing.title or "Borehole wall"
+    sheet.text(x, y, ", ".join(word for word in (title, part, f"1:{content.scale}") if word), SMALL, within=room - 4.0)

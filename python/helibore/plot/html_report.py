@@ -27,7 +27,7 @@ from helibore.logs.summary import WallSummary
 from helibore.logs.turn_logs import TOOLFACE_0
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.diameters import Diameters
-from helibore.plot.header import HEADER, facts, measured_text
+from helibore.plot.header import HEADER, REFERENCE_TEXT, facts, measured_text
 from helibore.plot.paper import MM
 from helibore.plot.tracks import LENGTHS
 from helibore.samples.caliper import BASIS_TEXT
@@ -42,6 +42,8 @@ PAPER = (210.0, 268.0)
 ROWS = 24
 """Intervals in the table of diameters, at most."""
 MOST_GAPS = 10
+SOFT = "\u00ad"
+"""Soft hyphen: a narrow page breaks a long head there."""
 SETTING_UNITS = dict.fromkeys(("bit_diameter", "pitch", "start_depth", "stop_depth", "max_distance", "tolerance"), "m")
 SETTING_UNITS |= {"kriging_range": "m", "start_toolface": "deg"}
 NO_SETTING = {"start_depth": "that of the samples", "stop_depth": "that of the samples", "window": "all samples"}
@@ -65,7 +67,8 @@ nav a { color: inherit; margin-right: 1.2em; } footer { color: #5d6b77; font-siz
   figure::before { content: "Scroll sideways \\2192"; position: sticky; left: 0; color: #5d6b77; font-size: .8rem; }
   nav a { display: inline-block; padding: .3rem 0; } tbody th { width: auto; } }
 @media screen and (max-width: 480px) { body { padding: 0 2mm; } table { font-size: .7rem; }
-  th, td, thead th, td.number { padding: .25rem .1rem; } thead th { font-size: .62rem; } }
+  th, td, thead th, td.number { padding: .25rem .1rem; } thead th { font-size: .62rem; }
+  td:first-child, #zones td:last-child { white-space: normal; } }
 @page { size: A4; margin: 12mm 0; }
 @media print { body { margin: 0; max-width: 200mm; } nav { display: none; } tr { break-inside: avoid; }
   figure { break-inside: avoid; } h2 { break-after: avoid; } thead { display: table-header-group; } }
@@ -195,7 +198,8 @@ def _summary(content: Content) -> str:
         axis = summary.breakout_axis
         if math.isfinite(axis.mean):
             spread = number(axis.deviation, 0)
-            rows.append(("Breakout axis", f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"))
+            ends = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"
+            rows.append(("Breakout axis", ends))
     images = [f"{name} ({image.unit or 'no unit'})" for name, image in wall.images.items()]
     return pairs([*rows, ("Images", ", ".join(images) or "none")])
 
@@ -240,20 +244,27 @@ def _diameters(content: Content) -> str:
 def _zones(zones: Classification | None, content: Content) -> str:
     if zones is None:
         return "<p>A shape was not measured: no zones.</p>"
-    found = [zone for zone in zones.zones if zone.stop > content.top and zone.start < content.bottom]
+    found = zones.by_severity(content.top, content.bottom)
     if not found:
         return "<p>None by the criteria below: what was measured of the hole is gauge by them.</p>"
     unit, depths = content.drawing.size_unit, content.drawing.depth_unit.name
-    head = ("Kind", f"From [{depths}]", f"To [{depths}]", f"Enlargement [{unit}]", f"Elongation [{unit}]",
-            "Toolface [°]", "s.d. [°]", "Openings [°]")  # fmt: skip
+    ends = f"From [{depths}]", f"To [{depths}]"
+    head = ("Kind, times its limit", *ends, f"Enlarge{SOFT}ment [{unit}]", f"Elonga{SOFT}tion [{unit}]",
+            f"Tool{SOFT}face, s.d. [°]", f"Open{SOFT}ings [°]")  # fmt: skip
     rows = []
     for zone in found:
         openings = " and ".join(number(lobe.opening, 0) for lobe in zone.lobes)
         sizes = (in_unit(zone.enlargement, content, 2), in_unit(zone.elongation, content, 2))
-        angles = (number(zone.toolface, 0) or "–", number(zone.deviation, 1) or "–", openings or "–")
+        spread = f" ± {number(zone.deviation, 1)}" if math.isfinite(zone.deviation) else ""
+        angles = (f"{number(zone.toolface, 0) or '–'}{spread}", openings or "–")
         ends = (in_depth_unit(zone.start, content), in_depth_unit(zone.stop, content))
-        rows.append([zone.kind, *ends, *sizes, *angles])
-    return table(head, rows)
+        rows.append([f"{zone.kind}, {zones.severity(zone):.1f} ×", *ends, *sizes, *angles])
+    return f"<p>Worst first. {_toolface(content)}</p>" + table(head, rows)
+
+
+def _toolface(content: Content) -> str:
+    """What toolfaces in a table count from."""
+    return f"Toolfaces: {html.escape(REFERENCE_TEXT[content.reference])}."
 
 
 def _picks(content: Content) -> str:
@@ -282,7 +293,10 @@ def _picks(content: Content) -> str:
             number(pick.apparent_dip, 1), number(pick.toolface, 0), "–")  # fmt: skip
         dips = (number(dip, 1) or "–", number(azimuth, 0) or "–")
         rows.append([pick.kind, in_depth_unit(pick.depth, content), *dips, *own, pick.note or "–"])
-    return table(head, rows)
+    azimuth = (
+        "Azimuths count from north." if wall.path is not None else "Without a survey, dip and azimuth are not known."
+    )
+    return f"<p>{azimuth} {_toolface(content)}</p>" + table(head, rows)
 
 
 def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:

@@ -10,14 +10,16 @@ Every function returns matplotlib figures. ``content`` decides what is shown.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 from helibore.plot.content import Body, Content, Drawing, content_of
 from helibore.plot.cross_sections import HEIGHT, WIDTH, draw_section, key_text, largest_shown
-from helibore.plot.header import draw_footer, draw_header, header_height
+from helibore.plot.header import draw_footer, draw_header, footer_height, header_height
 from helibore.plot.paper import FAINT, INK, SMALL, USUAL, Sheet
 from helibore.plot.solid import draw_solid
 from helibore.plot.tracks import HEAD, Stretch
+from helibore.plot.zone_list import draw_zones, zone_list_height
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,8 +27,8 @@ if TYPE_CHECKING:
 
     from helibore.wall.wall import Wall
 
-MARGIN, GAP, FOOTER = 10.0, 2.0, 10.0
-"""Millimetres around the sheet, between tracks, and at the foot."""
+MARGIN, GAP = 10.0, 2.0
+"""Millimetres around the sheet, and between tracks."""
 PAPERS = {"a4": (210.0, 297.0), "a3": (297.0, 420.0)}
 NARROWEST = 210.0
 STUB = 40.0
@@ -62,12 +64,16 @@ def log(wall: Wall, **options: Any) -> Figure:
     """
     content = content_of(wall, Drawing(**options))
     length = content.paper_length()
-    height = MARGIN + header_height(content) + HEAD + length + _tail_height(content) + FOOTER + MARGIN
+    tail = _tail(content)
+    below = GAP + sum(needed for needed, _ in tail) + footer_height(content)
+    height = MARGIN + header_height(content) + HEAD + length + below + MARGIN
     sheet = Sheet(_width(content), height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, sheet.width - 2 * MARGIN)
-    bottom = draw_tracks(sheet, content, content.top, content.bottom, MARGIN + header_height(content))
-    _draw_tail(sheet, content, bottom + GAP)
-    draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
+    y = draw_tracks(sheet, content, content.top, content.bottom, MARGIN + header_height(content))
+    for needed, draw in tail:
+        draw(sheet, content, y + GAP)
+        y += needed
+    draw_footer(sheet, content, MARGIN, height - MARGIN)
     return sheet.figure
 
 
@@ -88,8 +94,9 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
     """Draw content that is decided already: `pages`."""
     width, height = PAPERS[paper] if isinstance(paper, str) else paper
     width = max(width, _width(content))
-    parts = _divided(content, height - 2 * MARGIN - FOOTER - HEAD)
-    sheets = []
+    free = height - MARGIN - footer_height(content)
+    parts = _divided(content, free - MARGIN - HEAD)
+    sheets, ends = [], []
     for number, (top, bottom) in enumerate(parts):
         sheets.append(Sheet(width, height, content.drawing.dpi))
         y = MARGIN
@@ -97,13 +104,17 @@ def pages_of(content: Content, paper: str | tuple[float, float]) -> list[Figure]
             draw_header(sheets[0], content, MARGIN, y, width - 2 * MARGIN)
             y += header_height(content)
         y = draw_tracks(sheets[-1], content, top, bottom, y)
-    tail = _tail_height(content)
-    if tail and y + GAP + tail > height - MARGIN - FOOTER:  # else it stands under the last metres
-        sheets.append(Sheet(width, max(height, tail + 2 * MARGIN + FOOTER), content.drawing.dpi))
-        y = MARGIN - GAP
-    _draw_tail(sheets[-1], content, y + GAP)
-    for number, sheet in enumerate(sheets, 1):
-        draw_footer(sheet, content, MARGIN, sheet.height - MARGIN - 4.0, f"page {number} of {len(sheets)}")
+        ends.append(content.drawing.depth_unit.ends(top, bottom))
+    for needed, draw in _tail(content):
+        if y + GAP + needed > free:  # else it stands under the last metres
+            longest = needed + 2 * MARGIN + footer_height(content)
+            sheets.append(Sheet(width, max(height, longest), content.drawing.dpi))
+            ends.append("")
+            y = MARGIN - GAP
+        draw(sheets[-1], content, y + GAP)
+        y += needed
+    for number, (sheet, part) in enumerate(zip(sheets, ends, strict=True), 1):
+        draw_footer(sheet, content, MARGIN, sheet.height - MARGIN, f"page {number} of {len(sheets)}", part)
     return [sheet.figure for sheet in sheets]
 
 
@@ -178,31 +189,42 @@ def _tail_rows(content: Content) -> int:
     return -(-len(content.sections) // across)
 
 
-def _tail_height(content: Content) -> float:
-    sections = _tail_rows(content) * HEIGHT + 8.0 if content.sections else 0.0
-    return sections + (BODY + 6.0 if content.stretched is not None else 0.0)
-
-
-def _draw_tail(sheet: Sheet, content: Content, y: float) -> None:
-    """Draw cross sections in rows, then the shaded body, once in each of its colours."""
-    drawing, settings = content.drawing, content.wall.settings
+def _tail(content: Content) -> list[tuple[float, Callable[[Sheet, Content, float], None]]]:
+    """What stands below the tracks: the millimetres that each part takes, and what draws it."""
+    parts: list[tuple[float, Callable[[Sheet, Content, float], None]]] = []
+    zones = zone_list_height(content)
+    if zones:
+        parts.append((zones + 2.0, _draw_zones))
     if content.sections:
-        room = sheet.width - 2 * MARGIN
-        sheet.text(
-            MARGIN, y + 3.0, key_text(settings.bit_diameter, drawing.size_unit, settings.pitch), USUAL, within=room
-        )
-        across = max(int((room + 2.0) // WIDTH), 1)
-        outer = largest_shown(content.sections, settings.bit_diameter)
-        look = (settings.bit_diameter, outer, drawing.size_unit, content.reference, drawing.depth_unit)
-        for index, (letter, section) in enumerate(zip(content.letters, content.sections, strict=True)):
-            place = (MARGIN + index % across * WIDTH, y + 7.0 + index // across * HEIGHT)
-            draw_section(sheet, *place, section, letter, look)
-        y += _tail_rows(content) * HEIGHT + 8.0
+        parts.append((_tail_rows(content) * HEIGHT + 8.0, _draw_sections))
     if content.stretched is not None:
-        width = (sheet.width - 2 * MARGIN) / max(len(content.bodies), 2)
-        for index, body in enumerate(content.bodies):
-            box = (MARGIN + index * width, y + 3.0, width - 4.0, BODY)
-            _draw_body(sheet, box, content, body)
+        parts.append((BODY + 6.0, _draw_bodies))
+    return parts
+
+
+def _draw_zones(sheet: Sheet, content: Content, y: float) -> None:
+    draw_zones(sheet, content, MARGIN, y + 1.0, sheet.width - 2 * MARGIN)
+
+
+def _draw_sections(sheet: Sheet, content: Content, y: float) -> None:
+    """Draw cross sections in rows."""
+    drawing, settings = content.drawing, content.wall.settings
+    room = sheet.width - 2 * MARGIN
+    key = key_text(settings.bit_diameter, drawing.size_unit, settings.pitch, bool(content.hatching))
+    sheet.text(MARGIN, y + 3.0, key, USUAL, within=room)
+    across = max(int((room + 2.0) // WIDTH), 1)
+    outer = largest_shown(content.sections, settings.bit_diameter)
+    look = (settings.bit_diameter, outer, drawing.size_unit, content.reference, drawing.depth_unit)
+    for index, (letter, section) in enumerate(zip(content.letters, content.sections, strict=True)):
+        place = (MARGIN + index % across * WIDTH, y + 7.0 + index // across * HEIGHT)
+        draw_section(sheet, *place, section, letter, look)
+
+
+def _draw_bodies(sheet: Sheet, content: Content, y: float) -> None:
+    """Draw the shaded body, once in each of its colours."""
+    width = (sheet.width - 2 * MARGIN) / max(len(content.bodies), 2)
+    for index, body in enumerate(content.bodies):
+        _draw_body(sheet, (MARGIN + index * width, y + 3.0, width - 4.0, BODY), content, body)
 
 
 def _draw_body(sheet: Sheet, box: tuple[float, float, float, float], content: Content, body: Body) -> Axes:
@@ -222,7 +244,8 @@ def overview(wall: Wall, **options: Any) -> Figure:
     body = content.bodies[-1] if content.bodies else None
     right = MARGIN + tracks_width(content)
     width = right + (TIES + OVERVIEW_BODY if body else 0.0) + MARGIN
-    height = MARGIN + header_height(content) + HEAD + (max(length, LEAST) if body else length) + FOOTER + MARGIN
+    height = MARGIN + header_height(content) + HEAD + (max(length, LEAST) if body else length)
+    height += GAP + footer_height(content) + MARGIN
     sheet = Sheet(width, height, content.drawing.dpi)
     draw_header(sheet, content, MARGIN, MARGIN, width - 2 * MARGIN)
     top = MARGIN + header_height(content)
@@ -235,5 +258,5 @@ def overview(wall: Wall, **options: Any) -> Figure:
             place, (low, high) = axes.get_position(), axes.get_ylim()
             at = sheet.height * (1.0 - (place.y0 + (depth - low) / (high - low) * place.height))
             sheet.line((right + 1.8, right + TIES + 1.0), (beside, float(at)), color=FAINT, linewidth=0.5)
-    draw_footer(sheet, content, MARGIN, height - MARGIN - 4.0)
+    draw_footer(sheet, content, MARGIN, height - MARGIN)
     return sheet.figure

@@ -15,6 +15,7 @@ import io
 import os
 from collections.abc import Sequence
 from functools import partial
+from textwrap import wrap
 from typing import TYPE_CHECKING, Any
 
 from helibore.base.atomic_file import write_whole
@@ -31,6 +32,8 @@ MM = INCH / MILLIMETRE
 """Millimetres an inch."""
 LEAST, SMALL, USUAL, LARGE = 5.0, 6.0, 7.0, 14.0
 """Points."""
+LINE = 2.1
+"""Millimetres between lines of the least size."""
 FONT = "DejaVu Sans"
 """Comes with matplotlib: the same picture everywhere."""
 
@@ -63,7 +66,7 @@ class Sheet:
         self.figure: Figure = Figure(figsize=(width / MM, height / MM), dpi=dpi, facecolor="white")
         vars(self.figure)["_repr_png_"] = partial(screen_picture, self.figure)  # notebooks show it without pyplot
         # matplotlib's own renderer is a picture as large as the page, made anew for every text that is measured.
-        self._measure = RendererAgg(1, 1, self.figure.dpi)
+        self._measure = RendererAgg(1, 1, self.figure.dpi)  # type: ignore[no-untyped-call]
 
     def axes(self, x: float, y: float, width: float, height: float, **extra: Any) -> Axes:
         """Return axes whose upper left corner is at (x, y)."""
@@ -90,6 +93,27 @@ class Sheet:
             words = words[:-1]
             shown.set_text(words.rstrip() + "…")
         return shown
+
+    def lines_of_text(self, x: float, y: float, text: str, size: float, within: float, most: int, **extra: Any) -> None:
+        """Write text around y in as few lines as fit ``within`` millimetres, at most ``most``; then shorten it."""
+        trial = self.text(x, y, text, LEAST, **extra)
+        room, lines = len(text), [text]
+        while self._too_wide(trial, lines, within) and room > 1:
+            room -= 1
+            lines = wrap(text, room)
+        trial.remove()
+        if len(lines) > most:
+            lines = [*lines[: most - 1], " ".join(lines[most - 1 :])]
+        for row, line in enumerate(lines):
+            at = y + (row - 0.5 * (len(lines) - 1)) * LINE
+            self.text(x, at, line, size if len(lines) == 1 else LEAST, within, **extra)
+
+    def _too_wide(self, trial: Text, lines: Sequence[str], within: float) -> bool:
+        for line in lines:
+            trial.set_text(line)
+            if self.text_width(trial) > within:
+                return True
+        return False
 
     def text_width(self, shown: Text) -> float:
         """Millimetres that a text takes at this many dots per inch: with few, its letters stand wider."""

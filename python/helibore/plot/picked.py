@@ -1,7 +1,7 @@
 """What was picked on the wall, on paper: curves and boxes on the images, tadpoles on a track of their own.
 
 A tadpole's head stands at the true dip, 0 to 90 degrees across the track; its tail points to where the plane dips,
-north up. Without a survey it is the dip to the hole, and the tail counts from toolface 0.
+north up. Without a survey it is the dip to the hole, and the tail counts from toolface 0; the head says which.
 """
 
 from __future__ import annotations
@@ -14,8 +14,8 @@ import numpy as np
 
 from helibore.base.colors import PICK_COLORS
 from helibore.logs.picks import BREAKOUT, PLANES, Pick
-from helibore.plot.paper import INK, SMALL, Sheet
-from helibore.plot.tracks import HEAD, Stretch, bare_axes, depth_lines
+from helibore.plot.paper import INK, LEAST, SMALL, Sheet
+from helibore.plot.tracks import HEAD, SIDES, Stretch, bare_axes, depth_lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,20 +41,22 @@ TAIL = 3.0
 class DipTrack:
     """Tadpoles of the planes that were picked."""
 
-    width = 24.0
+    width = least = 24.0
 
-    def __init__(self, picks: Sequence[Pick], path: Path | None) -> None:
+    def __init__(self, picks: Sequence[Pick], path: Path | None, reference: str = "") -> None:
         self.planes = [(pick, *_attitude(pick, path)) for pick in picks if pick.kind in PLANES]
         self.known = path is not None
+        self.tail = "dip azimuth, N up" if self.known else f"toolface, {SIDES[reference][0]} up"
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write what the numbers are, and the symbols of the classes."""
         title = "Dip [°]" if self.known else "Dip to hole [°]"
         sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
         for row, kind in enumerate(kind for kind in PLANES if any(pick.kind == kind for pick, *_ in self.planes)):
-            at = y + 6.2 + 2.9 * row
+            at = y + 5.9 + 2.7 * row
             sheet.line((x + 2.0, x + 2.0), (at, at), color=INK, markersize=3.2, markeredgewidth=0.7, **MARKERS[kind])
             sheet.text(x + 4.2, at, kind, 5.2, within=self.width - 4.6)
+        sheet.text(x + 0.5 * self.width, y + 19.6, f"tail: {self.tail}", LEAST, within=self.width - 0.6, ha="center")
         for degrees, ha, inward in ((0, "left", 0.6), (30, "center", 0), (60, "center", 0), (90, "right", -0.6)):
             sheet.text(x + degrees / 90 * self.width + inward, y + HEAD - 2.0, f"{degrees}", SMALL, ha=ha)
 

@@ -39,6 +39,10 @@ class DepthUnit:
         """The number of a depth in metres: ``6,561.68``."""
         return f"{depth / self.metres:,.{decimals}f}"
 
+    def ends(self, top: float, bottom: float) -> str:
+        """The ends of an interval in metres: ``2,000.00 to 2,022.00 m MD``."""
+        return f"{self.text(top)} to {self.text(bottom)} {self.name} MD"
+
 
 METRES, FEET = DepthUnit("m", 1.0), DepthUnit("ft", FOOT)
 

@@ -133,7 +133,7 @@ def draw_solid(
     title = f"{ends} {unit.name}, coloured by {name}"
     sheet.text(x + 0.5 * width, y + 2.5, title, USUAL, within=width, ha="center", weight="bold")
     more = f", shape × {shape:g} more" if shape != 1 else ""
-    words = f"tube × {tube:g} against depth{more}; seen from toolface {view.facing:.0f}°"
+    words = f"tube × {tube:g} against depth{more}; seen from toolface {view.facing:.0f}°; bar right of the tracks"
     sheet.text(x + 0.5 * width, y + 6.5, words, SMALL, within=width, ha="center", color=FAINT)
     return axes
 

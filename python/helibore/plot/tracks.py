@@ -54,6 +54,8 @@ HATCH_COLOR = tuple(part / 255.0 for part in HATCH_BYTES)
 OVER, UNDER, BAND, AREA = "#f2b366", "#6fae7c", "#cfd8e0", "#b3261e"
 LETTERS = {"washout": "W", "breakout": "B", "key seat": "K", "undergauge": "U"}
 """Of the kinds of zones, beside their colours."""
+STRIP = 0.2
+"""Share of the depth track that the zones take."""
 CURVES: dict[str, dict[str, Any]] = {
     "C1": {"color": "#0b4f8a"},
     "C2": {"color": "#0b4f8a", "dashes": (2.0, 1.0)},
@@ -101,12 +103,13 @@ class Shown:
 class DepthTrack:
     """Measured depth, the true depth under it if it is known, and the zones at the left."""
 
-    width = 14.0
+    width = least = 14.0
 
     def __init__(
         self, scale: int, true_depth: TrueDepth | None = None, zones: Sequence[Zone] = (), unit: DepthUnit = METRES
     ) -> None:
         self.scale, self.true_depth, self.zones, self.unit = scale, true_depth, zones, unit
+        self._middle = 0.5 + 0.5 * STRIP  # of the numbers, beside the strip
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write what the numbers are, and the scale of the paper."""
@@ -122,7 +125,9 @@ class DepthTrack:
         for depth in stretch.lines.major(stretch.top, stretch.bottom):
             room = 1.3 * (stretch.bottom - stretch.top) / stretch.height  # half a line of text, in metres
             if stretch.top + room <= depth <= stretch.bottom - room:
-                axes.text(0.5, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT)
+                axes.text(
+                    self._middle, depth, stretch.lines.label(depth), ha="center", va="center", size=USUAL, family=FONT
+                )
                 if depth + 3.1 * room <= stretch.bottom:
                     self._true(axes, depth, depth + 2.1 * room)
         self._ends(axes, stretch, room=1.3 * (stretch.bottom - stretch.top) / stretch.height)
@@ -131,11 +136,13 @@ class DepthTrack:
         for zone in self.zones:
             ends = (max(zone.start, stretch.top), min(zone.stop, stretch.bottom))
             if ends[1] > ends[0]:
-                axes.axhspan(*ends, 0.0, 0.2, color=ZONE_COLORS[zone.kind], linewidth=0)
-                if ends[1] - ends[0] > 2.2 * (stretch.bottom - stretch.top) / stretch.height:
-                    letter: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
-                    axes.text(0.1, sum(ends) / 2, LETTERS[zone.kind], color="white", weight="bold", **letter)
-        for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.88, 0.94)):
+                axes.axhspan(*ends, 0.0, STRIP, color=ZONE_COLORS[zone.kind], linewidth=0)
+                long = (ends[1] - ends[0]) * stretch.height / (stretch.bottom - stretch.top)
+                word = zone.kind if long > 1.5 * len(zone.kind) + 1.0 else LETTERS[zone.kind] if long > 2.2 else ""
+                look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT}
+                look |= {"rotation": 90.0} if len(word) > 1 else {}
+                axes.text(0.5 * STRIP, sum(ends) / 2, word, color="white", weight="bold", **look)
+        for left, right, short in ((0.0, 0.12, 0.06), (1.0, 0.9, 0.94)):
             axes.hlines(major, left, right, color=INK, linewidth=0.6)
             axes.hlines(minor, left, short, color=RULE, linewidth=0.4)
         return axes
@@ -145,16 +152,22 @@ class DepthTrack:
         look: dict[str, Any] = {"ha": "center", "size": USUAL, "family": FONT}
         major = list(stretch.lines.major(stretch.top + room, stretch.bottom - room))
         if all(depth - stretch.top > 3.2 * room for depth in major):
-            axes.text(0.5, stretch.top + 0.6 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
+            axes.text(self._middle, stretch.top + 0.6 * room, f"{stretch.top / self.unit.metres:.1f}", va="top", **look)
         if all(stretch.bottom - depth > 5.4 * room for depth in major):
-            axes.text(0.5, stretch.bottom - 0.6 * room, f"{stretch.bottom / self.unit.metres:.1f}", va="bottom", **look)
+            axes.text(
+                self._middle,
+                stretch.bottom - 0.6 * room,
+                f"{stretch.bottom / self.unit.metres:.1f}",
+                va="bottom",
+                **look,
+            )
 
     def _true(self, axes: Axes, depth: float, place: float) -> None:
         """Write the true depth of ``depth`` at ``place``, where the path reaches so far."""
         true = np.nan if self.true_depth is None else float(self.true_depth.at(np.array([depth]))[0])
         if np.isfinite(true):
             look: dict[str, Any] = {"ha": "center", "va": "center", "size": SMALL, "family": FONT, "color": FAINT}
-            axes.text(0.5, place, f"{true / self.unit.metres:.1f}", **look)
+            axes.text(self._middle, place, f"{true / self.unit.metres:.1f}", **look)
 
 
 class CaliperTrack:
@@ -180,7 +193,7 @@ class CaliperTrack:
         Before the title: whose caliper it is, where there are several.
     """
 
-    width = 40.0
+    width = least = 40.0
 
     def __init__(
         self,
@@ -203,7 +216,7 @@ class CaliperTrack:
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write the title, the scale and a key of what is drawn."""
         title = f"{self.name}Diameter [{self.unit}]"
-        sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
+        head_title(sheet, x, y + 2.5, self.width, title)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
         row = y + 6.3
         self._key(sheet, x + 1, row, f"bit size {length_text(self.bit, self.unit)}", color=INK, dashes=(4, 2))
@@ -288,7 +301,7 @@ class ScalarTrack:
         ``curve 'GR', 10 to 20 m: has no value there``; on limits that a logarithm cannot show.
     """
 
-    width = 30.0
+    width, least = 30.0, 5.0
 
     def __init__(self, curve: ScalarCurve, top: float, bottom: float) -> None:
         self.curve = curve
@@ -302,16 +315,23 @@ class ScalarTrack:
         """Write name and unit, the line, and the values at the edges."""
         curve, middle = self.curve, x + 0.5 * self.width
         title = f"{curve.name} [{curve.unit or 'no unit'}]"
-        sheet.text(middle, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
+        head_title(sheet, x, y + 5.5, self.width, title, 5)
         sheet.line((x + 1, x + self.width - 1), (y + 12.0, y + 12.0), color=SCALAR, linewidth=0.9)
         if curve.log:
-            sheet.text(middle, y + 17.0, "logarithmic", 5.6, ha="center", color=FAINT)
-        for at, ha, limit in ((0.6, "left", self.limits[0]), (self.width - 0.6, "right", self.limits[1])):
-            sheet.text(x + at, y + HEAD - 2.2, f"{limit:g}", SMALL, ha=ha)
+            sheet.lines_of_text(middle, y + 16.0, "logarithmic", 5.6, self.width - 1, 3, ha="center", color=FAINT)
+        # One below the other where they do not stand side by side.
+        ends = [sheet.text(x + 0.6, y + HEAD - 2.2, f"{self.limits[0]:g}", SMALL, within=self.width - 1.2)]
+        ends += [
+            sheet.text(
+                x + self.width - 0.6, y + HEAD - 2.2, f"{self.limits[1]:g}", SMALL, within=self.width - 1.2, ha="right"
+            )
+        ]
+        if sum(sheet.text_width(end) for end in ends) > self.width - 2.0:
+            ends[0].set_y(1.0 - (y + HEAD - 4.4) / sheet.height)
         sheet.line((x, x + self.width), (y + HEAD - 0.2, y + HEAD - 0.2), color=INK)
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
-        """Draw the curve; it ends where values are missing, and where rows are ten usual steps or more apart."""
+        """Draw the curve, with a gap where values are missing or rows are more than ten usual steps apart."""
         axes = bare_axes(sheet, x, self.width, stretch)
         curve = self.curve
         first, last = np.searchsorted(curve.depth, [stretch.top, stretch.bottom])
@@ -331,7 +351,7 @@ class ScalarTrack:
 
 
 class ImageTrack:
-    """Values around the hole, cut open: a wall's or a sector image's.
+    """Values around the hole, unrolled: those of a wall, or of a sector image.
 
     Parameters
     ----------
@@ -351,6 +371,8 @@ class ImageTrack:
         Draws on the pixels: called with the axes, whose x goes from 0 to 360 degrees from the left edge.
     """
 
+    least = 16.0
+
     def __init__(
         self,
         shown: Shown,
@@ -368,12 +390,10 @@ class ImageTrack:
         """Write name and unit, draw the colour bar with its numbers, and the letters of the sides."""
         shown, scale = self.shown, self.shown.scale
         middle, room = x + 0.5 * self.width, self.width - 1
-        sheet.text(
-            middle, y + 2.5, f"{shown.name} [{shown.unit or 'no unit'}]", ha="center", weight="bold", within=room
-        )
-        sheet.text(middle, y + 6.2, shown.remark, 5.6, within=room, ha="center", color=FAINT)
+        head_title(sheet, x, y + 2.5, self.width, f"{shown.name} [{shown.unit or 'no unit'}]")
+        sheet.text(middle, y + 6.4, shown.remark, 5.6, within=room, ha="center", color=FAINT)
         color_bar(sheet, scale, x + 1.0, y + 9.0, self.width - 2.0, shares=shown.shares)
-        sheet.text(middle, y + 17.0, shown.note, 5.6, within=room, ha="center", color=FAINT)
+        sheet.lines_of_text(middle, y + 17.4, shown.note, 5.6, room, 2, ha="center", color=FAINT)
         first = round(self.left / 90.0)
         for place in range(5):
             at, side = x + place * self.width / 4, SIDES[self.reference][(first + place) % 4]
@@ -407,12 +427,18 @@ class ImageTrack:
 
 
 class PlacedTrack(Protocol):
-    """What `log` places: a head over a stretch of hole, both as wide as it says."""
+    """What `log` places: a head over a stretch of hole, both as wide as it says; ``least`` is what the head needs."""
 
     width: float
+    least: float
 
     def head(self, sheet: Sheet, x: float, y: float) -> None: ...
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes: ...
+
+
+def head_title(sheet: Sheet, x: float, y: float, width: float, title: str, most: int = 2) -> None:
+    """Write what a track ``width`` millimetres wide shows, in as few lines as it takes, ``most`` of them."""
+    sheet.lines_of_text(x + 0.5 * width, y, title, USUAL, width - 1.0, most, ha="center", weight="bold")
 
 
 LENGTHS = {"in": INCH, "mm": MILLIMETRE}
@@ -432,7 +458,7 @@ def color_bar(sheet: Sheet, scale: ColorScale, x: float, y: float, width: float,
     sheet.box(x, y, width, 2.6, edgecolor=RULE, linewidth=0.4)
     words = ("low", "", "high") if shares else tuple(f"{one:.3g}" for one in (scale.low, middle, scale.high))
     for at, ha, text in zip((0.0, 0.5, 1.0), ("left", "center", "right"), words, strict=True):
-        sheet.text(x + at * width, y + 4.9, text, SMALL, ha=ha)
+        sheet.text(x + at * width, y + 4.9, text, SMALL, ha=ha, within=width / 3)
 
 
 def bare_axes(sheet: Sheet, x: float, width: float, stretch: Stretch) -> Axes:

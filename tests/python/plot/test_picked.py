@@ -42,7 +42,8 @@ def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
     edges = sorted({float(min(line.get_xdata())) for line in boxes})
     assert edges == [-30.0, 150.0, 330.0, 510.0, 690.0], "both sides, and what crosses the edge of the image"
     texts = [text.get_text() for text in figure.texts]
-    assert "Dip [°]" in texts
+    assert {"Dip [°]", "tail: dip azimuth, N up", "Picks:"} <= set(texts)
+    assert texts.count("bed") == 2, "its symbol and its colour"
     assert "fault" not in texts, "none of it lies in the interval"
 
 
@@ -52,10 +53,14 @@ def wall_path() -> hb.Path:
 
 def test_without_a_survey_the_dip_is_that_to_the_hole(wall: hb.Wall) -> None:
     assert DipTrack([BED, BOX], None).planes == [(BED, 60.0, 90.0)]
+    assert [DipTrack([BED], None, of).tail for of in ("high-side", "north", "")] == [
+        "toolface, U up", "toolface, N up", "toolface, 0° up"
+    ]  # fmt: skip
     assert content_of(wall, Drawing(start=2016.5, polar=(), body=())).tracks[-1].__class__ is ImageTrack
     report = page(wall, body=(), polar=(), dpi=30)
     assert "<th>breakout</th>" not in report
     rows = report[report.index('<section id="picks">') :]
+    assert "Without a survey, dip and azimuth are not known. Toolfaces: from the high side" in rows
     assert '<td>bed</td><td class="number">2,010.00</td><td class="number">–</td>' in rows
     assert '<td>breakout</td><td class="number">2,005.00</td>' in rows
 

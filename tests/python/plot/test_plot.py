@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from itertools import combinations
+from itertools import combinations, pairwise
 from pathlib import Path
 from typing import Any
 
@@ -137,6 +137,7 @@ def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     assert said.get_color() == "#b3261e"
     assert not [word for word in words if word.startswith(("Radius", "Cross", "least"))]
     assert ("Diameter [in]" in words) == (basis == "average")
+    assert ("Samples" in words) == (basis == "average"), "those of a gauge hole are no measurements"
     assert_readable(figure)
 
 
@@ -507,6 +508,41 @@ def test_depths_are_in_feet_and_sizes_in_inches(wall: hb.Wall) -> None:
                    "A   6,571.52 ft", "Mud | oil", "Company | not given"):  # fmt: skip
         assert needed in words, needed
     assert "m MD" not in words
+
+
+def test_zones_are_listed_worst_first_and_every_page_says_whose_it_is(wall: hb.Wall) -> None:
+    figures = plot.pages(wall, title="A well", unit="mm", body=(), dpi=50)
+    zones = wall.zones()
+    worst = zones.by_severity()
+    assert [zones.severity(zone) for zone in worst] == sorted(map(zones.severity, zones.zones), reverse=True)
+    assert zones.by_severity(stop=worst[0].start) == [one for one in worst if one.start < worst[0].start]
+    (listed,) = [figure for figure in figures if "Zones, worst first" in [text.get_text() for text in figure.texts]]
+    words = [text.get_text() for text in listed.texts]
+    rows = [(f"{zone.start:,.1f} – {zone.stop:,.1f}", f"{1000 * zones.measure(zone):+.1f}") for zone in worst]
+    assert [(a, b) for a, b in pairwise(words) if " – " in a and b[0] in "+-"] == rows
+    for number, figure in enumerate(figures, 1):
+        assert_readable(figure)
+        foot = [text.get_text() for text in figure.texts]
+        assert {"Zones:", "washout", "breakout", f"helibore {hb.__version__}, page {number} of {len(figures)}"} <= {
+            *foot
+        }
+        assert [text for text in foot if text.startswith("A well, ") and text.endswith("1:40")]
+    strips = [text.get_text() for figure in figures for axes in figure.axes for text in axes.texts]
+    assert "breakout" in strips, "a word where it fits"
+
+
+def test_a_narrow_head_keeps_the_whole_name(wall: hb.Wall) -> None:
+    depth = np.linspace(2000, 2022, 50)
+    curves = [ScalarCurve(f"PRESSURE_{n}", "psi", depth, 10000 + depth * n) for n in range(6)]
+    figure = plot.log(wall, scalars=curves, dpi=100, polar=(), body=())
+    width = figure.get_size_inches()[0] * MM
+    drawn = [track.width for track in content_of(wall, plot.Drawing(scalars=curves)).tracks]
+    assert drawn[2:8] == [15.0] * 6, "curves first, then images, then the paper"
+    assert width == pytest.approx(sum(drawn) + 2 * (len(drawn) - 1) + 2 * MARGIN)
+    words = "".join("".join(text.get_text().split()) for text in figure.texts)
+    for curve in curves:
+        assert f"{curve.name}[psi]" in words
+    assert_readable(figure)
 
 
 def test_another_wall_stands_beside_on_the_same_depths(wall: hb.Wall) -> None:

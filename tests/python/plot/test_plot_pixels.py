@@ -62,6 +62,22 @@ def test_pixels_of_a_wall_are_means_of_the_vertices_in_them(
             assert found[row, column] == pytest.approx(expected, nan_ok=True)
 
 
+def test_a_page_has_the_pixels_of_the_roll() -> None:
+    settings = hb.Settings(bit_diameter=BIT, sectors=8, pitch=-0.1)
+    values = np.random.default_rng(3).random(8 * 300)
+    image = hb.SectorImage(
+        70 + 0.1 * np.arange(300), values.reshape(300, 8), "GR", reference="high-side", origin="edge"
+    )
+    whole = Grid(65.013, 105.013, 800, 16)  # no vertex lies on the border of a pixel
+    roll = unroll_wall(values, settings, 100.0, whole), unroll_image(image, image.values, whole)
+    for first in range(0, 800, 80):  # some of them beyond the ends of both
+        page = Grid(65.013 + first * 0.05, 69.013 + first * 0.05, 80, 16)
+        for part, all_of_it in zip(
+            (unroll_wall(values, settings, 100.0, page), unroll_image(image, image.values, page)), roll, strict=True
+        ):
+            np.testing.assert_allclose(part, all_of_it[first : first + 80])
+
+
 @pytest.mark.parametrize("origin", ["edge", "centre"])
 @pytest.mark.parametrize("direction", ["clockwise", "counterclockwise"])
 def test_pixels_of_an_image_are_its_cells(origin: str, direction: str) -> None:

@@ -1,0 +1,58 @@
+"""The zones below the tracks, worst first: kind, depths, size and severity, as the viewer's page lists them.
+
+W washout     2046.0 to 2048.6    +59 mm    4.2 x       the sign is that of the strip beside the depths
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from helibore.base.colors import ZONE_COLORS
+from helibore.plot.paper import FAINT, SMALL, USUAL, Sheet
+from helibore.plot.tracks import LENGTHS, LETTERS
+
+if TYPE_CHECKING:
+    from helibore.logs.zones import Zone
+    from helibore.plot.content import Content
+
+COLUMNS, ROW, MOST_ROWS = 3, 4.0, 15
+TITLE = 8.0
+"""Millimetres of height that the title takes."""
+
+
+def zone_sign(sheet: Sheet, x: float, y: float, kind: str) -> None:
+    """Draw the letter of a kind on its colour, 3 mm wide, its middle line at y."""
+    sheet.box(x, y - 1.4, 3.0, 2.8, facecolor=ZONE_COLORS[kind], edgecolor="none")
+    sheet.text(x + 1.5, y, LETTERS[kind], SMALL, ha="center", color="white", weight="bold")
+
+
+def _zones(content: Content) -> list[Zone]:
+    return content.zones.by_severity(content.top, content.bottom) if content.wall.basis == "azimuthal" else []
+
+
+def zone_list_height(content: Content) -> float:
+    """Return the millimetres that the list takes; 0 where there is no zone."""
+    count = len(_zones(content))
+    return TITLE + ROW * min(-(-count // COLUMNS), MOST_ROWS) if count else 0.0
+
+
+def draw_zones(sheet: Sheet, content: Content, x: float, y: float, width: float) -> None:
+    """Draw the list; more zones than it has room for are counted."""
+    zones, drawing = _zones(content), content.drawing
+    unit, depths = drawing.size_unit, drawing.depth_unit
+    shown = zones[: COLUMNS * MOST_ROWS]
+    more = f"; {len(zones) - len(shown)} more are not listed" if len(zones) > len(shown) else ""
+    title = sheet.text(x, y + 2.0, f"Zones, worst first{more}", USUAL, weight="bold")
+    sizes = "washout C2 − bit, breakout C1 − C2, key seat its height, undergauge least − bit"
+    key = f"{depths.name} MD; {unit}: {sizes}; times its limit"
+    left = sheet.text_width(title) + 2.0
+    sheet.text(x + left, y + 2.1, key, SMALL, within=width - left, color=FAINT)
+    for index, zone in enumerate(shown):
+        row, column = divmod(index, COLUMNS)
+        left, at = x + column * (width + 4.0) / COLUMNS, y + TITLE - 1.0 + row * ROW
+        size = f"{content.zones.measure(zone) / LENGTHS[unit]:+.{2 if unit == 'in' else 1}f}"
+        zone_sign(sheet, left, at, zone.kind)
+        sheet.text(left + 4.0, at, zone.kind, SMALL, within=14.0)
+        sheet.text(left + 41.5, at, f"{depths.text(zone.start, 1)} – {depths.text(zone.stop, 1)}", SMALL, ha="right")
+        sheet.text(left + 51.0, at, size, SMALL, ha="right", weight="bold")
+        sheet.text(left + 60.0, at, f"{content.zones.severity(zone):.1f} ×", SMALL, ha="right")
