@@ -95,7 +95,7 @@ class Window:
         known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
         known = {name: value for name, value in known.items() if value is not None}
         words = tuple(str(alarm) for alarm in alarms)
-        self.scene.update_state(**known, sources=self._status_text(states), alarms=words)
+        self.scene.update_state(**known, sources=self._status_text(states, words), alarms=words)
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all are running."""
@@ -154,14 +154,17 @@ class Window:
                     self._images[name] = rows
         self._images_due = time.monotonic() + max(IMAGES_SECONDS, 20 * (time.monotonic() - began))
 
-    def _status_text(self, states: Mapping[str, str]) -> str:
-        """Return the states of the sources; before the wall begins, also how many samples have come."""
+    def _status_text(self, states: Mapping[str, str], alarms: Sequence[str]) -> str:
+        """Return the states of the sources; before the wall begins, also how many samples have come, and the alarms."""
         text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if self._feed:
             return text
         model = self._live.model
-        received, waiting = model.counts["received"], model.waiting
-        return f"{text}. {received:,} samples received" + (f", {waiting:,} wait for their depth." if waiting else ".")
+        received, refused, waiting = model.counts["received"], model.counts["not drawn"], model.waiting
+        text += f". {received:,} samples received"
+        text += f", {refused:,} refused" if refused else ""
+        text += f", {waiting:,} wait for their depth" if waiting else ""
+        return " ".join([f"{text}.", *(f"ALARM: {alarm}." for alarm in alarms)])
 
     def _span(self) -> tuple[float, float]:
         """Return the depths of the shallowest and the deepest vertex, metres."""

@@ -18,6 +18,7 @@ from live_servers import configured, frames, free_port, until
 
 import helibore as hb
 from helibore.cli import cli
+from helibore.live.alarms import Alarm
 from helibore.live.configuration import parse
 from helibore.simulation.rig import Rig
 
@@ -59,6 +60,11 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
         window.follow(live)
         window.refresh({"host": "not started", "mwd": "connected to rig"})
         assert scene.state.sources == "host: not started; mwd: connected to rig. 0 samples received."
+        alarm = Alarm("refused", "mwd", 0, 0, "no sample was usable for 120 s")
+        live.model.counts |= {"received": 12, "not drawn": 12}
+        window.refresh({"mwd": "connected to rig"}, [alarm])
+        text = "mwd: connected to rig. 12 samples received, 12 refused. ALARM: refused mwd: no sample was usable for "
+        assert scene.state.sources.startswith(text)
         assert not scene.begun
         window.show(pushed(live, 100.0))
         window.refresh({"host": "not started"})
