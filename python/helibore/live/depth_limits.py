@@ -57,9 +57,9 @@ def _steps(last: float, depth: Values) -> Values:
     return steps
 
 
-def unit_differs(depth: npt.ArrayLike, known: npt.ArrayLike) -> npt.NDArray[np.bool_]:
+def unit_differs(depth: Values | float, known: Values | float) -> npt.NDArray[np.bool_]:
     """Return whether a depth and a known one have the ratio of feet to metres, either way."""
-    ratio = np.asarray(depth) / np.maximum(known, 1e-9)
+    ratio = depth / np.maximum(known, 1e-9)
     differs: npt.NDArray[np.bool_] = (np.abs(ratio / FOOT - 1) < NEAR) | (np.abs(ratio * FOOT - 1) < NEAR)
     return differs
 

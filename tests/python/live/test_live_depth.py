@@ -172,3 +172,27 @@ def test_a_sent_depth_that_changes_to_feet_is_refused_for_as_long_as_it_lasts():
     assert live.wall.samples.depth.tolist() == [500.0 + i for i in range(100) if not 20 <= i < 90]
     assert live.model.counts["flag RANGE"] == 70
     assert live.model.events.counts["mwd", "depth_jump"] == 70
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "depth"),
+    [
+        ('bit_depth = "0108", hole_depth = "0110"', 'bit_depth = { item = "0108", unit = "ft" }', 500.2),
+        ("[source.rig]", "[depth]\njump = 2000.0\n[source.rig]", 500.2 / 0.3048),
+    ],
+)
+def test_a_level_that_was_refused_is_used_with_a_corrected_unit_or_a_larger_jump(before, after, depth):
+    clock, text = Clock(), FROM_BIT.replace("LATENCY", "0")
+    live = Live(parse(text), clock=clock)
+    rig(live, 500.0)
+    for bit in (500.1, 500.2):
+        clock.step(61)
+        rig(live, bit / 0.3048)
+        sample(live)
+    assert live.wall.sample_count == 0
+    live.reconfigure(parse(text.replace(before, after)))
+    for _ in range(2):
+        clock.step(1)
+        rig(live, 500.2 / 0.3048)
+        sample(live)
+    assert live.wall.samples.depth[-1] == pytest.approx(depth - 10.0, abs=1e-3)
