@@ -20,6 +20,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import numpy.typing as npt
 
 from helibore.base.colors import symmetric_limit
@@ -27,6 +28,7 @@ from helibore.base.errors import InputError
 from helibore.base.tables import refuse_table
 from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale
+from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of
 from helibore.logs.template import Template, TemplateTrack
 from helibore.trajectory.references import Reference
@@ -246,13 +248,24 @@ def attributes_of(wall: Any) -> dict[str | Attribute, npt.ArrayLike]:
     """Return the images and attributes of a wall, one value a quad; images in the colours of `helibore.plot`."""
     values: dict[str | Attribute, npt.ArrayLike] = {}
     for name, image in getattr(wall, "images", {}).items():
-        attribute = Attribute.usual(name, image.unit)
+        attribute = replace(Attribute.usual(name, image.unit), rows=even_rows(image, abs(wall.settings.pitch)))
         with contextlib.suppress(InputError):  # constant, or without a value: the feed finds limits
             scale = image_scale(image)
-            attribute = Attribute(name, image.unit, scale.low, scale.high, scale.log, scale.color_map)
+            attribute = Attribute(name, image.unit, scale.low, scale.high, scale.log, scale.color_map, attribute.rows)
         values[attribute] = image.on(wall)
     others: Any = getattr(wall, "attributes", {})
     for name in others:
         quads = max(len(wall) - wall.settings.sectors - 1, 0)
         values[Attribute(name, others.units.get(name, ""))] = others.whole(name, wall.start_depth, quads)
     return values
+
+
+def even_rows(image: SectorImage, pitch: float) -> tuple[float, float] | None:
+    """Return the upper edge of the first row and the height of all, if they are even and at least a turn high."""
+    step = float(np.median(np.diff(image.depth))) if image.depth.size > 1 else 0.0
+    if step < pitch * (1 - 1e-6):
+        return None  # the wall has lost rows of it
+    count = round((image.depth[-1] - image.depth[0]) / step)
+    step = float(image.depth[-1] - image.depth[0]) / count
+    place = (image.depth - image.depth[0]) / step
+    return (float(image.depth[0]) - step / 2, step) if np.abs(place - np.rint(place)).max() < 0.1 else None

@@ -41,6 +41,8 @@ class Attribute:
     """One value per quad, drawn as a colour: name, unit, and the ends of its colours.
 
     ``low`` and ``high`` None: percentiles 2 and 98 of its values. ``color_map`` "": the usual one of its name and unit.
+    ``rows``: the upper edge of a row and the height of all, metres, of an image that was measured in rows; the page
+    draws these. None: it draws the quads.
     """
 
     name: str
@@ -49,6 +51,7 @@ class Attribute:
     high: float | None = None
     log: bool = False
     color_map: str = ""
+    rows: tuple[float, float] | None = None
 
     @classmethod
     def usual(cls, name: str, unit: str = "") -> Attribute:

@@ -42,8 +42,8 @@ export const [Q_RADIUS, Q_OVER, Q_NEAREST, Q_SUPPORT, Q_CHANGE, Q_ATTRIBUTE] = [
 /** @param {Pick<Store, 'attributes' | 'basis'>} store @returns {Quantity[]} */
 export function quantities(store) {
   const [low, high] = [NaN, NaN];
-  const own = store.attributes.map(({ name, unit, log, color_map: map }, attribute) => (
-    { id: name, name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm' }
+  const own = store.attributes.map(({ name, unit, log, color_map: map, rows }, attribute) => (
+    { id: name, name, mode: Q_ATTRIBUTE, attribute, unit, log, low, high, map, length: unit === 'm', rows }
   ));
   const wall = [
     { id: 'over', name: 'Over bit radius', mode: Q_OVER, length: true, low, high, map: 'over-bit' },

@@ -157,10 +157,11 @@ export class Gpu {
     gl.disable(gl.DEPTH_TEST);
     /** @param {number} depth */
     const y = (depth) => 1 - (2 * (depth - top)) / (bottom - top);
-    const pixel = (bottom - top) / height; // antialiasing would show an edge: overlap, the shader knows its rows
+    const pixel = (bottom - top) / height;
+    const overlap = pixel + (look.quantity.rows?.[1] ?? 0); // antialiasing would show an edge; the shader knows its rows
     for (const piece of look.imagePieces) {
       const { tile } = piece;
-      const [a, b] = slanted(piece).map((end, i) => end + (i ? pixel : -pixel));
+      const [a, b] = slanted(piece).map((end, i) => end + (i ? overlap : -overlap));
       context.programs.image.use({
         ...this.common(tile, look),
         screenEnds: [y(a), y(b)],
@@ -216,6 +217,7 @@ export class Gpu {
         bottom: Math.min(b, view.bottom) - tile.startDepth,
         lamp: view.camera === 'outside' ? 0 : view.length,
         number: index + 1,
+        ...(program === 'pick' ? { imageRows: [0, 0] } : {}),
       });
       this.drawRows(piece, view, strides);
     });
@@ -270,6 +272,7 @@ export class Gpu {
       firstFrame: frames.first,
       frameStep: path.step,
       firstPass: view.pass === 'first',
+      imageRows: quantity.rows && !level.rings ? [(quantity.rows[0] - tile.startDepth) % quantity.rows[1], quantity.rows[1]] : [0, 0],
       mode: quantity.mode,
       low: quantity.low,
       high: quantity.high,

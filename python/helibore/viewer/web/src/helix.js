@@ -33,12 +33,15 @@ export class Helix {
     return wrap360(this.startToolface + ((k % this.sectors) * 360) / this.sectors);
   }
 
-  // The quad that covers (depth, toolface); negative or beyond the end if the wall does not reach there.
-  /** @param {number} depth @param {number} toolface */
-  quadAt(depth, toolface) {
+  // The quad that covers (depth, toolface); negative or beyond the end if the wall does not reach there. For an image that was
+  // measured in rows [an edge between two, height]: the one with the value of the row that covers it.
+  /** @param {number} depth @param {number} toolface @param {Pair | null} [rows] */
+  quadAt(depth, toolface, rows = null) {
     const across = (wrap360(toolface - this.startToolface) / 360) * this.sectors;
     const col = Math.min(Math.floor(across), this.sectors - 1);
-    const row = Math.floor((depth - this.startDepth) / this.pitch - (this.rings ? 0 : across / this.sectors));
+    const middle = rows && rows[0] + (Math.floor((depth - rows[0]) / rows[1]) + 0.5) * rows[1];
+    const turn = rows && !this.rings ? (Number(middle) - this.startDepth) / this.pitch - (col + 0.5) / this.sectors : (depth - this.startDepth) / this.pitch - (this.rings ? 0 : across / this.sectors);
+    const row = Math.floor(turn);
     return row * this.sectors + col;
   }
 

@@ -151,7 +151,7 @@ export function readout({ store, view, path, quad }) {
     ['Since first pass', measured && state & RESCANNED ? showSigned(measured.radius - measured.first, units) : '–'],
     ['Nearest sample', showLength(measured?.nearest ?? NaN, units, units === 'mm' ? 1 : 3)],
     ['Samples used', measured ? `${state & SUPPORT_MASK}${marks.length ? ` (${marks.join(', ')})` : ''}` : '–'],
-    ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, quad?.attributes[i] ?? NaN, units)]),
+    ...store.attributes.map(({ name, unit }, i) => [name, showQuantity({ unit, length: unit === 'm' }, store.attributeAt(i, cursor), units)]),
   ];
 }
 

@@ -31,13 +31,13 @@ export class PlainImage {
     const table = lookup(themed(quantity.map, look.dark));
     const ranges = quantity.dynamic ? dynamicRange(store, quantity, tile, view.pass) : null;
     const rect = { ...rects.image, top: 0 };
-    const beyond = Math.abs(level.pitch);
+    const beyond = Math.abs(level.pitch) + (quantity.rows?.[1] ?? 0);
     for (let y = 0; y < picture.height; y++) {
       const depth = depthAt(view, rect, y + 0.5);
       if (depth < top - beyond || depth > bottom + beyond) continue;
       const edge = this.edge(look, depth);
       for (let x = 0; x < picture.width; x++) {
-        const k = level.quadAt(depth, wrap360(edge + (360 * (x + 0.5)) / picture.width));
+        const k = level.quadAt(depth, wrap360(edge + (360 * (x + 0.5)) / picture.width), quantity.rows);
         const at = k - tile.index * level.tileSize;
         if (at < 0 || at >= level.tileSize || k + (level.rings ? 0 : level.sectors + 1) >= level.shown) continue;
         const row = Math.floor(at / level.sectors);

@@ -16,6 +16,7 @@ uniform float startToolface;  // radians
 uniform float radiusUnit, nearestUnit, bitRadius;
 uniform float firstFrame, frameStep; // place of the tile's start among its frames; metres between two
 uniform bool firstPass;
+uniform vec2 imageRows;       // of an image that was measured in rows: an edge between two, from the tile's start, and their height; else 0
 
 float slope() { return rings ? 0.0 : 1.0; }
 ivec2 place(int k) { return ivec2(k % K, k / K); }
@@ -25,6 +26,13 @@ vec4 frame(int line, float depth) {
   int last = textureSize(frames, 0).x - 1;
   int i = clamp(int(floor(f)), 0, last - 1);
   return mix(texelFetch(frames, ivec2(i, line), 0), texelFetch(frames, ivec2(i + 1, line), 0), f - float(i));
+}
+// The turn whose quad is drawn at a depth, so many columns around the hole. An image that was measured in rows is drawn in
+// rows: of the quads in the column, the one whose centre is nearest to the middle of a row has its value.
+float turnAt(float depth, float across) {
+  if (imageRows.y == 0.0) return depth / pitch - slope() * across / float(K);
+  float middle = imageRows.x + (floor((depth - imageRows.x) / imageRows.y) + 0.5) * imageRows.y;
+  return middle / pitch - (min(floor(across), float(K - 1)) + 0.5) / float(K);
 }
 bool missing(int k) {
   if (rings) return k >= size || texel(k).x == 0u;
@@ -139,6 +147,8 @@ void main() {
 const CELL = /* glsl */ `
 int quad() {
   int row = clamp(int(floor(grid.y)), 0, rows - 1);
+  int level = imageRows.y == 0.0 ? row : int(floor(turnAt(depthHere, grid.x)));
+  if (level >= 0 && level < rows) row = level; // else a neighbouring tile's
   return row * K + clamp(int(floor(grid.x)), 0, K - 1);
 }
 `;
@@ -277,7 +287,7 @@ void main() {
   float around = fract((at.x * 6.283185307179586 + zero + offset - startToolface) / 6.283185307179586);
   float across = around * float(K);
   int col = min(int(across), K - 1);
-  float turn = at.y / pitch - slope() * across / float(K);
+  float turn = turnAt(at.y, across);
   int row = int(floor(turn));
   float slack = 1e-3 + perPixel / 32.0; // corners snap to parts of a pixel: one on the seam belongs to one tile at least
   if (row < 0 && turn > -slack) row = 0;

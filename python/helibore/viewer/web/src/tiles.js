@@ -170,6 +170,13 @@ export class Store {
     return corners.every((corner) => tile.texels[TEXEL * corner + RADIUS]) ? this.vertex(k, level) : null;
   }
 
+  // The value of an attribute at a place, as it is drawn there.
+  /** @param {number} index @param {Cursor | null} at */
+  attributeAt(index, at) {
+    if (!at || at.toolface === null) return NaN;
+    return this.quad(this.levels[0].quadAt(at.depth, at.toolface, this.attributes[index].rows))?.attributes[index] ?? NaN;
+  }
+
   /** @param {number} k @param {Level} [level] */
   vertex(k, level = this.levels[0]) {
     const { tile, at } = level.locate(k);

@@ -45,14 +45,14 @@ interface Palette {
 
 // The wall.
 interface Shape { sectors: number; pitch: number; rows: number; rings?: boolean; startDepth: number; startToolface: number }
-interface Attribute { name: string; unit: string; log: boolean; color_map: string }
+interface Attribute { name: string; unit: string; log: boolean; color_map: string; rows?: Pair | null }
 interface Quad { k: number; depth: number; toolface: number; radius: number; first: number; nearest: number; state: number; attributes: number[] }
 interface Piece { tile: Tile; top: number; bottom: number }
 interface FramesTexture { texture: Texture; first: number; origin: Vector; version: number; path: Path }
 interface Frame { centre: Vector; high: Vector; right: Vector; tangent: Vector }
 interface Quantity {
   id: string; name: string; mode: number; low: number; high: number; map: string; log: boolean; dynamic: boolean; chosen: boolean;
-  attribute?: number; unit?: string; length?: boolean;
+  attribute?: number; unit?: string; length?: boolean; rows?: Pair | null;
 }
 type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'chosen'>>;
 interface Cursor { depth: number; toolface: number | null }
