@@ -108,7 +108,7 @@ def test_a_measured_wall_has_no_banner_and_the_figures_of_its_summary(browser: A
         (zone,) = measured.zones().zones
         shown = screen.evaluate("window.__wall.app.zones")
         assert [(one["kind"], one["start"]) for one in shown] == [(zone.kind, pytest.approx(zone.start, abs=1e-3))]
-        row = ["W", f"{zone.start:.1f}–{zone.stop:.1f}", "+40", f"{shown[0]['severity']:.1f}×"]
+        row = ["W", "washout", f"{zone.start:.1f}–{zone.stop:.1f}", "+40", f"{shown[0]['severity']:.1f}×"]
         assert screen.inner_text("#zones").split("\n") == row
         screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
         screen.keyboard.press("n")

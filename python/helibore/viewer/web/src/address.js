@@ -13,7 +13,7 @@ export function toAddress({ view, quantity, notes }) {
   if (quantity && Number.isFinite(quantity.low) && Number.isFinite(quantity.high)) {
     parts.set('range', `${short(quantity.low)}_${short(quantity.high)}`);
     parts.set('map', quantity.map);
-    for (const name of /** @type {const} */ (['log', 'dynamic'])) if (quantity[name]) parts.set(name, '1');
+    for (const name of /** @type {const} */ (['log', 'dynamic', 'inView'])) if (quantity[name]) parts.set(name, '1');
   }
   if (notes.kept.length) parts.set('notes', notes.toAddress());
   return `#${parts}`;
@@ -36,5 +36,5 @@ export function fromAddress({ view, notes }, hash) {
   view.fromAddress(hash);
   const [low, high] = numbers(parts.get('range'));
   const map = parts.get('map') ?? '';
-  return low < high ? { low, high, chosen: true, log: parts.get('log') === '1', dynamic: parts.get('dynamic') === '1', ...(MAPS[map] ? { map } : {}) } : null;
+  return low < high ? { low, high, chosen: true, log: parts.get('log') === '1', dynamic: parts.get('dynamic') === '1', inView: parts.get('inView') === '1', ...(MAPS[map] ? { map } : {}) } : null;
 }

@@ -4,7 +4,8 @@
 //   colour = map[(value - low) / (high - low)], both logarithmic where the quantity is      no value: hatched grey
 //
 // Static: one range everywhere, so a colour is a value. Dynamic: the range at each depth is the mean plus and minus two
-// standard deviations of a window around it, which brings out layers; then a colour is NOT a value.
+// standard deviations of a window around it, which brings out layers; then a colour is NOT a value. In view: one range for the
+// section that is shown, from its own values; it changes with the section.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { FIRST, NEAREST, RADIUS, STATE, SUPPORT_MASK, TEXEL } from './protocol.js';
@@ -53,7 +54,7 @@ export function quantities(store) {
     { id: 'change', name: 'Change since first pass', mode: Q_CHANGE, length: true, low: -0.01, high: 0.01, map: 'difference' },
   ];
   const kept = store.basis !== 'gauge' ? wall : own.length ? [] : [{ ...wall[0], name: 'Not measured' }];
-  return [...kept, ...own].map((quantity) => ({ dynamic: false, log: false, chosen: false, ...quantity }));
+  return [...kept, ...own].map((quantity) => ({ dynamic: false, inView: false, log: false, chosen: false, ...quantity }));
 }
 
 // A quantity by its id; an unknown one is the first.
@@ -107,6 +108,21 @@ export function sampleOf(store, quantity, pieces, pass, most = 8000) {
     }
   }
   return Float64Array.from(values).sort();
+}
+
+/** @type {WeakMap<Quantity, { key: string, sorted: Float64Array }>} */
+const seen = new WeakMap();
+
+// Values of the section in view, sorted; kept until the section or one of its tiles changes.
+/** @param {Pick<Look, 'store' | 'view' | 'imagePieces'>} look @param {Quantity} quantity */
+export function valuesInView({ store, view, imagePieces }, quantity) {
+  const versions = imagePieces.reduce((sum, { tile }) => sum + tile.version * (tile.index + 1), 0);
+  const key = [store.session, quantity.log, view.pass, view.top.toFixed(2), view.length.toFixed(2), versions, imagePieces.length].join();
+  const kept = seen.get(quantity);
+  if (kept?.key === key) return kept.sorted;
+  const sorted = sampleOf(store, quantity, imagePieces, view.pass);
+  seen.set(quantity, { key, sorted });
+  return sorted;
 }
 
 // How far apart values are on a scale: by their differences, or by those of their logarithms.

@@ -3,7 +3,7 @@
 // shows, and again when their version changes.
 
 import { scaling } from './colour.js';
-import { BOLD, label, PALETTES, SMALL, within, yOf } from './layout.js';
+import { BOLD, fitting, label, PALETTES, SMALL, within, yOf } from './layout.js';
 import { byId, options } from './panel.js';
 import { save } from './saving.js';
 import { line } from './strokes.js';
@@ -127,7 +127,7 @@ export class Curves {
     for (const share of [0.25, 0.5, 0.75]) line(ink, rect.left + share * rect.width, rect.top, rect.left + share * rect.width, rect.top + rect.height, palette.grid);
     this.shown.forEach((one, i) => {
       const [colour, dash] = STYLES[i];
-      this.head(ink, one, rect, 10 + 18 * i, palette, palette[colour], dash, view.units);
+      this.head(ink, one, rect, i, palette, palette[colour], dash, view.units);
       this.ask(one);
       const held = this.held.get(one.name);
       if (held?.depth.length) within(ink, rect, () => trace(ink, one, held, rect, view, palette[colour], dash));
@@ -137,15 +137,21 @@ export class Curves {
     ink.strokeRect(rect.left + 0.5, rect.top + 0.5, rect.width - 1, rect.height - 1);
   }
 
-  /** @param {Ink} ink @param {CurveOffer} curveOffer @param {Rect} rect @param {number} y @param {Palette} palette @param {string} colour @param {number[]} dash @param {Units} units */
-  head(ink, { name, unit, low, high }, { left, width }, y, palette, colour, dash, units) {
+  // Name, line and ends of the i-th curve: under each other for one or two curves, else in one line, as far as there is room;
+  // the name comes first.
+  /** @param {Ink} ink @param {CurveOffer} curveOffer @param {Rect} rect @param {number} i @param {Palette} palette @param {string} colour @param {number[]} dash @param {Units} units */
+  head(ink, { name, unit, low, high }, { left, width }, i, palette, colour, dash, units) {
     const { scale, unit: length } = unit === 'm' ? LENGTHS[units] : { scale: 1, unit };
+    const tall = this.shown.length < 3;
+    const y = tall ? 10 + 36 * i : 10 + 18 * i;
     /** @param {number} value */
     const end = (value) => String(Number((value * scale).toPrecision(3))).replace('-', '−');
-    label(ink, end(low), left, y, { colour: palette.soft, font: SMALL });
-    label(ink, end(high), left + width, y, { colour: palette.soft, align: 'right', font: SMALL });
-    label(ink, `${name} ${length}`, left + width / 2, y, { colour: palette.ink, align: 'center', font: BOLD, yields: true });
+    ink.font = BOLD;
+    label(ink, fitting(ink, [`${name} ${length}`, name], width), left + width / 2, y, { colour: palette.ink, align: 'center', font: BOLD });
     line(ink, left, y + 8, left + width, y + 8, colour, dash, 1.6);
+    const below = tall ? y + 16 : y;
+    label(ink, end(low), left, below, { colour: palette.soft, font: SMALL, yields: true, margin: 1 });
+    label(ink, end(high), left + width, below, { colour: palette.soft, align: 'right', font: SMALL, yields: true, margin: 1 });
   }
 
   // Name and value of the curves that are shown, at a depth.

@@ -7,10 +7,14 @@ import { depthAt, HEAD, imageRects, inside, movable, tracksEnd } from './layout.
 import { leftEdge } from './path.js';
 import { turnHead } from './inside.js';
 import { byId, tabs } from './panel.js';
+import { CLASSES } from './picking.js';
 
 const EDGE = 5; // pixels at the right edge of a head
-const CURVE = 6; // pixels from a curve that still hit it
-const CLICK = 4; // pixels a pointer may move and still click
+// Pixels: from a curve that still hit it; along a sine from its crest that still change its dip; that a click may move.
+const MOUSE = { curve: 6, crest: 0, click: 4 };
+const FINGER = { curve: 20, crest: 26, click: 10 };
+/** @param {PointerEvent} event */
+const precision = ({ pointerType }) => (pointerType === 'touch' ? FINGER : MOUSE);
 
 // Where a pointer is on the element that listens, in the element's own pixels: a page on 4K is enlarged.
 /** @param {MouseEvent} event @returns {Pair} */
@@ -34,8 +38,14 @@ export function bindTracks(app) {
     pointers.set(event.pointerId, [x, y]);
     ink.setPointerCapture(event.pointerId);
     const head = headAt(app.rects, x, y);
+    if (pointers.size > 1) { // a second finger: pinch, whatever the first one began
+      app.picking.cancel();
+      drag = null;
+      return;
+    }
+    const { curve, crest } = precision(event);
     const aim = app.picking.on ? aimAt(app, x, y) : null;
-    drag = { head, width: head ? app.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app)), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
+    drag = { head, width: head ? app.rects[head.name].width : 0, pick: aim && app.picking.grab(aim, reachOf(app, curve), (360 * crest) / app.rects.image.width), x, y, top: app.view.top, moved: false, onMap: inside(app.rects.map, x, y), turn: app.straight && inside(app.rects.wall, x, y) ? app.view.turn : null };
     if (drag.onMap && app.store) app.view.centre(app.map.depthAt(app.look(), y), app.store);
   });
   ink.addEventListener('pointermove', (event) => {
@@ -47,7 +57,7 @@ export function bindTracks(app) {
       ink.style.cursor = head?.edge ? 'col-resize' : head ? 'grab' : '';
       return hover(app, x, y);
     }
-    drag.moved ||= Math.hypot(x - drag.x, y - drag.y) > CLICK;
+    drag.moved ||= Math.hypot(x - drag.x, y - drag.y) > precision(event).click;
     if (!drag.moved) return undefined;
     if (drag.head) return drag.head.edge ? app.view.widen(drag.head.name, drag.width + x - drag.x) : undefined;
     if (drag.onMap) return app.view.centre(app.map.depthAt(app.look(), y), app.store);
@@ -64,7 +74,7 @@ export function bindTracks(app) {
     pointers.delete(event.pointerId);
     app.picking.drop();
     if (drag?.head && drag.moved && !drag.head.edge) reorder(app, drag.head.name, at(event)[0]);
-    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') clickAt(app, ...at(event));
+    if (drag && !drag.moved && !drag.onMap && event.type === 'pointerup') clickAt(app, ...at(event), reachOf(app, precision(event).curve));
     drag = null;
   };
   ink.addEventListener('pointerup', up);
@@ -90,8 +100,8 @@ function reorder({ view, rects }, name, x) {
   view.arrange([...others.slice(0, at), name, ...others.slice(at)]);
 }
 
-/** @param {App} app */
-const reachOf = ({ view, rects }) => (CURVE * view.length) / rects.image.height; // metres within which a curve is hit
+/** @param {App} app @param {number} pixels */
+const reachOf = ({ view, rects }, pixels) => (pixels * view.length) / rects.image.height; // metres along the hole
 
 /** @param {App} app @param {number} x @param {number} y */
 function hover(app, x, y) {
@@ -117,20 +127,14 @@ function aimAt(app, x, y) {
   return onImage ? /** @type {Aim | null} */ (cursorAt(app, x, y)) : null;
 }
 
-/** @param {App} app @param {number} x @param {number} y */
-function clickAt(app, x, y) {
+/** @param {App} app @param {number} x @param {number} y @param {number} reach */
+function clickAt(app, x, y, reach) {
   const head = app.besides.findIndex((_, i) => y < HEAD && inside({ ...app.rects[`beside${i}`], top: 0 }, x, y));
-  if (head >= 0) return swap(app, app.besides[head].id);
+  if (head >= 0) return app.setQuantity(app.besides[head].id);
   const cursor = cursorAt(app, x, y);
   const aim = app.picking.on ? aimAt(app, x, y) : null;
-  if (aim) app.picking.click(aim, reachOf(app));
+  if (aim) app.picking.click(aim, reach);
   else if (cursor) app.view.point(cursor, !app.view.pinned);
-}
-
-// A click on the head of an image beside makes it the first; that one takes its place.
-/** @param {App} app @param {string} id */
-function swap({ view, quantity }, id) {
-  view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one)));
 }
 
 /** @param {App} app @param {WheelEvent} event */
@@ -149,10 +153,12 @@ function pinch(app, pointers, id, now) {
     const [a, b] = [...pointers.values()];
     return [Math.abs(a[1] - b[1]) + 40, (a[1] + b[1]) / 2];
   };
-  const [before] = apart();
+  const { view, rects, store } = app;
+  const [before, from] = apart();
   pointers.set(id, now);
   const [after, middle] = apart();
-  app.view.zoom(before / after, depthAt(app.view, app.rects.image, middle), app.store);
+  view.zoom(before / after, depthAt(view, rects.image, middle), store);
+  if (!view.follow) view.show(view.top - ((middle - from) * view.length) / rects.image.height, view.length, store);
 }
 
 /** @param {App} app @param {Gpu} gpu */
@@ -182,7 +188,7 @@ export function bindOrbit(app, gpu) {
   pane.addEventListener('pointerdown', (event) => (pressed = placeOf(event)));
   pane.addEventListener('pointerup', (event) => {
     const [x, y] = placeOf(event);
-    if (!pressed || Math.hypot(x - pressed[0], y - pressed[1]) > CLICK || event.button !== 0) return;
+    if (!pressed || Math.hypot(x - pressed[0], y - pressed[1]) > precision(event).click || event.button !== 0) return;
     app.pickAt(...pressed, true);
   });
   return controls;
@@ -199,7 +205,8 @@ export function bindControls(app) {
   on('sectionLength', 'change', ({ value }) => app.setLength(value));
   on('follow', 'click', () => app.follow(!view.follow));
   on('rigOpen', 'click', () => app.rig());
-  on('menu', 'click', (menu) => menu.setAttribute('aria-expanded', String(byId('bar').classList.toggle('open'))));
+  on('menu', 'click', () => openMenu(!byId('bar').classList.contains('open')));
+  for (const id of /** @type {const} */ (['dipOpen', 'rigOpen', 'replayOpen', 'theme', 'keys'])) on(id, 'click', () => openMenu(false));
   for (const tab of tabs()) tab.addEventListener('click', () => view.choose({ tab: tab.value }));
   on('theme', 'click', () => view.toggleTheme());
   on('fit', 'click', () => app.fit());
@@ -209,11 +216,18 @@ export function bindControls(app) {
   on('quantity', 'change', ({ value }) => app.setQuantity(value));
   on('map', 'change', ({ value: map }) => app.setColours({ map }));
   on('log', 'change', ({ checked: log }) => app.setColours({ log }));
-  on('dynamic', 'change', ({ checked: dynamic }) => app.setColours({ dynamic }));
+  on('dynamic', 'change', ({ checked: dynamic }) => app.setColours({ dynamic, inView: false }));
+  on('inView', 'change', ({ checked: inView }) => app.setColours({ inView, dynamic: false }));
   on('beside', 'click', () => app.keepBeside());
-  on('percentile', 'click', () => app.setColours(fitRange(app.quantity, app.histogram.sorted)));
+  on('percentile', 'click', () => app.setColours({ ...fitRange(app.quantity, app.histogram.sorted), inView: false }));
   for (const end of /** @type {const} */ (['low', 'high'])) on(end, 'change', ({ value }) => app.setEnd(end, Number(value)));
   bindHistogram(app);
+}
+
+/** @param {boolean} open */
+function openMenu(open) {
+  byId('bar').classList.toggle('open', open);
+  byId('menu').setAttribute('aria-expanded', String(open));
 }
 
 /** @param {App} app */
@@ -223,7 +237,7 @@ function bindHistogram(app) {
   let end = null;
   canvas.addEventListener('pointerdown', (event) => {
     const { quantity, histogram } = app;
-    if (!app.store || quantity.dynamic) return;
+    if (!app.store || quantity.dynamic || quantity.inView) return;
     /** @param {End} name */
     const away = (name) => Math.abs(histogram.x(quantity[name], quantity) - placeOf(event)[0]);
     end = away('low') < away('high') ? 'low' : 'high';
@@ -245,7 +259,7 @@ export function bindKeys(app) {
     const typing = /^(INPUT|SELECT|TEXTAREA)$/.test(tagName) || byId('help').open || byId('note').open;
     if (!typing && (event.ctrlKey || event.metaKey) && event.key === 'z' && app.picking.on) app.picking.undo();
     if (typing || event.ctrlKey || event.metaKey || event.altKey || !app.store) return;
-    const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => app.setQuantity(app.quantities[Number(event.key) - 1]?.id) : null);
+    const act = KEYS[event.key] ?? (/^[1-9]$/.test(event.key) ? () => (app.picking.on ? app.picking.setClass(CLASSES[Number(event.key) - 1]) : app.setQuantity(app.quantities[Number(event.key) - 1]?.id)) : null);
     if (!act || (/^(Enter| )$/.test(event.key) && tagName === 'BUTTON')) return;
     event.preventDefault();
     act(app);

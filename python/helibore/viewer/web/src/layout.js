@@ -1,6 +1,6 @@
 // Where the panels of the stage are, in CSS pixels. All tracks share one depth axis: the same y is the same depth.
 //
-//   | map | depth | image | caliper | curves | dips, where some are picked |  3-D  |
+//   | map | depth | image | images beside it | caliper | curves | dips, where some are picked |  3-D  |
 //   heads above, bodies below         on a narrow screen a tab shows the tracks or the 3-D view with its depths
 //
 // A user changes width and order of the tracks after the depth.
@@ -11,54 +11,64 @@ export const HEAD = 80;
 const FOOT = 20;
 
 const DIPS = 70;
-const CURVES = 112;
 const NARROWEST = 64; // pixels of a track
-const PANE = 180; // that the hole has at least
+const PANE = 190; // that the hole has at least
+const COLUMN = 1100; // pixels that the straightened hole is wide at most
+const PHONE = 600; // a narrower stage has room for the image and the caliper alone
 
-const COLUMN = 800; // pixels that the straightened hole is wide at most
-/** @param {number} width */
-export const listWidth = (width) => (width < 1200 ? 240 : 330); // beside it, the list of zones
+/** @param {number} value @param {number} least @param {number} most */
+const bounded = (value, least, most) => Math.round(Math.min(most, Math.max(least, value)));
 
 /** @type {(width: number, height: number, arrangement?: Arrangement) => Rects} */
-export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null, beside = 0, curves = false, chosen = {}, order = [], list = true } = {}) {
+export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null, beside = 0, curves = 0, chosen = {}, order = [] } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
-  const image = rig ? Math.round(width * 0.36) : Math.round(Math.min(480, Math.max(190, width * 0.25)));
-  const caliper = Math.round(Math.min(280, Math.max(120, width * 0.15)));
-  const several = Math.round(Math.max(130, (1.5 * image) / (beside + 1))); // each of several images
-  const narrow = tab === '3d' ? { map: 0, axis: 66, image: 0, caliper: 0 } : { map: 38, axis: width < 600 ? 62 : 74, image: width - (width < 600 ? 118 : 130) - (measured ? small(width) + 6 : 0), caliper: measured ? small(width) : 0 };
-  const widths = tab ? narrow : rig ? { map: 0, axis: 66, image, caliper: 0 } : { map: 52, axis: 72, image: beside ? several : measured ? image : image + caliper, ...Object.fromEntries(Array.from({ length: beside }, (_, i) => [`beside${i}`, several])), caliper: measured ? (beside ? 120 : caliper - (dips ? 10 : 0)) : 0, ...(curves ? { curves: CURVES } : {}), ...(dips ? { dips: DIPS } : {}) };
+  const slim = tab !== null && width < PHONE;
+  const widths = rig ? { map: 0, axis: 66, image: Math.round(width * 0.36), caliper: 0 }
+    : tab === '3d' ? { map: 0, axis: 66, image: 0, caliper: 0 }
+      : slim ? phone(width, measured) : desk(width, { dips, measured, beside, curves });
   /** @type {Rects} */
   const rects = {};
   let left = 4;
-  for (const [name, w] of tab || rig ? Object.entries(widths) : arranged(widths, chosen, order, width)) {
+  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : PANE)) {
     rects[name] = { left, width: w, ...body };
     left += w + (name === 'axis' || !w ? 0 : 6);
   }
   rects.pane = { left: left + 4, width: tab && tab !== '3d' ? 0 : Math.max(60, width - left - 4), top: 0, height };
-  const column = Math.max(0, Math.min(COLUMN, rects.pane.width - (list && rects.pane.width >= 380 && !rig && !tab ? listWidth(width) : 4)));
-  rects.wall = straight ? { ...body, left: left + 4, width: column } : rects.pane;
+  rects.wall = straight ? { ...body, left: left + 4, width: Math.max(0, Math.min(COLUMN, rects.pane.width - 4)) } : rects.pane;
   return rects;
 }
 
-// Names and widths of the tracks as the user arranged them; all narrower where the hole would have no room.
-/** @param {Record<string, number>} widths @param {Record<string, number>} chosen @param {string[]} order @param {number} width @returns {[string, number][]} */
-function arranged(widths, chosen, order, width) {
+/** @param {number} width @param {boolean} measured */
+function phone(width, measured) {
+  const caliper = measured ? Math.round(width * 0.19) : 0;
+  return { map: 38, axis: 62, image: width - 118 - (measured ? caliper + 6 : 0), caliper };
+}
+
+/** @param {number} width @param {{ dips: boolean, measured: boolean, beside: number, curves: number }} of @returns {Record<string, number>} */
+function desk(width, { dips, measured, beside, curves }) {
+  const image = beside ? bounded((0.375 * width) / (beside + 1), 130, 480) : bounded(width * (measured ? 0.25 : 0.4), 190, measured ? 480 : 760);
+  const besides = Object.fromEntries(Array.from({ length: beside }, (_, i) => [`beside${i}`, image]));
+  const caliper = measured ? bounded(width * (beside ? 0.11 : 0.15) - (dips ? 10 : 0), 110, 280) : 0;
+  return { map: 52, axis: 72, image, ...besides, caliper, ...(curves ? { curves: curves > 2 ? 176 : 112 } : {}), ...(dips ? { dips: DIPS } : {}) };
+}
+
+// Names and widths of the tracks as the user arranged them; all narrower where the hole would not have `pane` pixels, and
+// all as wide as the screen where it has none.
+/** @param {Record<string, number>} widths @param {Record<string, number>} chosen @param {string[]} order @param {number} width @param {number} pane @returns {[string, number][]} */
+function arranged(widths, chosen, order, width, pane) {
   /** @param {string} name */
   const place = (name) => (order.includes(name) ? order.indexOf(name) : order.length + Object.keys(widths).indexOf(name));
   const { map, axis, ...tracks } = widths;
   const names = Object.keys(tracks).sort((a, b) => place(a) - place(b));
   const wide = names.map((name) => (tracks[name] ? Math.max(NARROWEST, chosen[name] ?? tracks[name]) : 0));
-  const room = width - map - axis - PANE - 6 * (names.length + 2);
-  const share = Math.min(1, room / wide.reduce((sum, one) => sum + one, 0));
+  const room = width - map - axis - pane - 6 * (wide.filter(Boolean).length + 2);
+  const share = Math.min(pane ? 1 : Infinity, room / wide.reduce((sum, one) => sum + one, 0));
   return Object.entries({ map, axis, ...Object.fromEntries(names.map((name, i) => [name, Math.floor(wide[i] * share)])) });
 }
 
 // Names of the tracks that a user can move, from left to right.
 /** @param {Rects} rects */
 export const movable = (rects) => Object.keys(rects).filter((name) => !['map', 'axis', 'pane', 'wall'].includes(name) && rects[name].width);
-
-/** @param {number} width */
-const small = (width) => Math.round(Math.min(200, Math.max(64, width * 0.19))); // the caliper beside tabs
 
 // Where the last track ends; the straightened hole is one.
 /** @param {Rects} rects */
@@ -127,6 +137,16 @@ export function label(ink, text, x, y, { colour, halo, align = 'left', baseline 
   }
   ink.fillStyle = colour;
   ink.fillText(text, x, y);
+}
+
+// The first text that is no wider, else as much of the last one as there is room for.
+/** @param {Ink} ink @param {string[]} texts @param {number} width */
+export function fitting(ink, texts, width) {
+  /** @param {string} text */
+  const fits = (text) => ink.measureText(text).width <= width;
+  let text = texts.find(fits) ?? texts[texts.length - 1];
+  while (text.length > 1 && !fits(text)) text = `${text.replace(/…$/, '').slice(0, -1)}…`;
+  return text;
 }
 
 /** @param {Ink} ink @param {string} text @param {number} x @param {number} y @param {number} margin */

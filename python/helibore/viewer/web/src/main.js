@@ -7,7 +7,7 @@
 import { Alarms } from './alarms.js';
 import { fromAddress, looked, toAddress } from './address.js';
 import { Connection, LOST, STOPPED } from './connection.js';
-import { quantities, quantityOf, takeRanges } from './colour.js';
+import { fitRange, Q_ATTRIBUTE, quantities, quantityOf, takeRanges, valuesInView } from './colour.js';
 import { drawCaliper } from './caliper.js';
 import { Curves } from './curves.js';
 import { drawColumn } from './column.js';
@@ -18,7 +18,7 @@ import { lamp, spokenText } from './lamp.js';
 import { Gpu } from './gpu.js';
 import { whenHosted } from './host.js';
 import { bindControls, bindKeys, bindOrbit, bindTracks } from './input.js';
-import { FONT, HEAD, imageRects, layout, listWidth, PALETTES } from './layout.js';
+import { FONT, HEAD, imageRects, layout, PALETTES } from './layout.js';
 import { drawDips, drawPoints } from './dip_ink.js';
 import { DepthMap } from './map.js';
 import { drawNet } from './net.js';
@@ -40,11 +40,13 @@ import { drawWallInk } from './wall_ink.js';
 import { bySeverity, jump } from './zones.js';
 
 const NARROW = window.matchMedia('(max-width: 999px)');
+const PHONE = window.matchMedia('(max-width: 599px)');
 const FINE_TILES = 64; // a longer section is drawn from the overview
 const MEMORY = 256 * 2 ** 20; // bytes of tiles, textures included
 const UNSEEN = 250; // milliseconds that a change outside the section may wait for a frame
 const SLOW = 40; // milliseconds of a picture
 const MOVING = 200; // milliseconds, besides the time to draw, between two pictures that move
+const USUAL_SCALE = 200; // of paper, at first
 const SUMMARY_WAIT = 250; // milliseconds that the section rests before its figures are requested
 const seconds = () => performance.now() / 1000;
 
@@ -71,6 +73,7 @@ export class App {
   /** @type {Summary | null} */
   summary = null;
   summarized = '';
+  summaryOf = false; // of the last metres, as in rig mode
   summaryPending = false;
   status = 'connecting';
   words = '';
@@ -191,12 +194,14 @@ export class App {
     });
     options('quantity', this.quantities.map(({ id, name }) => [id, name]));
     if (handshake.template) this.arrange(handshake.template);
+    else this.view.usual(this.usualBeside());
     if (this.colours) Object.assign(this.quantity, this.colours);
     this.colours = null;
     byId('well').textContent = handshake.well || 'helibore';
     byId('well').title = handshake.well;
     document.title = handshake.well ? `${handshake.well} – helibore` : 'helibore';
     this.resize();
+    if (!this.view.sized && !handshake.template?.scale && !this.view.rig) this.setLength(`1:${USUAL_SCALE}`);
     if (this.view.follow) this.view.followEnd(this.store);
     this.ask();
     this.redraw();
@@ -316,6 +321,12 @@ export class App {
     return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter((one) => one !== undefined);
   }
 
+  // Images that stand beside the first one at first: as many of the wall's as have room.
+  usualBeside() {
+    const room = NARROW.matches ? 1 : Math.floor((byId('stage').clientWidth - 600) / 400);
+    return this.quantities.filter(({ mode, length, id }) => mode === Q_ATTRIBUTE && !length && id !== this.quantity.id).slice(0, Math.max(0, room)).map(({ id }) => id);
+  }
+
   // Keep the first image beside the others, or no longer.
   keepBeside() {
     const { view, quantity } = this;
@@ -328,7 +339,7 @@ export class App {
   /** @returns {Arrangement} */
   get arrangement() {
     const { view, store, straight, picking } = this;
-    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, curves: this.curves.shown.length > 0, list: this.zones.length > 0, chosen: view.widths, order: view.order, beside: NARROW.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
   // Is the hole drawn straightened, on the depth axis of the tracks?
@@ -356,7 +367,7 @@ export class App {
     const now = seconds();
     /** @type {Look} */
     const made = {
-      store, view, path, rects, bitDepth, quantity,
+      store, view, path, rects, bitDepth, asked: quantity, quantity,
       imagePieces: pieces,
       wallPieces: pieces,
       imageRect: rects.image,
@@ -368,8 +379,9 @@ export class App {
       glow: (tile) => (this.replay.past ? [] : this.glow.on(tile, now)),
     };
     /** @type {Look[]} */
-    const beside = this.besides.map((one, i) => ({ ...made, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { ...rects.caliper, width: 0 } } }));
-    return { ...made, images: [made, ...beside.filter(({ imageRect }) => imageRect)] };
+    const beside = this.besides.map((one, i) => ({ ...made, asked: one, quantity: one, imageRect: rects[`beside${i}`], rects: { ...rects, image: rects[`beside${i}`], caliper: { ...rects.caliper, width: 0 } } }));
+    const images = [made, ...beside.filter(({ imageRect }) => imageRect)].map((one) => (one.asked.inView ? { ...one, quantity: { ...one.asked, ...fitRange(one.asked, valuesInView(one, one.asked)) } } : one));
+    return { ...images[0], images };
   }
 
   schedule() {
@@ -468,7 +480,7 @@ export class App {
 
   /** @param {Look} look */
   drawPanels(look) {
-    const { view, store, path, quantity } = this;
+    const { view, store, path } = this;
     const { cursor } = view;
     const wall = store.levels[0];
     const k = cursor && cursor.toolface !== null ? wall.quadAt(cursor.depth, cursor.toolface) : -1;
@@ -489,12 +501,11 @@ export class App {
     if (NARROW.matches) writeBrief(look, this.read, store.basis === 'azimuthal' ? figures : []);
     byId('sectionTitle').textContent = showSpan(view.top, view.bottom, view.units);
     this.summarize();
-    write('section', sectionText(store, this.summary, view.units));
+    this.writeSummary();
     this.alarms.write(view.units);
     listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
-    writeRig(this);
     if (byId('histogram').clientHeight) this.histogram.draw(look);
-    reflect(view, quantity, this.rects.image);
+    reflect(view, look.quantity, this.rects.image);
     links(this, toAddress(this));
     lamp(this);
   }
@@ -508,13 +519,9 @@ export class App {
     this.painted = '';
     const { pane: wall } = this.rects;
     byId('orbit').hidden = this.straight;
-    byId('zonesCard').classList.toggle('list', this.straight);
-    byId('zonesCard').style.setProperty('--list', `${listWidth(width)}px`);
-    byId('zonesCard').style.left = this.straight ? `${this.rects.wall.left + this.rects.wall.width + 8}px` : '';
     Object.assign(byId('orbit').style, { left: `${wall.left}px`, top: `${HEAD - 24}px`, width: `${wall.width}px`, height: `${height - HEAD + 24}px` });
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
-    byId('dips').style.left = `${wall.left + 10}px`;
     Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
     this.redraw();
   }
@@ -564,7 +571,8 @@ export class App {
 
   /** @param {string} id */
   setQuantity(id) {
-    if (this.quantities.some((q) => q.id === id)) this.view.choose({ quantity: id });
+    const { quantity, view, quantities: all } = this;
+    if (all.some((q) => q.id === id)) view.showImages(id, view.beside.map((one) => (one === id ? quantity.id : one))); // they change places
   }
 
   /** @param {Colours} changes */
@@ -582,29 +590,42 @@ export class App {
     else this.redraw();
   }
 
+  writeSummary() {
+    write('section', sectionText(this.store, this.summary, this.view.units));
+    writeRig(this);
+  }
+
   // Ask the server for the figures of the section, or in rig mode of the last metres, once it rests; while the wall grows,
-  // every now and then. An exported file holds those of its own section.
+  // every now and then. Those of the section do not stand for the last metres, nor the other way round. An exported file holds
+  // those of its own section.
   summarize() {
     const { view, store, contents } = this;
     if (contents) this.summary = contents.summary;
-    const [start, stop] = view.rig ? recent(store) : [view.top, view.bottom];
-    const key = [start.toFixed(2), stop.toFixed(2), store.levels[0].size, store.session].join();
-    if (contents || this.summaryPending || key === this.summarized || store.basis === 'gauge') return;
+    if (contents || store.basis === 'gauge') return;
+    const asked = () => (view.rig ? recent(this.store) : [view.top, view.bottom]);
+    const keyOf = (/** @type {number[]} */ ends) => [...ends.map((end) => end.toFixed(2)), this.store.levels[0].size, this.store.session].join();
+    if (this.summaryOf !== view.rig) Object.assign(this, { summary: null, summaryOf: view.rig, summarized: '', summaryPending: false });
+    if (this.summaryPending || keyOf(asked()) === this.summarized) return;
     this.summaryPending = true;
+    const wait = view.rig && !this.summary ? 0 : SUMMARY_WAIT;
     setTimeout(async () => {
-      const [from, to] = view.rig ? recent(this.store) : [view.top, view.bottom];
-      this.summarized = [from.toFixed(2), to.toFixed(2), this.store.levels[0].size, this.store.session].join();
+      const rig = view.rig;
+      const [from, to] = asked();
+      this.summarized = keyOf([from, to]);
       const query = new URLSearchParams(location.search);
       query.set('start', String(from));
       query.set('stop', String(to));
       const began = performance.now();
       const answer = await fetch(`api/summary?${query}`).catch(() => null);
-      this.summary = answer?.ok ? await answer.json() : null;
+      const summary = answer?.ok ? await answer.json() : null;
+      if (rig !== this.summaryOf) return; // the mode has changed meanwhile, and another request is under way
+      this.summary = summary;
+      this.writeSummary();
       setTimeout(() => {
         this.summaryPending = false;
-        this.redraw();
+        this.summarize();
       }, 4 * (performance.now() - began));
-    }, SUMMARY_WAIT);
+    }, wait);
   }
 
   // Go to the next (1) or previous (-1) zone by severity.

@@ -1,7 +1,7 @@
 // Notes at a depth: B writes one at the cursor, or opens the one that is there. The address holds them, and so do
 // exports; the server does not.
 
-import { BOLD, label, PALETTES, yOf } from './layout.js';
+import { BOLD, fitting, label, PALETTES, yOf } from './layout.js';
 import { byId } from './panel.js';
 import { line } from './strokes.js';
 import { showDepth } from './units.js';
@@ -78,13 +78,6 @@ export function drawNotes(ink, { view, rects, notes }) {
     const y = Math.round(yOf(view, rects.image, depth)) + 0.5;
     line(ink, left, y, left + width, y, palette.pin);
     ink.font = BOLD;
-    label(ink, fitting(ink, text, width - 12), left + 6, y - 9, { colour: palette.pin, halo: palette.paper, font: BOLD, yields: true });
+    label(ink, fitting(ink, [text], width - 12), left + 6, y - 9, { colour: palette.pin, halo: palette.paper, font: BOLD, yields: true });
   }
-}
-
-/** @param {Ink} ink @param {string} text @param {number} room */
-function fitting(ink, text, room) {
-  let shown = text;
-  while (shown.length > 1 && ink.measureText(shown).width > room) shown = `${shown.slice(0, shown.endsWith('…') ? -2 : -1)}…`;
-  return shown;
 }

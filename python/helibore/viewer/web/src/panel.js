@@ -1,6 +1,6 @@
 // The controls and read-outs around the stage: what the HTML shows and what the user sets in it.
 
-import { MAPS, fitRange, histogram, sampleOf, scaling } from './colour.js';
+import { MAPS, fitRange, histogram, scaling, valuesInView } from './colour.js';
 import { PALETTES } from './layout.js';
 import { CUTS } from './path.js';
 import { sized } from './polar.js';
@@ -21,8 +21,8 @@ export function fillSelects() {
   options('cut', Object.entries(CUTS).map(([value, { label, letters }]) => [value, `${letters.join('-')}: ${label}`]));
   sections(LENGTHS.mm.depth);
   options('camera', Object.entries(CAMERAS));
-  options('tube', TUBES.map((v) => [v, v ? `× ${v}` : 'auto']));
-  options('shape', SHAPES.map((v) => [v, v ? `× ${v}` : 'auto']));
+  options('tube', TUBES.map((v) => [v, v ? `tube × ${v}` : 'tube auto']));
+  options('shape', SHAPES.map((v) => [v, v ? `shape × ${v}` : 'shape auto']));
   options('map', Object.entries(MAPS).filter(([name]) => !name.endsWith('-dark')).map(([value, { label }]) => [value, label.replace(/ \(.*/, '')]));
   for (const option of byId('map').options) option.title = MAPS[option.value].label;
 }
@@ -80,7 +80,7 @@ export function applyTheme({ theme }) {
 // The controls of the wall are disabled until there is one.
 /** @param {boolean} on */
 export function disableControls(on) {
-  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #wallHead, #follow, #bar label, #pass'))) part.inert = on;
+  for (const part of /** @type {NodeListOf<HTMLElement>} */ (document.querySelectorAll('aside, #foot, #wallHead, #follow, #bar label, #pass'))) part.inert = on;
   for (const id of ['wallHead', 'brief']) byId(id).hidden = on;
 }
 
@@ -102,7 +102,7 @@ export const paperScale = (view, image) => SCALES.find((one) => Math.abs(scaleLe
 /** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
   for (const id of /** @type {const} */ (['cut', 'pass', 'units', 'median', 'camera', 'tube', 'shape'])) byId(id).value = String(view[id]);
-  for (const part of [byId('tube').labels[0], byId('fit')]) part.hidden = view.camera === 'straight';
+  for (const part of [byId('tube'), byId('fit')]) part.hidden = view.camera === 'straight';
   const paper = paperScale(view, image);
   const { depth } = LENGTHS[view.units];
   sections(depth);
@@ -117,12 +117,13 @@ export function reflect(view, quantity, image) {
   byId('map').value = quantity.map;
   byId('log').checked = quantity.log;
   byId('dynamic').checked = quantity.dynamic;
+  byId('inView').checked = quantity.inView;
   const scale = scaleOf(quantity, view.units);
   for (const end of /** @type {const} */ (['low', 'high'])) {
     const input = byId(end);
     const value = quantity[end] * scale;
     if (document.activeElement !== input) input.value = Number.isFinite(value) ? String(Number(value.toPrecision(4))) : '';
-    input.disabled = quantity.dynamic;
+    input.disabled = quantity.dynamic || quantity.inView;
   }
   byId('rangeUnit').textContent = unitOf(quantity, view.units);
 }
@@ -194,7 +195,7 @@ export function listZones(zones, { units, theme }, alarms, show) {
   card.dataset.key = key;
   byId('zonesCard').hidden = zones.length === 0;
   byId('zonesTab').textContent = `Zones ${zones.length || ''}`;
-  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}: ${LENGTHS[units].unit} from bit, × limit`;
+  byId('zonesTitle').textContent = `${zones.length} zone${zones.length === 1 ? '' : 's'}, worst first: ${LENGTHS[units].unit} from bit, × limit`;
   card.replaceChildren(...bySeverity(zones).map((zone) => {
     const button = document.createElement('button');
     button.type = 'button';
@@ -227,18 +228,8 @@ export class Histogram {
   /** @param {Canvas} canvas */
   constructor(canvas) {
     this.canvas = canvas;
+    /** @type {Float64Array} */
     this.sorted = new Float64Array(0);
-    this.key = '';
-  }
-
-  // Sampling reads thousands of values: only when the section, its tiles or the quantity changed.
-  /** @param {Look} look */
-  refresh({ store, view, quantity, imagePieces }) {
-    const versions = imagePieces.reduce((sum, { tile }) => sum + tile.version * (tile.index + 1), 0);
-    const key = [quantity.id, quantity.log, view.pass, view.top.toFixed(2), view.length.toFixed(2), versions, imagePieces.length].join();
-    if (key === this.key) return;
-    this.key = key;
-    this.sorted = sampleOf(store, quantity, imagePieces, view.pass);
   }
 
   /** @param {Quantity} quantity */
@@ -255,7 +246,7 @@ export class Histogram {
   draw(look) {
     const { quantity, view } = look;
     const palette = PALETTES[view.theme];
-    this.refresh(look);
+    this.sorted = valuesInView(look, look.asked);
     const { ink, width, height } = sized(this.canvas);
     ink.clearRect(0, 0, width, height);
     const [low, high] = (this.scale = this.ends(quantity));
@@ -267,7 +258,7 @@ export class Histogram {
       const tall = (count / most) * (height - 6);
       ink.fillRect((i / counts.length) * width, height - tall, width / counts.length - 0.5, tall);
     });
-    if (quantity.dynamic) return;
+    if (quantity.dynamic || quantity.inView) return;
     ink.fillStyle = palette.cursor;
     for (const end of /** @type {const} */ (['low', 'high'])) {
       const x = this.x(quantity[end], quantity);

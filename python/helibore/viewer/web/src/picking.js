@@ -1,7 +1,8 @@
-// Picking on the image. A plane: click three points or more of a bed or fracture; the plane through them is shown at once,
-// with the cursor as one more point; Enter keeps it. A breakout: drag a box. A click on what is kept selects it: dragging
-// moves it, dragging a sine at its crest or trough changes its dip, Delete removes it. The server holds the picks of the
-// wall, and saves them beside it; every page shows them. An exported file holds its own.
+// Picking on the image. A plane: drag from the crest or the trough of a bed or fracture along it; or click three points or
+// more and press Enter, which fits the plane through them. A breakout: drag a box. What was just made is selected, so a
+// digit sets its class and Delete removes it; a click selects another one. A drag on a pick moves it, at the crest or trough
+// of a sine it changes its dip. The server holds the picks of the wall, and saves them beside it; every page shows them. An
+// exported file holds its own.
 
 import definition from '../../../base/color_maps.json' with { type: 'json' };
 import { messageOf } from './errors.js';
@@ -14,7 +15,8 @@ export const BREAKOUT = 'breakout';
 export const CLASSES = /** @type {(PlaneKind | 'breakout')[]} */ (Object.keys(definition.picks));
 const MOST = 5000;
 const HANDLE = 20; // degrees around the crest or the trough of a sine in which a drag changes its dip
-const LEAST = { opening: 5, height: 0.02 }; // of a box that is dragged
+const LEAST = { opening: 5, height: 0.02, turn: 45 }; // of a box that is dragged; degrees that a sine is dragged along
+const BY_HAND = { misfit: 0, points: 0 }; // of a plane that is fitted to no points
 /** @type {Record<'plane' | 'breakout', [string, string, number][]>} */
 const FIELDS = {
   plane: [['depth', 'MD', 2], ['apparent_dip', 'to hole °', 1], ['toolface', 'deepest °', 0]],
@@ -51,7 +53,7 @@ export class Picking {
   /** @param {App} app */
   constructor(app) {
     this.app = app;
-    options('pickClass', CLASSES.map((name) => [name, name]));
+    options('pickClass', CLASSES.map((name, i) => [name, `${i + 1} ${name}`]));
     /** @type {(id: string, act: (event: Event) => void) => void} */
     const on = (id, act) => byId(id).addEventListener('click', act);
     on('dipOpen', () => this.toggle());
@@ -59,10 +61,7 @@ export class Picking {
     on('dipUndo', () => this.undo());
     on('dipRemove', () => this.remove());
     on('dipClose', () => this.toggle(false));
-    on('dipSave', (event) => {
-      event.preventDefault();
-      download(app, this.address('picks.csv'), 'The picks were');
-    });
+    on('dipSave', () => download(app, this.address('picks.csv'), 'The picks were'));
     on('dipLoad', () => byId('dipFile').click());
     byId('dipFile').addEventListener('change', () => this.load(byId('dipFile')));
     byId('pickClass').addEventListener('change', () => this.setClass(/** @type {PlaneKind | 'breakout'} */ (byId('pickClass').value)));
@@ -97,7 +96,11 @@ export class Picking {
     if (!on) Object.assign(this, { points: [], selected: null });
     byId('dipOpen').classList.toggle('on', on);
     byId('dips').hidden = !on;
-    if (on) this.app.view.release();
+    document.body.classList.toggle('picking', on);
+    if (on) {
+      this.app.view.release();
+      this.app.view.choose({ follow: false, tab: 'log' });
+    }
     this.app.resize();
   }
 
@@ -127,33 +130,36 @@ export class Picking {
     return known.plane;
   }
 
-  // The kept pick whose curve passes within `reach` metres of the cursor, or whose box holds it; null if there is none.
+  // The kept pick whose curve passes within `reach` metres of the cursor, or whose box holds it, first the selected one; null
+  // if there is none.
   /** @param {Aim} aim @param {number} reach */
   near({ depth, toolface }, reach) {
     /** @param {WallPick} pick */
     const hit = (pick) => (pick.kind === BREAKOUT
       ? Math.abs(depth - pick.depth) < pick.height / 2 && apart(2 * toolface, 2 * pick.toolface) < pick.opening
       : Math.abs(planeDepth(this.app.path, this.plane(pick), toolface) - depth) < reach);
-    return this.kept.find(hit) ?? null;
+    const found = this.kept.filter(hit);
+    return found.find(({ key }) => key === this.selected) ?? found[0] ?? null;
   }
 
   // A click on the image: on a pick it selects it or ends that; elsewhere it adds a point.
   /** @param {Aim} cursor @param {number} reach */
   click(cursor, reach) {
     const found = this.points.length ? null : this.near(cursor, reach);
-    if (!found && !this.selected) return this.kind === BREAKOUT ? undefined : this.add(cursor);
     this.selected = !found || found.key === this.selected ? null : found.key;
     if (found) this.kind = found.kind;
-    return this.app.redraw();
+    if (!found && this.kind !== BREAKOUT) this.points.push(this.point(cursor));
+    this.app.redraw();
   }
 
-  // A drag begins on the image: it moves the selected pick, draws a box, or is not for picking (null).
-  /** @param {Aim} from @param {number} reach @returns {Drag | null} */
-  grab(from, reach) {
-    const { pick } = this;
-    if (!pick) return this.kind === BREAKOUT ? { act: 'box', from } : null;
-    if (this.near(from, reach)?.key !== pick.key) return null;
-    const crest = [0, 180].find((turn) => apart(from.toolface, pick.toolface + turn) < HANDLE);
+  // A drag begins on the image: it moves a pick, draws a sine or a box, or is not for picking (null). `handle` is how many
+  // degrees around the crest or the trough of a sine a drag changes its dip.
+  /** @param {Aim} from @param {number} reach @param {number} [handle] @returns {Drag | null} */
+  grab(from, reach, handle = 0) {
+    if (this.points.length) return null;
+    const pick = this.near(from, reach);
+    if (!pick) return { act: this.kind === BREAKOUT ? 'box' : 'sine', from };
+    const crest = [0, 180].find((turn) => apart(from.toolface, pick.toolface + turn) < Math.max(HANDLE, handle));
     return pick.kind === BREAKOUT || crest === undefined ? { act: 'move', from, pick } : { act: 'dip', from, pick, crest };
   }
 
@@ -161,28 +167,55 @@ export class Picking {
   /** @param {Drag} drag @param {Aim} aim */
   drag(drag, { depth, toolface }) {
     const { from } = drag;
+    if (drag.act === 'sine') return this.drawSine(from, { depth, toolface });
     if (drag.act === 'box') {
       const opening = apart(toolface, from.toolface);
       const middle = turned(from.toolface + (turned(toolface - from.toolface + 180) - 180) / 2);
       this.dragged = { key: this.dragged?.key ?? newKey(), kind: BREAKOUT, depth: (depth + from.depth) / 2, toolface: middle, height: Math.abs(depth - from.depth), opening: Math.min(180, opening) };
     } else if (drag.act === 'dip') {
       const { pick, crest } = drag;
-      const height = crest ? pick.depth - depth : depth - pick.depth;
-      this.dragged = { ...pick, toolface: turned(toolface + crest), apparent_dip: (Math.atan(Math.max(0, height) / (pick.radius ?? this.app.store.bitRadius)) * 180) / Math.PI };
+      const slope = Math.tan((pick.apparent_dip * Math.PI) / 180) + ((crest ? from.depth - depth : depth - from.depth) / (pick.radius ?? this.app.store.bitRadius));
+      this.dragged = { ...pick, ...BY_HAND, toolface: turned(pick.toolface + toolface - from.toolface), apparent_dip: (Math.atan(Math.max(0, slope)) * 180) / Math.PI };
     } else {
       const { pick } = drag;
-      this.dragged = { ...pick, depth: pick.depth + depth - from.depth, ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - from.toolface) } : {}) };
+      this.dragged = { ...pick, depth: pick.depth + depth - from.depth, ...(pick.kind === BREAKOUT ? { toolface: turned(pick.toolface + toolface - from.toolface) } : BY_HAND) };
     }
-    this.replace(this.dragged);
+    this.selected = this.dragged.key;
+    return this.replace(this.dragged);
   }
 
+  // The sine that turns where the drag began and passes through where it is now.
+  /** @param {Aim} from @param {Aim} to */
+  drawSine(from, to) {
+    const turn = apart(to.toolface, from.toolface);
+    if (turn < LEAST.turn) return this.cancel();
+    const ends = [from, to].map((aim) => this.point(aim));
+    const radius = (ends[0].radius + ends[1].radius) / 2;
+    const height = (to.depth - from.depth) / (1 - Math.cos((turn * Math.PI) / 180)); // half of the sine's
+    const plane = fitPlane(this.app.path, [0, 120, 240].map((on) => ({ depth: from.depth + (on ? 1.5 * height : 0), toolface: from.toolface + on, radius })));
+    if (!plane) return undefined;
+    this.dragged = { ...this.made(plane, ends), ...BY_HAND, key: this.dragged?.key ?? newKey() };
+    this.selected = this.dragged.key;
+    return this.replace(this.dragged);
+  }
+
+  // A drag ends: what it made or changed is saved.
   drop() {
     const made = this.dragged;
-    this.dragged = null;
     if (!made) return;
-    const small = made.kind === BREAKOUT && (made.opening < LEAST.opening || made.height < LEAST.height);
-    if (small) this.replace(made, true);
-    else this.put(made);
+    if (made.kind === BREAKOUT && (made.opening < LEAST.opening || made.height < LEAST.height)) return this.cancel();
+    this.dragged = null;
+    this.put(made);
+  }
+
+  // A drag ends without effect.
+  cancel() {
+    const { dragged } = this;
+    this.dragged = null;
+    if (!dragged) return;
+    const before = this.saved.get(dragged.key);
+    this.replace(before ?? dragged, !before);
+    if (!before) this.selected = null;
   }
 
   // Show a pick, in place of the one with its key; `gone`: no longer.
@@ -199,12 +232,21 @@ export class Picking {
     this.changes.push({ key, before: this.saved.get(key) ?? null });
   }
 
+  // Save a pick, new or changed, and select it; false if there are too many.
   /** @param {WallPick} pick */
   put(pick) {
+    if (!this.saved.has(pick.key) && this.saved.size >= MOST) {
+      this.replace(pick, true);
+      this.app.notice(`There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(pick.depth, this.app.view.units)}`, 10);
+      return false;
+    }
     this.remember(pick.key);
     this.saved.set(pick.key, pick);
+    this.selected = pick.key;
     this.replace(pick);
     this.send('pick', { method: 'PUT', body: JSON.stringify(pick) });
+    this.app.resize();
+    return true;
   }
 
   remove(pick = this.pick) {
@@ -230,20 +272,24 @@ export class Picking {
   }
 
   keep() {
-    const { kind } = this;
     const plane = fitPlane(this.app.path, this.points);
-    if (!plane || kind === BREAKOUT) return;
-    if (this.kept.length >= MOST) return this.app.notice(`There are ${MOST} picks, as many as a wall has. This one was not kept: ${showDepth(plane.depth, this.app.view.units)}`, 10);
-    const radius = this.points.some(({ measured }) => measured) ? plane.radius : null;
-    this.put({ key: newKey(), kind, depth: plane.depth, toolface: plane.deepest, apparent_dip: plane.apparent, radius, misfit: plane.misfit, points: this.points.length });
-    this.points = [];
-    this.app.resize();
+    if (!plane || this.kind === BREAKOUT) return;
+    const pick = this.made(plane, this.points);
+    if (this.put(pick)) this.points = [];
+  }
+
+  // A pick of a plane through points of the wall.
+  /** @param {Plane} plane @param {WallPoint[]} points @returns {PlanePick} */
+  made({ depth, deepest, apparent, radius, misfit }, points) {
+    const measured = points.some((point) => point.measured);
+    return { key: newKey(), kind: /** @type {PlaneKind} */ (this.kind), depth, toolface: deepest, apparent_dip: apparent, radius: measured ? radius : null, misfit, points: points.length };
   }
 
   // The class of the selected pick, and of the next one.
   /** @param {PlaneKind | 'breakout'} kind */
   setClass(kind) {
     const { pick } = this;
+    if (!kind) return;
     if (pick && pick.kind !== BREAKOUT && kind !== BREAKOUT) this.put({ ...pick, kind });
     else if (pick?.kind !== kind) this.selected = null;
     this.kind = kind;
@@ -256,8 +302,10 @@ export class Picking {
     const { app, pick } = this;
     const { units } = app.view;
     const depth = name === 'depth' ? valueAsNumber / unitOfField(name, units) : NaN;
-    if (depth < app.store.span[0] || depth > app.store.span[1]) return app.notice(`${showDepth(depth, units)} is outside the wall, ${showSpan(app.store.span[0], app.store.span[1], units)}`, 10);
-    if (pick && (name === 'note' || Number.isFinite(valueAsNumber))) this.put({ ...pick, [name]: name === 'note' ? value : name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, units) });
+    if (depth < app.store.span[0] || depth > app.store.span[1]) return void app.notice(`${showDepth(depth, units)} is outside the wall, ${showSpan(app.store.span[0], app.store.span[1], units)}`, 10);
+    if (!pick || (name !== 'note' && !Number.isFinite(valueAsNumber))) return;
+    if (name === 'note') this.put({ ...pick, note: value });
+    else this.put({ ...pick, ...(pick.kind === BREAKOUT ? {} : BY_HAND), [name]: name === 'toolface' ? turned(valueAsNumber) : valueAsNumber / unitOfField(name, units) });
   }
 
   /** @param {string} name @param {Record<string, string>} [more] */
@@ -306,13 +354,16 @@ export class Picking {
     byId('dipRemove').disabled = !pick;
     byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
-    const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}. A click on one selects it.`];
-    if (pick) lines[0] = `Selected ${pick.kind}: drag it${plane ? ', or its crest' : ''}. A click beside it ends.`;
-    else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout.');
+    const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}.`];
+    if (pick) lines.push(`Selected ${pick.kind}: a digit changes its class; drag it${plane ? ' or its crest' : ''}.`);
+    else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. A click on a pick selects it.');
+    else if (!current) lines.push(['Drag from a crest or trough along the bed, or click three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
-      lines.push(`${showDepth(plane.depth, this.app.view.units)}   ${inWords(plane)}`, `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)}${assumed ? '; bit size where nothing is measured' : ''}`);
-    } else if (!pick && this.kind !== BREAKOUT) lines.push(['Click three points or more, all around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
+      const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
+      const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : 'drawn, no misfit';
+      lines.push(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; bit size where nothing is measured' : ''}`);
+    }
     const text = lines.join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
     writeFields(pick, units);

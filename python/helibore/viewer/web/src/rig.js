@@ -48,7 +48,7 @@ export function writeRig(app) {
   cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : 'MD');
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
-    ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `not measured, bit ${size(2 * store.bitRadius)} ${unit}`);
+    ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, bit ${size(2 * store.bitRadius)} ${unit}`);
   const worst = worstOf(zones, recent(store));
   /** @type {string[]} */
   const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];

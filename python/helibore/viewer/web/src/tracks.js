@@ -2,7 +2,7 @@
 // map.js, column.js and wall_ink.js draw their own.) Everything here is drawn anew for each frame.
 
 import { MAPS, Q_ATTRIBUTE, themed } from './colour.js';
-import { BOLD, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
+import { BOLD, fitting, FONT, HEAD, imageRects, label, PALETTES, SMALL, tracksEnd, yOf } from './layout.js';
 import { CUTS, leftEdge } from './path.js';
 import { DENSE, hatched, line, SPARSE } from './strokes.js';
 import { depthNumber, depthUnit, LENGTHS, scaleOf, showDepth, unitOf } from './units.js';
@@ -64,9 +64,14 @@ export function drawImageHead(ink, look) {
   const cut = CUTS[view.cut];
   const known = leftEdge(path, view.cut, view.middle).known;
   const units = unitOf(quantity, view.units);
-  if (!view.rig) label(ink, quantity.name + (units ? ` [${units}]` : ''), left + 2, 11, { colour: palette.ink, font: BOLD });
-  const mode = quantity.dynamic ? 'dynamic, 1 m' : 'static';
-  if (!view.rig) label(ink, mode, left + width - 2, 11, { colour: quantity.dynamic ? palette.cursor : palette.soft, align: 'right', font: SMALL });
+  if (!view.rig) {
+    const mode = quantity.dynamic ? (width < 240 ? 'dynamic' : 'dynamic, 1 m') : quantity.inView ? (width < 240 ? 'in view' : 'range in view') : 'static';
+    ink.font = SMALL;
+    const room = width - ink.measureText(mode).width - 10;
+    label(ink, mode, left + width - 2, 11, { colour: mode === 'static' ? palette.soft : palette.cursor, align: 'right', font: SMALL });
+    ink.font = BOLD;
+    label(ink, fitting(ink, [quantity.name + (units ? ` [${units}]` : ''), quantity.name], room), left + 2, 11, { colour: palette.ink, font: BOLD });
+  }
   const bar = ink.createLinearGradient(left, 0, left + width, 0);
   const { anchors } = MAPS[themed(quantity.map, view.theme === 'dark')];
   anchors.forEach((c, i) => bar.addColorStop(i / (anchors.length - 1), `rgb(${c.map(Math.round).join(' ')})`));

@@ -35,7 +35,7 @@ interface Hatching { step: number; fill: number; rising: boolean }
 interface Rect { left: number; top: number; width: number; height: number }
 type Rects = Record<string, Rect>; // by the name of the panel or track
 interface Arrangement {
-  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; tab?: string | null; beside?: number; curves?: boolean; list?: boolean;
+  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; tab?: string | null; beside?: number; curves?: number;
   chosen?: Record<string, number>; order?: string[];
 }
 interface Palette {
@@ -51,10 +51,10 @@ interface Piece { tile: Tile; top: number; bottom: number }
 interface FramesTexture { texture: Texture; first: number; origin: Vector; version: number; path: Path }
 interface Frame { centre: Vector; high: Vector; right: Vector; tangent: Vector }
 interface Quantity {
-  id: string; name: string; mode: number; low: number; high: number; map: string; log: boolean; dynamic: boolean; chosen: boolean;
+  id: string; name: string; mode: number; low: number; high: number; map: string; log: boolean; dynamic: boolean; inView: boolean; chosen: boolean;
   attribute?: number; unit?: string; length?: boolean; rows?: Pair | null;
 }
-type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'chosen'>>;
+type Colours = Partial<Pick<Quantity, 'low' | 'high' | 'map' | 'log' | 'dynamic' | 'inView' | 'chosen'>>;
 interface Cursor { depth: number; toolface: number | null }
 interface Aim { depth: number; toolface: number } // a cursor on the image
 interface Note { depth: number; text: string }
@@ -69,9 +69,9 @@ interface Measured { min: number; max: number; minAt: number; maxAt: number; are
 type Placing = (radius: number, sector: number) => Pair;
 interface Turn { k: number; radii: Float64Array; sigma: Float64Array; between: Uint8Array; measured: Measured; level: Level }
 
-// What one frame shows.
+// What one frame shows; `quantity` is the one that was asked for, with the ends of its colours in this frame.
 interface Look {
-  store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
+  store: Store; view: View; path: Path; rects: Rects; bitDepth: number | null; asked: Quantity; quantity: Quantity; imagePieces: Piece[]; wallPieces: Piece[];
   imageRect: Rect; wallRect: Rect; background: number; dark: boolean; notes: Note[]; zones: Zone[]; glow: (tile: Tile) => number[][];
 }
 interface Looks extends Look { images: Look[] } // the first image, and those beside it
@@ -88,7 +88,7 @@ interface Plane {
   kind: PlaneKind; pick?: PlanePick;
 }
 interface Planes { kept: Plane[]; boxes: BreakoutPick[]; selected: WallPick | null; current: Plane | null; open: boolean }
-type Drag = { act: 'box'; from: Aim } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
+type Drag = { act: 'box'; from: Aim } | { act: 'sine'; from: Aim } | { act: 'move'; from: Aim; pick: WallPick } | { act: 'dip'; from: Aim; pick: PlanePick; crest: number };
 
 // Curves along the hole.
 interface CurveOffer { name: string; unit: string; low: number; high: number; log: boolean; version: number }
@@ -128,8 +128,8 @@ interface Contents {
 type Ids<Names extends string, Kind> = { [id in Names]: Kind };
 type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
-  & Ids<'dipFile' | 'dynamic' | 'high' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
+  & Ids<'dipFile' | 'dynamic' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRemove', HTMLButtonElement>
-  & Ids<'csv' | 'export' | 'dipSave', HTMLAnchorElement>
+  & Ids<'csv' | 'export', HTMLAnchorElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;

@@ -52,6 +52,8 @@ export class View extends Settings {
   pins = []; // depths of sections kept beside the polar plot
   /** @type {string[]} */
   beside = []; // ids of the quantities whose images stand beside the first
+  imagesChosen = false; // by the address or the user
+  sized = false; // by the address: how long the section is
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   /** @type {Record<string, number>} */
@@ -115,7 +117,13 @@ export class View extends Settings {
   // Colour the first image by a quantity, with these others beside it.
   /** @param {string} quantity @param {string[]} beside */
   showImages(quantity, beside) {
-    this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE) });
+    this.#change({ quantity, beside: beside.slice(0, MOST_BESIDE), imagesChosen: true });
+  }
+
+  // Show these images beside the first, unless some were chosen.
+  /** @param {string[]} beside */
+  usual(beside) {
+    if (!this.imagesChosen) this.#change({ beside: beside.slice(0, MOST_BESIDE) });
   }
 
   // Show a curve, or no longer.
@@ -196,7 +204,7 @@ export class View extends Settings {
     for (const key of CHOICES) {
       if (this[key] !== DEFAULTS[key]) parts[key] = String(this[key]);
     }
-    for (const key of LISTS) if (this[key].length) parts[key] = this[key].join('~');
+    for (const key of LISTS) if (this[key].length || (key === 'beside' && this.imagesChosen)) parts[key] = this[key].join('~');
     if (Object.keys(this.widths).length) parts.widths = Object.entries(this.widths).flat().join('~');
     for (const key of SWITCHES) if (this[key]) parts[key] = '1';
     const { cursor, pinned, pins } = this;
@@ -236,7 +244,9 @@ export class View extends Settings {
     Object.assign(this, Object.fromEntries(Object.entries(taken).filter(([, value]) => value !== null)));
     /** @param {string} key @param {number} most */
     const listed = (key, most) => parts.get(key)?.split('~').slice(0, most) ?? [];
-    this.beside = listed('beside', MOST_BESIDE);
+    this.imagesChosen = parts.has('beside') || parts.has('quantity');
+    this.sized = parts.has('sec');
+    this.beside = listed('beside', MOST_BESIDE).filter(Boolean);
     this.curves = listed('curves', MOST_CURVES);
     this.order = listed('order', 20);
     const widths = listed('widths', 40);

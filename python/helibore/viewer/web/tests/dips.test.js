@@ -111,7 +111,7 @@ function picking(more = {}) {
   globalThis.document = { getElementById: () => ({ addEventListener() {}, replaceChildren() {}, classList: { toggle() {} } }) };
   globalThis.Option = class {};
   const sent = [];
-  const app = { path: path(20, 0), store: { bitRadius: 0.1 }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
+  const app = { path: path(20, 0), store: { bitRadius: 0.1, quad: () => ({ radius: 0.1 }), levels: [{ quadAt: () => 0 }] }, contents: {}, redraw() {}, resize() {}, view: { units: 'mm', set() {} }, notice: (text) => sent.push(text), ...more };
   return { made: new Picking(app), sent };
 }
 
@@ -123,13 +123,40 @@ test('a drag of the crest changes dip and azimuth, elsewhere the depth', () => {
   made.drag(crest, { depth: 1010.2, toolface: 100 });
   made.drop();
   near(made.pick.apparent_dip, Math.atan(2) / RAD, 1e-9);
-  assert.deepEqual([made.pick.toolface, made.pick.depth], [100, 1010]);
+  assert.deepEqual([made.pick.toolface, made.pick.depth], [98, 1010]);
   const body = made.grab({ depth: 1010, toolface: 10 }, 0.02);
   assert.equal(body.act, 'move');
   made.drag(body, { depth: 1010.5, toolface: 30 });
   made.drop();
-  assert.deepEqual([made.pick.toolface, made.pick.depth], [100, 1010.5]);
-  assert.equal(made.grab({ depth: 1009, toolface: 10 }, 0.02), null, 'beside the curve nothing is moved');
+  assert.deepEqual([made.pick.toolface, made.pick.depth, made.pick.points], [98, 1010.5, 0]);
+  assert.equal(made.grab({ depth: 1009, toolface: 10 }, 0.02).act, 'sine', 'beside the curve another one begins');
+});
+
+test('a sine is dragged from its crest; a digit then sets its class, Delete removes it, undo takes both back', () => {
+  const { made } = picking();
+  const drag = made.grab({ depth: 1010, toolface: 30 }, 0.02);
+  made.drag(drag, { depth: 1010.01, toolface: 50 });
+  assert.equal(made.kept.length, 0, 'too short to say a plane');
+  made.drag(drag, { depth: 1010.1, toolface: 120 });
+  made.drop();
+  near(made.pick.depth, 1010.1, 1e-9);
+  near(made.pick.toolface, 210, 1e-6);
+  near(made.pick.apparent_dip, Math.atan(1) / RAD, 1e-6);
+  made.setClass('fracture');
+  assert.equal(made.pick.kind, 'fracture');
+  made.drag(made.grab({ depth: 1014, toolface: 200 }, 0.02), { depth: 1013.8, toolface: 20 });
+  made.drop();
+  near(made.pick.toolface, 200, 1e-6);
+  near(made.pick.apparent_dip, Math.atan(1) / RAD, 1e-6);
+  assert.equal(made.kept.length, 2, 'the next one, without leaving the mode');
+  made.remove();
+  assert.equal(made.kept.length, 1);
+  made.undo();
+  made.undo();
+  assert.deepEqual(made.kept.map(({ kind }) => kind), ['fracture']);
+  made.undo();
+  made.undo();
+  assert.equal(made.kept.length, 0);
 });
 
 test('a box is dragged over a breakout, across the edge of the image as well; a tiny one is none', () => {
