@@ -91,6 +91,8 @@ def test_a_new_zone_announces_itself_until_it_is_silenced(browser: Any) -> None:
         screen.until("!document.getElementById('alarm').hidden")
         text = screen.inner_text("#alarmText")
         assert text.startswith("New washout")
+        places = [screen.locator(name).bounding_box() for name in ("#bar", "#alarm", "main")]
+        assert [place["y"] + place["height"] for place in places[:2]] == [place["y"] for place in places[1:]], "rows"
         assert screen.evaluate("document.querySelectorAll('#zones .new').length") >= 1
         screen.reload()
         screen.until("window.__wall?.ready && window.__wall.app.zones.length")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 from typing import Any
 
+import numpy as np
 import pytest
 from made_wall import MadeWall, curved_path, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
@@ -53,6 +54,60 @@ def test_tabs_show_one_panel_each_within_the_screen(browser: Any, size: tuple[in
             assert screen.inner_text("#briefDepth") == f"{depth:.2f} m"
             assert screen.evaluate("getComputedStyle(document.getElementById('briefDepth')).fontSize") == "34px"
         assert "tab=" not in screen.address()
+        screen.close()
+
+
+FINGER = """(moves) => {
+  const { app } = window.__wall;
+  const ink = document.getElementById('ink');
+  const { left, top } = ink.getBoundingClientRect();
+  ink.setPointerCapture = () => {};
+  const { image } = app.rects;
+  for (const [type, toolface, depth] of moves) {
+    const turn = (((toolface - (app.path.dial(depth).up ?? 0)) % 360) + 360) % 360 / 360;
+    const x = image.left + turn * image.width;
+    const y = image.top + ((depth - app.view.top) / app.view.length) * image.height;
+    const at = { clientX: left + x, clientY: top + y, buttons: type === 'pointerup' ? 0 : 1 };
+    ink.dispatchEvent(new PointerEvent(type, { pointerId: 1, pointerType: 'touch', bubbles: true, ...at }));
+  }
+}"""
+
+
+@pytest.mark.parametrize("size", [(390, 844), (768, 1024)])
+def test_a_finger_draws_a_sine_classes_deletes_and_restores_it(browser: Any, size: tuple[int, int]) -> None:
+    with hb.view(MadeWall(30_000), path=curved_path()) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1020&sec=12", size, drawn=False)
+        screen.click("#menu")
+        screen.click("#dipOpen")
+        screen.settle()
+        buttons = ["#pickClass", "#dipUndo", "#dipRemove", "#dipClose"]
+        boxes = [screen.locator(button).bounding_box() for button in buttons]
+        assert all(box["x"] >= 0 and box["x"] + box["width"] <= size[0] and box["height"] >= 44 for box in boxes)
+        image = screen.evaluate(
+            "document.getElementById('stage').getBoundingClientRect().top + window.__wall.app.rects.image.top"
+            " + window.__wall.app.rects.image.height"
+        )
+        assert all(image <= box["y"] and box["y"] + box["height"] <= size[1] for box in boxes), "below the image"
+        crest, half, trough = (120.0, 1019.0), (210.0, 1020.0), (290.0, 1020.9)
+        screen.evaluate(FINGER, [["pointerdown", *crest], ["pointermove", *half], ["pointermove", *trough]])
+        screen.evaluate(FINGER, [["pointerup", *trough]])
+        screen.until("window.__wall.app.picking.pick")
+        made = screen.evaluate("window.__wall.app.picking.pick")
+        assert made["toolface"] == pytest.approx(300, abs=0.5)
+        assert made["depth"] == pytest.approx(1019 + 1.9 / (1 - np.cos(np.radians(170))), abs=0.02)
+        assert "drawn, no misfit" in screen.inner_text("#dipText")
+        moved = [("pointerdown", 210.0, made["depth"]), ("pointermove", 210.0, made["depth"] + 1)]
+        screen.evaluate(FINGER, [*moved, ["pointerup", 210.0, made["depth"] + 1]])
+        screen.page.select_option("#pickClass", "fracture")
+        screen.until("window.__wall.app.picking.pick.kind === 'fracture'")
+        assert screen.evaluate("window.__wall.app.picking.pick.depth") == pytest.approx(made["depth"] + 1, abs=0.02)
+        screen.click("#dipRemove")
+        screen.until("window.__wall.app.picking.kept.length === 0")
+        for _ in range(3):
+            screen.click("#dipUndo")
+        screen.until("window.__wall.app.picking.kept.length === 1")
+        (kept,) = screen.evaluate("window.__wall.app.picking.kept")
+        assert (kept["kind"], kept["depth"]) == ("bed", pytest.approx(made["depth"]))
         screen.close()
 
 

@@ -62,6 +62,53 @@ def test_of_a_gauge_hole_only_the_images_are_shown_as_measured(browser: Any) -> 
         screen.close()
 
 
+def test_an_image_measured_in_rows_is_drawn_in_rows_with_their_values(browser: Any) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
+    values = wall.images["GR"].values
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2025.05&sec=4&quantity=GR")
+        screen.settle()
+        image = screen.pixels("image").astype(int)[:, :, :3]
+        height = len(image)
+        edges = (np.arange(1, 40) * height / 40).round().astype(int)
+        changes = np.flatnonzero(np.abs(np.diff(image, axis=0)).max(axis=(1, 2)) > 0) + 1
+        assert set(changes) <= {edge + by for edge in edges for by in (-1, 0, 1)}, "level edges, every 0.1 m"
+        assert len(changes) > 30
+        for depth, toolface in ((2023.53, 11.0), (2025.58, 191.0), (2025.62, 348.0), (2026.9, 100.0)):
+            screen.evaluate(f"window.__wall.app.view.point({{ depth: {depth}, toolface: {toolface} }}, true)")
+            screen.settle()
+            row = values[round((depth - 2000.0) / 0.1)]
+            assert float(screen.readout()["GR"].split()[0]) == pytest.approx(row[int(toolface / 22.5)], abs=0.01)
+        screen.close()
+
+
+def test_the_range_of_what_is_in_view_is_chosen_and_said(browser: Any) -> None:
+    wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=2020&sec=30")
+        screen.settle()
+        ends = "(({ low, high }) => [low, high])(window.__wall.app.look().quantity)"
+        whole = screen.evaluate(ends)
+        assert "static" in ink_texts(screen)
+        screen.click("#inView")
+        screen.evaluate("window.__wall.app.view.show(2020, 1, window.__wall.app.store)")
+        screen.settle()
+        assert "range in view" in ink_texts(screen)
+        rows = wall.images["GR"].values[200:210]
+        low, high = screen.evaluate(ends)
+        assert low == pytest.approx(np.percentile(rows, 2), abs=4)
+        assert high == pytest.approx(np.percentile(rows, 98), abs=4)
+        assert [low, high] != pytest.approx(whole)
+        again = Screen(browser, viewer.url, screen.address())
+        again.settle()
+        assert again.evaluate(ends) == pytest.approx([low, high])
+        again.click("#inView")
+        again.settle()
+        assert again.evaluate(ends) == pytest.approx(whole, rel=1e-4)
+        again.close()
+        screen.close()
+
+
 @pytest.mark.parametrize(("reference", "sides"), [("high-side", "URDL"), ("north", "NESW")])
 def test_without_a_survey_the_sides_are_named_as_in_print(browser: Any, reference: str, sides: str) -> None:
     wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT), reference)
