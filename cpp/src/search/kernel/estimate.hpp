@@ -5,7 +5,7 @@
 #pragma once
 
 #include "search/kernel/kriging.hpp"
-#include "search/kernel/power_weight.hpp"
+#include "search/kernel/neighbor_weight.hpp"
 #include "search/kernel/select.hpp"
 
 namespace helibore::kernel {
@@ -85,21 +85,6 @@ struct Estimate {
     P radius, support, least, farthest;  // least and farthest: squared distances, used and selected
 };
 
-// Weights proportional to 1 / d without a division: the product of the other seven distances, each the product of those
-// before it and those behind it. A neighbour that stands as 1 changes no bit of the others.
-template <class P>
-inline void products_of_others(const P* squares, P* weight) {
-    P distance[8];
-    for (int i = 0; i < 8; ++i) distance[i] = P::sqrt(squares[i]);
-    weight[0] = P(1.0);
-    for (int i = 1; i < 8; ++i) weight[i] = weight[i - 1] * distance[i - 1];
-    P behind = distance[7];
-    for (int i = 6; i >= 0; --i) {
-        weight[i] = weight[i] * behind;
-        behind = behind * distance[i];
-    }
-}
-
 // sum(w r) / sum(w) over the neighbours at most max_distance away; the mean of those at distance 0 if there are any.
 // A neighbour too far away adds 0 and so leaves the bits of the sums alone: which ones were selected beyond the limit,
 // where no box has been certified, cannot show. The result is held within the least and greatest radius used, which
@@ -126,12 +111,7 @@ inline Estimate<P> inverse_distance(Neighbours<P>& n, P scale, const Rules& rule
     };
     if (!all_used)  // a neighbour that is not used stands as 1 in the products
         for (int i = 0; i < neighbors; ++i) squares[i] = P::blend(used(i), squares[i], P(1.0));
-    if (fixed == 8 && rules.power == 1.0)
-        products_of_others(squares, weight);
-    else if (rules.power == 1.0)
-        for (int i = 0; i < neighbors; ++i) weight[i] = P(1.0) / P::sqrt(squares[i]);
-    else
-        relative_weights(squares, least, neighbors, rules.power, weight);
+    weigh<P, fixed>(squares, least, neighbors, rules.power, weight);
     P weights(0.0), weighted(0.0), support(0.0), low(missing_square), high(-missing_square);
     if (all_used) {  // mostly
         for (int i = neighbors - 1; i >= 0; --i) {

@@ -1,10 +1,10 @@
-// The weight (power_weight.hpp) of one neighbour, for what is not part of the kernel.
+// The weight (neighbor_weight.hpp) of one neighbour, for what is not part of the kernel.
 #pragma once
 
 #include <cmath>
 
+#include "search/kernel/neighbor_weight.hpp"
 #include "search/kernel/pack_plain.hpp"
-#include "search/kernel/power_weight.hpp"
 
 namespace helibore::kernel {
 

@@ -1,5 +1,4 @@
-// The weight of a neighbour in an estimate by inverse distance. Power 1 has none here: its weights are 1 / distance
-// (estimate.hpp).
+// The weight of a neighbour in an estimate by inverse distance.
 #pragma once
 
 #include "search/kernel/kernel.hpp"
@@ -50,6 +49,32 @@ inline void relative_weights(const P* squares, P least, int neighbors, double po
         log2_parts(squares[i], whole, rest);
         weight[i] = exp2_of(P(0.5 * power) * ((least_whole - whole) + (least_rest - rest)));
     }
+}
+
+// Weights proportional to 1 / d without a division: the product of the other seven distances, each the product of those
+// before it and those behind it. A neighbour that stands as 1 changes no bit of the others.
+template <class P>
+inline void products_of_others(const P* squares, P* weight) {
+    P distance[8];
+    for (int i = 0; i < 8; ++i) distance[i] = P::sqrt(squares[i]);
+    weight[0] = P(1.0);
+    for (int i = 1; i < 8; ++i) weight[i] = weight[i - 1] * distance[i - 1];
+    P behind = distance[7];
+    for (int i = 6; i >= 0; --i) {
+        weight[i] = weight[i] * behind;
+        behind = behind * distance[i];
+    }
+}
+
+// The weights of neighbours at these squared distances; `fixed` is their number where the compiler knows it, else 0.
+template <class P, int fixed>
+inline void weigh(const P* squares, P least, int neighbors, double power, P* weight) {
+    if (fixed == 8 && power == 1.0)
+        products_of_others(squares, weight);
+    else if (power == 1.0)
+        for (int i = 0; i < neighbors; ++i) weight[i] = P(1.0) / P::sqrt(squares[i]);
+    else
+        relative_weights(squares, least, neighbors, power, weight);
 }
 
 }  // namespace
