@@ -10,6 +10,7 @@ import pytest
 from command import run
 
 import helibore as hb
+from helibore.simulation.tool import Hole, Tool, simulate
 
 
 @pytest.fixture
@@ -106,3 +107,15 @@ def test_options_of_a_drawing_are_arguments_of_the_plot(monkeypatch: pytest.Monk
         "body": (1001.0, 1002.0),
     }
     assert {name: seen[name] for name in expected} == expected
+
+
+def test_options_of_a_simulation_are_arguments_of_the_library(tmp_path: Path) -> None:
+    values = {"sample_rate": 5.0, "rotation": 90.0, "stick_slip": 0.2, "advance": 30.0, "noise": 1e-3, "missing": 0.1}
+    given = [word for name, value in (values | {"noise": "1mm"}).items()
+             for word in (f"--{name.replace('_', '-')}", value)]  # fmt: skip
+    result = run("simulate", tmp_path, "--plain", "--to", "2003m", *given, "--format", "npz")
+    assert result.exit_code == 0, result.output
+    expected = simulate(Hole(2000.0, 2003.0, bit_diameter=0.216), Tool(**values))
+    with np.load(tmp_path / "caliper.npz") as found:
+        for name in ("time_s", "depth_m", "toolface_deg", "radius_m"):
+            np.testing.assert_array_equal(found[name], getattr(expected, name.partition("_")[0]))
