@@ -222,8 +222,8 @@ def test_an_archive_keeps_what_preparation_left_out_and_corrected(folder: Path, 
     assert first.exit_code == 0, first.output
     lines = preparation_lines(hb.load(archive))
     assert "spikes" in dict(lines)
-    for command, output in (("report", page), ("logs", logs)):
-        done = run(command, archive, "-o", output)
+    for command, *given in (("report", "-o", page, "--dpi", 40, "--no-body", "--no-polar"), ("logs", "-o", logs)):
+        done = run(command, archive, *given)
         assert done.exit_code == 0, done.output
         assert "archive of a wall" in done.output
         assert "\nspikes " in done.output
