@@ -308,18 +308,17 @@ def closed(arms: Sequence[npt.ArrayLike], radius: float, *, tolerance: float = 0
     return Step("closed", {"radius": radius, "tolerance": tolerance}, shut, counts, int(np.count_nonzero(silent)))
 
 
-def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike, *, rows: int = 5, length: float = 0.5) -> Step:
+def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike) -> Step:
     """Drop the flat tops of an arm that has opened as far as it can: stretches at its largest reading.
 
     A largest reading is a limit where readings pile up: five times as many there as in the 2 mm below. A pipe, in which
-    most readings are alike, is none: no more than half of the readings may be at the limit.
+    most readings are alike, is none: no more than half of the readings may be at the limit. A flat top has five
+    readings or more, over half a metre or more.
 
     Parameters
     ----------
     radius, depth
         Metres, (n,), in the order they were taken; NaN is missing.
-    rows, length
-        Least readings and metres of a flat top.
 
     Returns
     -------
@@ -334,20 +333,17 @@ def saturated(radius: npt.ArrayLike, depth: npt.ArrayLike, *, rows: int = 5, len
     below = known & ~top & (values > limit - 0.002)
     dropped = np.zeros(values.size, dtype=bool)
     if 2 * np.count_nonzero(top) <= np.count_nonzero(known) and np.count_nonzero(top) >= 5 * np.count_nonzero(below):
-        for first, last in _stretches(top, rows):
-            dropped[first:last] = abs(where[last - 1] - where[first]) >= length
-    settings = {"limit": limit, "rows": rows, "length": length}
-    return Step("saturated", settings, dropped, {"at the limit": int(np.count_nonzero(dropped))})
+        for first, last in _stretches(top, 5):
+            dropped[first:last] = abs(where[last - 1] - where[first]) >= 0.5
+    return Step("saturated", {"limit": limit}, dropped, {"at the limit": int(np.count_nonzero(dropped))})
 
 
-def closed_stretches(
-    readings: Readings, *, rows: int = 20, tolerance: float = 0.002, open_by: float = 0.01
-) -> tuple[float, list[tuple[int, int, int, int]]]:
+def closed_stretches(readings: Readings) -> tuple[float, list[tuple[int, int, int, int]]]:
     """Find the stretches in which all arms stay closed, with the ramps on which they close before and open after it.
 
     The closed radius is the least, over all rows, of what the largest arm reads, if half of all rows read at least
-    ``open_by`` metres more. A stretch has ``rows`` rows or more within ``tolerance`` metres of it. A ramp is where the
-    largest arm reads more from row to row, away from the closed stretch.
+    10 mm more. A stretch has 20 rows or more within 2 mm of it. A ramp is where the largest arm reads more from row to
+    row, away from the closed stretch.
 
     Returns
     -------
@@ -360,10 +356,10 @@ def closed_stretches(
         return np.nan, []
     largest = np.where(known, np.nan_to_num(radii, nan=-np.inf).max(axis=0), np.nan)
     level = float(np.nanmin(largest))
-    if np.nanmedian(largest) < level + open_by:
+    if np.nanmedian(largest) < level + 0.01:
         return level, []
     found = []
-    for first, last in _stretches(known & (largest <= level + tolerance), rows):
+    for first, last in _stretches(known & (largest <= level + 0.002), 20):
         begin, end = first, last
         while end < largest.size and largest[end] > largest[end - 1]:
             end += 1

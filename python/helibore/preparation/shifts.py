@@ -23,6 +23,10 @@ from helibore.preparation.biases import rows_of
 
 __all__ = ["Shifts", "find_shifts"]
 
+_STEP = 0.05  # m between trial shifts; the best is refined by a parabola
+_LIMIT = 2.0  # m: the largest trial shift
+_TREND = 10.0  # m of the running mean that is taken off first; at least so much overlap is asked for
+_LEAST = 0.4  # correlation below which a pass is left where it is
 _WIDEST_GAP = 1.0  # m between samples of one pass that a profile bridges
 _ROUNDS = 5
 _VALLEY = 0.7  # of the best correlation: a peak reaches as far as the curve stays above
@@ -73,10 +77,6 @@ def find_shifts(
     pass_number: npt.ArrayLike,
     *,
     held: Sequence[int] = (),
-    step: float = 0.05,
-    limit: float = 2.0,
-    trend: float = 10.0,
-    least: float = 0.4,
 ) -> Shifts:
     """Find the depth shift of each pass.
 
@@ -87,19 +87,10 @@ def find_shifts(
     held
         Passes that stay where they are. The others are shifted onto these first; then, as where none is held, each onto
         the mean of all others, again and again until they rest.
-    step, limit
-        Spacing of the trial shifts and the largest of them, m; the best is refined by a parabola.
-    trend
-        Length of the running mean that is taken off first, m. At least so much overlap is asked for.
-    least
-        Correlation below which a pass is left where it is.
     """
     where = finite_column("depth", depth)
     distance = finite_column("radius", radius, where.size, "depth")
     number = whole_column("pass_number", pass_number, where.size, "depth")
-    if not (0 < step <= limit and trend > 2 * step):
-        place = f"step = {step:g}, limit = {limit:g}, trend = {trend:g}"
-        raise InputError(place, "must be 0 < step <= limit and trend > 2 step")
     passes, row = np.unique(number, return_inverse=True)
     for one in held:
         if one not in passes:
@@ -110,28 +101,26 @@ def find_shifts(
     result = Shifts(passes, shift, best, before, found, sigma, second, second_best)
     if count == 0:
         return result
-    grid = np.arange(int(np.ptp(where) / step) + 2)
-    profiles = [
-        _profile((where[row == i] - where.min()) / step, distance[row == i], grid, step, trend) for i in range(count)
-    ]
-    most, enough = round(limit / step), round(trend / step)
+    grid = np.arange(int(np.ptp(where) / _STEP) + 2)
+    profiles = [_profile((where[row == i] - where.min()) / _STEP, distance[row == i], grid) for i in range(count)]
+    most, enough = round(_LIMIT / _STEP), round(_TREND / _STEP)
     fixed = np.isin(passes, held)
     for turn in range(_ROUNDS):
         first = turn == 0 and fixed.any()
         start = shift.copy()
-        placed = np.stack([_moved(p, s / step) for p, s in zip(profiles, shift, strict=True)])
+        placed = np.stack([_moved(p, s / _STEP) for p, s in zip(profiles, shift, strict=True)])
         for i in np.flatnonzero(~fixed):
             others = placed[fixed] if first else np.delete(placed, i, axis=0)
             curve, overlap = _correlations(profiles[i], _mean(others), 2 * most, enough)
             if turn == 0:
                 before[i] = curve[2 * most]
-            peak = _peak(curve, most, least, overlap)
-            shift[i], sigma[i], second[i] = peak.shift * step, peak.sigma * step, peak.second * step
+            peak = _peak(curve, most, overlap)
+            shift[i], sigma[i], second[i] = peak.shift * _STEP, peak.sigma * _STEP, peak.second * _STEP
             best[i], second_best[i], found[i] = peak.correlation, peak.second_correlation, peak.found
             placed[i] = _moved(profiles[i], peak.shift)
         if found.any() and not fixed.any():
             shift[found] -= shift[found].mean()
-        if not first and np.abs(shift - start).max() < 0.01 * step:
+        if not first and np.abs(shift - start).max() < 0.01 * _STEP:
             break
     found[fixed], best[fixed], before[fixed] = True, 1.0, 1.0
     sigma[fixed] = 0.0
@@ -141,7 +130,7 @@ def find_shifts(
     return result
 
 
-def _profile(place: Floats, radius: Floats, grid: Integers, step: float, trend: float) -> Floats:
+def _profile(place: Floats, radius: Floats, grid: Integers) -> Floats:
     """Median radius of each grid step less the running mean; NaN beyond the samples and in gaps. ``place`` in steps."""
     row = np.round(place)
     order = np.lexsort((radius, row))
@@ -151,9 +140,9 @@ def _profile(place: Floats, radius: Floats, grid: Integers, step: float, trend: 
     profile = np.interp(grid, at, level, left=np.nan, right=np.nan)
     if at.size > 1:
         after = np.clip(np.searchsorted(at, grid), 1, at.size - 1)
-        profile[(at[after] - at[after - 1]) * step > _WIDEST_GAP] = np.nan
+        profile[(at[after] - at[after - 1]) * _STEP > _WIDEST_GAP] = np.nan
     known = np.isfinite(profile)
-    half = round(0.5 * trend / step)
+    half = round(0.5 * _TREND / _STEP)
     first, last = np.maximum(grid - half, 0), np.minimum(grid + half + 1, grid.size)
     sums = np.concatenate([[0.0], np.cumsum(np.where(known, profile, 0.0))])
     counts = np.concatenate([[0], np.cumsum(known)])
@@ -204,7 +193,7 @@ class _Peak(NamedTuple):
     found: bool = False
 
 
-def _peak(curve: Floats, most: int, least: float, overlap: Integers) -> _Peak:
+def _peak(curve: Floats, most: int, overlap: Integers) -> _Peak:
     """The top of the parabola through the best three within ``most``, and the best other peak within twice that.
 
     The shift's variance is (1 - c^2) / (n c |c''|) for n independent steps of overlap; every fourth one counts as such.
@@ -215,7 +204,7 @@ def _peak(curve: Floats, most: int, least: float, overlap: Integers) -> _Peak:
         return _Peak()
     top = int(np.nanargmax(inside)) + middle - most
     height = float(curve[top])
-    if abs(top - middle) == most or not height >= least or np.isnan(curve[[top - 1, top + 1]]).any():
+    if abs(top - middle) == most or not height >= _LEAST or np.isnan(curve[[top - 1, top + 1]]).any():
         return _Peak(correlation=height)
     left, right = curve[top - 1], curve[top + 1]
     bend = left - 2.0 * height + right

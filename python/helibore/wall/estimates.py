@@ -141,12 +141,12 @@ def estimate_left_out(
     return Estimates(*_core.estimate_at(samples, points, vars(settings), threads, nuggets))
 
 
-def find_kriging_range(samples: Columns, settings: Settings, targets: int = 1000) -> float:
+def find_kriging_range(samples: Columns, settings: Settings) -> float:
     """Return four times the median distance from a sample to the 16th nearest other, in the metric of the settings.
 
     Half a turn of a hole of bit size where samples are too few, or all at one position, to have such a distance.
     """
-    rows = np.unique(np.linspace(0, samples[0].size - 1, min(targets, samples[0].size)).astype(np.int64))
+    rows = np.unique(np.linspace(0, samples[0].size - 1, min(1000, samples[0].size)).astype(np.int64))
     simple = replace(settings, estimator="inverse-distance", neighbors=16, max_distance=None, max_iterations=2)
     farthest = estimate_left_out(samples, rows, simple).farthest
     farthest = farthest[farthest > 0]

@@ -70,9 +70,9 @@ class Calibration:
         return _core.sigma_of((square_weights, scatter, along, across), rule)
 
 
-def calibrate(samples: Columns, settings: Settings, threads: int = 1, seed: int = 0) -> Calibration:
+def calibrate(samples: Columns, settings: Settings, threads: int = 1) -> Calibration:
     """Calibrate the uncertainty of the walls that these settings make of these samples, at least 100."""
-    rows, boxes = choose_left_out(samples, settings, TARGETS, seed, "for an uncertainty")
+    rows, boxes = choose_left_out(samples, settings, TARGETS, 0, "for an uncertainty")
     found = estimate_left_out(samples, rows, settings, boxes, threads, trial=samples[2][rows])
     known = np.isfinite(found.radius)
     if not known.any():

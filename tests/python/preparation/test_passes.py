@@ -371,8 +371,6 @@ def test_difference_of_two_walls_with_other_helices():
          "cell = 0.5, sectors = 0, floor = 0.0002, expected = 0.002, sides = 1: all must be larger than 0"),
         (lambda: find_bias([1], [0], [0.1], [1]).at([2]), "pass_number[0] = 2: is not among [1]"),
         (lambda: find_shifts([1], [0.1], [1], held=[4]), "held = 4: is not among [1]"),
-        (lambda: find_shifts([1], [0.1], [1], step=3),
-         "step = 3, limit = 2, trend = 10: must be 0 < step <= limit and trend > 2 step"),
         (lambda: arm_sides([0], [0], 0), "sides = 0: must be at least 1"),
         (lambda: arm_sides([0], [0, 1]), "arm has 1 values, toolface has 2: must be equal"),
     ],
