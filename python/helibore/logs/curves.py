@@ -41,7 +41,7 @@ class ScalarCurve:
             return self.limits
         values = self.values[np.isfinite(self.values) & ((self.values > 0) | (not self.log))]
         if self.log and values.size:
-            least, most = float(values.min()), float(values.max())
+            least, most = np.percentile(values, NEARLY_ALL).tolist()
             return 10.0 ** math.floor(math.log10(least)), 10.0 ** math.ceil(math.log10(most) + 1e-9)
         if self.log:
             raise InputError(f"curve {self.name!r}", "a logarithmic scale needs values above 0")

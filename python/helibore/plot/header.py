@@ -42,6 +42,8 @@ BLOCK = 22.4
 """Millimetres of height that the well and `HEADER` take."""
 ROW = 3.6
 """Millimetres between the rows of the foot."""
+MADE = 62.0
+"""Millimetres at the right of the foot that are free for what drew it, and the number of the scale bar."""
 
 
 def facts(content: Content) -> list[tuple[str, str, bool]]:
@@ -99,7 +101,7 @@ def draw_header(sheet: Sheet, content: Content, x: float, y: float, width: float
     sheet.line((x, x + width), (y + BLOCK, y + BLOCK), color=INK, linewidth=0.8)
     first, label = 0.48 * width, 24.0
     sheet.text(x + 2.0, y + 5.0, title, LARGE, weight="bold", within=first - 4.0)
-    sheet.text(x + 2.0, y + 11.0, content.drawing.subtitle, USUAL, color=FAINT, within=first - 4.0)
+    sheet.lines_of_text(x + 2.0, y + 13.5, content.drawing.subtitle, USUAL, first - 4.0, 4, color=FAINT)
     for index, name in enumerate(HEADER):
         column, row = divmod(index, len(HEADER) // 2)
         left, at = x + first + column * (width - first) / 2, y + 2.9 + row * 4.15
@@ -130,7 +132,7 @@ def footer_height(content: Content) -> float:
 
 
 def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: str = "", part: str = "") -> None:
-    """Explain letters and colours; below them, write the well, ``part`` (its depths), scale, and what drew it."""
+    """Explain letters and colours; below them, write the well, its depths (``part``) and scale."""
     zones, picks = _kinds(content)
     y = bottom - footer_height(content) + 6.0
     sheet.line((x, sheet.width - x), (y - 3.0, y - 3.0))
@@ -156,7 +158,23 @@ def draw_footer(sheet: Sheet, content: Content, x: float, bottom: float, page: s
             left += 4.0 + 1.2
             left += sheet.text_width(sheet.text(left, y, kind, SMALL)) + 4.0
     y += ROW
+    left = _draw_scale_bar(sheet, content, y) if part else sheet.width - MADE
     made = f"helibore {__version__}" + (f", {page}" if page else "")
-    room = sheet.width - 2 * x - sheet.text_width(sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT))
+    sheet.text(sheet.width - x, y, made, SMALL, ha="right", color=FAINT)
     title = content.drawing.title or "Borehole wall"
-    sheet.text(x, y, ", ".join(word for word in (title, part, f"1:{content.scale}") if word), SMALL, within=room - 4.0)
+    sheet.text(x, y, f"{title}, {part}, 1:{content.scale}" if part else title, SMALL, within=left - x - 3.0)
+
+
+def _draw_scale_bar(sheet: Sheet, content: Content, y: float) -> float:
+    """Draw a bar as long as the depth between two numbers, to check the paper with a ruler; return its left end."""
+    unit, depth = content.lines.unit, content.lines.coarse
+    length = depth * 1000.0 / content.scale
+    left = sheet.width - MADE - length
+    for part in range(4):
+        face = INK if part % 2 == 0 else "white"
+        sheet.box(
+            left + 0.25 * part * length, y - 0.6, 0.25 * length, 1.2, facecolor=face, edgecolor=INK, linewidth=0.4
+        )
+    text = f"{depth / unit.metres:.6g} {unit.name}"
+    sheet.text(left + length + 1.2, y, text, SMALL)
+    return left

@@ -73,7 +73,9 @@ def log(wall: Wall, **options: Any) -> Figure:
     for needed, draw in tail:
         draw(sheet, content, y + GAP)
         y += needed
-    draw_footer(sheet, content, MARGIN, height - MARGIN)
+    draw_footer(
+        sheet, content, MARGIN, height - MARGIN, part=content.drawing.depth_unit.ends(content.top, content.bottom)
+    )
     return sheet.figure
 
 
@@ -258,5 +260,7 @@ def overview(wall: Wall, **options: Any) -> Figure:
             place, (low, high) = axes.get_position(), axes.get_ylim()
             at = sheet.height * (1.0 - (place.y0 + (depth - low) / (high - low) * place.height))
             sheet.line((right + 1.8, right + TIES + 1.0), (beside, float(at)), color=FAINT, linewidth=0.5)
-    draw_footer(sheet, content, MARGIN, height - MARGIN)
+    draw_footer(
+        sheet, content, MARGIN, height - MARGIN, part=content.drawing.depth_unit.ends(content.top, content.bottom)
+    )
     return sheet.figure

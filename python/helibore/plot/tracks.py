@@ -109,7 +109,7 @@ class DepthTrack:
         self, scale: int, true_depth: TrueDepth | None = None, zones: Sequence[Zone] = (), unit: DepthUnit = METRES
     ) -> None:
         self.scale, self.true_depth, self.zones, self.unit = scale, true_depth, zones, unit
-        self._middle = 0.5 + 0.5 * STRIP  # of the numbers, beside the strip
+        self._middle = 0.57  # of the numbers, between the strip and the lines
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write what the numbers are, and the scale of the paper."""

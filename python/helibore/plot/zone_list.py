@@ -43,8 +43,13 @@ def draw_zones(sheet: Sheet, content: Content, x: float, y: float, width: float)
     shown = zones[: COLUMNS * MOST_ROWS]
     more = f"; {len(zones) - len(shown)} more are not listed" if len(zones) > len(shown) else ""
     title = sheet.text(x, y + 2.0, f"Zones, worst first{more}", USUAL, weight="bold")
-    sizes = "washout C2 − bit, breakout C1 − C2, key seat its height, undergauge least − bit"
-    key = f"{depths.name} MD; {unit}: {sizes}; times its limit"
+    limits = content.zones.criteria
+    rules = (
+        ("washout C2 − bit", limits.washout), ("breakout C1 − C2", limits.elongation),
+        ("key seat height", limits.key_seat), ("undergauge least − bit", -limits.undergauge),
+    )  # fmt: skip
+    sizes = ", ".join(f"{name} {limit / LENGTHS[unit]:.3g}" for name, limit in rules)
+    key = f"{depths.name} MD; {unit}; times its limit: {sizes}"
     left = sheet.text_width(title) + 2.0
     sheet.text(x + left, y + 2.1, key, SMALL, within=width - left, color=FAINT)
     for index, zone in enumerate(shown):

@@ -526,7 +526,9 @@ def test_zones_are_listed_worst_first_and_every_page_says_whose_it_is(wall: hb.W
         assert {"Zones:", "washout", "breakout", f"helibore {hb.__version__}, page {number} of {len(figures)}"} <= {
             *foot
         }
-        assert [text for text in foot if text.startswith("A well, ") and text.endswith("1:40")]
+        of_tracks = [text for text in foot if text.startswith("A well, ") and text.endswith("1:40")]
+        assert len(of_tracks) == ("Diameter [mm]" in foot), "a page without tracks has no depth scale"
+        assert ("A well" in foot) == (not of_tracks or number == 1)
     strips = [text.get_text() for figure in figures for axes in figure.axes for text in axes.texts]
     assert "breakout" in strips, "a word where it fits"
 
