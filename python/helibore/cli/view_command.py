@@ -58,9 +58,8 @@ def view(**options: Any) -> None:
         for option, name in (("--from", "start_depth"), ("--to", "stop_depth")):
             if options[name] is not None:
                 raise click.UsageError(f"{option}: does not go with a saved wall, which is shown whole")
-    from helibore.channels.log_header import log_header
     from helibore.logs.template import Template
-    from helibore.runs.run import make_wall, placing
+    from helibore.runs.run import make_wall, placing, stated_header
     from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
 
@@ -68,7 +67,7 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         add_sigma(wall, terminal)
     picks = load_picks(run)
-    well = options["well"] or log_header(run.files.headers()).get("well") or run.name
+    well = options["well"] or stated_header(run).get("well") or run.name
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)

@@ -308,9 +308,10 @@ HEADER = opts(
 
 def header_of(run: Run, options: dict[str, Any]) -> dict[str, str]:
     """The header of the log: as the files of the run state it, unless the options do."""
-    from helibore.channels.log_header import NAMES, log_header
+    from helibore.channels.log_header import NAMES
+    from helibore.runs.run import stated_header
 
-    found = log_header(run.files.headers())
+    found = stated_header(run)
     for text in options["headers"]:
         name, equals, value = text.partition("=")
         if not equals or name not in NAMES:

@@ -27,6 +27,7 @@ from helibore.base.settings import Settings
 from helibore.channels.channel_readings import note, readings
 from helibore.channels.columns import column, depths, needed
 from helibore.channels.depth_remarks import depth_remarks
+from helibore.channels.log_header import log_header
 from helibore.channels.log_set import LogFile, LogSet
 from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map
@@ -237,6 +238,9 @@ def build_wall(
                 run.built.made_from = {"files": sums}
             if run.prepared is not None and run.prepared.report:
                 run.built.made_from["preparation"] = [list(line) for line in run.prepared.report]
+            header = log_header(run.files.headers())
+            if header:
+                run.built.made_from["header"] = header
     run.wall.path = run.path
     run.messages += add_images(run.wall, images)
     return run
@@ -247,6 +251,13 @@ def preparation_lines(wall: Wall) -> list[tuple[str, str]]:
     kept = wall.made_from.get("preparation")
     lines = kept if isinstance(kept, list) else []
     return [(str(line[0]), str(line[1])) for line in lines if isinstance(line, list) and len(line) == 2]
+
+
+def stated_header(run: Run) -> dict[str, str]:
+    """Return what the files of a run state of the hole; of a saved wall, what the files it was made from stated."""
+    kept = run.wall.made_from.get("header") if run.built is not None else None
+    earlier = {str(name): str(text) for name, text in kept.items()} if isinstance(kept, dict) else {}
+    return earlier | log_header(run.files.headers())
 
 
 def read_path(run: Run) -> None:

@@ -97,6 +97,22 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     assert "NO : One line a depth" in (tmp_path / "out.las").read_text()
 
 
+def test_an_archive_keeps_the_header_of_its_files(tmp_path: Path) -> None:
+    las, archive, page = (tmp_path / name for name in ("mem.las", "well.wall", "well.html"))
+    las.write_text(CURVES + "".join(f"{2000 + 0.2 * k:.1f} 60 1 8.5\n" for k in range(50)))
+    for words in (
+        ("reconstruct", "--average", f"{las}:CALI", "--bit-diameter", "8.5in", "-o", archive),
+        ("report", archive, "-o", page, "--no-body", "--dpi", "30", "--header", "run=2"),
+    ):
+        written = CliRunner().invoke(cli, [str(word) for word in words])
+        assert written.exit_code == 0, written.output
+    text = page.read_text()
+    assert "<h1>A-1 T2</h1>" in text
+    for label, said in (("Company", "Acme Oil"), ("Field", "North"), ("Run", "2")):
+        assert f"<tr><th>{label}</th><td>{said}</td></tr>" in text
+    assert "made from: header" not in text
+
+
 @pytest.mark.parametrize(("verb", "drawn_by"), [("plot", "plot.log"), ("report", "plot.html_report.report")])
 def test_scalar_tracks_have_the_values_of_the_file_and_the_inclination_of_the_survey(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, verb: str, drawn_by: str
