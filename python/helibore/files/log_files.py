@@ -34,7 +34,8 @@ from helibore.base.tables import LogColumn, LogTable
 ENDINGS = (".las", ".csv", ".parquet", ".dlis")
 NULL = -999.25
 LAS_WELL = {"company": "COMP", "well": "WELL", "field": "FLD", "location": "LOC", "service": "SRVC", "run": "RUN",
-            "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD", "remarks": "REM"}  # fmt: skip
+            "date": "DATE", "datum": "DATUM", "kb": "EKB", "gl": "EGL", "bit": "BS", "mud": "MUD",
+            "remarks": "REM"}  # fmt: skip
 """Mnemonics of what is known of the hole."""
 
 _DECIMALS = {"m": 6, "m3": 7, "deg": 2, "s": 2, "": 5}

@@ -16,6 +16,8 @@ from helibore.logs.turn_logs import Logs
 
 NEARLY_ALL = (0.2, 99.8)
 """Percentiles between which an axis shows everything."""
+MOST = (1.0, 99.0)
+"""The same of a logarithmic axis, which ends at whole decades beyond them."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +43,7 @@ class ScalarCurve:
             return self.limits
         values = self.values[np.isfinite(self.values) & ((self.values > 0) | (not self.log))]
         if self.log and values.size:
-            least, most = np.percentile(values, NEARLY_ALL).tolist()
+            least, most = np.percentile(values, MOST).tolist()
             return 10.0 ** math.floor(math.log10(least)), 10.0 ** math.ceil(math.log10(most) + 1e-9)
         if self.log:
             raise InputError(f"curve {self.name!r}", "a logarithmic scale needs values above 0")

@@ -198,8 +198,8 @@ def _summary(content: Content) -> str:
         axis = summary.breakout_axis
         if math.isfinite(axis.mean):
             spread = number(axis.deviation, 0)
-            ends = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"
-            rows.append(("Breakout axis", ends))
+            axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"
+            rows.append(("Breakout axis", axes))
     images = [f"{name} ({image.unit or 'no unit'})" for name, image in wall.images.items()]
     return pairs([*rows, ("Images", ", ".join(images) or "none")])
 
@@ -293,10 +293,10 @@ def _picks(content: Content) -> str:
             number(pick.apparent_dip, 1), number(pick.toolface, 0), "–")  # fmt: skip
         dips = (number(dip, 1) or "–", number(azimuth, 0) or "–")
         rows.append([pick.kind, in_depth_unit(pick.depth, content), *dips, *own, pick.note or "–"])
-    azimuth = (
-        "Azimuths count from north." if wall.path is not None else "Without a survey, dip and azimuth are not known."
-    )
-    return f"<p>{azimuth} {_toolface(content)}</p>" + table(head, rows)
+    known = "Azimuths count from north."
+    if wall.path is None:
+        known = "Without a survey, dip and azimuth are not known."
+    return f"<p>{known} {_toolface(content)}</p>" + table(head, rows)
 
 
 def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
@@ -351,7 +351,7 @@ def _settings(content: Content, zones: Classification | None) -> str:
 def _made_from(made_from: Mapping[str, Any]) -> Iterator[tuple[str, str]]:
     """Files with their checksums, as a run notes them, and whatever else the wall's maker wrote."""
     for name, value in made_from.items():
-        if name == "preparation":  # among the messages
+        if name in ("preparation", "header"):  # among the messages, and above all
             continue
         of_a_run = name == "files" and isinstance(value, list)
         if of_a_run and all(isinstance(one, dict) and one.keys() == {"name", "blake2b"} for one in value):

@@ -310,6 +310,9 @@ class ScalarTrack:
         if not inside.any():
             raise InputError(place, "has no value there")
         self.limits = curve.ends()
+        beyond = int(((curve.values[inside] < min(self.limits)) | (curve.values[inside] > max(self.limits))).sum())
+        words = ("logarithmic" if curve.log else "", f"{beyond:,} beyond the ends" if beyond else "")
+        self.note = ", ".join(word for word in words if word)
 
     def head(self, sheet: Sheet, x: float, y: float) -> None:
         """Write name and unit, the line, and the values at the edges."""
@@ -317,8 +320,8 @@ class ScalarTrack:
         title = f"{curve.name} [{curve.unit or 'no unit'}]"
         head_title(sheet, x, y + 5.5, self.width, title, 5)
         sheet.line((x + 1, x + self.width - 1), (y + 12.0, y + 12.0), color=SCALAR, linewidth=0.9)
-        if curve.log:
-            sheet.lines_of_text(middle, y + 16.0, "logarithmic", 5.6, self.width - 1, 3, ha="center", color=FAINT)
+        if self.note:
+            sheet.lines_of_text(middle, y + 16.0, self.note, 5.6, self.width - 1, 3, ha="center", color=FAINT)
         # One below the other where they do not stand side by side.
         ends = [sheet.text(x + 0.6, y + HEAD - 2.2, f"{self.limits[0]:g}", SMALL, within=self.width - 1.2)]
         ends += [

@@ -31,6 +31,11 @@ def test_a_scale_has_round_ends_around_all_values(
     assert curve(values, **more).ends() == pytest.approx(ends)
 
 
+def test_outliers_lie_beyond_a_logarithmic_scale() -> None:
+    values = np.append(np.geomspace(2.0, 60.0, 995), [1e-3, 1e5, 1e5, 1e5, 1e5])
+    assert ScalarCurve("RES", "ohm.m", np.arange(1000.0), values, log=True).ends() == (1.0, 100.0)
+
+
 def test_a_logarithm_needs_something_above_zero() -> None:
     with pytest.raises(InputError, match=r"^curve 'GR': a logarithmic scale needs values above 0$"):
         curve([-1.0] * 5, log=True).ends()
