@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.units import INCH, size_text
+from helibore.cli.quantities import facts_in
 from helibore.samples.caliper import BASIS_TEXT
 
 if TYPE_CHECKING:
@@ -105,8 +106,8 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
     return lines
 
 
-def zone_lines(zones: Classification, found: WallSummary) -> Lines:
-    """Describe the zones that reach into the interval of a summary, and the criteria they were found with."""
+def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
+    """Describe the zones that reach into the interval of a summary, and the criteria, in the units of ``--unit``."""
     lengths: dict[str, list[float]] = {}
     for zone in zones.zones:
         if zone.stop > found.start and zone.start < found.stop:
@@ -117,7 +118,7 @@ def zone_lines(zones: Classification, found: WallSummary) -> Lines:
     if math.isfinite(axis.mean):
         text = f"breakouts along {axis.mean:.0f} and {axis.mean + 180:.0f} deg, s.d. {axis.deviation:.1f} deg"
         lines.append(("", f"{text}, of the whole wall"))
-    criteria = zones.criteria.facts().items()
+    criteria = facts_in(zones.criteria.facts(), unit).items()
     return [*lines, ("", "; ".join(f"{name.removeprefix('criterion ')} {text}" for name, text in criteria))]
 
 

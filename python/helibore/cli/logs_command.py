@@ -15,7 +15,7 @@ import click
 from helibore.base.errors import InputError
 from helibore.cli.lines import annulus_lines, breakout_line, row_line, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
-from helibore.cli.quantities import FILE, LENGTH, split_pair
+from helibore.cli.quantities import FILE, LENGTH, across_and_along, facts_in, split_pair
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import HEADER, Sectioned, header_of, open_run, opt, opts, section, takes_a_wall
 
@@ -49,8 +49,8 @@ DECIMALS = {"in": 4, "mm": 3, "ft": 5}
     HEADER,
     opt(
         "--unit",
-        "Unit of diameters, radii and other sizes across the hole; depths stay in metres. ft: inches, and feet for "
-        "depths.",
+        "Unit of diameters, radii and other sizes across the hole, also of the criteria; depths stay in metres. "
+        "ft: inches, and feet for depths.",
         type=click.Choice(["m", "mm", "in", "ft"]),
         default="m",
     ),
@@ -125,7 +125,7 @@ def logs(**options: Any) -> None:
         row_line(measured.rows),
         *summary_lines(summary),
         *annulus_lines(annulus(measured.turns, size) for size in options["casings"]),
-        *(zone_lines(measured.zones, summary) if measured.zones else []),
+        *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),
         *(breakout_line(each) for each in dark),
         *saved,
         ("time", terminal.times()),
@@ -137,7 +137,7 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
     from helibore.base import units
     from helibore.base.tables import LogTable
 
-    across, along = ("in", "ft") if unit == "ft" else (unit, "m")
+    across, along = across_and_along(unit)
 
     def changed(one: LogColumn) -> LogColumn:
         to = along if one.mnemonic in ALONG else across
@@ -146,7 +146,7 @@ def _in_unit(table: LogTable, unit: str) -> LogTable:
         values = one.values / units.factor(to, units.LENGTH)
         return replace(one, unit=to, values=values, decimals=DECIMALS[to])
 
-    return table if unit == "m" else LogTable([changed(one) for one in table], table.facts)
+    return table if unit == "m" else LogTable([changed(one) for one in table], facts_in(table.facts, unit))
 
 
 class _Measured(NamedTuple):

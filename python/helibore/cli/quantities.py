@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import re
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Generic, TypeVar
 
@@ -37,6 +38,28 @@ class Quantity(Parameter[float | None]):
             meant = f"; a number without a unit is metres: {value}{unit}?" if bare else ""
             self.fail(f"'{value}': must be at most {self.largest:g} m{meant}", param, ctx)
         return number
+
+
+ACROSS = ("bit diameter", *(f"criterion {name}" for name in ("elongation", "washout", "key seat", "undergauge")))
+"""Facts of sizes across the hole; other lengths lie along it."""
+
+
+def across_and_along(unit: str) -> tuple[str, str]:
+    """Return the units across the hole and along it that ``--unit`` means; ft: inches across, feet along."""
+    return ("in", "ft") if unit == "ft" else (unit, "m")
+
+
+def facts_in(facts: Mapping[str, str], unit: str) -> dict[str, str]:
+    """Return facts of a table with the lengths among them in the units that ``--unit`` means."""
+    across, along = across_and_along(unit)
+
+    def changed(name: str, text: str) -> str:
+        length, to = re.match(r"([-+.\de]+) m(?= of depth$|$)", text), across if name in ACROSS else along
+        if length is None or to == "m":
+            return text
+        return f"{float(length[1]) / units.factor(to, units.LENGTH):.6g} {to}{text[length.end() :]}"
+
+    return {name: changed(name, text) for name, text in facts.items()}
 
 
 class Parsed(Parameter[Any]):

@@ -129,6 +129,12 @@ def test_sizes_in_another_unit(folder: Path, tmp_path: Path, unit: str, metres: 
     assert column(zones, "TOP") == pytest.approx([zone.start for zone in found], abs=2e-6)
     assert column(zones, "ENLARGE") * metres == pytest.approx([zone.enlargement for zone in found], abs=2e-6)
     assert f"C1 ({unit})" in output.read_text()
+    elongation = f"{0.0254 / metres:.6g} {unit}"
+    assert f"elongation {elongation}; washout" in done.output
+    for text in (output.read_text(), zones.read_text()):
+        assert f"# criterion elongation: {elongation}\n" in text
+        assert "# criterion least length: 0.3 m\n" in text  # along the hole
+        assert "# criterion symmetry: 0.5\n" in text
 
 
 def test_feet_are_of_depths_and_inches_of_sizes(folder: Path, tmp_path: Path) -> None:
@@ -145,6 +151,8 @@ def test_feet_are_of_depths_and_inches_of_sizes(folder: Path, tmp_path: Path) ->
     assert hb.open(output).set()["DEPT"].unit.lower() == "ft"
     assert "TOP (ft)" in zones.read_text()
     assert "ENLARGE (in)" in zones.read_text()
+    assert "# criterion washout: 0.5 in\n" in zones.read_text()
+    assert "# criterion join: 3.28084 ft\n" in zones.read_text()
 
 
 def test_zones_without_zones_are_an_empty_table(folder: Path, tmp_path: Path) -> None:
