@@ -5,7 +5,7 @@
 
 Diameters, volume and excess come from full turns; a turn with a missing radius counts as not measured. The mean
 diameter is that of the cylinder with the same volume. Metres of a kind of hole are those of its zones (``zones``). A
-turn that an end of the interval cuts counts with its share of metres and volume.
+turn that an end of the interval cuts counts with its share of metres, volume and coverage.
 """
 
 from __future__ import annotations
@@ -152,8 +152,8 @@ def summarize(
     wall
         Radii on a helix.
     start, stop
-        Measured depths, metres; None: the ends of the wall. Volume, mean diameter and metres are those of the hole in
-        [start, stop]; the other numbers those of the turns whose middle lies there.
+        Measured depths, metres; None: the ends of the wall. Volume, mean diameter, metres and coverage are those of the
+        hole in [start, stop]; the other numbers those of the turns whose middle lies there.
     criteria
         Of the kinds of hole; None: the defaults.
     zones
@@ -162,8 +162,11 @@ def summarize(
     Raises
     ------
     InputError
-        ``stop = 1500 m: must not be above start = 1510 m``.
+        ``stop = 1500 m: must not be above start = 1510 m``; ``stop = inf: must be finite``.
     """
+    for name, end in (("start", start), ("stop", stop)):
+        if end is not None and not math.isfinite(end):
+            raise InputError(name, "must be finite", f"{end:g}")
     zones = classify(wall, criteria) if zones is None else zones
     turns = zones.logs
     radius, helix = wall.radius, helix_of(wall)
@@ -212,7 +215,7 @@ def summarize(
         breakout_axis=zones.breakout_axis(),
         shape=turns.shape,
         arms=len(turns.arm_diameter),
-        coverage=float(logs.coverage.mean()) if len(logs) else math.nan,
+        coverage=float((share * turns.coverage).sum() / share.sum()) if share.any() else math.nan,
         shape_kept=logs.shape_kept,
         warnings=tuple(logs.warnings()) if len(logs) else (),
         without_radius=without / vertices if vertices else math.nan,

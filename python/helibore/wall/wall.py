@@ -514,7 +514,7 @@ class Wall:
     ) -> WallSummary:
         """Summarize the wall or an interval of it: `helibore.logs.summary.summarize` with this wall.
 
-        ``start`` and ``stop``: measured depths, metres; None: the ends of the wall. ``criteria`` as in `zones`.
+        ``start`` and ``stop``: measured depths, metres, finite; None: the ends of the wall. ``criteria`` as in `zones`.
         """
         from helibore.logs.summary import summarize
 

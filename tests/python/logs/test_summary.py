@@ -90,6 +90,23 @@ def test_an_interval_that_ends_above_its_start_is_refused() -> None:
         summarize(wall_of((10, GAUGE)), 1001.0, 1000.0)
 
 
+@pytest.mark.parametrize("end", [math.inf, -math.inf, math.nan])
+def test_an_end_that_is_not_finite_is_refused_by_name(end: float) -> None:
+    for wall in (wall_of((10, GAUGE)), hb.Wall(bit_diameter=BIT)):
+        with pytest.raises(hb.InputError, match=rf"^start = {end}: must be finite$"):
+            summarize(wall, start=end)
+        with pytest.raises(hb.InputError, match=rf"^stop = {end}: must be finite$"):
+            summarize(wall, stop=end)
+
+
+def test_an_interval_within_a_turn_has_the_coverage_of_the_turn() -> None:
+    wall = wall_of((10, GAUGE), (4, GAP), (10, GAUGE))
+    assert summarize(wall, 1000.51, 1000.53).coverage == 1.0
+    assert summarize(wall, 1001.22, 1001.24).coverage == pytest.approx(66 / 72)  # 6 of 72 sectors are missing
+    assert summarize(wall, 1000.93, 1001.05).coverage == pytest.approx((7 + 5 * 66 / 72) / 12)
+    assert math.isnan(summarize(wall, 1500.0, 1501.0).coverage)
+
+
 def test_washed_out_is_what_zones_call_washout() -> None:
     wall = wall_of((10, GAUGE), (5, WASHED), (10, OVAL), (4, GAP))
     found = classify(wall)
