@@ -83,17 +83,16 @@ def test_scalar_tracks_and_a_header_from_the_file_and_the_command_line(tmp_path:
     changed = run_cli(tmp_path / "log.svg.toml", "-o", tmp_path / "again.svg")
     assert changed.exit_code == 2
     assert "has changed since the run" in changed.output
-    written = CliRunner().invoke(
-        cli, ["logs", "--average", f"{las}:CALI", "--bit-diameter", "8.5in", "-o", str(tmp_path / "out.las")]
-    )
-    assert written.exit_code == 0, written.output
-    header = hb.open(tmp_path / "out.las").set().header
-    assert (header["COMP"], header["WELL"], header["FLD"], header["DATE"]) == (
-        "Acme Oil",
-        "A-1 T2",
-        "North",
-        "2026-11-22",
-    )
+    source = ["--average", f"{las}:CALI", "--bit-diameter", "8.5in"]
+    saved, out = tmp_path / "saved.wall", tmp_path / "out.las"
+    for words in (["logs", *source, "-o", out], ["reconstruct", *source, "-o", saved], ["logs", saved, "-o", out]):
+        written = CliRunner().invoke(cli, [str(word) for word in words])
+        assert written.exit_code == 0, written.output
+        if words[0] == "logs":  # of the file, and of the archive, which keeps the header
+            header = hb.open(out).set().header
+            assert [header[name] for name in ("COMP", "WELL", "FLD", "DATE")] == [
+                "Acme Oil", "A-1 T2", "North", "2026-11-22",
+            ]  # fmt: skip
     assert "NO : One line a depth" in (tmp_path / "out.las").read_text()
 
 
