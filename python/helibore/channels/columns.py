@@ -151,9 +151,12 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         If a column or its unit is missing, a unit is wrong, degrees look like radians, or depth does not grow.
     """
     roles = roles or guess(log_set)
-    (at, depth), inclined, turned = depths(log_set, roles), *(
-        needed(log_set, roles, role) for role in ("inclination", "azimuth")
-    )  # fmt: skip
+    at, depth = depths(log_set, roles)
+    try:
+        inclined, turned = (needed(log_set, roles, role) for role in ("inclination", "azimuth"))
+    except InputError as error:
+        rule = "a survey is depth, inclination and azimuth at each station; positions alone do not state the directions"
+        raise InputError(error.place, f"{error.rule}; {rule}") from error
     inclination, azimuth = column(log_set, inclined), column(log_set, turned)
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
