@@ -94,8 +94,10 @@ class RawSectorImage:
             raise InputError(self.name, str(error)) from error
 
 
-def column(log_set: RawSet, role: Role) -> Floats:
+def column(log_set: RawSet, role: Role, option: str = "its option") -> Floats:
     """Return a channel in metres, degrees or seconds, read-only. A unit that is missing or does not fit is an error.
+
+    ``option`` is the one of the command line that the error names.
 
     Angles without a unit are degrees if one of them is beyond 2 pi; times without a unit are seconds.
     """
@@ -104,7 +106,7 @@ def column(log_set: RawSet, role: Role) -> Floats:
     if kind and not role.unit and role.role != "time":
         found = plausibility.present(values)
         if kind != units.ANGLE or not found.size or float(np.abs(found).max()) <= 2.0 * np.pi + 1e-6:
-            how = f'a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in its option'
+            how = f'a map ([channels."{role.channel}"] unit = ...), or as {role.channel}:UNIT in {option}'
             rule = f"unit missing: state it in {how}; {role.role} is {kind}"
             raise log_set.input_error(rule, column=role.channel)
     if not kind or not role.unit:
@@ -116,10 +118,10 @@ def column(log_set: RawSet, role: Role) -> Floats:
     return values if factor == 1.0 else values * factor
 
 
-def depths(log_set: RawSet, roles: RoleMap) -> tuple[Role, Floats]:
+def depths(log_set: RawSet, roles: RoleMap, option: str = "its option") -> tuple[Role, Floats]:
     """Return the depth channel and its values in metres; values that cannot be depths are an error."""
     role = needed(log_set, roles, "depth")
-    values = column(log_set, role)
+    values = column(log_set, role, option)
     plausibility.depths(log_set, role, values)
     return role, values
 
@@ -151,13 +153,13 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
         If a column or its unit is missing, a unit is wrong, degrees look like radians, or depth does not grow.
     """
     roles = roles or guess(log_set)
-    at, depth = depths(log_set, roles)
+    at, depth = depths(log_set, roles, "--survey-depth")
     try:
         inclined, turned = (needed(log_set, roles, role) for role in ("inclination", "azimuth"))
     except InputError as error:
         rule = "a survey is depth, inclination and azimuth at each station; positions alone do not state the directions"
         raise InputError(error.place, f"{error.rule}; {rule}") from error
-    inclination, azimuth = column(log_set, inclined), column(log_set, turned)
+    inclination, azimuth = column(log_set, inclined, "--inclination"), column(log_set, turned, "--azimuth")
     plausibility.survey_angles(log_set, inclined, turned, inclination, azimuth)
     rows = np.flatnonzero(np.isfinite(depth) & np.isfinite(inclination) & np.isfinite(azimuth))
     if rows.size < depth.size:
