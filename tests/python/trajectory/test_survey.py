@@ -384,7 +384,7 @@ def test_bad_settings(settings, text):
 def test_opposite_directions_have_no_arc():
     survey = hb.Survey([0, 30, 60], [0, 90, 90], [0, 0, 180])
     assert survey.dogleg() == pytest.approx([90, 180])
-    text = "depth[2] = 60: the hole turns by 180 deg since depth[1] = 30, so the arc between them is not known: must be less than 180"
-    with pytest.raises(ValueError, match=f"^{re.escape(text)}$"):
+    rule = "the hole turns by 180 deg since depth[1] = 30, so the arc between them is not known: must be less than 180"
+    with pytest.raises(ValueError, match=f"^{re.escape(f'depth[2] = 60: {rule}')}$"):
         survey.path()
     assert np.isfinite(survey.path(method="radius-of-curvature").position([0, 45, 60])).all()
