@@ -49,7 +49,7 @@ class WallTable(Table):
 
     model_config = ConfigDict(extra="allow")
 
-    bit_diameter: Annotated[float, within(1e-3, 10)] = Field(description="metres")
+    bit_diameter: float = Field(description="metres")
     start_depth: float = Field(description="metres, the depth of the first vertex")
 
 
