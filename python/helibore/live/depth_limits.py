@@ -100,7 +100,7 @@ class LastDepth:
 
     def _refused(self, depth: float) -> str:
         why = f"the last was {self._last:g} m: {unit_rule(depth, self._last)}: not used"
-        return f"{depth:g} m: {why}. If it is right, set depth.jump above this step and reload the configuration"
+        return f"{depth:g} m: {why}; correct the unit, or set depth.jump above this step if it is right, and reload"
 
     def _confirmed(self, depth: float) -> str:
         return f"{depth:g} m: the last was {self._last:g} m, and the depth before confirms the jump: used"

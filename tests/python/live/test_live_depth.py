@@ -148,8 +148,8 @@ def test_bit_depth_that_changes_to_feet_is_refused_for_as_long_as_it_lasts(tmp_p
             rig(live, depth / 0.3048 if 40 <= i < 290 else depth)  # 125 m are drilled meanwhile
             if i == 289:
                 assert texts(live, "depth_jump")["rig"] == (
-                    "hole_depth 2114.5 m: the last was 519.5 m: it seems that feet were read as metres: not used. "
-                    "If it is right, set depth.jump above this step and reload the configuration"
+                    "hole_depth 2114.5 m: the last was 519.5 m: it seems that feet were read as metres: not used; "
+                    "correct the unit, or set depth.jump above this step if it is right, and reload"
                 )
             clock.step(1)
             sample(live, float(i * 37 % 360))
