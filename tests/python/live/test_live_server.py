@@ -38,6 +38,8 @@ def test_a_link_that_gave_bytes_and_broke_is_opened_again_at_once(tmp_path, monk
     port = free_port()
     with Running(configured(f"tcp://127.0.0.1:{port}"), tmp_path) as running:
         until(lambda: len(waits) > 5)  # nobody listens yet
+        refused = f"waiting to connect: 127.0.0.1:{port}: Connection refused"
+        until(lambda: running.server.states["mwd"] == refused)
         for number in range(2):
             with socket.create_server(("127.0.0.1", port)) as sender:
                 link, _ = sender.accept()
