@@ -311,9 +311,13 @@ class Alarms:
         return found
 
     def _items_lacking(self, reader: SourceReader) -> str:
-        """Return which items that a sample needs were in no frame so far, and which others were; "" if none lacks."""
+        """Return that no frame came, or which items that a sample needs were in no frame, and which others were."""
         source, caliper = reader.source, reader.source.caliper
-        if not isinstance(source, WitsSource) or caliper is None or not reader.total("frames"):
+        if not isinstance(source, WitsSource) or not reader.total("bytes"):
+            return ""
+        if not reader.total("frames"):
+            return "bytes come, and no WITS frame (&& ... !!) is among them"
+        if caliper is None:
             return ""
         bit = [source.rig["bit_depth"]] if "bit_depth" in source.rig and not caliper.depth else []
         needed = {"toolface": caliper.toolface, "radius": caliper.radius, "depth": caliper.depth, "bit_depth": bit}

@@ -158,6 +158,19 @@ def test_items_that_never_come_are_an_alarm_that_names_those_that_do():
     assert ("missing", "mwd") not in rules(alarms)
 
 
+def test_bytes_without_a_frame_are_an_alarm():
+    live, clock, alarms = alarmed(HOST)
+    for _ in range(4):
+        clock.step(50)
+        live.receive("mwd", b"<xml>hello</xml>\r\n")
+        alarms.check()
+    assert rules(alarms) == [("missing", "mwd")]
+    assert texts(live)["alarm_missing"] == "bytes come, and no WITS frame (&& ... !!) is among them"
+    live.receive("mwd", frames(1)[0])
+    alarms.check()
+    assert rules(alarms) == []
+
+
 def test_samples_of_a_string_that_does_not_turn_are_no_alarm():
     items = 'items = { bit_depth = "0108", rotation = "0120" }\n'
     live, clock, alarms = alarmed(HOST + items + 'caliper = { toolface = ["5010"], radius = ["5012"] }\n')
