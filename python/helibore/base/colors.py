@@ -250,9 +250,13 @@ def usual_scale(
 
 
 def over_bit(
-    radius: Floats, bit_diameter: float, color_map: str | None = None, limits: tuple[float, float] | None = None
+    radius: Floats,
+    bit_diameter: float,
+    color_map: str | None = None,
+    limits: tuple[float, float] | None = None,
+    unit: float = MILLIMETRE,
 ) -> tuple[Floats, ColorScale]:
-    """Return radii over half the bit size, millimetres, and their colours, of which the middle is 0."""
-    over = (radius - 0.5 * bit_diameter) / MILLIMETRE
-    limit = symmetric_limit(over, 1.0)
+    """Return radii over half the bit size, in a unit of so many metres, and their colours, of which the middle is 0."""
+    over = (radius - 0.5 * bit_diameter) / unit
+    limit = symmetric_limit(over, MILLIMETRE / unit)
     return over, ColorScale(*(limits or (-limit, limit)), color_map or "over-bit")

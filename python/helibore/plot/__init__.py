@@ -8,6 +8,7 @@
     log.py        where it stands           cross_sections.py  cross sections            raster.py     cells to pixels
     header.py     facts about the hole      solid.py           shaded bodies             diameters.py  caliper curves
     html_report.py  the report              shading.py         their light               scales.py     numbers on axes
+    zone_list.py  zones, worst first        picked.py          picks
 
 matplotlib comes with the extra ``plot`` and is imported when something is drawn.
 """

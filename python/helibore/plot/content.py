@@ -20,7 +20,6 @@ import numpy as np
 from helibore.base.arrays import Floats
 from helibore.base.colors import ColorScale, check_map, customary_map, over_bit
 from helibore.base.errors import InputError, check_choice
-from helibore.base.units import MILLIMETRE
 from helibore.images.normalization import image_scale, sliding_window
 from helibore.images.sector_image import SectorImage
 from helibore.logs.curves import ScalarCurve, curves_of, nice_limits
@@ -122,7 +121,7 @@ class Drawing:
     left
         Toolface of the left edge of every image: 0, 90, 180 or 270; 180 puts up in the middle.
     unit
-        Of diameters and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
+        Of diameters, radii and cross sections: ``"in"`` or ``"mm"``; ``"ft"``: inches, and feet for depths.
     curves
         Of the caliper track, beside the diameter by area: ``"C1"``, ``"C2"`` (the largest diameter, and the one across
         it), ``"D0"``, ``"D90"`` (across toolfaces 0 and 180, 90 and 270).
@@ -275,7 +274,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     )
     ink = partial(draw_picks, picks=picks, left=drawing.left, bit_diameter=wall.settings.bit_diameter)
     calipers = [one.caliper(limits, drawing) for one in others]
-    sure = _uncertainty(wall, top, bottom)
+    sure = _uncertainty(wall, top, bottom, drawing.size_unit)
     count = len(images) + (sure is not None) + sum(one.basis == "azimuthal" for one in (wall, *drawing.beside.values()))
     room = ROOM - sum(track.width + 2.0 for track in [*tracks, *dips, *calipers]) - 2.0 * count
     for track in scalars:  # first they get narrower, then the images, then the paper wider
@@ -283,7 +282,7 @@ def content_of(wall: Wall, drawing: Drawing) -> Content:
     tracks += scalars
     room -= sum(track.width + 2.0 for track in scalars)
     width = min(130.0, max(NARROW_IMAGE, room / max(count, 1)))
-    radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom)
+    radius = _radius(wall, drawing.looks.get(RADIUS, Look()), top, bottom, drawing.size_unit)
     helix = (wall.settings, wall.start_depth)
     interpolated = None
     if wall.basis == "azimuthal":
@@ -366,7 +365,7 @@ class _Other:
         if self.wall.basis != "azimuthal":
             return []
         look = Look(limits=(scale.low, scale.high), color_map=scale.color_map)
-        shown, over = _radius(self.wall, look, top, bottom)
+        shown, over = _radius(self.wall, look, top, bottom, drawing.size_unit)
         shown = replace(shown, name=f"{self.name}: over bit")
         between = (self.wall.angular_gap > self.wall.settings.largest_gap) & np.isfinite(self.wall.radius)
         helix = (self.wall.settings, self.wall.start_depth)
@@ -453,28 +452,29 @@ def _beyond(values: Floats, low: float, high: float) -> tuple[int, int]:
     return int(((values < low) | (values > high)).sum()), int(np.isfinite(values).sum())
 
 
-def _radius(wall: Wall, look: Look, top: float, bottom: float) -> tuple[Shown, Floats]:
-    """Radius over half the bit size, millimetres, one a vertex; the middle of the whole wall's colours is 0."""
+def _radius(wall: Wall, look: Look, top: float, bottom: float, unit: str) -> tuple[Shown, Floats]:
+    """Radius over half the bit size, in ``unit``, one a vertex; the middle of the whole wall's colours is 0."""
     if look.log or look.window is not None:
         raise InputError("Radius", "is drawn over bit size, on a plain scale: log and window are not for it")
-    over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits)
+    over, scale = over_bit(wall.radius, wall.settings.bit_diameter, look.color_map, look.limits, LENGTHS[unit])
     remark = f"wall, {wall.settings.sectors} sectors"
     inside = (wall.depth >= top) & (wall.depth <= bottom)
-    return Shown(RADIUS_TITLE, "mm", scale, remark, False, *_beyond(over[inside], scale.low, scale.high)), over
+    return Shown(RADIUS_TITLE, unit, scale, remark, False, *_beyond(over[inside], scale.low, scale.high)), over
 
 
-def _uncertainty(wall: Wall, top: float, bottom: float) -> tuple[Shown, Floats] | None:
-    """Half the interval that holds 95 % of the radii, millimetres, one a vertex, if the wall came with its sigma."""
+def _uncertainty(wall: Wall, top: float, bottom: float, unit: str) -> tuple[Shown, Floats] | None:
+    """Half the interval that holds 95 % of the radii, in ``unit``, one a vertex, if the wall came with its sigma."""
     if "sigma" not in wall.attributes:
         return None
     of_quads = wall.attributes.whole("sigma", wall.start_depth, max(len(wall) - wall.settings.sectors - 1, 0))
     half = np.full(len(wall), np.nan)
-    half[: of_quads.size] = NORMAL_95 / MILLIMETRE * of_quads
+    half[: of_quads.size] = NORMAL_95 / LENGTHS[unit] * of_quads
     if not np.isfinite(half).any():
         return None
-    scale = ColorScale(0.0, max(math.ceil(10 * np.nanpercentile(half, 98)) / 10, 0.1), "viridis")
+    part = 10 if unit == "mm" else 100
+    scale = ColorScale(0.0, max(math.ceil(part * np.nanpercentile(half, 98)) / part, 1 / part), "viridis")
     cut = _beyond(half[(wall.depth >= top) & (wall.depth <= bottom)], 0.0, scale.high)
-    return Shown("Radius, 95 %", "mm", scale, "half the interval", False, *cut), half
+    return Shown("Radius, 95 %", unit, scale, "half the interval", False, *cut), half
 
 
 def _diameter_limits(

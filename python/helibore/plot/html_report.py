@@ -191,10 +191,6 @@ def _summary(content: Content) -> str:
             ("Hole volume", f"{volume}; {100 * summary.excess:+.1f} % against bit size"),
         ]
     if wall.basis == "azimuthal":
-        kinds = ", ".join(
-            f"{kind} {in_depth_unit(length, content, 1)} {depths}" for kind, length in summary.kinds.items()
-        )
-        rows.append(("Zones", kinds or "none"))
         axis = summary.breakout_axis
         if math.isfinite(axis.mean):
             spread = number(axis.deviation, 0)

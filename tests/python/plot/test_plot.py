@@ -76,7 +76,7 @@ def test_a_log_says_all_that_a_reader_must_know(wall: hb.Wall) -> None:
         "from the high side, clockwise looking downhole", "radius measured by an azimuthal caliper",
         "Diameter [in]", "bit size 8.504 in", "by area", "least to greatest", "C1", "C2", "over bit", "washout",
         "under bit",
-        "Radius − bit/2 [mm]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
+        "Radius − bit/2 [in]", "GR [gAPI]", "RES [ohm.m]", "logarithmic", "16 sectors, static", "Depth", "MD [m]",
         "missing: no value, or no sample in reach", "Cross sections, looking downhole", "tube × ", "shape × ",
         "coloured by radius", "rings each",
     ):  # fmt: skip
@@ -496,6 +496,13 @@ def test_the_last_page_is_no_stub_and_the_ends_have_their_depths(wall: hb.Wall) 
 
 
 def test_depths_are_in_feet_and_sizes_in_inches(wall: hb.Wall) -> None:
+    inch, metric = (
+        next(one for one in content_of(wall, plot.Drawing(unit=unit, body=())).tracks if isinstance(one, ImageTrack))
+        for unit in ("ft", "mm")
+    )
+    assert (inch.shown.unit, metric.shown.unit) == ("in", "mm")
+    np.testing.assert_allclose(25.4 * inch.source[1], metric.source[1])
+    assert metric.shown.scale.high <= 25.4 * inch.shown.scale.high <= 2.6 * metric.shown.scale.high
     lines = Lines.of(240, FEET)
     assert (lines.fine, lines.coarse) == (pytest.approx(5 * 0.3048), pytest.approx(20 * 0.3048))
     assert [lines.label(depth) for depth in lines.major(2000.0, 2015.0)] == ["6580", "6600"]
@@ -612,7 +619,7 @@ def test_a_wall_that_came_with_its_uncertainty_shows_half_the_interval(wall: hb.
     assert not [track for track in content_of(wall, plot.Drawing(polar=(), body=())).tracks if _sure(track)]
     known = plotted_wall()
     known.attributes["sigma"] = sigma = on_quads(known.sigma, known.settings.sectors)
-    content = content_of(known, plot.Drawing(polar=(), body=()))
+    content = content_of(known, plot.Drawing(unit="mm", polar=(), body=()))
     (track,) = [track for track in content.tracks if _sure(track)]
     np.testing.assert_allclose(track.source[1][: sigma.size], 1959.964 * sigma)
     assert np.isnan(track.source[1][sigma.size :]).all()
