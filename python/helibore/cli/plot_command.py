@@ -50,7 +50,7 @@ takes_a_drawing = section(
     TEMPLATE,
     BESIDE,
     opt("--scale", "Depth scale, 200 or 1:200.  [the finest usual one that fits]", metavar="N"),
-    opt("--unit", "Of diameters; ft: inches, and feet for depths.", type=click.Choice(["in", "mm", "ft"]),
+    opt("--unit", "Of diameters and radii; ft: inches, and feet for depths.", type=click.Choice(["in", "mm", "ft"]),
         default="in"),
     opts("--curve curves", "Of the caliper track: largest, across it, across 0 and 90.  [C1, C2]",
          type=click.Choice(["C1", "C2", "D0", "D90", "none"])),
@@ -110,7 +110,11 @@ def plot(**options: Any) -> None:
         saved = save_lines(run, output, "plot", options)
     width, height = figures[0].get_size_inches() * MM
     pages = f"{len(figures)} pages of " if len(figures) > 1 else ""
-    paper = ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm")
+    wide = not roll and width > drawn.PAPERS[options["paper"]][0] + 0.1
+    note = (
+        f", wider than {options['paper'].upper()}, for all tracks: fitted to it, the scale is not true" if wide else ""
+    )
+    paper = ("paper", f"{pages}{width:,.0f} x {height:,.0f} mm{note}")
     terminal.summary([*run.messages, paper, *saved, ("time", terminal.times())])
 
 
