@@ -56,7 +56,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     elevation = content.drawing.elevation
     header = content.drawing.header
     hole = [(name.capitalize(), text, False) for name, text in header.items() if text and name not in HEADER]
-    below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.12g} {unit.name}"
+    below = "" if elevation is None else f"; TVDSS is TVD less {elevation / unit.metres:.6g} {unit.name}"
     paper = f"{1000 * unit.metres / content.scale:.4g} mm on paper a {'foot' if unit.name == 'ft' else 'metre'}"
     measured: list[tuple[str, str, bool]] = []
     if wall.basis != "gauge":  # whose samples are no measurements
