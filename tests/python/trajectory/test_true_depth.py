@@ -63,8 +63,8 @@ def test_a_survey_that_begins_in_the_hole_tells_none_unless_its_head_does() -> N
 
 
 def depth_labels(figure: Any) -> list[Any]:
-    """The labels of the depth track but the first and the last depth, which stand at the ends."""
-    return [text for text in figure.axes[0].texts if text.get_position()[0] == 0.5 and text.get_va() == "center"]
+    """The labels of the depth track but zones, and the first and the last depth, which stand at the ends."""
+    return [text for text in figure.axes[0].texts if text.get_position()[0] > 0.5 and text.get_va() == "center"]
 
 
 @pytest.mark.parametrize(("elevation", "name"), [(None, "TVD"), (25.0, "TVDSS")])
