@@ -98,7 +98,7 @@ def read_npz(source: InputFile) -> RawFile:
     refuse_zip_bomb(source)
     try:
         with np.load(source.path, allow_pickle=False) as archive:
-            arrays = {name: archive[name] for name in archive.files}
+            arrays = {name: _dates_as_text(archive[name]) for name in archive.files}
     except DAMAGED_NPZ as error:
         raise source.error(f"damaged archive of arrays ({error})") from error
     shapes = [array.shape for array in arrays.values() if array.ndim in (1, 2) and array.size]
@@ -114,9 +114,14 @@ def read_npz(source: InputFile) -> RawFile:
         if array.ndim not in (1, 2) or array.dtype.kind not in "fiuUSb" or not (len(array) == rows or is_axis):
             remarks.append(f"{name}: shape {array.shape} of {array.dtype} does not fit {rows} rows; left out")
             continue
-        unit = describe(name) or own_unit(name, remarks)
+        unit = describe(name) or ("" if array.dtype.kind in "US" else own_unit(name, remarks))
         channels.append(Channel(name, unit, "", array, source.nulls, axis, nan_is_missing=False))
     return RawFile("npz", [RawSet(source.path, "arrays", channels, rows, None, {}, remarks)])
+
+
+def _dates_as_text(array: Array) -> Array:
+    """Return dates as texts in ISO 8601, as the other formats have them; any other array as it is."""
+    return np.datetime_as_string(array) if array.dtype.kind == "M" else array
 
 
 def own_unit(name: str, remarks: list[str]) -> str:

@@ -331,6 +331,14 @@ def test_bad_parquet(tmp_path: Path) -> None:
     refused(tmp_path / "ragged.parquet", "column a: lists of 2 different lengths: must be one")
 
 
+def test_dates_of_an_archive_of_arrays_are_times(tmp_path: Path) -> None:
+    when = np.array(["2024-01-01T00:00:00", "NaT", "2024-01-01T00:00:01.5"], "M8[ms]")
+    np.savez(tmp_path / "a", time=when, depth_m=[1.0, 2, 3], toolface_deg=[0.0, 1, 2], radius_m=[0.1] * 3)
+    one = hb.open(tmp_path / "a.npz")
+    np.testing.assert_array_equal(one.readings().time, [1704067200.0, np.nan, 1704067201.5])
+    assert one.set().remarks == []
+
+
 def test_npz(tmp_path: Path) -> None:
     image = np.arange(12.0).reshape(3, 4)
     np.savez(
