@@ -12,7 +12,7 @@ const FOOT = 20;
 
 const DIPS = 70;
 const NARROWEST = 64; // pixels of a track
-const PANE = 190; // that the hole has at least
+const PANE = { straight: 212, path: 330 }; // that the hole has at least, with its controls above it in two lines
 const COLUMN = 1100; // pixels that the straightened hole is wide at most
 const PHONE = 600; // a narrower stage has room for the image and the caliper alone
 
@@ -29,7 +29,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   /** @type {Rects} */
   const rects = {};
   let left = 4;
-  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : PANE)) {
+  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : straight ? PANE.straight : PANE.path)) {
     rects[name] = { left, width: w, ...body };
     left += w + (name === 'axis' || !w ? 0 : 6);
   }

@@ -512,6 +512,7 @@ export class App {
 
   resize() {
     const { clientWidth: width, clientHeight: height } = byId('stage');
+    const paper = this.store && this.rects && !this.view.rig ? this.paper : undefined;
     this.arranged = JSON.stringify(this.arrangement);
     this.rects = layout(width, height, this.arrangement);
     document.body.dataset.tab = this.arrangement.tab ?? '';
@@ -523,6 +524,7 @@ export class App {
     Object.assign(byId('wallHead').style, { left: `${wall.left}px`, width: `${wall.width}px` });
     Object.assign(byId('replay').style, { left: `${wall.left + 90}px`, width: `${wall.width - 100}px` });
     Object.assign(byId('notice').style, { left: `${wall.left + 10}px`, maxWidth: `${wall.width - 20}px` });
+    if (paper && paper !== this.paper) this.setLength(`1:${paper}`); // a scale of paper stays
     this.redraw();
   }
 
@@ -566,6 +568,7 @@ export class App {
     if (text === 'all') this.view.show(top - (bottom - top) * 0.02, (bottom - top) * 1.04, this.store);
     else if (text.startsWith('1:')) this.view.zoom(scaleLength(this.rects.image, Number(text.slice(2))) / this.view.length, this.view.middle, this.store);
     else if (text) this.view.zoom(Number(text) / this.view.length, this.view.middle, this.store);
+    if (this.view.follow && text !== 'all') this.view.followEnd(this.store, this.bit);
     this.fit();
   }
 

@@ -112,12 +112,6 @@ export class Picking {
     return { depth, toolface, radius: quad?.radius ?? store.bitRadius, measured: quad !== null };
   }
 
-  /** @param {Aim} cursor */
-  add(cursor) {
-    this.points.push(this.point(cursor));
-    this.app.redraw();
-  }
-
   // The plane of a kept pick on the path as it is now.
   /** @param {PlanePick} pick */
   plane(pick) {
@@ -355,14 +349,14 @@ export class Picking {
     byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}.`];
-    if (pick) lines.push(`Selected ${pick.kind}: a digit changes its class; drag it${plane ? ' or its crest' : ''}.`);
+    if (pick) lines.push(`Selected ${pick.kind}: drag it${plane ? ' or its crest' : ''}; a digit sets its class.`);
     else if (this.kind === BREAKOUT) lines.push('Drag a box over a breakout. A click on a pick selects it.');
     else if (!current) lines.push(['Drag from a crest or trough along the bed, or click three points around the hole.', 'Two more points.', 'One more, round the hole.'][this.points.length] ?? 'These lie on one side: add a point round the hole.');
     if (plane) {
       const assumed = pick ? pick.radius === null : this.points.some(({ measured }) => !measured);
       const count = pick ? /** @type {PlanePick} */ (pick).points ?? 0 : this.points.length + Number(open);
       const fit = count > 3 ? `misfit ${showLength(plane.misfit, units, units === 'mm' ? 0 : 1)} of ${count} points` : count === 3 ? '3 points, no misfit' : 'drawn, no misfit';
-      lines.push(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; bit size where nothing is measured' : ''}`);
+      lines.push(`${showDepth(plane.depth, units)}   ${inWords(plane)}`, `${fit}${assumed ? '; at bit size' : ''}`);
     }
     const text = lines.join('\n');
     if (byId('dipText').textContent !== text) byId('dipText').textContent = text;
