@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Callable
+from threading import Lock
+from typing import TYPE_CHECKING, Any
 
 import click
 
@@ -23,6 +25,9 @@ from helibore.cli.wall_options import (
     takes_a_wall,
     walls_beside,
 )
+
+if TYPE_CHECKING:
+    from helibore.wall.wall import Wall
 
 
 @click.command(cls=Sectioned, short_help="Show a wall in the browser.")
@@ -72,17 +77,35 @@ def view(**options: Any) -> None:
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
     serving = {name: options[name] for name in ("host", "port", "token", "browser")} | {"reference": run.reference}
+    curves, template = curves_of_files(run, options), options["template"] and Template.load(options["template"])
+    beside = walls_beside(options)
     with placing(run):
         viewer = serve(
-            wall, path=wall.path, attributes=attributes, curves=curves_of_files(run, options), picks_file=picks,
-            template=options["template"] and Template.load(options["template"]),
-            beside=walls_beside(options), well=well, **serving,
+            wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
+            beside=beside, well=well, **serving,
         )  # fmt: skip
-    viewer.scene.update_state(ended=True)  # nothing appends to it
+    drawing = {"title": well, "scalars": curves, "template": template, "beside": beside, "reference": run.reference}
+    viewer.scene.draw_pages = section_printer(wall, drawing)
+    viewer.scene.update_state(ended=True, prints=True)  # nothing appends to it
     terminal.summary([("time", terminal.times())])
     click.echo(f"{viewer.url}   (Ctrl-C ends it)")
     viewer.wait()
     viewer.close()
+
+
+def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str], bytes]:
+    """Return what draws a section of a wall on paper, as it is with its picks, one at a time."""
+    lock = Lock()
+
+    def draw(start: float, stop: float, unit: str) -> bytes:
+        from helibore.plot import pages, rendered
+
+        top, bottom = sorted((float(wall.depth[0]), float(wall.depth[-1])))
+        with lock:
+            figures = pages(wall, start=max(start, top), stop=min(stop, bottom), unit=unit, **drawing)
+            return rendered(figures, ".pdf")
+
+    return draw
 
 
 def check_page() -> None:

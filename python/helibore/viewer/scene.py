@@ -128,6 +128,7 @@ class RunState:
     # Ends of the colours by quantity, metres or the attribute's unit; chosen once, from the whole wall.
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
+    prints: bool = False  # `Scene.draw_pages` can be asked
     alarms: tuple[str, ...] = ()  # what the live feed warns of, in words; a page shows each until its user silences it
 
 
@@ -181,6 +182,8 @@ class Scene:
         Where a change saves them; None: nowhere.
     path
         Of the wall, for the dips in that file.
+    draw_pages
+        Returns a section as a PDF, from its ends and the units of the page; None: a page cannot print.
     """
 
     def __init__(self) -> None:
@@ -188,6 +191,7 @@ class Scene:
         self.on_change: Callable[[], None] = lambda: None
         self.listeners: list[Callable[[int, int, int], None]] = []
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
+        self.draw_pages: Callable[[float, float, str], bytes] | None = None
         self.begun = False
         self.state = RunState()
         self.template: Template | None = None

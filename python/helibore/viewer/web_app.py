@@ -8,6 +8,7 @@
     /api/curve?name=                        a curve along the hole
     /api/pick  /api/picks.csv               put or delete a pick; read or add a table of them
     /api/export.html                        a section with its page, as one file
+    /api/print.pdf                          a section on paper, if whoever serves the page can draw it
     /healthz                                alive
 
 `AccessControl` checks every request. A page that is opened before the wall begins shows what the sources are doing.
@@ -106,6 +107,7 @@ class WebApp:
             "summary": self.summary,
             "history": self.history,
             "export.html": self.export,
+            "print.pdf": self.print_section,
         }
 
         def when_begun(endpoint: Endpoint) -> Endpoint:
@@ -273,6 +275,20 @@ class WebApp:
             return html_export(self.scene, files, *exports.section_ends(query), query.get("address", ""))
 
         return await self.downloads.start(write, TYPES["index.html"], _file_name("wall", query, "html"), whole=True)
+
+    async def print_section(self, request: Request) -> Response:
+        query, draw = request.query_params, self.scene.draw_pages
+        if draw is None:
+            return PlainTextResponse("this server cannot print\n", 404)
+        try:
+            start, stop = sorted(exports.section_ends(query))
+            body = await asyncio.to_thread(draw, start, stop, query.get("units", "mm"))
+        except (ValueError, ImportError) as error:
+            return PlainTextResponse(f"{error}\n", 400)
+        name = _file_name("log", query, "pdf")
+        return Response(
+            body, media_type="application/pdf", headers={"content-disposition": f"attachment; filename={name}"}
+        )
 
 
 class _Connection:

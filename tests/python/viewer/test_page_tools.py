@@ -17,6 +17,7 @@ from made_wall import MadeWall, curved_path, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
+from helibore.cli.view_command import section_printer
 from helibore.logs.curves import ScalarCurve
 from helibore.logs.picks import Pick, Picks
 from helibore.logs.template import Template, TemplateTrack
@@ -358,6 +359,30 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
     assert fracture.depth == pytest.approx(1009.6, abs=0.03)
     assert (box.kind, box.depth, box.height) == ("breakout", pytest.approx(1012, abs=0.03), pytest.approx(3, abs=0.05))
     assert (box.toolface, box.opening) == (pytest.approx(250, abs=1), pytest.approx(40, abs=2))
+
+
+def test_the_page_prints_what_is_in_view_with_its_picks(browser: Any) -> None:
+    """As `helibore view` draws it: the same button beside the picks and below the log."""
+    depth = np.arange(1000.0, 1030.0, 0.01)
+    wall = hb.reconstruct(
+        hb.Caliper(depth, np.arange(depth.size) * 37.0, np.full(depth.size, 0.11)), bit_diameter=0.216, sectors=32
+    )
+    wall.picks.append(Pick(kind="bed", depth=1009.0, toolface=40.0, apparent_dip=60.0))
+    with hb.view(wall) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1004&sec=12&units=ft", drawn=False)
+        screen.settle()
+        assert not screen.is_visible("#print")
+        viewer.scene.draw_pages = section_printer(wall, {"title": "A"})
+        viewer.scene.update_state(prints=True)
+        screen.until("window.__wall.app.prints")
+        screen.keyboard.press("d")
+        screen.settle()
+        with screen.expect_download() as saved:
+            screen.click("#dipPrint")
+        assert saved.value.suggested_filename == "log-998.0-1010.0.pdf"
+        assert Path(saved.value.path()).read_bytes().startswith(b"%PDF")
+        screen.evaluate("window.__wall.app.view.show(2000, 5, window.__wall.app.store)")
+        screen.close()
 
 
 def test_images_stand_side_by_side_at_the_scale_of_paper(browser: Any, viewer: Any) -> None:

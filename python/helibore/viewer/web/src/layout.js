@@ -20,7 +20,7 @@ const PHONE = 600; // a narrower stage has room for the image and the caliper al
 const bounded = (value, least, most) => Math.round(Math.min(most, Math.max(least, value)));
 
 /** @type {(width: number, height: number, arrangement?: Arrangement) => Rects} */
-export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, tab = null, beside = 0, curves = 0, chosen = {}, order = [] } = {}) {
+export function layout(width, height, { dips = false, measured = true, rig = false, straight = false, outside = false, tab = null, beside = 0, curves = 0, chosen = {}, order = [] } = {}) {
   const body = { top: HEAD, height: Math.max(40, height - HEAD - FOOT) };
   const slim = tab !== null && width < PHONE;
   const widths = rig ? { map: 0, axis: 66, image: Math.round(width * 0.36), caliper: 0 }
@@ -29,7 +29,7 @@ export function layout(width, height, { dips = false, measured = true, rig = fal
   /** @type {Rects} */
   const rects = {};
   let left = 4;
-  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : straight ? PANE.straight : PANE.path)) {
+  for (const [name, w] of slim || tab === '3d' || rig ? Object.entries(widths) : arranged(widths, chosen, order, width, tab ? 0 : outside ? PANE.path : PANE.straight)) {
     rects[name] = { left, width: w, ...body };
     left += w + (name === 'axis' || !w ? 0 : 6);
   }

@@ -61,6 +61,7 @@ export class App {
   /** @type {number | null} */
   newest = null;
   ended = false;
+  prints = false; // the server draws sections on paper
   /** @type {number | null} */
   opened = null; // the top of the section that a saved wall began with
   sources = '';
@@ -223,7 +224,7 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [] }) {
+  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], prints = false }) {
     this.sources = sources;
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
@@ -233,6 +234,7 @@ export class App {
     this.curves.offer(curves, version);
     this.path.trueDepth = trueDepth;
     takeRanges(this.quantities, ranges);
+    this.prints = prints;
     this.bitDepth = bit;
     this.newest = newest === null ? null : newest + (Date.now() / 1000 - now); // the server's clock, on ours
     this.ended = ended;
@@ -339,7 +341,7 @@ export class App {
   /** @returns {Arrangement} */
   get arrangement() {
     const { view, store, straight, picking } = this;
-    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
+    return { dips: picking.shown, measured: store?.basis !== 'gauge', rig: view.rig, straight, outside: Boolean(this.gpu) && !straight, curves: this.curves.shown.length, chosen: view.widths, order: view.order, beside: PHONE.matches || view.rig ? 0 : this.besides.length, tab: NARROW.matches && !view.rig ? view.tab : null };
   }
 
   // Is the hole drawn straightened, on the depth axis of the tracks?

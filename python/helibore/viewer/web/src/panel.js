@@ -211,12 +211,14 @@ export function listZones(zones, { units, theme }, alarms, show) {
 
 // Downloads of the section; an exported file has no server to ask.
 /** @param {App} app @param {string} address */
-export function links({ view, contents }, address) {
+export function links({ view, contents, prints }, address) {
   byId('csv').hidden = byId('export').hidden = contents !== null;
+  byId('print').hidden = byId('dipPrint').hidden = !prints || contents !== null;
   const query = new URLSearchParams(location.search); // the token
   query.set('start', view.top.toFixed(3));
   query.set('stop', view.bottom.toFixed(3));
   byId('csv').href = `api/section.csv?${query}`;
+  byId('print').href = `api/print.pdf?${query}&units=${view.units}`;
   query.set('address', address);
   byId('export').href = `api/export.html?${query}`;
 }

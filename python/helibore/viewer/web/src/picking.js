@@ -62,6 +62,7 @@ export class Picking {
     on('dipRemove', () => this.remove());
     on('dipClose', () => this.toggle(false));
     on('dipSave', () => download(app, this.address('picks.csv'), 'The picks were'));
+    on('dipPrint', () => byId('print').click());
     on('dipLoad', () => byId('dipFile').click());
     byId('dipFile').addEventListener('change', () => this.load(byId('dipFile')));
     byId('pickClass').addEventListener('change', () => this.setClass(/** @type {PlaneKind | 'breakout'} */ (byId('pickClass').value)));

@@ -14,7 +14,7 @@ export function save(blob, name) {
 
 /** @param {App} app */
 export function bindSaving(app) {
-  for (const id of /** @type {const} */ (['csv', 'export'])) {
+  for (const id of /** @type {const} */ (['csv', 'export', 'print'])) {
     byId(id).addEventListener('click', (event) => {
       event.preventDefault();
       download(app, byId(id).href, 'The section was');

@@ -35,7 +35,7 @@ interface Hatching { step: number; fill: number; rising: boolean }
 interface Rect { left: number; top: number; width: number; height: number }
 type Rects = Record<string, Rect>; // by the name of the panel or track
 interface Arrangement {
-  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; tab?: string | null; beside?: number; curves?: number;
+  dips?: boolean; measured?: boolean; rig?: boolean; straight?: boolean; outside?: boolean; tab?: string | null; beside?: number; curves?: number;
   chosen?: Record<string, number>; order?: string[];
 }
 interface Palette {
@@ -101,7 +101,7 @@ interface Handshake {
 }
 interface State {
   begun: boolean; sources: string; bit_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
-  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[];
+  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; prints?: boolean;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
 interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }
@@ -130,6 +130,6 @@ type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'dipFile' | 'dynamic' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
   & Ids<'dipKeep' | 'dipRemove', HTMLButtonElement>
-  & Ids<'csv' | 'export', HTMLAnchorElement>
+  & Ids<'csv' | 'export' | 'print', HTMLAnchorElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;
