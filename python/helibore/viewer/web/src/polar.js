@@ -29,6 +29,10 @@ const dial = (look, depth, found, j) => wrap360(found.level.toolface(found.k + j
 /** @param {Look} look @param {number} depth */
 const zero = ({ path, view }, depth) => leftEdge(path, view.cut, depth).toolface - CUTS[view.cut].offset;
 
+// Pixels across that the picture has: a text of angles at its sides needs more than a letter.
+/** @param {number} width @param {number} height */
+const across = (width, height) => Math.min(width - 24, height);
+
 /** @param {Canvas} canvas @param {Look} look @param {Turn} found */
 export function drawPolar(canvas, look, found) {
   const { store, view } = look;
@@ -41,7 +45,7 @@ export function drawPolar(canvas, look, found) {
   const exaggerated = (r) => Math.max(0.1 * R, R + (r - R) * (view.shape || 1));
   const kept = view.pins.map((pin) => turnAt(store, view, pin));
   const widest = Math.max(R, ...[found, ...kept].map(({ measured }) => exaggerated(measured.radiusMax || R)));
-  const scale = (Math.min(width, height) / 2 - 20) / (widest * 1.04);
+  const scale = (across(width, height) / 2 - 20) / (widest * 1.04);
   /** @type {(turnFound: Turn, at: number) => Placing} */
   const placeOn = (turnFound, at) => {
     const up = zero(look, at);
@@ -174,7 +178,7 @@ function letters(ink, look, depth, width, height, palette) {
   const { reference } = CUTS[look.view.cut];
   const known = leftEdge(look.path, look.view.cut, depth).known;
   const names = !known ? ['0°', '90°', '180°', '270°'] : reference === 'up' ? ['U', 'R', 'D', 'L'] : ['N', 'E', 'S', 'W'];
-  const side = Math.min(width, height) / 2 - 8;
+  const side = across(width, height) / 2 - 8;
   names.forEach((name, i) => {
     const [dx, dy] = [[0, -1], [1, 0], [0, 1], [-1, 0]][i];
     label(ink, name, width / 2 + dx * side, height / 2 + dy * side, { colour: palette.ink, align: 'center', font: known ? BOLD : SMALL, halo: palette.panel });
