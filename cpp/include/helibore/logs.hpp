@@ -4,7 +4,7 @@
 //
 //            0
 //        .-'---`-.          c1: the largest diameter through the axis; c2: the one at right angles to it
-//      /  .-----.  `.       inscribed: the largest circle with no vertex inside, wherever its centre
+//      /  .-----.  `.       inscribed: a circle with no vertex inside that no small move of its centre makes larger
 //     |  (   x   )    |     enclosing: the smallest circle with none outside
 //      `. `-----' __.'
 //        `-----'
