@@ -199,7 +199,7 @@ def test_colours_come_from_the_whole_wall_and_are_those_of_the_print(browser: An
     wall = with_gamma(hb.Caliper.gauge(2000.0, 2040.0, BIT))
     depth, toolface = wall.depth, wall.toolface
     wall = with_gamma(hb.Caliper(depth, toolface, 0.5 * BIT + 0.017 * (np.abs(depth - 2035) < 2)))
-    content = content_of(wall, Drawing(polar=(), body=(), start=2000.0, stop=2010.0))
+    content = content_of(wall, Drawing(unit="mm", polar=(), body=(), start=2000.0, stop=2010.0))
     over, gr = (track.shown.scale for track in content.tracks[2:])  # type: ignore[union-attr]
     assert (over.low, over.high, over.color_map) == (-20.0, 20.0, "over-bit")
     with hb.view(wall) as viewer:
