@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import base64
 import importlib.util
+import itertools
 import shutil
 import subprocess
 import tempfile
@@ -139,6 +140,16 @@ class Screen:
         self.until("window.__wall.addressed()")
         found: str = self.page.evaluate("location.hash")
         return found
+
+    def touching(self, canvas: str) -> list[tuple[str, str]]:
+        """Return the texts on a canvas that overlap, in pairs."""
+        labels = self.page.evaluate(f"document.getElementById('{canvas}').labels")
+        assert labels
+        return [
+            (a["text"], b["text"])
+            for a, b in itertools.combinations(labels, 2)
+            if a["left"] < b["right"] and b["left"] < a["right"] and a["top"] < b["bottom"] and b["top"] < a["bottom"]
+        ]
 
     def pixels(self, name: str) -> np.ndarray:
         got = self.page.evaluate(READ, [name, None])

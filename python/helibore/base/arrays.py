@@ -16,7 +16,6 @@ from helibore import _core
 from helibore.base.errors import InputError
 
 Floats = npt.NDArray[np.float64]
-Floats32 = npt.NDArray[np.float32]
 Integers = npt.NDArray[np.int64]
 Integers32 = npt.NDArray[np.int32]
 Complexes = npt.NDArray[np.complex128]
@@ -122,3 +121,9 @@ def sample_columns(
     if time is not None and columns[3].size == 0 < columns[0].size:  # which the core would take for none
         raise InputError(f"time has 0 values, depth has {columns[0].size}", "must be equal")
     return columns
+
+
+def runs_of(mask: npt.NDArray[np.bool_]) -> list[tuple[int, int]]:
+    """Return first and last index (exclusive) of every run of values that are true."""
+    edges = np.flatnonzero(np.diff(mask, prepend=False, append=False)).reshape(-1, 2)
+    return [(first, last) for first, last in edges.tolist()]

@@ -131,7 +131,6 @@ class Server:
         self.latency = Latency()
         self.states = dict.fromkeys(live.configuration.sources, "not started")
         self.last_received: dict[str, float] = {}
-        self.updates = 0
         self.failure: BaseException | None = None
         self._updated = updated
         self._queue = Queue(live)
@@ -342,7 +341,6 @@ class Server:
             now = time.monotonic_ns()
             for one in stored:
                 self.latency.add((now - one.monotonic) / 1e9)
-            self.updates += 1
             self.alarms.changed(update)
             self._updated(update)
 

@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, Mask
+from helibore.base.arrays import Floats, Integers, Mask, runs_of
 from helibore.base.axial import Axes, BreakoutLobe, axial_mean
 from helibore.base.errors import InputError, check_choice
 from helibore.base.notebook import card, curve_picture
@@ -268,9 +268,8 @@ def _ends(logs: Logs, radius: Floats, start: float) -> tuple[Floats, Floats]:
 
 def _runs(fits: Mask, free: Mask, criteria: Criteria, pitch: float) -> Iterator[tuple[int, int]]:
     """Turns [first, stop) that fit and are free, joined over short stretches that are free, long enough to count."""
-    edges = np.flatnonzero(np.diff(fits & free, prepend=False, append=False)).reshape(-1, 2).tolist()
     joined: list[list[int]] = []
-    for first, stop in edges:
+    for first, stop in runs_of(fits & free):
         last = joined[-1][1] if joined else 0
         if joined and (first - last) * pitch <= criteria.join + 1e-9 and free[last:first].all():
             joined[-1][1] = stop

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from helibore._core import __version__
+from helibore.base.arrays import runs_of
 from helibore.base.atomic_file import write_whole
 from helibore.base.units import size_text
 from helibore.logs.picks import BREAKOUT
@@ -327,12 +328,8 @@ def _quality(content: Content, messages: Sequence[tuple[str, str]]) -> str:
 
 def largest_gaps(turns: Diameters, pitch: float) -> list[tuple[float, float]]:
     """Return the longest stretches, at most ten, whose turns lack a radius somewhere; the longest first."""
-    broken = np.concatenate([[False], turns.coverage < 1, [False]])
-    edges = np.flatnonzero(np.diff(broken.astype(np.int8)))
-    runs = [(first, stop - 1) for first, stop in zip(edges[::2], edges[1::2], strict=True)]
-    runs.sort(key=lambda run: run[0] - run[1])
-    ends = [(turns.depth[first] - pitch / 2, turns.depth[last] + pitch / 2) for first, last in runs[:MOST_GAPS]]
-    return [(float(top), float(bottom)) for top, bottom in ends]
+    runs = sorted(runs_of(turns.coverage < 1), key=lambda run: run[0] - run[1])[:MOST_GAPS]
+    return [(float(turns.depth[first]) - pitch / 2, float(turns.depth[stop - 1]) + pitch / 2) for first, stop in runs]
 
 
 def _settings(content: Content, zones: Classification | None) -> str:

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, Mask, column, whole_column
+from helibore.base.arrays import Floats, Integers, Mask, column, runs_of, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.readings import Readings
 
@@ -400,8 +400,7 @@ def disagreements(readings: Readings, apart: float = 0.0025, rows: int = 10) -> 
 
 def _stretches(mask: Mask, rows: int) -> list[tuple[int, int]]:
     """First and last index (exclusive) of every run of at least so many rows in which the mask is True."""
-    edges = np.flatnonzero(np.diff(np.concatenate([[False], mask, [False]]).astype(np.int8)))
-    return [(int(first), int(last)) for first, last in edges.reshape(-1, 2) if last - first >= rows]
+    return [(first, last) for first, last in runs_of(mask) if last - first >= rows]
 
 
 @dataclass(frozen=True)

@@ -20,7 +20,7 @@ class PageServer:
     """Serves a scene until closed; with ``certificate`` and ``key`` (PEM files) over HTTPS."""
 
     def __init__(
-        self, scene: Scene, *, host: str, port: int, token: str | None, compress: bool = False,
+        self, scene: Scene, *, host: str, port: int, token: str | None,
         certificate: str | None = None, key: str | None = None,
     ) -> None:  # fmt: skip
         loopback = host == "localhost"
@@ -44,7 +44,7 @@ class PageServer:
             ssl_certfile=certificate,
             ssl_keyfile=key,
             ws_max_size=2 * MOST_TEXT,
-            ws_per_message_deflate=compress,
+            ws_per_message_deflate=False,
             h11_max_incomplete_event_size=2 * MOST_ADDRESS,  # in a query three characters become up to five
             log_level="critical",
             access_log=False,

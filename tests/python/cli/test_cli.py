@@ -14,19 +14,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 import trimesh
-from click.testing import CliRunner, Result
+from command import run
 from locations import SHARED
 
 import helibore
-from helibore.cli import VERBS, cli
+from helibore.cli import VERBS
 from helibore.cli.mesh_command import ENDINGS
 from helibore.simulation.tool import Hole, simulate
 
 F12 = SHARED / "calipers/volve_F-12_2010_pfcs_xy_caliper.csv.gz"
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 def real(*arguments: object, timeout: float = 120) -> subprocess.CompletedProcess[str]:

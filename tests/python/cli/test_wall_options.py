@@ -8,17 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command import run
 
 import helibore as hb
-from helibore.cli import cli
 from helibore.cli.wall_options import SECTIONS
 
 WALLS = ("reconstruct", "mesh", "logs", "plot", "report", "view")
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 @pytest.fixture

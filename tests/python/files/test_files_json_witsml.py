@@ -10,6 +10,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from refused_files import refused
 
 import helibore as hb
 from helibore.files import witsml_log
@@ -25,18 +26,6 @@ def json_file(folder: Path, tree: Any) -> Path:
 
 def curve(name: str, **more: Any) -> dict[str, Any]:
     return {"name": name, "unit": "m", "valueType": "float", "dimensions": 1} | more
-
-
-def refused(path: Path, rule: str) -> None:
-    def read_all() -> None:
-        one = hb.open(path).set()
-        for channel in one:
-            if channel.name != "TIME":
-                one.numbers(channel.name)
-
-    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
-        read_all()
-    assert str(caught.value).startswith(path.name)
 
 
 def test_json_arrays_text_and_sets(tmp_path: Path) -> None:

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from refused_files import refused
 from wall_samples import wall_samples
 
 import helibore as hb
@@ -36,17 +36,6 @@ def las2(folder: Path, rows: str, head: str = HEAD2, stop: int = 3, name: str = 
     path = folder / name
     path.write_text(head.format(stop=stop) + "~ASCII\n" + rows)
     return path
-
-
-def refused(path: Path, rule: str) -> None:
-    def read_all() -> None:
-        for one in hb.open(path).sets:
-            for channel in one:
-                one.numbers(channel.name)
-
-    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
-        read_all()
-    assert str(caught.value).startswith(path.name)
 
 
 def test_las2(tmp_path: Path) -> None:

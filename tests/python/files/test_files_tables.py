@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
+from refused_files import refused
 
 import helibore as hb
 from helibore.base.nulls import NULLS
@@ -26,17 +27,6 @@ def write(folder: Path, text: str | bytes, name: str = "t.csv") -> Path:
     path = folder / name
     path.write_bytes(text.encode() if isinstance(text, str) else text)
     return path
-
-
-def refused(path: Path, rule: str) -> None:
-    def read_all() -> None:
-        one = hb.open(path).set()
-        for channel in one:
-            one.numbers(channel.name)
-
-    with pytest.raises(ValueError, match=re.escape(rule)) as caught:
-        read_all()
-    assert str(caught.value).startswith(path.name)
 
 
 @pytest.mark.parametrize("mark", [",", "\t", ";", "|"])

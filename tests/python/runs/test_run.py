@@ -10,19 +10,14 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command import run
 
 import helibore as hb
-from helibore.cli import cli
 from helibore.files.table_writing import write_table
 from helibore.preparation.passes import difference
 from helibore.runs.run import add_images, checksum, preparation_lines, repeat
 from helibore.runs.run_settings import Output, read_settings, settings_file, write_settings
 from helibore.simulation.tool import Hole, Lift, Tool, simulate
-
-
-def run(*arguments: object) -> Result:
-    return CliRunner().invoke(cli, [str(argument) for argument in arguments])
 
 
 @pytest.fixture(scope="module")

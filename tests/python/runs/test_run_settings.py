@@ -8,17 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from click.testing import CliRunner, Result
+from command import run
 
 import helibore as hb
-from helibore.cli import cli
 from helibore.runs.run import checksum
 
 BIT = ("--bit-diameter", "216mm")
-
-
-def run(verb: str, *arguments: object) -> Result:
-    return CliRunner().invoke(cli, [verb, *(str(argument) for argument in arguments)])
 
 
 @pytest.fixture(scope="module")
