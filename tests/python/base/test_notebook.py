@@ -90,7 +90,7 @@ def pixels_of(html):
 def test_a_card_has_the_colours_of_the_print():
     wall, image = everything()["wall"], everything()["image"]
     wall.images["GR"] = image
-    content = content_of(wall, Drawing(polar=(), body=()))
+    content = content_of(wall, Drawing(polar=(), body=(), unit="mm"))
     radius, gamma = (track.shown.scale for track in content.tracks[2:])
     over = (wall.radius - 0.108) * 1000
     assert (pixels_of(wall._repr_html_())[0, :64] == radius.colors(over[:64])[:, :3]).all()
