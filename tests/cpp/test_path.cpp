@@ -128,6 +128,9 @@ void bad_surveys_and_depths() {
     CHECK_THROWS(InputError, "extend = -1: must be finite and not negative",
                  Path(survey(0, 9, 0, 0), {.extend = -1.0}));
     CHECK_THROWS(InputError, "head[2] = nan: must be finite", Path(survey(0, 9, 0, 0), {.head = {0, 0, nan}}));
+    CHECK_THROWS(InputError, "head[0] = -2e+09: must lie in -1e9 to 1e9 m",
+                 Path(survey(0, 9, 0, 0), {.head = {-2e9, 0, 0}}));
+    CHECK_THROWS(InputError, "extend = 1e+08: must be at most 10000000 m", Path(survey(0, 9, 0, 0), {.extend = 1e8}));
     CHECK_THROWS(InputError, "method = \"x\": must be \"minimum-curvature\" or \"radius-of-curvature\"",
                  method_of("x"));
     CHECK_THROWS(InputError, "reference = \"x\": must be \"high-side\", \"north\" or \"parallel-transport\"",

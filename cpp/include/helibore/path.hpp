@@ -79,7 +79,7 @@ class Path {
     // A straight vertical hole through (0, 0, 0), without ends, whose reference is north.
     Path();
     // Throws InputError if two neighbouring stations point in opposite directions (minimum curvature has no arc there),
-    // and on settings that are not finite or extend < 0.
+    // and on settings that are not finite, a head beyond 1e9 m, extend < 0 or > 1e7 m.
     explicit Path(const Survey& survey, const PathSettings& settings = {});
 
     // At any depth from the first station to the last plus `extend`; throws InputError ("depth[3] = 12: ...")

@@ -161,10 +161,13 @@ void require_arc(const Station& above, const Station& below, Index index) {
 
 void require_sane(const PathSettings& settings) {
     for (std::size_t i = 0; i < 3; ++i) {
-        require(std::isfinite(settings.head[i]), entry_name("head", Index(i)), settings.head[i], "must be finite");
+        const std::string place = entry_name("head", Index(i));
+        require(std::isfinite(settings.head[i]), place, settings.head[i], "must be finite");
+        require(std::abs(settings.head[i]) <= 1e9, place, settings.head[i], "must lie in -1e9 to 1e9 m");
     }
     require(settings.extend >= 0.0 && std::isfinite(settings.extend), "extend", settings.extend,
             "must be finite and not negative");
+    require(settings.extend <= largest_depth, "extend", settings.extend, "must be at most 10000000 m");
 }
 
 // Moves toolface 0 from the first segment to the starts of the others by parallel transport, from segment `from` on.

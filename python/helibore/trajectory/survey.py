@@ -162,8 +162,8 @@ class Survey:
         Raises
         ------
         InputError
-            On an unknown method or reference, a head or extend that is not finite, extend < 0, or two neighbouring
-            stations that point opposite ways (minimum curvature).
+            On an unknown method or reference, a head that is not within 1e9 m, an extend that is not within 0 to 1e7 m,
+            or two neighbouring stations that point opposite ways (minimum curvature).
 
         Notes
         -----

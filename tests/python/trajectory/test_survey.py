@@ -373,7 +373,9 @@ def test_bad_stations(stations, text):
         ({"reference": "up"}, 'reference = "up": must be "high-side", "north" or "parallel-transport"'),
         ({"extend": -1}, "extend = -1: must be finite and not negative"),
         ({"extend": math.nan}, "extend = nan: must be finite and not negative"),
+        ({"extend": 2e7}, "extend = 2e+07: must be at most 10000000 m"),
         ({"head": (0, math.inf, 0)}, "head[1] = inf: must be finite"),
+        ({"head": (0, 2e9, 0)}, "head[1] = 2e+09: must lie in -1e9 to 1e9 m"),
     ],
 )
 def test_bad_settings(settings, text):
