@@ -23,7 +23,7 @@ class Vertices {
         std::array<double, block_size> reach_square;
         std::array<double, groups_per_block> shallow, deep, least_trial;  // GroupResult's, for each group
     };
-    // As kernel::Sums, of a block; with Settings::sigma only.
+    // kernel::Sums of the vertices of a block; kept only if Settings::sigma is set.
     using Sums = std::array<std::array<double, block_size>, kernel::sum_count>;
 
     explicit Vertices(bool with_sums) : with_sums_(with_sums) {}

@@ -271,7 +271,9 @@ class Configuration(Table):
                     raise InputError(f"source.{name}.caliper", "has no depth items, and no source maps bit_depth")
                 for key, image in source.image.items():
                     if image.depth is None:
-                        raise InputError(f"source.{name}.image.{key}", "has no depth item, no source maps bit_depth")
+                        raise InputError(
+                            f"source.{name}.image.{key}", "has no depth item, and no source maps bit_depth"
+                        )
 
 
 def load(file: str | os.PathLike[str]) -> Configuration:

@@ -237,7 +237,10 @@ class Server:
         LOGGER.critical("thread %s died", thread, exc_info=error)
 
     def wait(self, seconds: float | None = None) -> bool:
-        """Wait until every source has ended (files), a failure or ``seconds``; return whether all have ended."""
+        """Wait until every source has ended, as only files do, a thread has failed, or ``seconds`` have passed.
+
+        Return whether all sources have ended and their records are drawn.
+        """
         end = time.monotonic() + (seconds if seconds is not None else float("inf"))
         while time.monotonic() < end and self.failure is None:
             if self.openers and not any(thread.is_alive() for thread in self._threads) and not len(self._queue):

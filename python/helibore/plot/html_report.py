@@ -158,7 +158,7 @@ def number(value: float, decimals: int = 3) -> str:
 
 
 def in_unit(length: float, content: Content, inch_decimals: int = 3) -> str:
-    """Return a length in the unit that the picture has for diameters; a millimetre has one decimal."""
+    """Return a length as text, in the drawing's unit of diameters: one decimal in mm, ``inch_decimals`` in inches."""
     unit = content.drawing.size_unit
     return number(length / LENGTHS[unit], inch_decimals if unit == "in" else 1)
 

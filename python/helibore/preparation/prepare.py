@@ -276,7 +276,13 @@ class _Pipeline:
         self.report.append((step.name, f"dropped {share}{f' ({reasons})' if reasons else ''}{unjudged}"))
 
     def _conditioned(self, one: Readings) -> Readings:
-        """The readings without flat tops, closed and stuck stretches; calipers that disagree are an error."""
+        """Return the readings without saturated, closed and stuck ones; report calipers that disagree.
+
+        Raises
+        ------
+        InputError
+            If two calipers in one direction differ in half of the rows.
+        """
         if not one.is_image:
             self.report += [("arms", line) for line in conditioning.disagreements(one)]
             if self.settings.closed is None:

@@ -151,7 +151,7 @@ def test_what_is_only_transport_does_not_change_the_meaning():
         ),
         (
             WALL + SOURCE + IMAGE + 'origin = "edge"\nreference = "high-side"\n',
-            "source.rig.image.GR: has no depth item, no source maps bit_depth",
+            "source.rig.image.GR: has no depth item, and no source maps bit_depth",
         ),
         (
             WALL

@@ -13,8 +13,8 @@
 namespace helibore::kernel {
 namespace {
 
-// First the numbers of the samples that pass, then their rows, then what the narrow search needs of these: each step
-// does one thing to many.
+// Adds the samples that pass to the list, block by block: first finds where they are, then copies their rows. Each step
+// is a loop of its own, which does one thing to many. Returns how many samples were tested.
 template <class P, bool wraps>
 std::int64_t gather_from(CandidateList& list, const Group& g, const double* depth, const double* toolface,
                          const double* radius, std::int64_t n, std::int64_t rank, double half_width) {

@@ -116,7 +116,7 @@ struct NarrowEye {
     Pack boundless() const { return none(); }
 };
 
-// The 8 smallest keys of the list into best, sorted, and the smallest of the others.
+// Writes the 8 smallest keys of the list to `best`, sorted; returns the smallest of the others.
 template <class Eye, class P = typename Eye::Pack>
 inline P select_eight(const Eye& eye, P* best) {
     for (int i = 0; i < 8; ++i) best[i] = eye.none();
