@@ -29,7 +29,7 @@ from helibore.live.events import LOGGER
 from helibore.live.journal import JournalFullError
 from helibore.live.live import Live, Stored
 from helibore.live.session_header import changed_to
-from helibore.live.sources import Source, StoreSource
+from helibore.live.sources import Source, StoreSource, WitsSource
 from helibore.live.store import AccessDeniedError, StoreClient
 from helibore.live.transport import Link, Opener, opener
 from helibore.live.update import Update
@@ -39,11 +39,19 @@ QUEUE_RECORDS = 4096
 FIRST_WAIT, LONGEST_WAIT, LONGEST_WAIT_FOR_STORE = 1.0, 5.0, 60.0
 CHECKPOINT_AGAIN = 60.0
 """Seconds until the next try after a checkpoint could not be written."""
+TABLES_OF_START = "journal", "snapshot", "alarms"
+SETTINGS_OF_START = "allow", "mode", "every", "replace_after"
+"""What a running server does not change, of the file and of a source that is no store."""
 
 
 def back_off(failures: int, longest: float, draw: Callable[[], float] = random.random) -> float:
     """Return the seconds to wait after consecutive ``failures``: 1, 2, 4 ... ``longest``, each times 0.5 to 1."""
     return float(min(longest, FIRST_WAIT * 2.0 ** min(failures - 1, 16)) * (0.5 + 0.5 * draw()))
+
+
+def _is_elsewhere(source: Source, used: Source) -> bool:
+    """Whether a source must be connected again; a store is asked with all its settings, and no link breaks there."""
+    return source.address != used.address or (isinstance(source, StoreSource) and source != used)
 
 
 class Queue:
@@ -137,7 +145,9 @@ class Server:
         self._stop = threading.Event()
         self._drained = threading.Event()
         self.openers: dict[str, Opener] = {}
-        self._threads: list[threading.Thread] = []
+        self._threads: dict[str, threading.Thread] = {}
+        self._begun, self._used = live.configuration, dict[str, Source]()
+        self._connections: dict[str, int] = {}
         self.alarms = Alarms(live, self.states)
         self._changing = threading.Lock()
         self._following = self._checked(live.configuration)
@@ -153,27 +163,27 @@ class Server:
         OSError
             If the address of a listener cannot be used.
         """
+        self._change_if_due()
+        self._used = dict(self.live.configuration.sources)
         try:
-            for name, source in self.live.configuration.sources.items():
+            for name, source in self._used.items():
                 if source.address.kind != "host":
                     self.openers[name] = self._opener(name, source)
         except BaseException:
             for one in self.openers.values():
                 one.close()
             raise
-        self._change_if_due()
-        for name, one in self.openers.items():
-            source = self.live.configuration.sources[name]
-            self._threads.append(self.thread(name, functools.partial(self._follow, source, one)))
         self.alarms.start(self.thread)
-        for thread in [*self._threads, *self._own]:
+        for name, one in list(self.openers.items()):
+            self._begin(self._used[name], one)
+        for thread in self._own:
             thread.start()
 
     def stop(self) -> None:
         """Stop reading, draw the queued records, and sync the journal."""
         self._stop.set()
-        for thread in self._threads:
-            thread.join()
+        for source_thread in list(self._threads.values()):
+            source_thread.join()
         self._drained.set()
         for thread in self._own:
             thread.join()
@@ -183,7 +193,10 @@ class Server:
         self.live.sync()
 
     def reconfigure(self, configuration: Configuration) -> None:
-        """Draw what comes from now on with another configuration; only a restart changes addresses and alarms.
+        """Draw what comes from now on with another configuration; a source with another address is connected there.
+
+        What takes effect only at a restart (the tables of alarms, journal and snapshot, who may connect, what is sent
+        to a source) is an event.
 
         Raises
         ------
@@ -194,8 +207,46 @@ class Server:
         """
         following = self._checked(configuration)
         with self._changing:
-            self._queue.change(configuration)
+            self._change(configuration)
             self._following = following
+
+    def _change(self, configuration: Configuration) -> None:
+        """Store and queue a change; then connect the sources that have another address, and report what has to wait."""
+        self._queue.change(configuration)
+        for name, source in self.live.configuration.sources.items():
+            if (used := self._used.get(name)) and _is_elsewhere(source, used):
+                self._move(source)
+        if names := self._unused(self.live.configuration):
+            self.live.report("restart", f"takes effect at a restart only: {', '.join(names)}")
+
+    def _unused(self, now: Configuration) -> list[str]:
+        """Return the names of the settings that differ from what the server uses until a restart."""
+        names = [name for name in TABLES_OF_START if getattr(now, name) != getattr(self._begun, name)]
+        pairs = [(now.sources[name], used) for name, used in self._used.items() if isinstance(used, WitsSource)]
+        return names + [f"source.{source.name}.{name}" for source, used in pairs for name in SETTINGS_OF_START
+                        if getattr(source, name) != getattr(used, name)]  # fmt: skip
+
+    def _move(self, source: Source) -> None:
+        """Connect a source at its new address; if that cannot be used, report why, and go on at the old one."""
+        name, kind = source.name, source.address.kind
+        try:
+            one = None if kind == "host" else self._opener(name, source)
+        except (OSError, ValueError, ImportError) as error:
+            why = getattr(error, "strerror", None) or error
+            self._report(name, "address", f"{why}; until a restart, the source stays at its old address")
+            return
+        self._used[name] = source
+        self.openers.pop(name, None)
+        self._report(name, "address", f"from now on at {self.live.configuration.source[name]['address']}")
+        if one:
+            self._begin(source, one)
+
+    def _begin(self, source: Source, one: Opener) -> None:
+        """Start the thread of a source."""
+        self.openers[source.name] = one
+        follow = functools.partial(self._follow, source, one, self._threads.get(source.name))
+        self._threads[source.name] = thread = self.thread(source.name, follow)
+        thread.start()
 
     def _checked(self, configuration: Configuration) -> list[Configuration]:
         """Return the configurations that follow a configuration."""
@@ -211,7 +262,7 @@ class Server:
             while (plan := self.live.configuration.next) and plan.is_due(
                 self.live.clock()[0], depth[0] if depth else float("nan")
             ):
-                self._queue.change(self._following[0])
+                self._change(self._following[0])
                 del self._following[0]
 
     def thread(self, name: str, run: Callable[[], None]) -> threading.Thread:
@@ -243,7 +294,8 @@ class Server:
         """
         end = time.monotonic() + (seconds if seconds is not None else float("inf"))
         while time.monotonic() < end and self.failure is None:
-            if self.openers and not any(thread.is_alive() for thread in self._threads) and not len(self._queue):
+            running = any(thread.is_alive() for thread in list(self._threads.values()))
+            if self.openers and not running and not len(self._queue):
                 return True
             time.sleep(0.02)
         return False
@@ -262,24 +314,46 @@ class Server:
         readers, number = self.live.model.readers, self.live.model.numbers[name]
         return StoreClient(source, lambda: getattr(readers[number], "last", None))  # the last index drawn
 
-    def _follow(self, source: Source, one: Opener) -> None:
-        """Open and read a source again and again until the server stops."""
+    def _is_used(self, source: Source) -> bool:
+        """Whether the server runs, and the source has had no other address since."""
+        return not self._stop.is_set() and self._used[source.name] is source
+
+    def _pause(self, source: Source, seconds: float) -> None:
+        end = time.monotonic() + seconds
+        while self._is_used(source) and (left := end - time.monotonic()) > 0:
+            self._stop.wait(min(TICK, left))
+
+    def _follow(self, source: Source, one: Opener, before: threading.Thread | None) -> None:
+        """Open and read a source again and again until the server stops, or the source has another address.
+
+        ``before``: the thread that read the source at its old address; what it stores comes first.
+        """
+        if before:
+            before.join()
+        try:
+            self._read_again_and_again(source, one)
+        finally:
+            if self._used[source.name] is not source:
+                one.close()
+
+    def _read_again_and_again(self, source: Source, one: Opener) -> None:
         failures = 0
         longest = LONGEST_WAIT_FOR_STORE if isinstance(source, StoreSource) else LONGEST_WAIT
-        connection = self.live.model.readers[self.live.model.numbers[source.name]].connection
-        while not self._stop.is_set():
+        drawn = self.live.model.readers[self.live.model.numbers[source.name]].connection
+        self._connections.setdefault(source.name, drawn)
+        while self._is_used(source):
             began, why = time.monotonic(), "the connection ended, and nothing came"
             self.states[source.name] = "connecting" if source.address.kind != "listen" else "listening"
             try:
                 link = one.open(TICK)
                 if link is None:
                     continue
-                connection += 1
-                failures = 0 if self._read(source, link, connection) else failures + 1
+                self._connections[source.name] += 1
+                failures = 0 if self._read(source, link, self._connections[source.name]) else failures + 1
             except AccessDeniedError as error:
                 self._report(source.name, "access", f"{error}: not asked again")
                 self.states[source.name] = "stopped: access denied"
-                self._stop.wait()
+                self._pause(source, float("inf"))
                 return
             except OSError as error:
                 failures = 1 if self.last_received.get(source.name, 0.0) > began else failures + 1
@@ -290,7 +364,7 @@ class Server:
                 return
             if failures and source.address.kind != "listen":
                 self.states[source.name] = f"waiting to connect: {why}"
-                self._stop.wait(back_off(failures, longest))
+                self._pause(source, back_off(failures, longest))
 
     def _read(self, source: Source, link: Link, connection: int) -> bool:
         """Read one link to its end; return whether any bytes came."""
@@ -300,7 +374,7 @@ class Server:
         message, every = source.message or (b"", 0.0)
         try:
             self._put(source, connection, link.peer.encode(), journals.CONNECTED)
-            while not self._stop.is_set():
+            while self._is_used(source):
                 if message and time.monotonic() >= write_at:
                     link.write(message)
                     write_at = time.monotonic() + every

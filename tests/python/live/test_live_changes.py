@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+import socket
 
 import pytest
 from live_servers import configured, frames, free_port, until
@@ -11,7 +12,7 @@ from live_wires import FRAMES, SENT, WALL, Clock, same_bits
 from helibore import Live
 from helibore.live.configuration import load, parse
 from helibore.live.export import sessions
-from helibore.live.journal import JournalFullError
+from helibore.live.journal import BYTES, CLOSED, CONNECTED, JournalFullError, segments
 from helibore.live.server import Server
 
 TURNED = SENT.replace("order =", "toolface_offset = 90.0, order =").replace("0.216", "0.2")
@@ -169,8 +170,6 @@ def test_a_plan_without_a_hole_depth_that_follows_itself_or_cannot_be_begun_neve
 
 
 def test_a_server_changes_while_bytes_come(tmp_path):
-    import socket
-
     port = free_port()
     text = configured(f"listen://127.0.0.1:{port}")
     live = Live(parse(text), tmp_path)
@@ -189,3 +188,76 @@ def test_a_server_changes_while_bytes_come(tmp_path):
         live.close()
     assert server.failure is None
     assert same_bits(Live.replay(tmp_path).wall, live.wall)
+
+
+def events(live):
+    return {event.rule: event.newest.text for event in live.model.events.latest}
+
+
+def test_a_server_connects_a_source_at_its_new_address_and_says_so(tmp_path):
+    first, second = free_port(), free_port()
+    text = configured(f"tcp://127.0.0.1:{first}")  # nobody listens there
+    live = Live(parse(text), tmp_path)
+    server = Server(live)
+    server.start()
+    try:
+        until(lambda: server.states["mwd"].startswith("waiting to connect"))
+        with socket.create_server(("127.0.0.1", second)) as rig:
+            moved = f"tcp://127.0.0.1:{second}"
+            server.reconfigure(parse(configured(moved)))
+            assert events(live)["address"] == f"from now on at {moved}"
+            sender, _ = rig.accept()
+            with sender:
+                sender.sendall(frames(1)[0])
+                until(lambda: live.wall.sample_count == 1)
+                server.reconfigure(parse(configured(f"listen://127.0.0.1:{first}")))
+                assert sender.recv(1) == b""  # the old link is closed
+        with socket.create_connection(("127.0.0.1", first)) as sender:
+            sender.sendall(frames(1, 1)[0])
+            until(lambda: live.wall.sample_count == 2)
+    finally:
+        server.stop()
+        live.close()
+    assert server.failure is None
+    assert live.model.events.counts["mwd", "address"] == 2
+    kinds = [(int(row["kind"]), int(row["connection"])) for one in segments(tmp_path) for row in one.records]
+    assert [kind for kind in kinds if kind[1]] == [(CONNECTED, 1), (BYTES, 1), (CLOSED, 1), (CONNECTED, 2), (BYTES, 2),
+                                                   (CLOSED, 2)]  # fmt: skip
+    assert same_bits(Live.replay(tmp_path).wall, live.wall)
+
+
+def test_an_address_that_cannot_be_used_leaves_the_source_at_the_old_one(tmp_path):
+    port = free_port()
+    live = Live(parse(configured(f"listen://127.0.0.1:{port}")), tmp_path)
+    server = Server(live)
+    server.start()
+    try:
+        with socket.create_server(("127.0.0.1", 0)) as taken:
+            other = taken.getsockname()[1]
+            server.reconfigure(parse(configured(f"listen://127.0.0.1:{other}")))
+        assert events(live)["address"] == (
+            f"127.0.0.1 port {other}: Address already in use; give another address of [source.mwd]; until a restart, "
+            "the source stays at its old address"
+        )
+        with socket.create_connection(("127.0.0.1", port)) as sender:
+            sender.sendall(frames(1)[0])
+            until(lambda: live.wall.sample_count == 1)
+    finally:
+        server.stop()
+        live.close()
+
+
+def test_what_takes_effect_at_a_restart_only_is_said(tmp_path):
+    text = configured("tcp://127.0.0.1:9")
+    live = Live(parse(text), tmp_path)
+    server = Server(live)
+    server.start()
+    try:
+        server.reconfigure(parse(text.replace('units = "metric"', 'units = "metric"\nmode = "poll"') +
+                                 "[alarms]\nlost = 60.0\n"))  # fmt: skip
+        assert events(live)["restart"] == "takes effect at a restart only: alarms, source.mwd.mode"
+        server.reconfigure(parse(text))  # as it began
+        assert live.model.events.counts["", "restart"] == 1
+    finally:
+        server.stop()
+        live.close()

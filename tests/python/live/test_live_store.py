@@ -86,6 +86,7 @@ def test_a_store_is_connected_once_it_answers(store, tmp_path):
                 raise OSError("the store is down")
             return b"WITSML log same 0\n"
 
+    server._used = server.live.configuration.sources
     with pytest.raises(OSError, match="down"):
         server._read(server.live.configuration.sources["store"], Tried(), 1)
     assert seen == ["connecting", "connected to https://store"]
