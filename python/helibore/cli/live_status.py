@@ -106,6 +106,12 @@ def bytes_left(journal: Journal) -> float:
         return float("nan")
 
 
+def _here(wall: int) -> str:
+    """Return the time of day in this machine's time zone, for a text that has it in UTC; "" where the two are one."""
+    time = local(wall)
+    return f"{time:%H:%M:%S} here, " if time.utcoffset() else ""
+
+
 class Page:
     """The status page; a rate is the average since the page was last drawn."""
 
@@ -125,10 +131,7 @@ class Page:
         from rich.text import Text
 
         latest = self._server.live.model.events.latest[-8:]
-        events = [
-            Text(f"{local(event.newest.wall):%H:%M:%S} here, {event}", overflow="ellipsis", no_wrap=True)
-            for event in latest
-        ]
+        events = [Text(f"{_here(event.newest.wall)}{event}", overflow="ellipsis", no_wrap=True) for event in latest]
         alarms = [Text(str(alarm), style="bold red") for alarm in self._server.alarms.active]
         return Group(
             *([Panel(Group(*alarms), title="ALARMS", title_align="left", style="red")] if alarms else []),

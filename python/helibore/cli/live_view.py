@@ -156,9 +156,11 @@ class Window:
 
     def _status_text(self, states: Mapping[str, str], alarms: Sequence[str]) -> str:
         """Return the states of the sources; before the wall begins, also how many samples have come, and the alarms."""
-        text = "; ".join(f"{name}: {state}" for name, state in states.items())
         if self._feed:
-            return text
+            return "; ".join(f"{name}: {state}" for name, state in states.items())
+        text = "; ".join(
+            name if any(state in alarm for alarm in alarms) else f"{name}: {state}" for name, state in states.items()
+        )
         model = self._live.model
         received, refused, waiting = model.counts["received"], model.counts["not drawn"], model.waiting
         text += f". {received:,} samples received"

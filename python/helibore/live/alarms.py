@@ -25,7 +25,7 @@ import urllib.error
 import urllib.request
 from collections import Counter, deque
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -45,6 +45,8 @@ SECONDS = 10.0
 """Time limit of the command and of the webhook."""
 WAITS = (0.0, 1.0, 5.0)
 """Seconds before each try to deliver a line."""
+LONGEST_LINE = 200
+"""Most bytes of a line that the command writes to stderr."""
 MOST_LINES = 100
 MOST_ITEMS = 20
 MOST_RANGES = 256
@@ -90,6 +92,27 @@ class _Known(urllib.request.HTTPHandler, urllib.request.HTTPSHandler):
         return super().do_open(connection, req, **options)
 
 
+class _LastLine:
+    """Reads what a command writes to stderr to its end, and keeps the last line: what it started may never close it."""
+
+    def __init__(self, descriptor: int) -> None:
+        self._stream = open(descriptor, "rb")  # noqa: SIM115 (the thread closes it)
+        self._line = b""
+        self._thread = threading.Thread(target=self._read, name="stderr of the alarm command", daemon=True)
+        self._thread.start()
+
+    def _read(self) -> None:
+        with self._stream:
+            while line := self._stream.readline(LONGEST_LINE):
+                self._line = line.strip() or self._line
+
+    def text(self) -> str:
+        """Return ": " and the line; "" if the command, which has ended, wrote none."""
+        self._thread.join(TICK)
+        line = self._line.decode(errors="replace")
+        return f": {''.join(c if c.isprintable() else '?' for c in line)}" if line else ""
+
+
 @dataclass(frozen=True)
 class Alarm:
     """An alarm that has begun: rule, source ("": none), when it began (wall and monotonic, ns), and its cause."""
@@ -102,7 +125,9 @@ class Alarm:
 
     def __str__(self) -> str:
         what = f"{self.rule} {self.source}".strip().replace("_", " ")
-        return f"{what}: {self.text}, since {utc(self.wall)[11:19]} UTC, {local(self.wall):%H:%M:%S} here"
+        here = local(self.wall)
+        of_here = f", {here:%H:%M:%S} here" if here.utcoffset() else ""
+        return f"{what}: {self.text}, since {utc(self.wall)[11:19]} UTC{of_here}"
 
 
 def receiver(limits: AlarmLimits) -> str:
@@ -175,6 +200,7 @@ class Alarms:
         self._jumps = self._depth_jumps()
         self._held: dict[tuple[str, str], tuple[int, str]] = {}
         self._changed: deque[tuple[int, int]] = deque(maxlen=MOST_RANGES)
+        self._worst: dict[str, tuple[float, str]] = {}
         self._lock_file = live.journal.folder / "lock" if live.journal else None
         self._journal = str(live.journal.folder) if live.journal else ""
         self._inode = self._lock_file.stat().st_ino if self._lock_file else 0
@@ -251,7 +277,9 @@ class Alarms:
     def _end(self, alarm: Alarm, wall: int, ended: str) -> None:
         with self._lock:
             del self._active[alarm.rule, alarm.source]
-        self._tell(alarm, wall, ended)
+        _, worst = self._worst.pop(alarm.rule, (0.0, alarm.text))
+        said = alarm if worst == alarm.text else replace(alarm, text=f"{alarm.text}; the worst: {worst}")
+        self._tell(said, wall, ended)
 
     def close(self) -> None:
         """End all alarms but a failure, and stop; lines that wait are tried once more, for a few seconds at most."""
@@ -381,6 +409,7 @@ class Alarms:
                     depth, word = turns.depth[turn * sectors], "below" if rule == "tight" else "above"
                     text = f"at {depth:.2f} m the diameter is {1e3 * abs(over[turn]):.1f} mm {word} the bit's"
                     self._held[rule, ""] = now, text
+                    self._worst[rule] = max(self._worst.get(rule, (0.0, "")), (float(sign * over[turn]), text))
 
     def _tell(self, alarm: Alarm, wall: int, ended: str = "") -> None:
         """Report that an alarm begins, or that it ``ended``, and queue the line for the command and the webhook."""
@@ -410,15 +439,20 @@ class Alarms:
             return False
         try:
             way(line)
-        except (OSError, ValueError, subprocess.SubprocessError, http.client.HTTPException) as error:
+        except (OSError, ValueError, RuntimeError, subprocess.SubprocessError, http.client.HTTPException) as error:
             reason = getattr(error, "reason", getattr(error, "strerror", None)) or type(error).__name__
             self._live.report("alarm_not_delivered", f"{way.__name__.strip('_')}: {reason}")
             return False
         return True
 
     def _command(self, line: bytes) -> None:
-        command = subprocess.Popen(self._limits.command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
-                                   stderr=subprocess.DEVNULL, start_new_session=True)  # fmt: skip
+        reading, writing = os.pipe()
+        said = _LastLine(reading)
+        try:
+            command = subprocess.Popen(self._limits.command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL,
+                                       stderr=writing, start_new_session=True)  # fmt: skip
+        finally:
+            os.close(writing)
         try:
             command.communicate(line, timeout=SECONDS)
         except subprocess.TimeoutExpired:
@@ -426,7 +460,7 @@ class Alarms:
             command.wait()
             raise
         if command.returncode:
-            raise ChildProcessError(command.returncode, f"it ended with {command.returncode}")
+            raise ChildProcessError(command.returncode, f"it ended with {command.returncode}{said.text()}")
 
     def _webhook(self, line: bytes) -> None:
         request = urllib.request.Request(self._address, line, {"Content-Type": "application/json"}, method="POST")

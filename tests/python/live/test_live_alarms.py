@@ -62,7 +62,7 @@ def test_no_data_is_an_alarm_from_its_begin_to_its_end():
     alarms.check()
     alarms.check()
     assert rules(alarms) == [("no_data", "mwd")]
-    assert str(alarms.active[0]).startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC, ")
+    assert str(alarms.active[0]).startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC")
     clock.step(10)
     live.receive("mwd", frames(1)[0])
     alarms.check()
@@ -275,6 +275,42 @@ def test_a_tight_hole_and_a_washout_are_alarms_once_a_turn_is_beyond_the_limit(r
     assert rules(alarms) == [("no_data", "mwd")]
 
 
+def test_a_tight_hole_and_a_washout_end_with_the_worst_of_their_turns():
+    live, clock, alarms = alarmed(HOST + "[alarms]\ntight = 0.01\nwashout = 0.03\n")
+    k = np.arange(16 * 20)
+    for depth, radius in ((100, 0.13), (102, 0.16), (104, 0.14)):
+        alarms.changed(live.append_samples(depth + k * 0.1 / 16, k * 22.5 % 360, np.full(len(k), radius)))
+        alarms.check()
+        clock.step(10)
+    (begun,) = [alarm for alarm in alarms.active if alarm.rule == "washout"]
+    assert begun.text.endswith(" m the diameter is 44.0 mm above the bit's")
+    clock.step(61)
+    alarms.check()
+    ended = texts(live)["alarm_washout_end"]
+    assert ended.startswith(f"after 91.0 s: {begun.text}; the worst: at 10")
+    assert ended.endswith(" m the diameter is 104.0 mm above the bit's")
+    assert 102 <= float(ended.split(" at ")[-1].split()[0]) < 104
+    alarms.changed(live.append_samples(106 + k * 0.1 / 16, k * 22.5 % 360, np.full(len(k), 0.13)))
+    alarms.check()
+    clock.step(61)
+    alarms.check()
+    assert "104.0 mm" not in texts(live)["alarm_washout_end"]  # of an alarm before
+
+
+@pytest.mark.parametrize(("zone", "shown"), [("UTC", ""), ("Asia/Tokyo", ", 07:14:21 here")])
+def test_an_alarm_has_the_local_time_where_it_is_another_one(monkeypatch, zone, shown):
+    monkeypatch.setenv("TZ", zone)
+    time.tzset()
+    try:
+        _, clock, alarms = alarmed(HOST)
+        clock.step(61)
+        alarms.check()
+        assert str(alarms.active[0]) == f"no data mwd: nothing has come for 60 s, since 22:14:21 UTC{shown}"
+    finally:
+        monkeypatch.undo()
+        time.tzset()
+
+
 def test_the_limits_are_those_of_the_bit_that_drills_now():
     live, _, alarms = alarmed(HOST + "[alarms]\ntight = 0.01\n")
     live.reconfigure(parse((HOST + "[alarms]\ntight = 0.01\n").replace("0.216", "0.19")))
@@ -442,6 +478,22 @@ def test_what_is_not_delivered_is_tried_again_and_told(monkeypatch, answer, text
         assert len(hook.lines) == 3
         alarms.close()
     assert texts(live)["alarm_not_delivered"] == f"webhook: {text}"
+
+
+def test_a_command_that_fails_says_why(monkeypatch):
+    monkeypatch.setattr(module, "WAITS", (0.0,))
+    fails = [
+        "sh",
+        "-c",
+        "sleep 6 & echo one >&2; echo 'no such\\033 host' >&2; echo >&2; exit 3",
+    ]  # sleep keeps stderr
+    live, clock, alarms = alarmed(HOST + f"[alarms]\ncommand = {json.dumps(fails)}\n")
+    alarms.start(thread)
+    clock.step(61)
+    alarms.check()
+    until(lambda: alarms.undelivered == 1, 5.0)
+    alarms.close()
+    assert texts(live)["alarm_not_delivered"] == "command: it ended with 3: no such? host"
 
 
 @pytest.mark.parametrize(
@@ -630,8 +682,7 @@ def test_alarms_are_on_the_page():
         alarms.check()
         window.refresh(STATES, alarms.active)
         (shown,) = window.scene.state.alarms
-        assert shown.startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC, ")
-        assert shown.endswith(" here")
+        assert shown.startswith("no data mwd: nothing has come for 60 s, since 22:14:21 UTC")
         live.receive("mwd", b"\r\n")
         alarms.check()
         window.refresh(STATES, alarms.active)
