@@ -63,6 +63,10 @@ Read = TypeVar("Read")
 WINDOW_BYTES = 1 << 20
 OF_RECOVERY = "journal", "checkpoint"
 WINDOW_RECORDS = 8192
+LOG_AGAIN = 60.0
+"""Seconds until the log has the same rule of the same source again."""
+LOGGED_EACH = "alarm_", "address"
+"""Beginnings of the rules of which the log has each event of a source, at most one a second."""
 
 
 class Stored(NamedTuple):
@@ -115,7 +119,7 @@ class Live:
         self._began, self._last_bytes = clock()[1], dict[str, int]()
         self._silence_reported: dict[str, int] = {}  # the time of the last bytes before it
         self._pending_update = Update()
-        self._logged: dict[tuple[str, str], float] = {}
+        self._logged: dict[tuple[str, str], tuple[float, int]] = {}  # when last, and how many since
         self._checkpointing, self._checkpointed_segment = threading.Lock(), 1
         self._half_read = False  # reading a record failed: the model is not that of any record
         self.journal: Journal | None = None
@@ -452,11 +456,16 @@ class Live:
         return update
 
     def _log(self, event: Event) -> None:
-        """Log an event, at most one a second for each rule of each source."""
+        """Log an event; what a source repeats, once a minute with the number of events since."""
         key, now = (event.source, event.rule), time.monotonic()
-        if now - self._logged.get(key, -1.0) >= 1.0:
-            self._logged[key] = now
-            LOGGER.log(logging.INFO if event.rule == "connected" else logging.WARNING, "%s", event)
+        last, count = self._logged.get(key, (-LOG_AGAIN, 0))
+        once = not event.source or event.rule.startswith(LOGGED_EACH)
+        if now - last < (1.0 if once else LOG_AGAIN):
+            self._logged[key] = last, count + event.count
+            return
+        self._logged[key] = now, 0
+        since = f" (and {count:,} since the last line)" if count else ""
+        LOGGER.log(logging.INFO if event.rule == "connected" else logging.WARNING, "%s%s", event, since)
 
     def at_one_moment(self, read: Callable[[], Read]) -> Read:
         """Call ``read`` while nothing is drawn and return its result; ``read`` should only copy."""
