@@ -582,8 +582,8 @@ class Model:
     def _depth_gaps(
         self, of: tuple[str, int], depth: npt.NDArray[np.float64], rows: npt.NDArray[np.int64]
     ) -> list[tuple[int, str]]:
-        """Return (row, text) for each of ``rows``, of a layer and source, after a gap that samples cannot fill."""
-        limit = 2 * float(self.configuration.wall.get("max_distance") or 1.0)
+        """Return (row, text) for each of ``rows``, of a layer and source, after more than `gap_reach` without one."""
+        limit = self.layers[of[0]].settings.gap_reach
         deepest = np.maximum.accumulate(np.concatenate([[self._deepest.get(of, -np.inf)], depth]))
         jumps = np.flatnonzero(np.isfinite(deepest[:-1]) & (np.diff(deepest) > limit))
         self._deepest[of] = float(deepest[-1])

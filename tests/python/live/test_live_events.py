@@ -161,6 +161,38 @@ def test_silence_and_uncovered_depth_are_told():
     ]
 
 
+def test_more_hole_than_gap_reach_without_a_sample_is_told_also_after_a_restart(tmp_path):
+    def drilled(live, *depths):
+        for depth in depths:
+            live.receive("mwd", wits.frame([(5010, "1"), (5011, f"{depth:g}"), (5012, "110")]))
+        return [event.text for event in live.poll().events if event.rule == "depth_gap"]
+
+    with Live(parse(SENT), tmp_path, clock=Clock()) as live:
+        assert drilled(live, 100, 100.5, 101) == []
+        assert drilled(live, 101.6) == ["layer main: no samples from 101.000 m to 101.600 m"]
+    with Live(parse(SENT), tmp_path, clock=Clock()) as live:
+        live.poll()
+        assert drilled(live, 103.25) == ["layer main: no samples from 101.600 m to 103.250 m"]
+        assert drilled(live, 102, 102.2) == []  # re-scanned
+    wider = SENT.replace("[wall]", "[wall]\ngap_reach = 2.0")
+    assert drilled(Live(parse(wider), clock=Clock()), 100, 101.9) == []
+
+
+def test_the_log_has_what_a_source_repeats_once_a_minute_with_its_number(caplog, monkeypatch):
+    now = [1000.0]
+    monkeypatch.setattr(live_module.time, "monotonic", lambda: now[0])
+    live = Live(parse(SENT), clock=Clock())
+    with caplog.at_level("INFO", "helibore.live"):
+        for _ in range(122):
+            live.report("link", f"refused at {now[0]:g}", "mwd")
+            live.report("alarm_lost", "begins", "mwd")
+            now[0] += 1.0
+    logged = [message.split("mwd: ")[1] for message in caplog.messages if "link" in message]
+    assert logged == ["link: refused at 1000", "link: refused at 1060 (and 59 since the last line)",
+                      "link: refused at 1120 (and 59 since the last line)"]  # fmt: skip
+    assert sum("alarm_lost" in message for message in caplog.messages) == 122
+
+
 def test_keep_alives_are_counted_and_hold_nothing():
     live = Live(parse(SENT))
     live.receive("mwd", wits.HEARTBEAT * 3)
