@@ -95,7 +95,7 @@ class Preparation:
     reversal
         Number the passes anew: one begins where the tool went back by more than this. None: as the file numbers them.
     passes
-        Which to use; None: all.
+        Which to use; None: all. The wall is made from those that are not ``earlier``.
     latest
         In each 0.5 m keep only the samples of the last pass that measured there.
     shifts
@@ -107,7 +107,7 @@ class Preparation:
         Find from the overlap what reads too much, and subtract it: "none", each pass and "arm", or each pass and arm by
         the "side" of the hole it is on.
     earlier
-        Passes that make the wall to compare with.
+        Passes that make the wall to compare with, and no other.
     """
 
     shallowest: float | None = None
@@ -643,17 +643,20 @@ class _Pipeline:
 
     def _finished(self) -> Prepared:
         settings, earlier = self.settings, None
+        used = settings.passes or np.unique(self.samples.pass_number).tolist()
+        chosen = [number for number in used if number not in settings.earlier]
         if settings.earlier:
             everything = self.samples
             self.samples = self._of_passes(everything, settings.earlier)
             earlier = self._caliper()
-            chosen = settings.passes or sorted(set(everything.pass_number.tolist()) - set(settings.earlier))
             if not chosen:
-                raise InputError(f"{self.names}: earlier", "no pass is left to compare with them")
+                rule = "no other pass is used: none is left to compare with them"
+                raise InputError(f"{self.names}: earlier {_named(settings.earlier)}", rule)
             self.samples = self._of_passes(everything, chosen)
+            self.report.append(("compared", f"{_named(chosen)} beside earlier {_named(settings.earlier)}"))
         if settings.latest:
             number, depth = self.samples.pass_number, self.samples.depth
-            self._drop(choose(number, depth, settings.passes or None, latest=True))
+            self._drop(choose(number, depth, chosen, latest=True))
         caliper = self._caliper()
         self.counts["kept"] = len(caliper)
         return Prepared(
@@ -681,6 +684,10 @@ class _Pipeline:
         samples = self.samples
         few = all(len(one.sensors) > 1 and not one.is_image for one in self.readings) and not self.settings.recentre
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)
+
+
+def _named(passes: Sequence[int]) -> str:
+    return f"pass{'es' * (len(passes) > 1)} {', '.join(map(str, passes))}"
 
 
 def _runs(depth: Floats) -> Integers:

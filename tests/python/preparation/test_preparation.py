@@ -252,10 +252,18 @@ def test_passes_shift_bias_choice_and_comparison() -> None:
     assert (len(compared.earlier), len(compared.caliper)) == ((number == 1).sum(), (number == 3).sum())
     rest = prepare(one.readings(), Preparation(earlier=(1,)))
     assert len(rest.caliper) == (number > 1).sum()
+    assert ("compared", "passes 2, 3 beside earlier pass 1") in rest.report
+    whole = prepare(one.readings(), Preparation(earlier=(1,), passes=(1, 2, 3)))  # as without passes
+    assert whole.caliper.radius.tobytes() == rest.caliper.radius.tobytes()
+    last = prepare(one.readings(), Preparation(earlier=(1,), passes=(1, 3, 2), latest=True)).pass_number
+    assert last is not None
+    assert 1 not in last
+    none_left = "no other pass is used: none is left to compare with them"
     for bad, rule in (
         (Preparation(passes=(9,)), "f.csv: pass 9: is not among the passes of the samples: 1, 2, 3"),
         (Preparation(shifts=((9, 1.0),)), "f.csv: shift 9=1 m: is not among the passes of the samples"),
-        (Preparation(earlier=(1, 2, 3)), "f.csv: earlier: no pass is left to compare with them"),
+        (Preparation(earlier=(1, 2, 3)), f"f.csv: earlier passes 1, 2, 3: {none_left}"),
+        (Preparation(passes=(1, 2), earlier=(1, 2)), f"f.csv: earlier passes 1, 2: {none_left}"),
     ):
         with pytest.raises(hb.InputError) as caught:
             prepare(one.readings(), bad)

@@ -50,7 +50,7 @@ def test_readings_are_prepared_on_the_way(file: Path, path: hb.Path) -> None:
     assert wall.path is path
     known = wall.attributes["difference"][np.isfinite(wall.attributes["difference"])]
     assert known.size > 250
-    np.testing.assert_allclose(known.mean(), 0.0, atol=1e-3)
+    np.testing.assert_allclose(known.mean(), 0.001, atol=1e-4)  # pass 2 is 1 mm larger, whole, though passes names both
     assert wall.attributes.units["difference"] == "m"
     assert same(hb.reconstruct(readings, **(SETTINGS | {"path": None})), hb.reconstruct([readings], **SETTINGS))
 
