@@ -91,6 +91,14 @@ def row_line(rows: Logs) -> tuple[str, str]:
     return "logs", f"{rows.depth.min():.2f} to {rows.depth.max():.2f} m, {len(rows):,} rows, {each}"
 
 
+def sigma_lines(rows: Logs) -> Lines:
+    """Say how many rows have no uncertainty, where it was asked for."""
+    if not rows.with_sigma:
+        return []
+    missing = int(np.isnan(rows.diameter_sigma).sum())
+    return [("missing", f"{missing:,} of {len(rows):,} rows have no sigma")]
+
+
 def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
     """Describe the volume around each casing, and where the least clearance is."""
     lines: Lines = []

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import click
 
 from helibore.base.errors import InputError
-from helibore.cli.lines import annulus_lines, breakout_line, row_line, summary_lines, zone_lines
+from helibore.cli.lines import annulus_lines, breakout_line, row_line, sigma_lines, summary_lines, zone_lines
 from helibore.cli.outputs import OUTPUT, QUIET, check_folder, own_options, save_lines
 from helibore.cli.quantities import FILE, LENGTH, across_and_along, facts_in, split_pair
 from helibore.cli.terminal import Terminal
@@ -123,6 +123,7 @@ def logs(**options: Any) -> None:
     terminal.summary([
         *run.messages,
         row_line(measured.rows),
+        *sigma_lines(measured.rows),
         *summary_lines(summary),
         *annulus_lines(annulus(measured.turns, size) for size in options["casings"]),
         *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),

@@ -124,6 +124,8 @@ class Logs(Tabular):
     reference
         What toolface 0 is, by the path of the wall: ``"high-side"``, ``"north"`` or ``"parallel-transport"``; "": the
         wall has no path.
+    with_sigma
+        Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
     """
 
     depth: Floats
@@ -164,6 +166,7 @@ class Logs(Tabular):
     reference: str = ""
     shape: Shape = "wall"
     arm_diameter: tuple[Floats, ...] = ()
+    with_sigma: bool = False
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -262,15 +265,14 @@ class Logs(Tabular):
         """Return the logs with mnemonics, units and descriptions, ``more`` columns behind them, and more ``facts``."""
         if not len(self):
             raise InputError("logs", "the wall has no full turn")
-        sure = np.isfinite(self.diameter_sigma).any()
         skipped = [] if self.arm_diameter else ["wall_out_of_roundness", "uneven"]
-        skipped += [] if sure else ["diameter_sigma"]
+        skipped += [] if self.with_sigma else ["diameter_sigma"]
         own = [
             LogColumn(of.mnemonic, of.unit, of.description, getattr(self, of.name))
             for of in COLUMNS
             if of.name not in skipped
         ]
-        if sure:
+        if self.with_sigma:
             own.append(LogColumn("VOL_SIGMA", "m3", "Standard uncertainty of VOL, at most", self.volume_sigma))
         own += [
             LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured", values)
@@ -381,6 +383,7 @@ def turn_logs(
         rugosity_window=window * abs(pitch),
         basis=basis_of(wall),
         reference=path.reference if path is not None else "",
+        with_sigma=sigma is not None,
         **found,
     )
 

@@ -116,6 +116,28 @@ def test_the_summary_says_what_a_driller_asks(folder: Path, tmp_path: Path) -> N
     assert run(folder / "w.wall", "-o", tmp_path / "w.las", "-q").output == ""
 
 
+@pytest.fixture(scope="module")
+def two_arms(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """An X-Y caliper that hardly turns: no turn is measured all around. 8.5 in, and 6.9 in from 1010 to 1010.4 m."""
+    file = tmp_path_factory.mktemp("arms") / "xy.csv"
+    k = np.arange(1000)
+    depth, size = 1000 + k * 0.02, 8.5 + 0.02 * np.sin(k)
+    size[(depth > 1010) & (depth < 1010.4)] = 6.9
+    rows = np.column_stack([depth, k * 0.1, size, size])
+    np.savetxt(file, rows, delimiter=",", header="md_m,rb_deg,cal_x_in,cal_y_in", comments="")
+    return file
+
+
+def test_sigma_that_no_turn_has_is_written_as_missing(two_arms: Path, tmp_path: Path) -> None:
+    output = tmp_path / "w.csv"
+    done = run(two_arms, "--bit-diameter", "8in", "--sigma", "-o", output)
+    assert done.exit_code == 0, done.output
+    sigma = column(output, "DEQ_SIGMA")
+    assert np.isnan(sigma).all()
+    assert np.isnan(column(output, "VOL_SIGMA")).all()
+    assert f"missing {sigma.size} of {sigma.size} rows have no sigma" in " ".join(done.output.split())
+
+
 @pytest.mark.parametrize(("unit", "metres"), [("in", 0.0254), ("mm", 0.001), ("m", 1.0)])
 def test_sizes_in_another_unit(folder: Path, tmp_path: Path, unit: str, metres: float) -> None:
     output, zones = tmp_path / "w.csv", tmp_path / "z.csv"
