@@ -146,9 +146,8 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
         opt("--find-shifts", "Find each pass's depth shift from the overlap; --shift holds a pass.", is_flag=True),
         opt("--bias", "Take off what each pass and arm reads too much; side: by the side an arm lies on.",
             type=click.Choice(["none", "arm", "side"]), default="none"),
-        opt("--compare-with earlier", "Earlier passes: the wall is made from the others; the attribute 'difference' is how much "
-            "larger it is than theirs.",
-            type=NUMBERS, default=()),
+        opt("--compare-with earlier", "Earlier passes: the wall is made from the others; the attribute "
+            "'difference' is how much larger it is than theirs.", type=NUMBERS, default=()),
     ),
     "Path and toolface": (
         opt("--survey", "Survey file.  [the hole is straight and vertical]", type=FILE),

@@ -14,13 +14,21 @@ from collections.abc import Sequence
 import numpy as np
 import numpy.typing as npt
 
-from helibore.base.arrays import Floats, Integers, finite_column, whole_column
+from helibore.base.arrays import Floats, Integers, finite_column, runs_of, whole_column
 from helibore.base.errors import InputError
 from helibore.preparation.conditioning import Step
+from helibore.samples.caliper import Caliper
 from helibore.wall.points import evaluate
 from helibore.wall.wall import Wall
 
-__all__ = ["choose", "difference", "evaluate", "number_passes"]
+__all__ = ["choose", "difference", "evaluate", "number_passes", "odd_pass"]
+
+ODD_ROWS = 3
+"""Rows in succession that a spike does not have."""
+ODD_RADIUS = 0.005
+"""Metres, 10 mm of a diameter. The passes of a real X-Y caliper differ from their merged wall by 1.3 mm over 3 rows."""
+ODD_DEVIATIONS = 6.0
+"""Robust deviations of a pass from the merged wall: one that is off everywhere, as in depth, is not odd at a place."""
 
 
 def number_passes(depth: npt.ArrayLike, reversal: float = 5.0) -> Integers:
@@ -130,3 +138,45 @@ def difference(before: Wall, after: Wall) -> Floats:
         grown, NaN where either has no support.
     """
     return after.radius - evaluate(before, after.depth, after.toolface)
+
+
+def odd_pass(wall: Wall, caliper: Caliper, pass_number: npt.ArrayLike, arm_names: Sequence[str] = ()) -> str | None:
+    """Say where a pass differs most from the wall that it was merged into with others; None: nowhere.
+
+    The differences of an arm in a pass are taken from their median, row by row. It differs where they are larger than
+    5 mm, and 6 robust deviations, on one side over 3 rows in succession: the merged wall does not show such a place.
+
+    Parameters
+    ----------
+    wall
+        Made from all samples.
+    caliper, pass_number
+        These samples, and the pass of each, (n,).
+    arm_names
+        Of the numbers in ``caliper.arm``.
+    """
+    number = whole_column("pass_number", pass_number, len(caliper), "caliper")
+    passes = np.unique(number)
+    worst, sentence = 0.0, None
+    for one in passes if passes.size > 1 else ():
+        of_pass = number == one
+        for arm in (None,) if caliper.arm is None else np.unique(caliper.arm[of_pass]).tolist():
+            mine = np.flatnonzero(of_pass if arm is None else of_pass & (caliper.arm == arm))
+            off = caliper.radius[mine] - evaluate(wall, caliper.depth[mine], caliper.toolface[mine])
+            mine, off = mine[np.isfinite(off)], off[np.isfinite(off)]
+            if not off.size:
+                continue
+            depth, row = np.unique(caliper.depth[mine], return_inverse=True)
+            off = np.bincount(row, off - np.median(off)) / np.bincount(row)
+            least = max(ODD_RADIUS, ODD_DEVIATIONS * 1.4826 * float(np.median(np.abs(off))))
+            for sign, word in ((1, "more"), (-1, "less")):
+                for first, stop in runs_of(sign * off > least):
+                    most = float((sign * off[first:stop]).max())
+                    if stop - first >= ODD_ROWS and most > worst:
+                        worst, name = most, "" if arm is None or not arm_names else f" ({arm_names[arm]})"
+                        sentence = (
+                            f"pass {one}{name} reads up to {1e3 * most:.1f} mm {word} in radius than the merged wall, "
+                            f"from {depth[first]:.2f} to {depth[stop - 1]:.2f} m in {stop - first} rows; "
+                            f"--passes {one} shows it"
+                        )
+    return sentence

@@ -174,12 +174,13 @@ class Prepared:
     caliper: Caliper
     report: tuple[tuple[str, str], ...]  # (step, sentence) for what was dropped, corrected or assumed, in order
     counts: dict[str, int]  # name of a step to the samples it dropped, and "kept"
-    pass_number: Integers | None = None  # of each sample of ``caliper``
+    pass_number: Integers | None = None  # of each sample of ``caliper``; None: nothing states passes
     centres: Centres | None = None  # the tool's centre in each of t turns
     centre_depth: Floats | None = None  # mean depth of these turns, (t,) m
     shifts: Shifts | None = None
     bias: Bias | None = None
     earlier: Caliper | None = None  # the samples of the earlier passes
+    arm_names: tuple[str, ...] = ()  # the channel of each number in ``caliper.arm``
 
 
 def prepare(
@@ -618,15 +619,21 @@ class _Pipeline:
         shown = [names[number] for number in found.arms]
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
 
+    def _stated_passes(self) -> Integers | None:
+        """The pass of each sample: as numbered, else as the one file states it, else one a file; None: not known."""
+        samples, stated = self.samples, self.readings[0].pass_number
+        if samples.pass_number.size:
+            return samples.pass_number
+        if len(self.readings) > 1:
+            return samples.file + 1
+        return None if stated is None else stated[samples.row]
+
     def _warn_of_bias(self) -> None:
         """Report where passes or arms disagree by more than their noise, judged by some of the samples."""
-        samples, arms, number = self.samples, self._arm(), self.samples.pass_number
-        alone, unsplit = len(self.readings) == 1, False
-        if not number.size:
-            stated = self.readings[0].pass_number
-            unsplit = alone and stated is None
-            stated = _runs(self.readings[0].depth) if unsplit else stated
-            number = samples.file + 1 if stated is None or not alone else stated[samples.row]
+        samples, arms, number = self.samples, self._arm(), self._stated_passes()
+        unsplit = number is None
+        if number is None:
+            number = _runs(self.readings[0].depth)[samples.row]
         if np.ptp(arms) == 0 and np.ptp(number) == 0:
             return
         some = np.arange(arms.size)
@@ -660,8 +667,8 @@ class _Pipeline:
         caliper = self._caliper()
         self.counts["kept"] = len(caliper)
         return Prepared(
-            caliper, tuple(self.report), self.counts, self.samples.pass_number if settings.by_pass else None,
-            self.centres, self.centre_depth, self.shifts, self.bias, earlier,
+            caliper, tuple(self.report), self.counts, self._stated_passes(), self.centres, self.centre_depth,
+            self.shifts, self.bias, earlier, tuple(self._arm_names()),
         )  # fmt: skip
 
     @staticmethod

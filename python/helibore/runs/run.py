@@ -33,6 +33,7 @@ from helibore.channels.opening import open as open_file
 from helibore.channels.role_map import read_map
 from helibore.channels.roles import RoleMap, guess
 from helibore.images.sector_image import SectorImage
+from helibore.preparation.passes import odd_pass
 from helibore.preparation.prepare import Prepared, Track, prepare
 from helibore.preparation.readings import Readings
 from helibore.preparation.sensors import TimeSeries
@@ -236,8 +237,14 @@ def build_wall(
             if made_from:
                 sums = [{"name": file.name, "blake2b": run.files.checksum(file).result()} for file in made_from]
                 run.built.made_from = {"files": sums}
-            if run.prepared is not None and run.prepared.report:
-                run.built.made_from["preparation"] = [list(line) for line in run.prepared.report]
+            if isinstance(made, Prepared):
+                odd = (
+                    None if made.pass_number is None else odd_pass(run.built, caliper, made.pass_number, made.arm_names)
+                )
+                lines = [("passes", odd)] if odd else []
+                run.messages += lines
+                if made.report or lines:
+                    run.built.made_from["preparation"] = [list(line) for line in (*made.report, *lines)]
             header = log_header(run.files.headers())
             if header:
                 run.built.made_from["header"] = header

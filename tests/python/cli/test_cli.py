@@ -359,6 +359,15 @@ def test_f12(tmp_path: Path) -> None:
     points = scene.to_geometry().vertices  # east, up, -north of a straight vertical hole
     assert abs(2 * np.hypot(points[:, 0], points[:, 2]).mean() / 0.0254 - of_the_file) < 0.05
     assert np.ptp(points[:, 1]) == pytest.approx(160.0, abs=0.01)
+    spot = (
+        "up to 12.2 mm less in radius than the merged wall, from 3165.50 to 3166.26 m in 6 rows; --passes 26 shows it"
+    )
+    assert f"passes pass 26 (pfc2_y_in) reads {spot}" in " ".join(result.output.split())
+    others = run("reconstruct", F12, "--diameter", "pfc1_x_in@0", "--diameter", "pfc2_y_in@90", "--from", "3080",
+                 "--to", "3240", "-o", tmp_path / "others.wall", "--bit-diameter", "6.2in",
+                 "--passes", "12,15,27,28,29,30,38,40,41")  # fmt: skip
+    assert others.exit_code == 0, others.output
+    assert "than the merged wall" not in others.output
 
 
 def test_helibore_alone_shows_its_help() -> None:
