@@ -29,10 +29,14 @@ class Axes:
     """Statistics of axes."""
 
     mean: float  # [0, 180), degrees; NaN if there are no axes
-    deviation: float  # standard deviation, degrees; infinite where the axes point nowhere
+    deviation: float  # standard deviation, degrees; infinite where the axes point nowhere, NaN of fewer than two
     concentration: float  # R, from 0 (anywhere) to 1 (all alike)
     count: int
     weight: float  # the sum of the weights (lengths)
+
+    def spread(self, what: str, unit: str, decimals: int) -> str:
+        """Return the deviation as text, such as "s.d. 4.0 deg"; of one axis, that it is of one: "1 zone"."""
+        return f"1 {what}" if self.count == 1 else f"s.d. {self.deviation:.{decimals}f}{unit}"
 
 
 def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
@@ -45,6 +49,7 @@ def axial_mean(axes: Floats, weights: Floats | None = None) -> Axes:
     R = min(abs(sum_) / total, 1.0)
     mean = math.degrees(math.atan2(sum_.imag, sum_.real)) / 2 % 180
     deviation = math.degrees(math.sqrt(abs(2 * math.log(R)))) / 2 if R > 0 else math.inf
+    deviation = deviation if axes.size > 1 else math.nan
     return Axes(0.0 if mean == 180 else mean, deviation, R, int(axes.size), total)
 
 

@@ -124,7 +124,7 @@ def zone_lines(zones: Classification, found: WallSummary, unit: str) -> Lines:
     lines: Lines = [("zones", "; ".join(kinds) or "none by the criteria")]
     axis = found.breakout_axis
     if math.isfinite(axis.mean):
-        text = f"breakouts along {axis.mean:.0f} and {axis.mean + 180:.0f} deg, s.d. {axis.deviation:.1f} deg"
+        text = f"breakouts along {axis.mean:.0f} and {axis.mean + 180:.0f} deg, {axis.spread('zone', ' deg', 1)}"
         lines.append(("", f"{text}, of the whole wall"))
     criteria = facts_in(zones.criteria.facts(), unit).items()
     return [*lines, ("", "; ".join(f"{name.removeprefix('criterion ')} {text}" for name, text in criteria))]
@@ -137,5 +137,5 @@ def breakout_line(found: ImageBreakouts) -> tuple[str, str]:
         return "image", f"{name}: no dark sectors on opposite sides by the criteria"
     count = f"{len(found.zones)} breakout{'s' * (len(found.zones) != 1)}"
     length, ends = sum(zone.length for zone in found.zones), f"{axis.mean:.0f} and {axis.mean + 180:.0f} deg"
-    spread = f"s.d. {axis.deviation:.1f} deg from {found.image.reference}"
-    return "image", f"{name}: {count}, {length:,.2f} m, along {ends}, {spread}"
+    spread = "" if axis.count == 1 else f", {axis.spread('breakout', ' deg', 1)}"
+    return "image", f"{name}: {count}, {length:,.2f} m, along {ends} from {found.image.reference}{spread}"

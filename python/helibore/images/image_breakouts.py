@@ -96,7 +96,7 @@ class ImageBreakout:
     start: float  # measured depths, metres, start above stop
     stop: float
     toolface: float  # of its axis, [0, 180), degrees from the image's reference
-    deviation: float  # standard deviation of the rows' axes about it, degrees (axial, Mardia)
+    deviation: float  # standard deviation of the rows' axes about it, degrees (axial, Mardia); NaN of one row
     lobes: tuple[DarkLobe, DarkLobe]  # the one at ``toolface`` first
 
     @property

@@ -57,7 +57,7 @@ class Zone:
     toolface
         Of a breakout, its axis, [0, 180); of a key seat, where it lies, [0, 360); else NaN. Degrees.
     deviation
-        Standard deviation of the turns' axes about it, degrees (axial, Mardia); NaN where there is none.
+        Standard deviation of the turns' axes about it, degrees (axial, Mardia); NaN where there are fewer than two.
     lobes
         The two of a breakout or the one of a key seat; see `BreakoutLobe`.
     """
@@ -182,7 +182,7 @@ class Classification(Tabular):
             numbers[f"worst {number}"] = f"{zone.kind} {zone.start:.2f} to {zone.stop:.2f} m: {size}"
         axis = self.breakout_axis()
         if math.isfinite(axis.mean):
-            numbers["breakout axis"] = f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {axis.deviation:.0f}°"
+            numbers["breakout axis"] = f"{axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"
         picture = curve_picture(
             np.where(self.kind < 0, np.nan, self.kind), self.logs.depth, f"class by depth: {CLASSES}"
         )

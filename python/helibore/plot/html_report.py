@@ -194,8 +194,7 @@ def _summary(content: Content) -> str:
     if wall.basis == "azimuthal":
         axis = summary.breakout_axis
         if math.isfinite(axis.mean):
-            spread = number(axis.deviation, 0)
-            axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, s.d. {spread}°"
+            axes = f"toolfaces {axis.mean:.0f}° and {axis.mean + 180:.0f}°, {axis.spread('zone', '°', 0)}"
             rows.append(("Breakout axis", axes))
     images = [f"{name} ({image.unit or 'no unit'})" for name, image in wall.images.items()]
     return pairs([*rows, ("Images", ", ".join(images) or "none")])

@@ -172,6 +172,9 @@ def test_axial_statistics_by_hand() -> None:
     assert axial_mean(np.array([0.0, 90.0])).concentration == pytest.approx(0, abs=1e-12)
     assert axial_mean(np.array([30.0, 60.0]), np.array([3.0, 0.0])).mean == pytest.approx(30)
     assert axial_mean(np.array([])).count == 0
+    one, two = axial_mean(np.array([93.0])), axial_mean(np.array([93.0, 93.0]))
+    assert math.isnan(one.deviation)  # a spread needs two
+    assert (one.spread("zone", " deg", 1), two.spread("zone", " deg", 1)) == ("1 zone", "s.d. 0.0 deg")
 
 
 def test_files_state_class_zones_and_criteria(tmp_path: Any) -> None:
