@@ -103,8 +103,12 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
     """Describe the volume around each casing, and where the least clearance is."""
     lines: Lines = []
     for each in annuli:
-        text = f"{size_text(each.outer_diameter)}: annulus {_volume(each.total)}"
+        text = f"{size_text(each.casing)}: annulus {_volume(each.total)}"
         lines.append(("casing", text + (f", without {each.unmeasured:,.1f} m not measured" if each.unmeasured else "")))
+        if each.narrower:
+            row = int(np.nanargmin(each.hole))
+            narrowest = f"narrowest at {each.depth[row]:.2f} m, {size_text(each.hole[row])}"
+            lines.append(("", f"does not pass {each.narrower:,.1f} m, which have no annulus: {narrowest}"))
         if np.isfinite(each.clearance).any():
             row = int(np.nanargmin(each.clearance))
             least = float(each.clearance[row])

@@ -1,7 +1,7 @@
 """``helibore logs SOURCE -o well.las``: every turn, or step of depth, of a wall measured, as a file of logs.
 
-Options become calls of `Wall.logs`, `annulus`, `Wall.zones` and `SectorImage.breakouts` here. ``helibore.logs`` says
-what each log is.
+Options become calls of `Wall.logs`, `Logs.annulus`, `Wall.zones` and `SectorImage.breakouts` here. ``helibore.logs``
+says what each log is.
 """
 
 from __future__ import annotations
@@ -76,7 +76,6 @@ def logs(**options: Any) -> None:
     the run.
     """
     from helibore.files.log_files import check_format, save_table
-    from helibore.logs.annulus import annulus
     from helibore.logs.summary import summarize
 
     output, zones_file = options["output"], options["zones"]
@@ -101,7 +100,7 @@ def logs(**options: Any) -> None:
         raise InputError(f"image {unknown[0]!r}", f"the wall has none of this name; it has {there}")
     with terminal.stage("measure", "Measuring"):
         measured = _measured(wall, options, run.reference)
-        annuli = [annulus(measured.rows, size) for size in options["casings"]]
+        annuli = [measured.rows.annulus(size) for size in options["casings"]]
         dark = [wall.images[name].breakouts() for name in images]
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
@@ -125,7 +124,7 @@ def logs(**options: Any) -> None:
         row_line(measured.rows),
         *sigma_lines(measured.rows),
         *summary_lines(summary),
-        *annulus_lines(annulus(measured.turns, size) for size in options["casings"]),
+        *annulus_lines(measured.turns.annulus(size) for size in options["casings"]),
         *(zone_lines(measured.zones, summary, options["unit"]) if measured.zones else []),
         *(breakout_line(each) for each in dark),
         *saved,

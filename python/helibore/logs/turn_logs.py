@@ -29,6 +29,7 @@ from helibore.base.errors import InputError
 from helibore.base.notebook import card, curve_picture
 from helibore.base.tables import LogColumn, LogTable, Tabular
 from helibore.base.threads import thread_count
+from helibore.logs.annulus import Annulus, annulus
 from helibore.logs.arms import arm_diameters
 from helibore.logs.depth_steps import by_step
 from helibore.logs.log_columns import COLUMNS
@@ -207,6 +208,23 @@ class Logs(Tabular):
         inside = slice(kept[0], kept[-1] + 1) if kept.size else slice(0)  # rows are in the order of depth: no copy
         columns: dict[str, Any] = {name: getattr(self, name)[inside] for name in COLUMN_NAMES}
         return replace(self, arm_diameter=tuple(of[inside] for of in self.arm_diameter), **columns)
+
+    def annulus(self, casing: float) -> Annulus:
+        """Return the annulus around a casing: volume, cement, clearance, as `helibore logs --casing` writes them.
+
+        ``logs.annulus(0.2445).cement(top=2000, excess=0.1)`` is the cement above 2,000 m, ten percent more than fits.
+
+        Parameters
+        ----------
+        casing
+            Outer diameter, metres.
+
+        Raises
+        ------
+        InputError
+            ``casing = 0: must be finite and above 0``.
+        """
+        return annulus(self.depth, self.equivalent_diameter, self.inscribed_diameter, self.height, casing)
 
     @property
     def shape_kept(self) -> float:

@@ -11,7 +11,6 @@ from locations import SHARED
 
 import helibore as hb
 from helibore.cli import cli
-from helibore.logs.annulus import annulus
 from helibore.logs.zone_criteria import Criteria
 
 CALIPERS = SHARED / "calipers"
@@ -87,7 +86,7 @@ def test_zones_breakouts_of_images_casings_and_criteria(folder: Path, tmp_path: 
     assert "# criterion elongation: 0.0127 m" in text
     assert "# class: 0 gauge, 1 washout, 2 breakout, 3 key seat, 4 undergauge" in text
     assert "# rugosity window: 0.5 m" in text
-    space = annulus(wall.logs(0.5), 0.1778)
+    space = wall.logs(0.5).annulus(0.1778)
     assert column(output, "AVOL_178") == pytest.approx(space.volume, abs=2e-7)
     assert set(np.unique(column(output, "CLASS"))) == {0, 1, 2}
     assert "2 breakout" in done.output
@@ -136,6 +135,19 @@ def test_sigma_that_no_turn_has_is_written_as_missing(two_arms: Path, tmp_path: 
     assert np.isnan(sigma).all()
     assert np.isnan(column(output, "VOL_SIGMA")).all()
     assert f"missing {sigma.size} of {sigma.size} rows have no sigma" in " ".join(done.output.split())
+
+
+def test_a_casing_that_does_not_pass_one_place(two_arms: Path, tmp_path: Path) -> None:
+    output = tmp_path / "w.csv"
+    done = run(two_arms, "--bit-diameter", "8in", "--casing", "7in", "-o", output)
+    assert done.exit_code == 0, done.output
+    volume, depth = column(output, "AVOL_178"), column(output, "DEPT")
+    narrow = column(output, "DEQ") < 0.1778
+    assert 1 <= narrow.sum() <= 5
+    np.testing.assert_array_equal(np.isnan(volume), narrow)
+    at = depth[np.argmin(column(output, "DEQ"))]
+    words = " ".join(done.output.split())
+    assert f"does not pass {0.1 * narrow.sum():.1f} m, which have no annulus: narrowest at {at:.2f} m, 6.9" in words
 
 
 @pytest.mark.parametrize(("unit", "metres"), [("in", 0.0254), ("mm", 0.001), ("m", 1.0)])
@@ -212,8 +224,7 @@ def test_a_wall_without_a_shape_has_logs_and_no_zones(tmp_path: Path) -> None:
         (["-o", "w.csv", "--from", "3000"],
          "--from and --to: no full turns of the wall between them: they reach from 2000.05 to 2019.95 m"),
         (["-o", "w.csv", "--rugosity-window=-1"], "rugosity_window = -1.0: must be finite and above 0"),
-        (["-o", "w.csv", "--casing", "20in"],
-         "outer_diameter = 0.508: a casing of 20 in is larger than the hole at 2000.05"),
+        (["-o", "w.csv", "--casing", "0in"], "casing = 0: must be finite and above 0"),
         (["-o", "w.csv", "--criterion", "depth=1"],
          "--criterion depth=1: must be NAME=VALUE, NAME one of elongation, washout, key-seat,"),
         (["-o", "w.csv", "--criterion", "washout=1kg"], "--criterion washout=1kg: unit 'kg'"),

@@ -15,7 +15,6 @@ import helibore as hb
 from helibore.base import atomic_file
 from helibore.base.tables import LogColumn, LogTable
 from helibore.files.log_files import save_table
-from helibore.logs.annulus import annulus
 from helibore.logs.turn_logs import Logs
 
 TOLERANCE = {"m": 5.1e-7, "m3": 5.1e-8, "deg": 5.1e-3, "s": 5.1e-3, "": 5.1e-6}  # half of the last decimal written
@@ -64,7 +63,7 @@ def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path) -> None:
 
 def test_a_long_row_is_one_line(logs: Logs, tmp_path: Path) -> None:
     lasio = pytest.importorskip("lasio")
-    more = [of for size in (0.1, 0.12, 0.14) for of in annulus(logs, size).columns()]
+    more = [of for size in (0.1, 0.12, 0.14) for of in logs.annulus(size).columns()]
     logs.save(tmp_path / "well.las", more)
     lines = (tmp_path / "well.las").read_text().splitlines()
     assert len(lines) - next(row for row, line in enumerate(lines) if line.startswith("~A")) == len(logs) + 1

@@ -14,7 +14,6 @@ from helibore.base.colors import percentile_limits
 from helibore.images.image_breakouts import ImageCriteria
 from helibore.images.normalization import sliding_window
 from helibore.images.sector_image import SectorImage
-from helibore.logs.annulus import annulus
 from helibore.logs.zone_criteria import Criteria
 
 HOW: Any = {"origin": "edge", "reference": "north"}
@@ -81,14 +80,15 @@ INFINITE[1, 2] = np.inf
         (lambda: Criteria(washout=math.nan), "washout = nan: must be finite and not negative"),
         (lambda: wall().logs(rugosity_window=0.0), "rugosity_window = 0.0: must be finite and above 0"),
         (lambda: hb.Wall(bit_diameter=0.2).logs().table(), "logs: the wall has no full turn"),
-        (lambda: annulus(wall().logs(), 0.0), "outer_diameter = 0: must be finite and above 0"),
-        (lambda: annulus(wall().logs(), 0.3),
-         "outer_diameter = 0.3: a casing of 11.81 in is larger than the hole at 1000.04 m, 8.504 in"),
-        (lambda: annulus(wall().logs(), 0.1).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
-        (lambda: annulus(wall().logs(), 0.1).cement(top=2000.0), "cement: no row between 2000 and inf m"),
-        (lambda: annulus(gap().logs(), 0.1).cement(top=1000.0, bottom=1006.0),
-         "cement: 3.1 m between 1000 and 1006 m are unmeasured; choose an interval without gaps, or take `total` for "
-         "what is measured"),
+        (lambda: wall().logs().annulus(0.0), "casing = 0: must be finite and above 0"),
+        (lambda: wall().logs().annulus(0.3).cement(top=1000.0, bottom=1001.0),
+         "cement: 1 m between 1000 and 1001 m are unmeasured or narrower than the casing; choose an interval without "
+         "gaps, or take `total` for what is measured"),
+        (lambda: wall().logs().annulus(0.1).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
+        (lambda: wall().logs().annulus(0.1).cement(top=2000.0), "cement: no row between 2000 and inf m"),
+        (lambda: gap().logs().annulus(0.1).cement(top=1000.0, bottom=1006.0),
+         "cement: 3.1 m between 1000 and 1006 m are unmeasured or narrower than the casing; choose an interval without "
+         "gaps, or take `total` for what is measured"),
     ],
 )  # fmt: skip
 def test_whole_texts(call: Callable[[], object], text: str) -> None:

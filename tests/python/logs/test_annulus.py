@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 
 import helibore as hb
-from helibore.logs.annulus import annulus
 from helibore.logs.turn_logs import Logs
 
 OD = 0.2445  # 9 5/8 in
@@ -24,7 +23,7 @@ def logs() -> Logs:
 
 
 def test_the_volume_between_two_cylinders(logs: Logs) -> None:
-    space = annulus(logs, OD)
+    space = logs.annulus(OD)
     per_metre = math.pi / 4 * (0.31115**2 - OD**2)
     there = ~np.isnan(space.volume)
     np.testing.assert_allclose(space.volume[there], per_metre * 0.1)
@@ -38,7 +37,7 @@ def test_the_volume_between_two_cylinders(logs: Logs) -> None:
 
 def test_volume_adds_up_from_the_bottom_as_cement_rises(logs: Logs) -> None:
     for one in (logs, logs.by_step(0.5)):
-        space = annulus(one, OD)
+        space = one.annulus(OD)
         assert space.from_bottom[0] == pytest.approx(space.total)
         assert (np.diff(space.from_bottom) <= 1e-15).all()
         gap = np.isnan(space.volume)
@@ -46,27 +45,43 @@ def test_volume_adds_up_from_the_bottom_as_cement_rises(logs: Logs) -> None:
 
 
 def test_a_gap_is_never_filled(logs: Logs) -> None:
-    text = r"^cement: [34](.\d)? m between 15 and 22 m are unmeasured; choose an interval without gaps, or take `total`"
+    text = r"^cement: [34](.\d)? m between 15 and 22 m are unmeasured or narrower than the casing; choose an"
     with pytest.raises(ValueError, match=text):
-        annulus(logs, OD).cement(15, 22)
+        logs.annulus(OD).cement(15, 22)
 
 
 def test_columns_name_the_casing(logs: Logs) -> None:
-    table = logs.table(annulus(logs, OD).columns())
+    table = logs.table(logs.annulus(OD).columns())
     assert table["AVOL_244"].unit == "m3"
-    assert table["CLEAR_244"].description == "Inscribed circle less casing of 0.2445 m"
+    assert table["CLEAR_244"].description == (
+        "Inscribed circle less a casing of 9.626 in (244.5 mm); 244 in the name is its size in mm"
+    )
+
+
+def test_a_casing_that_does_not_pass_has_no_annulus_there() -> None:
+    """1 m of 9 1/2 in in 10 m of 12 1/4 in hole: the other rows keep their volumes."""
+    depth = np.arange(101) * 0.1
+    diameter = np.where((depth > 4) & (depth < 5), 0.2413, 0.31115)
+    logs = hb.reconstruct(hb.Caliper.from_average(depth, diameter), bit_diameter=0.31115).logs()
+    space = logs.annulus(OD)
+    narrow = logs.equivalent_diameter < OD
+    np.testing.assert_array_equal(np.isnan(space.volume), narrow)
+    assert space.narrower == pytest.approx(0.1 * narrow.sum())
+    assert 0.5 < space.narrower < 1.5
+    assert space.unmeasured == 0
+    assert space.clearance.min() == pytest.approx(0.2413 - OD, abs=1e-4)
+    assert space.from_bottom[0] == pytest.approx(np.nansum(space.volume))
+    with pytest.raises(ValueError, match=r"^cement: .* are unmeasured or narrower than the casing; "):
+        space.cement()
+    assert space.cement(6, 9) > 0
 
 
 @pytest.mark.parametrize(
     ("call", "text"),
     [
-        (lambda logs: annulus(logs, 0), "outer_diameter = 0: must be finite and above 0"),
-        (
-            lambda logs: annulus(logs, 0.34),
-            r"outer_diameter = 0.34: a casing of 13.39 in is larger than the hole at 0.0492\d* m, 12.2\d* in",
-        ),
-        (lambda logs: annulus(logs, OD).cement(100, 200), "cement: no row between 100 and 200 m"),
-        (lambda logs: annulus(logs, OD).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
+        (lambda logs: logs.annulus(0), "casing = 0: must be finite and above 0"),
+        (lambda logs: logs.annulus(OD).cement(100, 200), "cement: no row between 100 and 200 m"),
+        (lambda logs: logs.annulus(OD).cement(excess=-0.1), "excess = -0.1: must be finite and not negative"),
     ],
 )
 def test_bad_input_is_named(logs: Logs, call, text: str) -> None:
