@@ -125,7 +125,7 @@ def _las_line(mnemonic: str, unit: str, value: str, description: str) -> str:
 
 def _unit_and_value(text: str) -> tuple[str, str]:
     """Return a fact as LAS writes it: the unit of a length or volume, and its value."""
-    quantity = re.fullmatch(r"([-+.\deE]+) (m|m3|deg|s)", text)
+    quantity = re.fullmatch(r"([-+.\deE]+) (m|mm|in|ft|m3|deg|s)", text)
     return (quantity[2].upper(), quantity[1]) if quantity else ("", _one_line(text))
 
 

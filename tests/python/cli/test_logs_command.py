@@ -165,6 +165,9 @@ def test_sizes_in_another_unit(folder: Path, tmp_path: Path, unit: str, metres: 
     assert f"C1 ({unit})" in output.read_text()
     elongation = f"{0.0254 / metres:.6g} {unit}"
     assert f"elongation {elongation}; washout" in done.output
+    las = tmp_path / "w.las"
+    assert run(folder / "w.wall", "-o", las, "--unit", unit, "-q").exit_code == 0
+    assert f"BS       .{unit.upper():<5} {0.216 / metres:>14.6g} : Bit\n" in las.read_text()
     for text in (output.read_text(), zones.read_text()):
         assert f"# criterion elongation: {elongation}\n" in text
         assert "# criterion least length: 0.3 m\n" in text  # along the hole

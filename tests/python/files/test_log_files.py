@@ -55,6 +55,9 @@ def test_lasio_reads_the_las_back(logs: Logs, tmp_path: Path) -> None:
     assert las.params.BIT_DIAMETER.value == 0.2159
     assert las.params.BIT_DIAMETER.unit == "M"
     assert (las.well.BS.value, las.well.BS.unit) == (0.2159, "M")
+    save_table(logs.table(), tmp_path / "well.las", header={"bit": "8.5 in"})
+    bit = lasio.read(tmp_path / "well.las").well.BS
+    assert (bit.value, bit.unit) == (8.5, "IN")
     save_table(logs.table(), tmp_path / "well.las", header={"bit": "8.5 in, PDC"})
     assert lasio.read(tmp_path / "well.las").well.BS.value == "8.5 in, PDC"
     assert las.params.BASIS.value == "radius measured by an azimuthal caliper"
