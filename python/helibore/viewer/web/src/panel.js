@@ -140,7 +140,7 @@ export function readout({ store, view, path, quad }) {
   const measured = gauge ? null : quad;
   const { state = 0 } = measured ?? {};
   /** @type {[number, string][]} */
-  const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'between arms']];
+  const all = [[RESCANNED, 're-scanned'], [PROVISIONAL, 'provisional'], [CLIPPED, 'off scale'], [INTERPOLATED, 'interpolated']];
   const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
   return [
     ['MD', showDepth(cursor?.depth, units)],

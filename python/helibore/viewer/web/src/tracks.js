@@ -91,7 +91,7 @@ function ends(ink, { view, quantity, store: { basis } }, left, width, palette) {
   if (view.rig) return;
   /** @type {[string, typeof DENSE][]} */
   const legend = [['no data', DENSE]];
-  if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') legend.push([width < 240 ? 'between arms' : 'interpolated between arms', SPARSE]);
+  if (quantity.mode !== Q_ATTRIBUTE && basis === 'azimuthal') legend.push(['interpolated', SPARSE]);
   legend.reduce((x, [text, hatching]) => {
     hatched(ink, x, 47, 12, 10, palette, hatching);
     ink.strokeStyle = palette.hatch;
