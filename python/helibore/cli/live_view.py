@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from helibore.base.errors import InputError
-from helibore.live.alarms import Alarm
+from helibore.live.alarms import Alarm, is_connected
 from helibore.live.live import Live
 from helibore.live.update import Update
 from helibore.samples.helix import helix_of
@@ -95,7 +95,10 @@ class Window:
         known = {"bit_depth": bit[0] if bit else None, "newest": self._newest}
         known = {name: value for name, value in known.items() if value is not None}
         words = tuple(str(alarm) for alarm in alarms)
-        self.scene.update_state(**known, sources=self._status_text(states, words), alarms=words)
+        sources = live.configuration.sources
+        states_of = ((name, state) for name, state in states.items() if name in sources)
+        lost = tuple(name for name, state in states_of if not is_connected(sources[name], state))
+        self.scene.update_state(**known, sources=self._status_text(states, words), alarms=words, lost=lost)
 
     def dead_thread(self) -> str:
         """Return the name of a thread of the page that has ended; "" if all are running."""

@@ -36,7 +36,7 @@ from helibore.live.configuration import AlarmLimits
 from helibore.live.live import Live
 from helibore.live.mapping import SourceReader
 from helibore.live.model import OUTSIDE, USABLE
-from helibore.live.sources import WitsSource
+from helibore.live.sources import Source, WitsSource
 from helibore.live.update import Update
 
 HOLD = 60.0
@@ -111,6 +111,11 @@ class _LastLine:
         self._thread.join(TICK)
         line = self._line.decode(errors="replace")
         return f": {''.join(c if c.isprintable() else '?' for c in line)}" if line else ""
+
+
+def is_connected(source: Source, state: str) -> bool:
+    """Whether a source in this state (`Server.states`) can send; one that has ended need not."""
+    return source.address.kind == "host" or state.startswith(("connected", "ended", WAITING))
 
 
 @dataclass(frozen=True)
@@ -300,7 +305,7 @@ class Alarms:
                 continue
             if ages[name] > source.silence:
                 found["no_data", name] = f"nothing has come for {source.silence:g} s"
-            if source.address.kind == "host" or state.startswith(("connected", WAITING)):
+            if is_connected(source, state):
                 self._connected[name] = now
             elif now - self._connected[name] > self._limits.lost * SECOND or state.startswith("stopped"):
                 found["lost", name] = f"{state}: not connected for {self._limits.lost:g} s"

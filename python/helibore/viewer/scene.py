@@ -129,7 +129,9 @@ class RunState:
     ranges: Mapping[str, tuple[float, float]] = field(default_factory=dict)
     zones: tuple[Mapping[str, Any], ...] = ()  # JSON objects, in order of depth
     prints: bool = False  # `Scene.draw_pages` can be asked
-    alarms: tuple[str, ...] = ()  # what the live feed warns of, in words; a page shows each until its user silences it
+    # What the live feed warns of, "rule source: cause"; a page shows each until its user silences it.
+    alarms: tuple[str, ...] = ()
+    lost: tuple[str, ...] = ()  # names of the sources that are not connected
 
 
 class History:

@@ -69,6 +69,7 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
         window.show(pushed(live, 100.0))
         window.refresh({"host": "not started"})
         assert scene.state.sources == "host: not started"
+        assert scene.state.lost == (), "what a host pushes needs no connection"
         first = health(window.url)["vertices"]
         assert first == len(live.wall)
         assert not scene.frames.surveyed
@@ -84,6 +85,22 @@ def test_the_page_waits_for_the_first_vertex_and_follows_the_wall_and_the_path()
         until(lambda: health(window.url)["vertices"] == len(live.wall) > 20_000)
         assert time.time() - 60 < scene.state.newest <= time.time()
     assert scene.state.ended
+
+
+@pytest.mark.usefixtures("needs_page")
+def test_the_page_knows_at_once_which_sources_are_not_connected():
+    from helibore.cli.live_view import Window
+
+    rig = '[source.rig]\naddress = "tcp://127.0.0.1:9872"\nunits = "metric"\n'
+    rig += '[source.rig.items]\nbit_depth = { item = "0108", unit = "m" }\n'
+    with Window() as window:
+        window.follow(hb.Live(parse(HOST + rig)))
+        for state, lost in {
+            "waiting to connect: refused": ("rig",), "connecting": ("rig",), "stopped: access denied": ("rig",),
+            "connected to 127.0.0.1": (), "waiting for the disk": (), "ended": (),
+        }.items():  # fmt: skip
+            window.refresh({"host": "not started", "rig": state})
+            assert window.scene.state.lost == lost, state
 
 
 @pytest.mark.usefixtures("needs_page")

@@ -6,7 +6,7 @@ import time
 from typing import Any
 
 import pytest
-from made_wall import MadeWall
+from made_wall import MadeWall, gamma_and_resistivity
 from screen import NEEDS_BROWSER, Screen
 
 import helibore as hb
@@ -104,4 +104,61 @@ def test_a_new_zone_announces_itself_until_it_is_silenced(browser: Any) -> None:
         viewer.scene.update_state(alarms=("WITS: no record for 60 s",))
         screen.until("!document.getElementById('alarm').hidden")
         assert screen.inner_text("#alarmText") == "WITS: no record for 60 s"
+        screen.close()
+
+
+def test_alarms_take_two_lines_and_turn_the_lamp_at_once(browser: Any) -> None:
+    alarms = (
+        "depth jump mwd: the bit went from 1031.4 to 1036.4 m and stays there, since 12:00:01 UTC, 14:00:01 here",
+        "refused mwd: no sample was usable for 120 s: 1,240 no value, 12 sent twice, since 12:00:09 UTC, 14:00:09 here",
+        "no data rig: nothing has come for 120 s, since 12:02:09 UTC, 14:02:09 here",
+    )
+    with hb.view(MadeWall(20_000)) as viewer:
+        viewer.scene.update_state(bit_depth=1041.4, newest=time.time())
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
+        screen.keyboard.press("k")
+        screen.until("window.__wall.app.summary?.mean_diameter && window.__wall.app.zones.length")
+        ids = "['rigLamp', 'rigAgeMore', 'lamp', 'lampSign']"
+        lamp = f"{ids}.map((id) => document.getElementById(id)).map((at, i) => i % 2 ? at.textContent : at.className)"
+        screen.until("document.getElementById('rigLamp').className === 'live'")
+        assert screen.evaluate(lamp) == ["live", "live", "lamp live", "✓"]
+        viewer.scene.update_state(alarms=alarms)
+        screen.until("!document.getElementById('alarm').hidden")
+        screen.settle()
+        assert screen.inner_text("#alarmText").splitlines() == ["Depth jump mwd", "Refused mwd, +1 more"]
+        assert screen.evaluate(lamp) == ["late", "depth jump mwd +2 more", "lamp late", "!"]
+        height = "document.getElementById('alarm').getBoundingClientRect().height"
+        banner = screen.evaluate(height)
+        assert banner < 110
+        assert screen.evaluate(CLIPPED) == []
+        assert min(cell["height"] for cell in screen.evaluate(DIGITS)) >= 77
+        assert all(cell["fits"] for cell in screen.evaluate(DIGITS))
+        screen.keyboard.press("a")
+        screen.settle()
+        assert screen.inner_text("#alarmWhole").splitlines() == list(alarms)
+        assert screen.evaluate(height) == banner, "the whole text lies over the display"
+        screen.keyboard.press("a")
+        screen.settle()
+        assert not screen.is_visible("#alarm")
+        assert screen.evaluate(lamp)[0] == "late", "silenced, and it lasts"
+        viewer.scene.update_state(alarms=(), lost=("rig",))
+        screen.until("document.getElementById('rigLamp').className === 'lost'")
+        assert screen.evaluate(lamp) == ["lost", "rig not connected", "lamp lost", "✕"]
+        screen.close()
+
+
+def test_the_images_beside_survive_a_restart_in_rig_mode(browser: Any) -> None:
+    wall = MadeWall(20_000)
+    with hb.view(wall, attributes=gamma_and_resistivity(wall)) as viewer:
+        screen = Screen(browser, viewer.url, "#md=1010&sec=10", (1366, 768), drawn=False)
+        assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
+        screen.keyboard.press("k")
+        session = screen.evaluate("window.__wall.app.store.session")
+        viewer.scene.begin(viewer.scene.shape)  # as a new server does
+        viewer.update()
+        screen.until(f"window.__wall.app.store.session !== '{session}' && window.__wall.app.store.levels[0].size")
+        screen.keyboard.press("k")
+        screen.settle()
+        assert screen.evaluate("window.__wall.app.view.beside") == ["GR"]
+        assert screen.evaluate("'beside0' in window.__wall.app.rects")
         screen.close()

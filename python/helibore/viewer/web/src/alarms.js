@@ -1,10 +1,18 @@
 // Alarms: zones that are new since the page last received them, and the alarms of the live feed. They stay until the user
-// silences them (A), also over a reload.
+// silences them (A), also over a reload. Rig mode has room for short words in two lines; there A shows the whole text first.
 
 import { byId } from './panel.js';
 import { showSigned, showSpan } from './units.js';
+import { MEASURES } from './zones.js';
 
 const KEPT = 'helibore.alarms';
+const LINES = 2; // in rig mode
+// Rule and source of an alarm of the feed, which its cause follows.
+/** @param {string} alarm */
+export const shortOf = (alarm) => alarm.split(': ')[0];
+// At most `LINES` texts; the last one says how many more there are.
+/** @param {string[]} texts */
+export const few = (texts) => texts.slice(0, LINES).map((text, i) => (i === LINES - 1 && texts.length > LINES ? `${text}, +${texts.length - LINES} more` : text));
 /** @param {Zone} a @param {Zone} b */
 const overlap = (a, b) => a.kind === b.kind && a.start < b.stop && b.start < a.stop;
 /** @param {Zone[]} before @param {Zone[]} now */
@@ -18,11 +26,13 @@ export class Alarms {
   session = '';
   /** @type {string[]} */
   silenced = [];
+  whole = false; // rig mode shows the whole text
 
   /** @param {App} app */
   constructor(app) {
     this.app = app;
     byId('silence').addEventListener('click', () => this.silence());
+    byId('alarmText').addEventListener('click', () => this.read(!this.whole));
   }
 
   // A wall begins; the alarms of the same wall that a reload interrupted come back.
@@ -41,7 +51,16 @@ export class Alarms {
     this.keep();
   }
 
+  /** @param {boolean} whole */
+  read(whole) {
+    this.whole = whole;
+    this.app.redraw();
+  }
+
+  // Nothing is silenced that was not on the page in full.
   silence() {
+    if (this.app.view.rig && !this.whole) return this.read(true);
+    this.whole = false;
     this.silenced = this.feed;
     this.zones = [];
     this.keep();
@@ -58,19 +77,32 @@ export class Alarms {
     return this.zones.some((other) => overlap(other, zone));
   }
 
-  // The worst new zone in words, how many others, and what the feed says.
-  /** @param {Units} units */
-  text(units) {
+  // The worst new zone and how many others, then what the feed warns of; short, or in full.
+  /** @param {Units} units @param {boolean} short @returns {string[]} */
+  texts(units, short) {
     const [worst, ...others] = [...this.zones].sort((a, b) => b.severity - a.severity);
     const more = others.length ? ` and ${others.length} more` : '';
-    const zone = worst ? [`New ${worst.kind}${more}: ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} at ${showSpan(worst.start, worst.stop, units)}`] : [];
-    return [...zone, ...this.feed.filter((one) => !this.silenced.includes(one))].join(' · ');
+    const place = worst && showSpan(worst.start, worst.stop, units);
+    const zone = !worst ? [] : short ? [`new ${worst.kind}${more}, ${place}`] : [`New ${worst.kind}${more}: ${MEASURES[worst.kind]} ${showSigned(worst.measure, units, units === 'mm' ? 0 : 1)} at ${place}`];
+    return [...zone, ...this.feed.filter((one) => !this.silenced.includes(one)).map((one) => (short ? shortOf(one) : one))];
   }
 
-  /** @param {Units} units */
-  write(units) {
-    const text = this.text(units);
-    byId('alarm').hidden = !text;
-    if (byId('alarmText').textContent !== text) byId('alarmText').textContent = text;
+  /** @param {View} view */
+  write({ units, rig }) {
+    const texts = this.texts(units, false);
+    this.whole &&= texts.length > 0;
+    const whole = rig && this.whole;
+    byId('alarm').hidden = !texts.length;
+    byId('alarmWhole').hidden = !whole;
+    byId('silence').textContent = rig && !whole ? 'A reads' : 'A silences';
+    lines('alarmText', rig ? few(this.texts(units, true)) : [texts.join(' · ')]);
+    lines('alarmWhole', whole ? texts : []);
   }
+}
+
+// Texts in lines of their own.
+/** @param {'alarmText' | 'alarmWhole'} id @param {string[]} texts */
+function lines(id, texts) {
+  if (byId(id).textContent === texts.join('')) return;
+  byId(id).replaceChildren(...texts.map((textContent) => Object.assign(document.createElement('span'), { textContent })));
 }

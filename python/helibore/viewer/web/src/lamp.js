@@ -1,10 +1,14 @@
-// The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit.
+// The lamp: is the data live, late or lost, how old is the newest sample, how far is the wall behind the bit. An alarm of the
+// feed that lasts, silenced or not, makes it late at once; a source that is not connected makes it lost at once.
 
+import { shortOf } from './alarms.js';
 import { byId } from './panel.js';
 import { showAge, showClock, showCount, showDepth } from './units.js';
 import { zoneAt, zoneText } from './zones.js';
 
 const LATE = 60; // seconds without a sample
+/** @type {Record<string, string>} */
+export const SIGNS = { live: '✓', late: '!', lost: '✕' };
 
 // The lamp's colour and text: how old the newest sample is, and how far the wall is behind the bit.
 /** @param {App} app */
@@ -12,6 +16,7 @@ export function lamp(app) {
   const [colour, text] = lampWords(app);
   const at = byId('lamp');
   at.className = `lamp ${colour}`;
+  byId('lampSign').textContent = SIGNS[colour] ?? '';
   at.title = text;
   if (byId('lampText').textContent !== text) byId('lampText').textContent = text;
 }
@@ -20,8 +25,16 @@ export function lamp(app) {
 /** @param {Pick<App, 'newest' | 'lastWrite'>} of */
 export const ageOf = ({ newest, lastWrite }) => (newest !== null ? Date.now() / 1000 - newest : lastWrite === null ? NaN : (performance.now() - lastWrite) / 1000);
 
+// What is wrong with the feed, in few words; '' if nothing is.
+/** @param {Pick<App, 'alarms' | 'lost'>} of */
+function troubleOf({ alarms: { feed }, lost }) {
+  if (lost.length) return `${lost.join(', ')} not connected`;
+  return feed.length ? `${shortOf(feed[0])}${feed.length > 1 ? ` +${feed.length - 1} more` : ''}` : '';
+}
+
+// Colour, text, and the one word of it that rig mode has room for.
 /** @param {App} app */
-export function lampWords({ status, words, store, alarms, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
+export function lampWords({ status, words, store, alarms, lost, bitDepth, newest, ended, sources, lastWrite, replay, contents, view }) {
   if (status === 'waiting') return ['late', store ? 'waiting for the new run, picture from before' : 'waiting for the first samples'];
   if (status !== 'live' || !store) return ['lost', words || 'connecting'];
   if (replay.past) return ['late', `replay, first pass, as at ${showClock(replay.past.moment)} · ${showCount(replay.past.vertices)} vertices`];
@@ -31,10 +44,13 @@ export function lampWords({ status, words, store, alarms, bitDepth, newest, ende
   if (Number.isFinite(seconds)) parts.push(...(ended ? ['run ended'] : []), `${showAge(seconds)} old`);
   else parts.push('saved wall');
   if (bitDepth !== null) parts.push(behind(store, bitDepth, view.units));
-  const late = !ended && (seconds > LATE || alarms.feed.some((alarm) => alarm.startsWith('lost')));
-  if (late && sources) parts.push(sources);
+  const trouble = ended ? '' : troubleOf({ alarms, lost });
+  const late = !ended && seconds > LATE;
+  if (trouble) parts.unshift(trouble);
+  else if (late && sources) parts.push(sources);
   if (!Number.isFinite(seconds)) parts.push(`${showCount(store.levels[0].size)} vertices`);
-  return [ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live', parts.join(' · ')];
+  const colour = trouble ? (lost.length ? 'lost' : 'late') : ended || !Number.isFinite(seconds) ? '' : late ? 'late' : 'live';
+  return [colour, parts.join(' · '), trouble || (late ? 'no new data' : colour === 'live' ? 'live' : parts[0])];
 }
 
 // A bit that was lifted is within the wall.

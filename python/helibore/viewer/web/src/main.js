@@ -65,6 +65,8 @@ export class App {
   /** @type {number | null} */
   opened = null; // the top of the section that a saved wall began with
   sources = '';
+  /** @type {string[]} */
+  lost = []; // names of the sources that are not connected
   /** @type {number | null} */
   lastWrite = null;
   /** @type {Zone[]} */
@@ -224,8 +226,8 @@ export class App {
   }
 
   /** @param {State} state */
-  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], prints = false }) {
-    this.sources = sources;
+  takeState({ begun, sources, bit_depth: bit, newest, now, ended, true_depth: trueDepth, ranges, zones, curves = [], curves_version: version = 0, alarms = [], lost = [], prints = false }) {
+    Object.assign(this, { sources, lost });
     if (!begun) return this.say('waiting', `${this.store ? 'The server was started again; this is the picture from before. ' : ''}Waiting for the first samples.${sources ? ` ${sources}` : ''}`);
     this.alarms.take(this.zonesBefore, zones, !this.contents && !ended && (newest !== null || (this.lastWrite !== null && this.zones.length > 0)), alarms);
     this.zones = this.zonesBefore = zones;
@@ -323,9 +325,11 @@ export class App {
     return this.view.beside.filter((id) => id !== this.quantity?.id).map((id) => this.quantities.find((one) => one.id === id)).filter((one) => one !== undefined);
   }
 
-  // Images that stand beside the first one at first: as many of the wall's as have room.
+  // Images that stand beside the first one at first: as many of the wall's as have room beside the panel, which rig mode hides.
   usualBeside() {
+    document.body.classList.remove('rig');
     const room = NARROW.matches ? 1 : Math.floor((byId('stage').clientWidth - 600) / 400);
+    document.body.classList.toggle('rig', this.view.rig);
     return this.quantities.filter(({ mode, length, id }) => mode === Q_ATTRIBUTE && !length && id !== this.quantity.id).slice(0, Math.max(0, room)).map(({ id }) => id);
   }
 
@@ -504,7 +508,7 @@ export class App {
     byId('sectionTitle').textContent = showSpan(view.top, view.bottom, view.units);
     this.summarize();
     this.writeSummary();
-    this.alarms.write(view.units);
+    this.alarms.write(view);
     listZones(this.zones, view, this.alarms, (zone) => this.showZone(zone));
     if (byId('histogram').clientHeight) this.histogram.draw(look);
     reflect(view, look.quantity, this.rects.image);

@@ -1,10 +1,10 @@
 // Rig mode (K): bit depth, hole size, worst zone, lag and age of the data in digits that are read from three metres. The
 // view follows the bit until the mode is left; the address holds the mode, so a reload keeps it.
 
-import { ageOf, lampWords } from './lamp.js';
+import { ageOf, lampWords, SIGNS } from './lamp.js';
 import { byId } from './panel.js';
 import { depthNumber, depthUnit, LENGTHS, showAge, showDepth, showSigned, showSpan } from './units.js';
-import { bySeverity } from './zones.js';
+import { bySeverity, MEASURES } from './zones.js';
 
 export const RECENT = 30; // metres of hole that "last" means
 
@@ -53,12 +53,13 @@ export function writeRig(app) {
   /** @type {string[]} */
   const [number, inUnit = ''] = worst ? showSigned(worst.measure, view.units, unit === 'mm' ? 0 : 1).split(' ') : [store.basis === 'gauge' ? '–' : 'none', ''];
   cell('rigWorst', number, inUnit, worst ? `${worst.kind} ${showSpan(worst.start, worst.stop, view.units)}` : store.basis === 'gauge' ? 'not measured' : 'no zone');
+  byId('rigMeasure').textContent = worst ? ` ${MEASURES[worst.kind]}` : '';
   byId('rigWorstCell').className = worst ? (alarms.isNew(worst) ? 'new' : 'zone') : '';
   const lag = bit === null ? NaN : (bit - store.end) * Math.sign(store.levels[0].pitch);
   cell('rigLag', Number.isFinite(lag) ? depthNumber(Math.max(0, lag), view.units, 1) : '–', Number.isFinite(lag) ? depthUnit(view.units) : '', `data end at ${showDepth(store.end, view.units, 1)}`);
-  const [colour, text] = lampWords(app);
+  const [colour, text, word] = lampWords(app);
   const [age, ageUnit = ''] = showAge(ageOf(app)).split(' ');
-  cell('rigAge', age, ageUnit, { live: 'live', late: 'no new data', lost: text }[colour] ?? text.split(' · ')[0]);
+  cell('rigAge', age, ageUnit, word ?? text.split(' · ')[0]);
   byId('rigLamp').className = colour;
-  byId('rigLamp').textContent = { live: '✓', late: '!', lost: '✕' }[colour] ?? '–';
+  byId('rigLamp').textContent = SIGNS[colour] ?? '–';
 }

@@ -101,7 +101,7 @@ interface Handshake {
 }
 interface State {
   begun: boolean; sources: string; bit_depth: number | null; newest: number | null; now: number; ended: boolean; true_depth: Vector | null; ranges: Record<string, Pair>;
-  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; prints?: boolean;
+  zones: Zone[]; curves?: [string, string, number, number, boolean][]; curves_version?: number; alarms?: string[]; lost?: string[]; prints?: boolean;
 }
 interface Message { type: number; live: boolean; level: number; mask: number; tile: number; first: number; count: number; total: number; sequence: number; time: number }
 interface Write extends Message { type: 1; texels: Uint16Array; columns: { attribute: number; values: Float32Array }[] }

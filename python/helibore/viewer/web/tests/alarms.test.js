@@ -1,6 +1,6 @@
 import assert from 'node:assert/strict';
 import test from 'node:test';
-import { newZones } from '../src/alarms.js';
+import { few, newZones, shortOf } from '../src/alarms.js';
 import { recent, worstOf } from '../src/rig.js';
 
 const zone = (kind, start, stop, severity = 1) => ({ kind, start, stop, severity, measure: 0.01 });
@@ -10,6 +10,12 @@ test('a zone is new if none of its kind lay there before; one that grows is not'
   const now = [zone('washout', 10, 14), zone('breakout', 11, 13), zone('breakout', 26, 28)];
   assert.deepEqual(newZones(before, now), now.slice(1));
   assert.deepEqual(newZones(before, before), []);
+});
+
+test('rig mode says an alarm in short words, in two lines at most', () => {
+  assert.equal(shortOf('depth jump mwd: 5 m at 12:00:01: new level, since 12:00:02 UTC'), 'depth jump mwd');
+  assert.deepEqual(few(['a', 'b']), ['a', 'b']);
+  assert.deepEqual(few(['a', 'b', 'c', 'd']), ['a', 'b, +2 more']);
 });
 
 test('the worst zone of the last 30 m reaches into them, drilling down or up', () => {

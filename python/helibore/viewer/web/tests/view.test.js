@@ -55,17 +55,28 @@ test('true depth is known where the server says so, and nowhere else', () => {
 
 test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
   const words = (bitDepth, pitch, more = {}) => lampWords({
-    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, alarms: { feed: [] }, sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
+    status: 'live', words: '', bitDepth, newest: Date.now() / 1000 - 5, ended: false, alarms: { feed: [] }, lost: [], sources: 'mwd: waiting to connect', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
     store: { end: 1050, levels: [{ size: 12345, pitch }] }, ...more,
   });
-  assert.deepEqual(words(1052.5, 0.1), ['live', '5 s old · 2.5 m behind bit']);
+  assert.deepEqual(words(1052.5, 0.1), ['live', '5 s old · 2.5 m behind bit', 'live']);
   assert.equal(words(1047.5, 0.1)[1].split(' · ')[1], 'bit back 2.5 m in the wall');
   assert.equal(words(1047.5, -0.1)[1].split(' · ')[1], '2.5 m behind bit', 'logging up');
   assert.equal(words(1049.99, 0.1)[1].split(' · ')[1], '0.0 m behind bit');
-  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect']);
-  assert.equal(words(1050, 0.1, { alarms: { feed: ['lost rig: not connected for 30 s'] } })[0], 'late');
+  assert.deepEqual(words(1050, 0.1, { newest: Date.now() / 1000 - 180 }), ['late', '3 min old · 0.0 m behind bit · mwd: waiting to connect', 'no new data']);
   assert.deepEqual(words(1050, 0.1, { status: 'waiting', store: null }), ['late', 'waiting for the first samples']);
   assert.deepEqual(words(1050, 0.1, { status: 'lost', words: 'Connection lost, trying again' }), ['lost', 'Connection lost, trying again']);
+});
+
+test('an alarm that lasts, silenced or not, and a source that is not connected turn the lamp at once', () => {
+  const words = (more) => lampWords({
+    status: 'live', words: '', bitDepth: 1058, newest: Date.now() / 1000 - 1, ended: false, alarms: { feed: [] }, lost: [], sources: '', lastWrite: null, replay: {}, contents: null, view: { units: 'mm' },
+    store: { end: 1050, levels: [{ size: 12345, pitch: 0.1 }] }, ...more,
+  });
+  const refused = 'refused mwd: no sample was usable for 120 s: 40 no value';
+  assert.deepEqual(words({ alarms: { feed: [refused], silenced: [refused] } }), ['late', 'refused mwd · 1 s old · 8.0 m behind bit', 'refused mwd']);
+  assert.equal(words({ alarms: { feed: [refused, 'depth jump mwd: 5 m'] } })[2], 'refused mwd +1 more');
+  assert.deepEqual(words({ lost: ['rig'] }), ['lost', 'rig not connected · 1 s old · 8.0 m behind bit', 'rig not connected']);
+  assert.equal(words({ lost: ['rig'], ended: true })[0], '', 'a run that has ended needs no source');
 });
 
 test('a coarse grid uses the fine grid’s corners and covers all of it', () => {
