@@ -36,18 +36,18 @@ def summary_lines(found: WallSummary, cells: str = "") -> Lines:
     if found.basis == "gauge":  # nothing was measured, so that there is nothing to report
         return lines
     if math.isnan(found.mean_diameter):
-        lines.append(("diameter", "missing: no turn is measured all around"))
+        lines.append(("diameter", "missing: no turn is whole"))
     else:
         lines += [
             ("diameter", f"mean      {_size(found.mean_diameter, found)}, by volume"),
             ("", f"least     {_extreme(found.least_diameter, found)}"),
             ("", f"greatest  {_extreme(found.greatest_diameter, found)}"),
             *(_shape_lines(found) if found.basis == "azimuthal" else []),
-            ("volume", f"{_volume(found.volume)} over {found.measured:,.1f} m measured, {100 * found.excess:+.1f} % "
-             "against the bit"),
+            ("volume", f"{_volume(found.volume)} over {found.measured:,.1f} m of whole turns, "
+             f"{100 * found.excess:+.1f} % against the bit"),
         ]  # fmt: skip
     if found.not_measured:
-        lines.append(("", f"{found.not_measured:,.1f} m are not measured all around and not counted"))
+        lines.append(("", f"{found.not_measured:,.1f} m have a missing radius in each turn and are not counted"))
     lines.append(("support", f"{100 * found.without_radius:.2f} % of the vertices have no sample in reach"))
     if not math.isnan(found.nearest_half):
         half, most = found.nearest_half * 1e3, found.nearest_most * 1e3
@@ -104,7 +104,8 @@ def annulus_lines(annuli: Iterable[Annulus]) -> Lines:
     lines: Lines = []
     for each in annuli:
         text = f"{size_text(each.casing)}: annulus {_volume(each.total)}"
-        lines.append(("casing", text + (f", without {each.unmeasured:,.1f} m not measured" if each.unmeasured else "")))
+        missing = f", without {each.unmeasured:,.1f} m where a radius is missing" if each.unmeasured else ""
+        lines.append(("casing", text + missing))
         if each.narrower:
             row = int(np.nanargmin(each.hole))
             narrowest = f"narrowest at {each.depth[row]:.2f} m, {size_text(each.hole[row])}"

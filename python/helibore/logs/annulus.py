@@ -81,8 +81,8 @@ class Annulus:
         Raises
         ------
         InputError
-            ``cement: 12.4 m between 2000 and 2100 m are unmeasured or narrower than the casing ...``, since any number
-            would be a guess; if no row lies in the interval; on a negative excess.
+            ``cement: 12.4 m between 2000 and 2100 m have a missing radius or are narrower than the casing ...``, since any
+            number would be a guess; if no row lies in the interval; on a negative excess.
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))
@@ -93,9 +93,9 @@ class Annulus:
             raise InputError("cement", f"no row between {top:g} and {bottom:g} m")
         missing = np.isnan(inside).sum()
         if missing:
-            advice = "choose an interval without gaps, or take `total` for what is measured"
+            advice = "choose an interval without gaps, or take `total` for the rest"
             length = f"{missing * self.height:g} m between {top:g} and {bottom:g} m"
-            raise InputError("cement", f"{length} are unmeasured or narrower than the casing; {advice}")
+            raise InputError("cement", f"{length} have a missing radius or are narrower than the casing; {advice}")
         return float(inside.sum() * (1 + excess))
 
     def columns(self) -> list[LogColumn]:

@@ -54,7 +54,7 @@ COLUMNS = tuple(
         ("rugosity", "RUGO", "m", "Rugosity, detrended rms of the radius over the window", "mean"),
         ("volume", "VOL", "m3", "Volume of the hole in this row", "own"),
         ("excess", "EXCESS", "", "Volume over that of gauge hole, less 1", "own"),
-        ("coverage", "COVER", "", "Share of the turn that is measured, not interpolated between arms", "mean"),
+        ("coverage", "COVER", "", "Share of the turn that is measured, not interpolated", "mean"),
         ("nearest", "NEAREST", "m", "Largest distance to the nearest sample", "greatest there"),
         ("diameter_sigma", "DEQ_SIGMA", "m", "Standard uncertainty of DEQ, at most", "mean"),
         ("age", "AGE", "s", "Newest sample here, before the newest of the wall", "least there"),

@@ -3,7 +3,7 @@
     summary = wall.summary()                    summary.volume, summary.excess, summary.washed_out
     wall.summary(start=2000, stop=2100)         of an interval
 
-Diameters, volume and excess come from full turns; a turn with a missing radius counts as not measured. The mean
+Diameters, volume and excess come from whole turns: those without a missing radius, measured or interpolated. The mean
 diameter is that of the cylinder with the same volume. Metres of a kind of hole are those of its zones (``zones``). A
 turn that an end of the interval cuts counts with its share of metres, volume and coverage.
 """
@@ -61,9 +61,9 @@ class WallSummary:
     inscribed_diameter
         The smallest of the turns' largest inscribed circles, which is what passes; `Extreme` with its depth.
     volume, excess
-        Of the measured turns, cubic metres; over the volume at bit size, less 1.
+        Of the whole turns, cubic metres; over the volume at bit size, less 1.
     measured, not_measured
-        Metres of hole in full turns, and in the other turns.
+        Metres of hole in whole turns, which have every radius, measured or interpolated; and in the other turns.
     ovality, rugosity
         Mean and greatest of the turns: after API, and in metres over ``rugosity_window``.
     washed_out
@@ -75,7 +75,7 @@ class WallSummary:
     shape, arms
         What ovality, least and greatest diameter and kinds come from (`Logs.shape`); how many diameters arms measured.
     coverage
-        Mean share of the turns that is measured, not interpolated between arms, 0 to 1.
+        Mean share of the turns that is measured, not interpolated, 0 to 1.
     shape_kept
         The wall's out-of-roundness over the arms'; NaN for tools that see all around.
     warnings
@@ -119,6 +119,7 @@ class WallSummary:
 
     def numbers(self) -> dict[str, str]:
         """Return what a card shows, by name; missing numbers are left out."""
+        volume = f"{self.volume:.3f} m³ over {self.measured:.1f} m of whole turns"
         numbers = {
             "depth": f"{self.start:.2f} to {self.stop:.2f} m",
             "basis": BASIS_TEXT[self.basis],
@@ -126,7 +127,7 @@ class WallSummary:
             "mean diameter": size_text(self.mean_diameter),
             "least diameter": self.least_diameter.text(),
             "greatest diameter": self.greatest_diameter.text(),
-            "volume": f"{self.volume:.3f} m³ over {self.measured:.1f} m, {100 * self.excess:+.1f} % against the bit",
+            "volume": f"{volume}, {100 * self.excess:+.1f} % against the bit",
             "washed out": f"{self.washed_out:.1f} m",
             "measured": f"{100 * self.coverage:.0f} % of the turns",
             "vertices, samples": f"{self.vertices}, {self.samples}",

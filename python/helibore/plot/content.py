@@ -234,7 +234,7 @@ class Content:
     @property
     def hatching(self) -> str:
         """What the hatching means; "" where there is none."""
-        between = " between arms" if self.wall.arms is not None else ""
+        between = " between arms" if self.zones.logs.shape == "arms" else ""
         return "" if self.interpolated is None else f"interpolated{between}"
 
     @property

@@ -186,7 +186,7 @@ def _summary(content: Content) -> str:
     if summary.measured and wall.basis != "gauge":
         ends = [in_unit(extreme.value, content) for extreme in (summary.least_diameter, summary.greatest_diameter)]
         sizes = f"{size_text(summary.mean_diameter)} mean, {ends[0]} to {ends[1]} {content.drawing.size_unit} across"
-        volume = f"{summary.volume:,.3f} m³ over {in_depth_unit(summary.measured, content, 1)} {depths} measured"
+        volume = f"{summary.volume:,.3f} m³ over {in_depth_unit(summary.measured, content, 1)} {depths} of whole turns"
         rows += [
             ("Diameter", sizes),
             ("Hole volume", f"{volume}; {100 * summary.excess:+.1f} % against bit size"),

@@ -45,7 +45,7 @@ def test_volume_adds_up_from_the_bottom_as_cement_rises(logs: Logs) -> None:
 
 
 def test_a_gap_is_never_filled(logs: Logs) -> None:
-    text = r"^cement: [34](.\d)? m between 15 and 22 m are unmeasured or narrower than the casing; choose an"
+    text = r"^cement: [34](.\d)? m between 15 and 22 m have a missing radius or are narrower than the casing; choose an"
     with pytest.raises(ValueError, match=text):
         logs.annulus(OD).cement(15, 22)
 

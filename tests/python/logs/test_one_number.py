@@ -70,8 +70,8 @@ def test_one_number(seed: int) -> None:
     volume = numbers(re.search(r"\| volume ([^|]*)", lines)[1])[0]
     excess = re.search(r"([-+][\d.]+) % against the bit", lines)[1]
     assert numbers(rows["Hole volume"])[0] == volume == f"{summary.volume:,.3f}" == f"{viewed.volume:,.3f}"
-    assert f"over {viewed.measured:,.1f} m measured" in rows["Hole volume"]
-    assert f"over {summary.measured:,.1f} m measured" in lines
+    assert f"over {viewed.measured:,.1f} m of whole turns" in rows["Hole volume"]
+    assert f"over {summary.measured:,.1f} m of whole turns" in lines
     assert f"{excess} % against bit size" in rows["Hole volume"]
     assert excess == f"{100 * viewed.excess:+.1f}"
     sizes = numbers(rows["Diameter"])

@@ -121,6 +121,16 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
     assert "interpolated between arms" not in beside_a_gap
 
 
+def test_a_gap_along_the_hole_of_a_tool_with_a_full_turn_of_sensors_is_not_between_arms() -> None:
+    depth = np.repeat(np.concatenate([np.arange(2000, 2003, 0.05), np.arange(2004.6, 2008, 0.05)]), 32)
+    arm = np.tile(np.arange(32) % 16, depth.size // 32)
+    caliper = hb.Caliper(depth, np.tile(np.arange(32) * 11.25, depth.size // 32), np.full(depth.size, 0.108), arm=arm)
+    wall = hb.reconstruct(caliper, bit_diameter=BIT)
+    words = [text.get_text() for text in texts(plot.log(wall, dpi=50, polar=(), body=()))]
+    assert f"{100 * wall.summary().coverage:.2f} % of the turns; the rest is interpolated" in words
+    assert "interpolated" in words
+
+
 @pytest.mark.parametrize("basis", ["average", "gauge"])
 def test_a_wall_that_was_not_measured_around_says_so(basis: str) -> None:
     depth = np.arange(1000.0, 1030.0, 0.2)
