@@ -71,11 +71,13 @@ def logs(**options: Any) -> None:
     helibore logs well.wall -o well.las --step 0.5m --casing "7in" --zones zones.csv
     helibore logs xy.csv.gz --diameter x_in@0 --diameter y_in@90 --bit-diameter 6.2in -o xy.csv
 
-    With --from and --to, only the rows between them are written. One row a turn has the class of hole, too (CLASS).
+    With --from and --to, only the rows between them are written. One row a turn has the class of hole, too (CLASS). Of
+    each image of the wall there is a column with its mean around the hole.
     Every file states bit size, windows, definitions and criteria. Beside well.las stands well.las.toml, which repeats
     the run.
     """
     from helibore.files.log_files import check_format, save_table
+    from helibore.logs.image_means import image_means
     from helibore.logs.summary import summarize
 
     output, zones_file = options["output"], options["zones"]
@@ -104,6 +106,7 @@ def logs(**options: Any) -> None:
         dark = [wall.images[name].breakouts() for name in images]
         summary = summarize(wall._state(), options["start_depth"], options["stop_depth"], zones=measured.zones)
     columns = [*measured.columns, *(column for each in annuli for column in each.columns())]
+    columns += image_means(measured.rows, wall.images)
     facts = measured.zones.criteria.facts() if measured.zones else {}
     prepared = enumerate(preparation_lines(wall), 1)
     facts |= {f"prepared {number}": f"{label} {text}".strip() for number, (label, text) in prepared}

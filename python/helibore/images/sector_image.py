@@ -299,8 +299,8 @@ def _order(depths: Floats) -> Integers:
 
 def _rows(values: npt.ArrayLike, count: int) -> Floats:
     shape = np.shape(values)
-    if len(shape) != 2 or shape[0] != count or shape[1] < 2:
-        rule = f"must be of shape ({count}, sectors), one row a depth and 2 sectors or more: {shape}"
+    if len(shape) != 2 or shape[0] != count or shape[1] < 1:
+        rule = f"must be of shape ({count}, sectors), one row a depth and 1 sector or more: {shape}"
         raise InputError("values", rule)
     rows = column("values", np.ravel(values)).reshape(shape)
     if np.isinf(rows).any():

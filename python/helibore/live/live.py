@@ -427,8 +427,8 @@ class Live:
             raise ValueError(f"image '{name}': a source sends it already")
         if not can_be_file(name):
             raise ValueError(f"name = {name[:60]!r}: {RULE}")
-        if np.ndim(values) != 2 or len(values) != rows or values.shape[1] < 2:
-            raise ValueError(f"values has shape {np.shape(values)}: must be ({rows}, sectors), 2 sectors or more")
+        if np.ndim(values) != 2 or len(values) != rows or values.shape[1] < 1:
+            raise ValueError(f"values has shape {np.shape(values)}: must be ({rows}, sectors), 1 sector or more")
         if name in self.images and self.images[name].sectors != values.shape[1]:
             raise ValueError(f"values has {values.shape[1]} sectors: image '{name}' has {self.images[name].sectors}")
         if name in self.images and unit not in ("", self.images[name].unit):

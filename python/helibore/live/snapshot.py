@@ -1,7 +1,7 @@
 """Export a live wall as files of one moment: walls, mesh, logs, images, survey, passes, events.
 
     main.wall       settings, samples, vertices, survey, images: hb.load opens it     one file a layer
-    main.las        measurements of every turn, or main.csv                           one file a layer of a turn or more
+    main.las        measurements of every turn, means of images, or main.csv          one file a layer of a turn or more
     main.glb        the wall along the path                                           if the path covers it
     image-GR.csv    depth_m, GR[1], GR[2] ...                                         one file an image
     survey.csv      depth_m, inclination_deg, azimuth_deg
@@ -29,6 +29,7 @@ from helibore.live.events import Event
 from helibore.live.file_names import escaped
 from helibore.live.frozen_copy import FrozenCopy, FrozenWall, frozen_copy
 from helibore.live.live import Live
+from helibore.logs.image_means import image_means
 
 MANIFEST = "snapshot.json"
 Cells = Sequence[float | str | None]
@@ -97,7 +98,8 @@ def _write(of: FrozenCopy, target: Path, logs: str) -> None:
     for name, wall in of.walls.items():
         wall.save(target / f"{escaped(name)}.wall")
         if logs != "none" and len(wall) > wall.settings.sectors:
-            wall.logs().save(target / f"{escaped(name)}.{logs}")
+            measured = wall.logs()
+            measured.save(target / f"{escaped(name)}.{logs}", image_means(measured, wall.images))
     for name, (depth, values) in of.images.items():
         heads = ["depth_m", *(f"{name}[{number}]" for number in range(1, values.shape[1] + 1))]
         rows = ([d, *row] for d, row in zip(depth.tolist(), values.tolist(), strict=True))

@@ -261,7 +261,7 @@ class WitsImage(Image):
     """An image in ``count`` consecutive items from ``first``."""
 
     first: Code = Field(description="the item of sector 1")
-    count: Annotated[int, within(2, 99)] = Field(description="a whole number from 2 to 99")
+    count: Annotated[int, within(1, 99)] = Field(description="a whole number from 1 to 99")
 
     def model_post_init(self, context: Context) -> None:
         super().model_post_init(context)
@@ -277,8 +277,8 @@ class StoreImage(Image):
 
     def model_post_init(self, context: Context) -> None:
         super().model_post_init(context)
-        if len(self.sectors) < 2:
-            raise InputError("sectors", "must be 2 mnemonics or more", str(len(self.sectors)))
+        if not self.sectors:
+            raise InputError("sectors", "must be 1 mnemonic or more", str(len(self.sectors)))
         self._derive(depth=Item(INDEX) if context.index == "depth" else None)
 
 

@@ -81,8 +81,8 @@ class Annulus:
         Raises
         ------
         InputError
-            ``cement: 12.4 m between 2000 and 2100 m have a missing radius or are narrower than the casing ...``, since any
-            number would be a guess; if no row lies in the interval; on a negative excess.
+            ``cement: 12.4 m between 2000 and 2100 m have a missing radius or are narrower ...``, since any number
+            would be a guess; if no row lies in the interval; on a negative excess.
         """
         if not (math.isfinite(excess) and excess >= 0):
             raise InputError("excess", "must be finite and not negative", str(excess))

@@ -254,7 +254,7 @@ def test_a_wall_without_quads_takes_no_values() -> None:
         ({"depth": [1, math.nan]}, "depth[1] = nan: must be finite"),
         ({"depth": [3, 3]}, "depth[1] = 3: already the depth of row 0"),
         ({"depth": []}, "depth: must have at least one row"),
-        ({"depth": [1]}, "values: must be of shape (1, sectors), one row a depth and 2 sectors or more: (2, 2)"),
+        ({"depth": [1]}, "values: must be of shape (1, sectors), one row a depth and 1 sector or more: (2, 2)"),
         ({"values": [[1, 2], [3, math.inf]]}, "values[1, 1] = inf: must be finite, or NaN where missing"),
         ({"values": np.full((2, 2), np.nan)}, "values: all 4 are missing"),
         ({"depth": [1], "values": [[1, 2]]}, "reach: must be given for an image of one row"),

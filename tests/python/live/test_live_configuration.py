@@ -146,8 +146,8 @@ def test_what_is_only_transport_does_not_change_the_meaning():
             "an image is not turned on its way to the wall",
         ),
         (
-            WALL + SOURCE + IMAGE.replace("count = 4", "count = 1") + 'origin = "edge"\nreference = "high-side"\n',
-            "source.rig.image.GR.count = 1: must be a whole number from 2 to 99",
+            WALL + SOURCE + IMAGE.replace("count = 4", "count = 0") + 'origin = "edge"\nreference = "high-side"\n',
+            "source.rig.image.GR.count = 0: must be a whole number from 1 to 99",
         ),
         (
             WALL + SOURCE + IMAGE + 'origin = "edge"\nreference = "high-side"\n',

@@ -167,20 +167,17 @@ def test_a_bad_image_of_an_older_journal_is_left_out_told_and_stops_no_snapshot(
         older.setattr(Live, "_check_image", lambda *_: None)
         with Live(parse(SENT), tmp_path / "j") as live:
             live.append_image("a\0b", [101.0], np.ones((1, 4)))
-            live.append_image("ONE", [101.0, 102.0], np.ones((2, 1)), origin="edge", reference="high-side")
             live.append_image("INF", [101.0, 102.0], np.full((2, 4), np.inf), origin="edge", reference="high-side")
             for number in range(100):
                 live.receive("mwd", both(number))
     with Live(parse(SENT), tmp_path / "j") as live:
         snapshot(live, tmp_path / "now")
         reported = [event.text for event in live.poll().events]
-    names = {"main.wall", "main.las", "image-GR.csv", "image-ONE.csv", "image-INF.csv", "passes.csv", "snapshot.json"}
+    names = {"main.wall", "main.las", "image-GR.csv", "image-INF.csv", "passes.csv", "snapshot.json"}
     assert names <= set(contents(tmp_path / "now"))
     assert list(hb.load(tmp_path / "now" / "main.wall").images) == ["GR"]
     assert [text for text in reported if "image" in text] == [
         "image 'a\\x00b': its name must be printable and at most 200 bytes, for files are named after it: left out",
-        "image 'ONE': values: must be of shape (2, sectors), one row a depth and 2 sectors or more: (2, 1): not laid "
-        "on a wall",
         "image 'INF': values[0, 0] = inf: must be finite, or NaN where missing: not laid on a wall",
     ]
 
@@ -218,3 +215,19 @@ def test_events_are_in_the_snapshot(tmp_path):
          "last_utc": "2023-11-14T22:16:20.000Z", "last_connection": "1", "last_line": "4",
          "last_text": "b'late': text between frames is not read"}
     ]  # fmt: skip
+
+
+def test_a_gamma_of_one_value_for_the_whole_turn_is_an_image_and_a_column_of_the_logs(tmp_path):
+    live = Live(parse(SENT.replace("count = 4", "count = 1")))
+    for number in range(1000):
+        live.receive("mwd", both(number).replace(b"51101\r", b"5110%d\r" % (50 + number % 2)))
+    assert live.images["GR"].sectors == 1
+    assert live.image("GR").toolface.shape == (1,)
+    snapshot(live, tmp_path)
+    assert {row["GR[1]"] for row in table(tmp_path / "image-GR.csv")} == {"50.0", "51.0"}
+    wall = hb.load(tmp_path / "main.wall")
+    assert set(np.unique(wall.images["GR"].on(wall))) <= {50.0, 51.0}
+    with hb.open(tmp_path / "main.las") as opened:
+        gamma = opened.set().numbers("GR")
+    assert len(gamma) > 10
+    assert ((gamma >= 50) & (gamma <= 51)).all()

@@ -63,7 +63,7 @@ def test_the_host_pushes_samples_stations_and_images(tmp_path):
         (lambda live: live.append_image("GR", [1.0], np.ones((1, 4))), "image 'GR': a source sends it already"),
         (
             lambda live: live.append_image("X", [1.0], np.ones((2, 4))),
-            "values has shape (2, 4): must be (1, sectors), 2 sectors or more",
+            "values has shape (2, 4): must be (1, sectors), 1 sector or more",
         ),
     ],
 )
