@@ -1,3 +1,8 @@
 """The numbers that logs write where there is no measurement. A format that declares its own number adds it to these."""
 
 NULLS = (-999.25, -9999.0, -9999.25)
+
+
+def say_so(number: str = "NUMBER") -> str:
+    """Return how a reader says that a number means no value."""
+    return f"--absent {number} says so (Python: nulls of hb.open)"

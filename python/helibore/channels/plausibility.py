@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from helibore.base import units
+from helibore.base.nulls import say_so
 from helibore.channels.roles import Role
 from helibore.files.raw_set import RawSet
 from helibore.samples.bit_sizes import FEW, looks_like_diameter
@@ -83,7 +84,7 @@ def depths(log_set: RawSet, role: Role, values: Floats) -> None:
             count = np.count_nonzero(raw == odd)
             rule = (
                 f"{odd:g} {role.unit} in {count:,} rows, the others lie between {low:g} and {high:g} {role.unit}: a "
-                f"number that means no value? --absent {odd:g} says so"
+                f"number that means no value? {say_so(f'{odd:g}')}"
             )
             raise log_set.input_error(rule, int(np.argmax(raw == odd)), role.channel)
     if found.size < FEW or role.confirmed or not float(found.max()) < 0.0:
@@ -105,7 +106,7 @@ def angles(log_set: RawSet, role: Role, values: Floats) -> None:
         row = int(np.argmax(beyond))
         rule = f"{values[row]:g} deg: an angle lies within -720 and 720"
         if np.unique(values[beyond]).size == 1:
-            rule += f"; if the number means no value, --absent {values[row]:.10g} says so"
+            rule += f"; if the number means no value, {say_so(f'{values[row]:.10g}')}"
         raise log_set.input_error(rule, row, role.channel)
     within = -np.pi - 1e-3 <= low and high <= 2.0 * np.pi + 1e-3 and high - low > 3.0
     if within and not role.confirmed and found.size >= 4 * FEW:

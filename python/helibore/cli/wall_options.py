@@ -347,7 +347,7 @@ def _check_source(options: dict[str, Any]) -> None:
     if options["gauge"]:
         _refuse(of_calipers, ("absent", "header_lines"), "--gauge, which reads no caliper")
     elif options["average"] is not None:
-        _refuse(of_calipers, ("absent", "sets", "header_lines"), "--average, which names its channel")
+        _refuse(of_calipers, ("absent", "sets", "header_lines", "radius_range"), "--average, which names its channel")
     elif ARCHIVE in endings:
         sections = tuple(name for name in SECTIONS if name != "Path and toolface")
         _refuse(sections, ("source", "absent", *ANYWHERE), f"{source[0].name}, which has its own settings")

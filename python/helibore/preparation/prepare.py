@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from helibore.base.arrays import Floats, Integers
 from helibore.base.errors import InputError, check_choice
+from helibore.base.nulls import say_so
 from helibore.base.tables import refuse_table
 from helibore.preparation import conditioning
 from helibore.preparation.biases import Bias, arm_sides, find_bias
@@ -683,7 +684,8 @@ class _Pipeline:
             one = self.readings[int(samples.file[at])]
             channel = one.channels[int(one.arm[int(samples.sensor[at])])]
             place = f"{one.name}, {one.place(int(samples.row[at]))}, column {channel}"
-            rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; a radius range drops such"
+            rule = f"must be larger than 0 and at most {LARGEST_RADIUS:g} m; --radius-range drops such (Python: "
+            rule += f"least_radius); if the number of the file means no value, {say_so()}"
             raise InputError(f"{place}: radius {samples.radius[at]:g} m", rule)
 
     def _caliper(self) -> Caliper:

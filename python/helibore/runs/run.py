@@ -346,15 +346,21 @@ def _read_average(run: Run, one: Input) -> tuple[str, Caliper]:
     role, (at, depth) = needed(log, one.roles, "mean-diameter"), depths(log, one.roles)
     size = column(log, role)
     there = np.isfinite(depth) & np.isfinite(size)
-    usable = there & (size > 0) & (size <= 2 * LARGEST_RADIUS)
+    preparation = run.settings.preparation
+    least, greatest = preparation.least_radius or 0.0, preparation.greatest_radius or np.inf
+    hole = there & (size > 0) & (size <= 2 * LARGEST_RADIUS)
+    usable = hole & (size >= 2 * least) & (size <= 2 * greatest)
     if not usable.any():
         place = f"{one.file.name}, column {role.channel}"
         raise InputError(place, f"no row has a depth and the diameter of a hole, in {role.unit}")
     text = f"{role.channel} is the diameter, in {role.unit}; {at.channel} is the depth"
     lines = [("caliper", f"{one.file.name}: {log.rows:,} rows; {text}")]
-    absent, odd = (~there).sum(), (there & ~usable).sum()
-    for count, what in ((absent, "without a depth or diameter"), (odd, "no diameter of a hole")):
-        if count:
+    for rows, what in (
+        (~there, "without a depth or diameter"),
+        (there & ~hole, "no diameter of a hole"),
+        (hole & ~usable, "outside the range of radii"),
+    ):
+        if count := np.count_nonzero(rows):
             lines.append(("dropped", f"{count:,} rows: {what}"))
     run.messages[:0] = lines
     return f"{one.file.name}:{role.channel}", Caliper.from_average(depth[usable], size[usable])

@@ -293,10 +293,12 @@ HEADER = "md_m,tf_deg,radius_m\n"
          "c.csv, line 4, column md_m: NaN or infinite: a depth must be finite, or empty"),
         (HEADER + "1,2,0\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 2, column radius_m: radius 0 m: must be larger than 0 and at most 2 m; "
-         "a radius range drops such"),
+         "--radius-range drops such (Python: least_radius); if the number of the file means no value, --absent NUMBER "
+         "says so (Python: nulls of hb.open)"),
         (HEADER + ",2,99\n1,2,0.1\n1,2,8.5\n1,2,0.1\n1,2,0.1\n", {},
          "c.csv, line 4, column radius_m: radius 8.5 m: must be larger than 0 and at most 2 m; "
-         "a radius range drops such"),
+         "--radius-range drops such (Python: least_radius); if the number of the file means no value, --absent NUMBER "
+         "says so (Python: nulls of hb.open)"),
         (HEADER + "1,2,8.5\n", {},
          "c.csv, column radius_m: median 8.5 m after reading m: no radius of a borehole (would fit cm or in)"),
         (HEADER + "1,2,-999.25\n2,,0.1\n", {}, "c.csv: no row has depth, toolface and a radius (1 values missing in "

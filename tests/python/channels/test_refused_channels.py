@@ -42,13 +42,14 @@ def made(columns: dict[str, Any]) -> LogSet:
          'hole; write it so, or confirm role = "depth" in a map'),
         ({"MD__m": np.where(np.arange(N) % 4, 1000 + np.arange(N), -999.0)}, {},
          "f.las, row 0, column MD: -999 m in 2 rows, the others lie between 1001 and 1007 m: a number that means no "
-         "value? --absent -999 says so"),
+         "value? --absent -999 says so (Python: nulls of hb.open)"),
         ({"MD__m": None, "MD": 100 + np.arange(N)}, {},
          'f.las, column MD: unit missing: state it in a map ([channels."MD"] unit = ...), or as MD:UNIT in its option; '
          "depth is length"),
         ({"TF__deg": np.full(N, np.nan)}, {}, "f.las, column TF: every value is missing"),
         ({"TF__deg": np.full(N, 1e4)}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720; if "
-                                           "the number means no value, --absent 10000 says so"),
+                                           "the number means no value, --absent 10000 says so "
+                                           "(Python: nulls of hb.open)"),
         ({"TF__deg": np.arange(N) + 1e4}, {}, "f.las, row 0, column TF: 10000 deg: an angle lies within -720 and 720"),
         ({"TF__deg": np.linspace(0, 6.28, N)}, {"radius": {"unit": "m"}}, None),
         ({"radius__m": np.full(N, np.nan)}, {}, "f.las, column radius: every value is missing"),

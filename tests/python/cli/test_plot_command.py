@@ -160,6 +160,9 @@ def test_the_header_line_of_an_average_caliper(tmp_path: Path) -> None:
     assert result.exit_code == 0, result.output
     again = run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png")
     assert "to the last bit" in again.output
+    ranged = run_cli(*arguments, "--radius-range", "4.255in", "1m", "-o", tmp_path / "log.png")  # from 8.51 in on
+    assert "dropped 1 rows: outside the range of radii" in " ".join(ranged.output.split())
+    assert "to the last bit" in run_cli(tmp_path / "log.png.toml", "-o", tmp_path / "again.png").output
 
 
 @pytest.mark.parametrize(

@@ -90,7 +90,10 @@ def test_range_interval_repeated_are_counted_in_words() -> None:
         prepare(one.readings())
     with pytest.raises(hb.InputError) as caught:
         prepare(one.readings(), Preparation(recentre=True))
-    rule = "must be larger than 0 and at most 2 m; a radius range drops such"
+    rule = (
+        "must be larger than 0 and at most 2 m; --radius-range drops such (Python: least_radius); if the number of the "
+        "file means no value, --absent NUMBER says so (Python: nulls of hb.open)"
+    )
     assert str(caught.value) == f"f.csv, row 3, column radius: radius 0 m: {rule}"
     twice = Readings(**(vars(rotating().readings()) | {
         name: np.tile(getattr(rotating().readings(), name), 2) for name in ("depth", "toolface")
