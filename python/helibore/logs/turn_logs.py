@@ -36,6 +36,7 @@ from helibore.logs.log_columns import COLUMNS
 from helibore.samples.caliper import BASIS_TEXT, Basis, Caliper
 from helibore.samples.helix import WallLike, basis_of, stretch_of
 from helibore.trajectory.survey import Path
+from helibore.trajectory.true_depth import true_depth
 
 Shape = Literal["wall", "arms"]
 SHAPE_TEXT: dict[Shape, str] = {
@@ -52,6 +53,8 @@ SMALL = 0.1
 """Share of the bit's size by which a hole is not smaller, unless bit size or units are wrong."""
 SHAPE_KEPT = 0.7
 """Least share of the arms' out-of-roundness that the wall must have to be called true to shape."""
+VERTICAL = 1e-6
+"""Sine of the inclination, 0.00006 degrees, up to which a hole has no azimuth."""
 RUGOSITY_WINDOW = 1.0
 """Metres of hole that rugosity is measured over by default."""
 
@@ -127,6 +130,8 @@ class Logs(Tabular):
         wall has no path.
     with_sigma
         Whether `table` has the columns DEQ_SIGMA and VOL_SIGMA, also where no turn has a value.
+    path
+        Of the wall: `table` has TVD, INCL and AZIM along it.
     """
 
     depth: Floats
@@ -168,6 +173,7 @@ class Logs(Tabular):
     shape: Shape = "wall"
     arm_diameter: tuple[Floats, ...] = ()
     with_sigma: bool = False
+    path: Path | None = None
 
     def __len__(self) -> int:
         """Return the number of rows."""
@@ -296,6 +302,7 @@ class Logs(Tabular):
             LogColumn(f"ARM_DIAMETER_{number}", "m", f"Diameter that arm {number} measured", values)
             for number, values in enumerate(self.arm_diameter, 1)
         ]
+        own += _along(self.path, self.depth) if self.path is not None else []
         return LogTable([*own, *more], {**self.facts(), **(facts or {})})
 
     def save(
@@ -402,8 +409,24 @@ def turn_logs(
         basis=basis_of(wall),
         reference=path.reference if path is not None else "",
         with_sigma=sigma is not None,
+        path=path,
         **found,
     )
+
+
+def _along(path: Path, depth: Floats) -> list[LogColumn]:
+    """Columns of the path at some depths; NaN beyond its ends, and where the true depth or the azimuth is not known."""
+    inside = (depth >= path.start_depth) & (depth <= path.stop_depth)
+    down, east, north = (np.full(depth.size, np.nan) for _ in range(3))
+    north[inside], east[inside], down[inside] = path.tangent(depth[inside]).T
+    level, known = np.hypot(north, east), true_depth(path, None)
+    azimuth = np.where(level > VERTICAL, np.degrees(np.arctan2(east, north)) % 360, np.nan)
+    tvd = np.full(depth.size, np.nan) if known is None else known.at(depth)
+    return [
+        LogColumn("TVD", "m", "True vertical depth; missing unless the survey or its head says what it is", tvd),
+        LogColumn("INCL", "deg", "Inclination of the hole", np.degrees(np.arctan2(level, down))),
+        LogColumn("AZIM", "deg", "Azimuth of the hole, from north; missing where the hole is vertical", azimuth),
+    ]
 
 
 def window_turns(length: float, pitch: float) -> int:

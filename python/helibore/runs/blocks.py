@@ -444,7 +444,7 @@ def merged(run: Run, store: Store, folder: str) -> tuple[Merged, Logs, Merged]:
     logs = Logs(
         bit_diameter=settings.bit_diameter, sectors=settings.sectors, pitch=settings.pitch, basis="azimuthal",
         rugosity_window=window_turns(RUGOSITY_WINDOW, settings.pitch) * abs(settings.pitch),
-        reference=run.path.reference if run.path is not None else "", **columns,
+        reference=run.path.reference if run.path is not None else "", path=run.path, **columns,
     )  # fmt: skip
     return wall, logs, over
 

@@ -71,7 +71,7 @@ def test_a_casing_that_does_not_pass_has_no_annulus_there() -> None:
     assert space.unmeasured == 0
     assert space.clearance.min() == pytest.approx(0.2413 - OD, abs=1e-4)
     assert space.from_bottom[0] == pytest.approx(np.nansum(space.volume))
-    with pytest.raises(ValueError, match=r"^cement: .* are unmeasured or narrower than the casing; "):
+    with pytest.raises(ValueError, match=r"^cement: .* have a missing radius or are narrower than the casing; "):
         space.cement()
     assert space.cement(6, 9) > 0
 

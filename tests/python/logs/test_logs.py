@@ -330,3 +330,23 @@ def test_logs_say_what_toolface_0_is(reference: Any) -> None:
     assert said.startswith(
         {"high-side": "high side", "north": "north", "parallel-transport": "north at the top"}[reference]
     )
+
+
+def test_a_path_adds_true_depth_inclination_and_azimuth() -> None:
+    k = np.arange(4000)
+    wall = hb.reconstruct(hb.Caliper(1000 + k * 0.0025, k * 37.0 % 360, np.full(k.size, 0.1)), bit_diameter=0.2)
+    wall.path = hb.Survey([0.0, 1002.0, 1008.0], [0.0, 0.0, 60.0], [0.0, 90.0, 90.0]).path()
+    for logs in (wall.logs(), wall.logs().by_step(0.5), wall.logs().between(1003, 1009)):
+        table, depth = logs.table(), logs.depth
+        inside, vertical = depth <= 1008, depth <= 1002
+        bend = np.clip((depth - 1002) / 6, 0, 1) * np.radians(60)
+        down = np.where(vertical, depth, 1002 + 6 / np.radians(60) * np.sin(bend))
+        np.testing.assert_allclose(table["TVD"].values, np.where(inside, down, np.nan), atol=1e-6)
+        np.testing.assert_allclose(table["INCL"].values, np.where(inside, np.degrees(bend), np.nan), atol=1e-6)
+        np.testing.assert_allclose(table["AZIM"].values, np.where(inside & ~vertical, 90.0, np.nan), atol=1e-6)
+    wall.path = hb.Survey([900.0, 1100.0], [48.0, 48.0], [248.0, 248.0]).path()
+    table = wall.logs().table()
+    assert np.isnan(table["TVD"].values).all()  # nothing says how deep the first station lies
+    np.testing.assert_allclose(table["AZIM"].values, 248.0)
+    wall.path = None
+    assert "TVD" not in {one.mnemonic for one in wall.logs().table()}
