@@ -104,7 +104,7 @@ class Caliper(Tabular):
     time: Floats | None
     arm: Integers | None
     basis: Basis
-    left_out: int  # rows of a table that `from_table` left out
+    left_out: int  # rows of a table, or diameters in them, that `from_table` left out
 
     def __init__(
         self,
@@ -134,6 +134,7 @@ class Caliper(Tabular):
         radius: str = "RADIUS",
         time: str | None = None,
         arm: str | None = None,
+        diameters: Mapping[str, float] | None = None,
         units: Mapping[str, str] | None = None,
     ) -> Caliper:
         """Return samples from the columns of a data frame: pandas, Polars, Arrow, xarray, or a dict of columns.
@@ -146,8 +147,13 @@ class Caliper(Tabular):
             files: -999.25, -9999, -9999.25) is left out; ``left_out`` of the caliper is how many.
         depth, toolface, radius, time, arm
             Names of the columns; radius, not diameter.
+        diameters
+            In place of ``radius``, of a tool with few arms (X-Y, four arms): the column of each diameter, and the angle
+            of its arms from the toolface, degrees: ``{"CAL1": 0, "CAL2": 90}``, as ``--diameter CAL1@0`` and so on.
+            Half of it is the radius on both sides. Where one diameter is missing, the others of its row stay.
         units
-            Unit of a quantity where it is not metres, degrees and seconds: ``{"depth": "ft", "radius": "in"}``.
+            Unit of a quantity where it is not metres, degrees and seconds: ``{"depth": "ft", "radius": "in"}``, or
+            ``{"diameter": "in"}`` of all diameters.
 
         Raises
         ------
@@ -164,7 +170,17 @@ class Caliper(Tabular):
         ... )
         >>> len(caliper), caliper.left_out
         (2, 1)
+        >>> frame = {"MD": [100.0, 100.1], "RB": [0, 9], "X": [8.5, 8.6], "Y": [8.5, math.nan]}
+        >>> diameters = {"X": 0, "Y": 90}
+        >>> units = {"diameter": "in"}
+        >>> caliper = Caliper.from_table(frame, depth="MD", toolface="RB", diameters=diameters, units=units)
+        >>> len(caliper), caliper.left_out
+        (6, 1)
         """
+        if diameters is not None:
+            if arm is not None or radius != "RADIUS":
+                raise InputError("diameters", "state the arms, and take the place of radius and arm")
+            return cls._of_diameters(table, depth, toolface, diameters, time, units)
         names = {"depth": depth, "toolface": toolface, "radius": radius, "time": time, "arm": arm}
         columns, left_out = frame_columns(table, {role: (names[role], COLUMNS[role]) for role in COLUMNS}, units)
         median = float(np.median(columns["radius"]))
@@ -175,6 +191,33 @@ class Caliper(Tabular):
             rule = "looks like a diameter, where a radius is expected: halve it; hb.Caliper takes radii as they are"
             raise InputError(f"column {radius!r}: median", rule, f"{median:.3g} m")
         made = cls(**columns)  # type: ignore[arg-type]
+        made.__dict__["left_out"] = left_out
+        return made
+
+    @classmethod
+    def _of_diameters(
+        cls, table: Any, depth: str, toolface: str, diameters: Mapping[str, float], time: str | None,
+        units: Mapping[str, str] | None,
+    ) -> Caliper:  # fmt: skip
+        """Return both ends of each diameter of a table."""
+        if not diameters:
+            raise InputError("diameters", "must name at least one column")
+        common = {"depth": (depth, LENGTH), "toolface": (toolface, ANGLE), "time": (time, TIME)}
+        parts: list[dict[str, Any]] = []
+        left_out = 0
+        for number, (name, angle) in enumerate(diameters.items()):
+            columns, missing = frame_columns(table, {**common, "diameter": (name, LENGTH)}, units)
+            left_out, size = left_out + missing, columns.pop("diameter")
+            median = float(np.median(size))
+            if median > 2 * LARGEST_RADIUS and "diameter" not in (units or {}):
+                rule = f'must be at most {2 * LARGEST_RADIUS:g} m: units={{"diameter": "in"}} states another unit'
+                raise InputError(f"column {name!r}: median", rule, f"{median:.3g} m")
+            arm = np.full(size.size, number)
+            for turned in (angle, angle + 180.0):
+                end = {"toolface": columns["toolface"] + turned, "radius": size / 2, "arm": arm}
+                parts.append(columns | end)
+        whole: dict[str, Any] = {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}
+        made = cls(**whole)
         made.__dict__["left_out"] = left_out
         return made
 

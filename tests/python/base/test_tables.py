@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from datetime import datetime
+from pathlib import Path
 
 import numpy as np
 import pandas as pd
@@ -211,3 +212,30 @@ def test_a_data_frame_for_samples_is_an_error_that_names_from_table(place, call)
     assert str(error.value) == (
         f"{place} = DataFrame: is a data frame: hb.Caliper.from_table(frame, depth=..., ...) makes a caliper of it"
     )
+
+
+def test_diameters_of_few_arms_are_those_of_a_file(tmp_path: Path) -> None:
+    k = np.arange(300)
+    x, y = 8.5 + 0.1 * np.sin(k / 9), 8.6 + 0.1 * np.cos(k / 7)
+    y[20] = -999.25
+    frame = {"md_m": 100 + 0.05 * k, "rb_deg": k * 0.1, "cal_x_in": x, "cal_y_in": y}
+    np.savetxt(tmp_path / "xy.csv", np.column_stack([*frame.values()]), delimiter=",", header=",".join(frame),
+               comments="")  # fmt: skip
+    places = {"depth": "md_m", "toolface": "rb_deg"}
+    diameters, units = {"cal_x_in": 0, "cal_y_in": 90}, {"diameter": "in"}
+    caliper = hb.Caliper.from_table(frame, **places, diameters=diameters, units=units)
+    assert (len(caliper), caliper.left_out) == (4 * 300 - 2, 1)
+    wall = hb.reconstruct(caliper, bit_diameter=0.2)
+    of_file = hb.reconstruct(hb.open(tmp_path / "xy.csv").readings(), bit_diameter=0.2)
+    np.testing.assert_allclose(wall.radius, of_file.radius, atol=1e-12)
+    np.testing.assert_allclose(wall.logs().c1, of_file.logs().c1, atol=1e-12)
+    assert len(wall.logs().arm_diameter) == 2
+    for more, text in (
+        ({"diameters": diameters}, "column 'cal_x_in': median = 8.5"),
+        ({"diameters": {}}, "diameters: must name at least one column"),
+        ({"diameters": diameters, "radius": "R"}, "diameters: state the arms, and take the place of radius and arm"),
+        ({"diameters": {"z": 0}}, "column 'z': is not in the table (diameter)"),
+    ):  # fmt: skip
+        with pytest.raises(hb.InputError) as caught:
+            hb.Caliper.from_table(frame, **places, **more)
+        assert str(caught.value).startswith(text)
