@@ -50,7 +50,7 @@ def facts(content: Content) -> list[tuple[str, str, bool]]:
     """Return label, text and whether it is a warning, for everything a reader must know."""
     wall, settings, summary = content.wall, content.wall.settings, content.summary()
     bit = settings.bit_diameter
-    made = BASIS_TEXT[wall.basis]
+    made = BASIS_TEXT[wall.basis] if wall.arms is None else "radius measured by the arms of a caliper"
     unit = content.drawing.depth_unit
     ends = unit.ends(content.top, content.bottom)
     elevation = content.drawing.elevation

@@ -195,7 +195,11 @@ def read_run(
             if run.path is not None and run.built.path is not None:
                 raise InputError("survey", f"{settings.archive.file.name} has a path of its own")
             run.path = run.path or run.built.path
-            run.messages.append(("wall", f"{settings.archive.file.name}: archive of a wall"))
+            files = run.built.made_from.get("files")
+            known = [one for one in files if isinstance(one, dict) and "name" in one] if isinstance(files, list) else []
+            named = ", ".join(dict.fromkeys(str(one["name"]) for one in known))
+            origin = f", made from {named}" if named else ""
+            run.messages.append(("wall", f"{settings.archive.file.name}: archive of a wall{origin}"))
             run.messages += preparation_lines(run.built)
         bit = wall.bit_diameter if wall and wall.bit_diameter > 0 else None
         track = _track(run.files.log_set(settings.track), settings.track.roles) if settings.track else None

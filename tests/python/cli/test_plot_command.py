@@ -110,6 +110,7 @@ def test_an_archive_keeps_the_header_of_its_files(tmp_path: Path) -> None:
     for label, said in (("Company", "Acme Oil"), ("Field", "North"), ("Run", "2")):
         assert f"<tr><th>{label}</th><td>{said}</td></tr>" in text
     assert "made from: header" not in text
+    assert "well.wall: archive of a wall, made from mem.las" in text
 
 
 @pytest.mark.parametrize(("verb", "drawn_by"), [("plot", "plot.log"), ("report", "plot.html_report.report")])

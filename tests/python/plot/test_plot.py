@@ -96,6 +96,7 @@ def test_what_lies_between_arms_is_hatched_and_named() -> None:
     measured = wall.summary().coverage
     assert f"{100 * measured:.2f} % of the turns; the rest is interpolated between arms" in words
     assert "interpolated between arms" in words
+    assert "radius measured by the arms of a caliper" in words
     assert_readable(figure)
     for dpi in (50, 70, 150):  # letters stand wider where dots are few; the key's boxes take 5.2 mm
         foot = {text.get_text(): text for text in plot.log(wall, dpi=dpi, polar=(), body=()).texts}
