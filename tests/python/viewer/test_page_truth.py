@@ -301,3 +301,32 @@ def test_the_cross_section_has_a_band_where_the_wall_came_with_its_uncertainty(b
             assert "Radius, 95 %" not in text
     assert bands[0] < 500  # where the hole is larger than the bit
     assert bands[1] > bands[0] + 500
+
+
+@pytest.mark.parametrize("length", [4, 400], ids=["tiles", "overview"])
+def test_an_image_is_drawn_where_the_wall_has_no_radius(browser: Any, length: int) -> None:
+    wall = MadeWall(64 * 2000)
+    wall.radius[(wall.depth > 1050) & (wall.depth < 1100)] = np.nan
+    column = np.where(wall.depth > 1090, np.nan, gamma(wall.depth, wall.toolface))
+    with hb.view(wall, attributes={hb.viewer.Attribute("GR", "gAPI", 20, 140): column}) as viewer:
+        screen = Screen(browser, viewer.url, f"#md=1075&sec={length}&quantity=GR&beside=over&at=1075_90", (1366, 700))
+        screen.settle()
+        values = screen.readout()
+        assert values["Radius"] == "no data"
+        k = screen.evaluate("window.__wall.app.store.levels[0].quadAt(1075, 90)")
+        assert values["GR"] == f"{column[k]:.5g} gAPI"
+        rect = screen.evaluate("window.__wall.app.rects.image")
+
+        def grey(name: str, top: float, bottom: float) -> float:
+            """The share of grey pixels between two depths."""
+            y = [int((depth - 1075 + length / 2) / length * rect["height"]) for depth in (top, bottom)]
+            found = screen.pixels(name)[y[0] + 1 : y[1] - 1, 2:-2, :3].astype(int)
+            assert found.size
+            return float((np.ptp(found, axis=-1) == 0).mean())
+
+        seen = (1060, 1088) if length > 50 else (1073.5, 1076.5)
+        assert grey("image", *seen) == 0
+        assert grey("beside0", *seen) == 1
+        if length > 50:
+            assert grey("image", 1092, 1098) == 1, "the image has no value there either"
+        screen.close()

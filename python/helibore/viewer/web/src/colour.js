@@ -75,6 +75,7 @@ export function takeRanges(all, ranges) {
 export function valueAt(store, quantity, tile, at, pass = 'latest') {
   const t = TEXEL * at;
   const { texels } = tile;
+  if (quantity.mode === Q_ATTRIBUTE) return tile.columns[quantity.attribute ?? -1]?.[at] ?? NaN; // measured without a radius, too
   if (texels[t + RADIUS] === 0) return NaN;
   const radius = texels[t + (pass === 'first' ? FIRST : RADIUS)];
   switch (quantity.mode) {
@@ -86,10 +87,8 @@ export function valueAt(store, quantity, tile, at, pass = 'latest') {
       return texels[t + NEAREST] * store.nearestUnit;
     case Q_SUPPORT:
       return texels[t + STATE] & SUPPORT_MASK;
-    case Q_CHANGE:
-      return texels[t + FIRST] ? (texels[t + RADIUS] - texels[t + FIRST]) * store.radiusUnit : NaN;
     default:
-      return tile.columns[quantity.attribute ?? -1]?.[at] ?? NaN;
+      return texels[t + FIRST] ? (texels[t + RADIUS] - texels[t + FIRST]) * store.radiusUnit : NaN;
   }
 }
 

@@ -42,7 +42,7 @@ export class PlainImage {
         if (at < 0 || at >= level.tileSize || k + (level.rings ? 0 : level.sectors + 1) >= level.shown) continue;
         const row = Math.floor(at / level.sectors);
         const ends = ranges ? [ranges[2 * row], ranges[2 * row + 1]] : [quantity.low, quantity.high];
-        const value = store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;
+        const value = quantity.mode === Q_ATTRIBUTE || store.quad(k, level) ? valueAt(store, quantity, tile, at, view.pass) : NaN;
         const pixel = this.colour(value, ends, quantity.log, table, x + y, look.dark);
         picture.data.set(between(quantity, tile, at) ? sparse(pixel, x - y, look.dark) : pixel, 4 * (y * picture.width + x));
       }

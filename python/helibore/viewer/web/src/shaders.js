@@ -58,6 +58,8 @@ float value(int k) {
   if (r == 0u) return notANumber();
   return float(r) * radiusUnit - (mode == 1 ? bitRadius : 0.0);
 }
+// An image has values where the wall has no radius, too.
+bool lacks(int k) { return mode == 5 ? k + (rings ? 0 : K + 1) >= size : missing(k); }
 bool known(float v) { return (floatBitsToUint(v) & 0x7f800000u) != 0x7f800000u && !(logarithmic && v <= 0.0); }
 vec3 nothing() {
   bool line = mod(gl_FragCoord.x - gl_FragCoord.y, 7.0) < 1.6;
@@ -300,7 +302,7 @@ void main() {
   int last = min(r + many, rows);
   do {
     int k = r * K + col;
-    float v = missing(k) ? notANumber() : value(k);
+    float v = lacks(k) ? notANumber() : value(k);
     if (known(v)) { sum += logarithmic ? log(v) : v; count++; }
   } while (++r < last);
   if (count == 0) {

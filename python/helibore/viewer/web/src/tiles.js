@@ -174,7 +174,10 @@ export class Store {
   /** @param {number} index @param {Cursor | null} at */
   attributeAt(index, at) {
     if (!at || at.toolface === null) return NaN;
-    return this.quad(this.levels[0].quadAt(at.depth, at.toolface, this.attributes[index].rows))?.attributes[index] ?? NaN;
+    const [wall] = this.levels;
+    const k = wall.quadAt(at.depth, at.toolface, this.attributes[index].rows);
+    const found = wall.locate(k);
+    return k + wall.sectors + 1 < wall.shown ? (found.tile?.columns[index]?.[found.at] ?? NaN) : NaN;
   }
 
   /** @param {number} k @param {Level} [level] */
