@@ -1,7 +1,8 @@
 """What was picked on the wall, on paper: curves and boxes on the images, tadpoles on a track of their own.
 
-A tadpole's head stands at the true dip, 0 to 90 degrees across the track; its tail points to where the plane dips,
-north up. Without a survey it is the dip to the hole, and the tail counts from toolface 0; the head says which.
+A tadpole has the colour of its class. Its head stands at the true dip, 0 to 90 degrees across the track; its tail
+points to where the plane dips, north up. Without a survey it is the dip to the hole, and the tail counts from toolface
+0; the head of the track says which.
 """
 
 from __future__ import annotations
@@ -22,20 +23,22 @@ if TYPE_CHECKING:
 
     from helibore.trajectory.survey import Path
 
-MARKERS: dict[str, dict[str, Any]] = {
-    "bed": {"marker": "o", "markerfacecolor": INK},
-    "fracture": {"marker": "s", "markerfacecolor": "white"},
-    "healed fracture": {"marker": "s", "markerfacecolor": INK},
-    "induced fracture": {"marker": "D", "markerfacecolor": "white"},
-    "fault": {"marker": "^", "markerfacecolor": INK},
-}
+MARKERS = {"bed": "o", "fracture": "s", "healed fracture": "s", "induced fracture": "D", "fault": "^"}
+HOLLOW = ("fracture", "induced fracture")
 DASHES: dict[str, tuple[float, ...]] = {
     "fracture": (4, 2),
     "healed fracture": (1.5, 2),
     "induced fracture": (7, 2, 1, 2),
 }
 TAIL = 3.0
-"""Length of a tadpole's tail from the middle of its head, millimetres."""
+"""Length of a tadpole's tail from the middle of its head, millimetres: 0 and 90 degrees are so far inside the track."""
+
+
+def tadpole(kind: str, size: float) -> dict[str, Any]:
+    """Return how the head of a class looks, in its colour."""
+    color = PICK_COLORS[kind]
+    face = "white" if kind in HOLLOW else color
+    return {"marker": MARKERS[kind], "markerfacecolor": face, "markeredgecolor": color, "markersize": size}
 
 
 class DipTrack:
@@ -54,20 +57,22 @@ class DipTrack:
         sheet.text(x + 0.5 * self.width, y + 2.5, title, ha="center", weight="bold", within=self.width - 1)
         for row, kind in enumerate(kind for kind in PLANES if any(pick.kind == kind for pick, *_ in self.planes)):
             at = y + 5.9 + 2.7 * row
-            sheet.line((x + 2.0, x + 2.0), (at, at), color=INK, markersize=3.2, markeredgewidth=0.7, **MARKERS[kind])
+            sheet.line((x + 2.0, x + 2.0), (at, at), markeredgewidth=0.7, **tadpole(kind, 3.2))
             sheet.text(x + 4.2, at, kind, 5.2, within=self.width - 4.6)
         sheet.text(x + 0.5 * self.width, y + 19.6, f"tail: {self.tail}", LEAST, within=self.width - 0.6, ha="center")
-        for degrees, ha, inward in ((0, "left", 0.6), (30, "center", 0), (60, "center", 0), (90, "right", -0.6)):
-            sheet.text(x + degrees / 90 * self.width + inward, y + HEAD - 2.0, f"{degrees}", SMALL, ha=ha)
+        for degrees in (0, 30, 60, 90):
+            at = x + TAIL + degrees / 90 * (self.width - 2 * TAIL)
+            sheet.text(at, y + HEAD - 2.0, f"{degrees}", SMALL, ha="center")
 
     def draw(self, sheet: Sheet, x: float, stretch: Stretch) -> Axes:
         """Draw a tadpole a plane."""
         axes = bare_axes(sheet, x, self.width, stretch)
-        axes.set_xlim(0, 90)
-        for degrees in (30, 60):
+        across = 90.0 / (self.width - 2 * TAIL)  # degrees a millimetre of paper
+        axes.set_xlim(-TAIL * across, 90 + TAIL * across)
+        for degrees in (0, 30, 60, 90):
             axes.axvline(degrees, color=INK, linewidth=0.2, alpha=0.22)
         depth_lines(axes, stretch)
-        across, along = 90.0 / self.width, (stretch.bottom - stretch.top) / stretch.height  # a millimetre of paper
+        along = (stretch.bottom - stretch.top) / stretch.height
         for pick, angle, towards in self.planes:
             if not stretch.top <= pick.depth <= stretch.bottom:
                 continue
@@ -77,9 +82,9 @@ class DipTrack:
                     (angle, angle + TAIL * across * math.sin(turn)),
                     (pick.depth, pick.depth - TAIL * along * math.cos(turn)),
                 )
-                axes.plot(*ends, color=INK, linewidth=0.8, zorder=6)
-            look: dict[str, Any] = {"markersize": 3.4, "markeredgecolor": INK, "markeredgewidth": 0.8, "zorder": 7}
-            axes.plot([angle], [pick.depth], linestyle="none", **look, **MARKERS[pick.kind])
+                axes.plot(*ends, color=PICK_COLORS[pick.kind], linewidth=0.8, zorder=6)
+            look = tadpole(pick.kind, 3.4) | {"linestyle": "none", "markeredgewidth": 0.8, "zorder": 7}
+            axes.plot([angle], [pick.depth], clip_on=False, **look)  # whole at the top and bottom of a page, too
         return axes
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from matplotlib.lines import Line2D
 from plotted_wall import plotted_wall
 
 import helibore as hb
-from helibore.logs.picks import Pick
+from helibore.base.colors import PICK_COLORS
+from helibore.logs.picks import PLANES, Pick
 from helibore.logs.template import Template, template_of
 from helibore.plot.content import Drawing, content_of
 from helibore.plot.html_report import page
@@ -45,6 +47,24 @@ def test_a_plane_is_a_sinusoid_on_images_and_a_tadpole(wall: hb.Wall) -> None:
     assert {"Dip [°]", "tail: dip azimuth, N up", "Picks:"} <= set(texts)
     assert texts.count("bed") == 2, "its symbol and its colour"
     assert "fault" not in texts, "none of it lies in the interval"
+
+
+def test_tadpoles_have_the_colour_of_their_class_and_stay_whole(wall: hb.Wall) -> None:
+    steep = [Pick(kind=kind, depth=2003.0, toolface=90.0, apparent_dip=88.0) for kind in PLANES]
+    wall.picks, kept = type(wall.picks)(steep), wall.picks
+    figure = hb.plot.log(wall, polar=(), body=())
+    wall.picks = kept
+    (axes,) = [axes for axes in figure.axes if any(line.get_marker() == "D" for line in axes.lines)]
+    heads = [line for line in axes.lines if line.get_marker() in ("o", "s", "D", "^")]
+    drawn = [line for line in figure.artists if isinstance(line, Line2D)]
+    legend = [line for line in drawn if line.get_marker() in ("o", "s", "D", "^")]
+    for shown in (heads, legend):
+        assert [line.get_markeredgecolor() for line in shown] == [PICK_COLORS[kind] for kind in PLANES]
+        assert [line.get_markerfacecolor() == "white" for line in shown] == [False, True, False, True, False]
+    tails = [line for line in axes.lines if np.size(line.get_xdata()) == 2 and line.get_color() in PICK_COLORS.values()]
+    assert [line.get_color() for line in tails if max(line.get_xdata()) > 88] == [PICK_COLORS[kind] for kind in PLANES]
+    low, high = axes.get_xlim()
+    assert low < 0 < max(max(line.get_xdata()) for line in tails) < high, "the tail, and so the head, is inside"
 
 
 def wall_path() -> hb.Path:
