@@ -28,6 +28,8 @@ from helibore.files.raw_set import Channel, RawFile, RawSet, SectorAxis, readabl
 # MNEM.UNIT  VALUE : DESCRIPTION {FORMAT} | ASSOCIATION          (LAS 3.0 file structure, pages 8 to 10)
 ITEM = re.compile(r"^\s*(?P<name>[^.:]*?)\s*\.(?P<unit>\S*)(?P<rest>.*)$")
 FORMAT = re.compile(r"\{\s*(?P<format>[^{}]*)\}")
+DATED = re.compile(r"(?:[DMY]{1,4}[/.-]){2}[DMY]{2,4}(?P<date>\d\S*)", re.IGNORECASE)
+"""The form of a date and the date without a blank between them: ``DATE.DD/MM/YYYY21/05/2007``."""
 INDEX = ("STRT", "STOP", "STEP", "NULL")
 """Numbers of the index and the rows; other numbers of a header keep their unit."""
 
@@ -105,8 +107,9 @@ def _items(section: LasSection, units: bool = False) -> dict[str, str]:
     for line in section.lines:
         match = ITEM.match(line)
         if match and not line.lstrip().startswith("#"):
-            value = match["rest"].rpartition(":")[0].strip() or match["rest"].strip()
-            values.setdefault(match["name"].upper(), _with_unit(match["unit"] if units else "", value))
+            value, colon, after = match["rest"].rpartition(":")
+            text = (value if colon else after).strip()
+            values.setdefault(match["name"].upper(), _with_unit(match["unit"] if units else "", text))
     return values
 
 
@@ -163,6 +166,9 @@ def _unit_and_value(item: Any) -> tuple[str, str]:
 
 
 def _with_unit(unit: str, value: str) -> str:
+    date = None if value else DATED.fullmatch(unit)
+    if date:
+        return date["date"]
     return f"{value} {unit}" if unit and is_number(value) else value
 
 

@@ -22,6 +22,8 @@ STOP.M 101 :
 STEP.M 1 :
 NULL. -999.25 :
 WELL. A-1 : Well
+DATE.DD/MM/YYYY21/05/2007 : Date
+RUN.MD12 : No form of a date
 EKB.M 54.9 : Kelly bushing
 ~Parameter
 BS.IN 8.5 : Bit size
@@ -46,6 +48,7 @@ STOP.M 101 :
 STEP.M 1 :
 NULL. -999.25 :
 WELL. A-1 : Well
+DATE.DD-MMM-YYYY21-MAY-2007 : Date
 ~Log_Parameter
 BS.IN 8.5 : Bit size {F4.1}
 PDAT. MSL : Permanent datum
@@ -63,8 +66,8 @@ GR.GAPI : Gamma
 @pytest.mark.parametrize(
     ("text", "header"),
     [
-        (LAS2, {"well": "A-1", "kb": "54.9 M", "bit": "8.5 IN", "mud": "OBM"}),
-        (LAS3, {"well": "A-1", "datum": "MSL", "bit": "8.5 IN", "mud": "WBM"}),
+        (LAS2, {"well": "A-1", "date": "21/05/2007", "kb": "54.9 M", "bit": "8.5 IN", "mud": "OBM"}),
+        (LAS3, {"well": "A-1", "date": "21-MAY-2007", "datum": "MSL", "bit": "8.5 IN", "mud": "WBM"}),
         (
             "# Well: A-1\n# 3 rows\n# mud: OBM; 1.2 s.g.: heavy\nmd_m,GR\n100,1\n101,2\n",
             {"well": "A-1", "mud": "OBM; 1.2 s.g.: heavy"},
