@@ -85,7 +85,7 @@ def readings(
     if turning is not None:
         toolface = column(log_set, turning)
         plausibility.angles(log_set, turning, toolface)
-    bit = bit_diameter if bit_diameter is not None else _bit(log_set, roles)
+    bit = bit_diameter if bit_diameter is not None else bit_of_channel(log_set, roles)
     sensors: list[Sensor] = []
     radii: list[Floats] = []
     arm: list[str] = []
@@ -121,7 +121,7 @@ def _no_arms(log_set: RawSet, roles: RoleMap) -> str:
     rule = "no channel has the role radius, diameter or radius-image: name one by an option or in a map"
     images = [each.channel for each in roles.all("image")]
     if images:
-        return f"{rule} (its images {', '.join(images)} lie on a gauge hole with --gauge --image of helibore plot)"
+        return f"{rule} (its images {', '.join(images)} lie on a gauge hole: hb.Caliper.gauge, or --gauge --image)"
     if roles.one("inclination") is not None and roles.one("azimuth") is not None:
         return f"{rule} (it holds a survey, which --survey takes)"
     return f"{rule}, such as --radius NAME:in; the channels are {', '.join(log_set.names)}{about_names(log_set)}"
@@ -172,7 +172,7 @@ def _arm_names(log_set: RawSet, role: Role, width: int) -> list[str]:
     return list(members) or [f"{role.channel}[{sector}]" for sector in range(1, width + 1)]
 
 
-def _bit(log_set: RawSet, roles: RoleMap) -> float | None:
+def bit_of_channel(log_set: RawSet, roles: RoleMap) -> float | None:
     """Return the median of the bit-diameter channel, metres."""
     role = roles.one("bit-diameter")
     known = plausibility.present(column(log_set, role)) if role is not None and role.unit else np.empty(0)

@@ -23,6 +23,7 @@ from helibore.channels.role_map import read_map, write_map
 from helibore.channels.roles import NO_RULE, ROLES, Role, RoleMap, guess
 from helibore.cli.quantities import FILE
 from helibore.cli.wall_options import set_names
+from helibore.cli.without_caliper import without_caliper
 from helibore.files.raw_set import Channel
 
 WIDE = 120
@@ -54,10 +55,10 @@ def inspect(file: Path, map_file: Path | None, sets: tuple[str, ...], header_lin
             roles = mapped or guess(log_set)
             click.echo(write_map(roles, len(opened.sets) > 1, refusal(log_set, roles)))
             return
-        show(Console(), opened, names, mapped)
+        show(Console(), file, opened, names, mapped)
 
 
-def show(console: Console, opened: LogFile, names: list[str], mapped: RoleMap | None) -> None:
+def show(console: Console, file: Path, opened: LogFile, names: list[str], mapped: RoleMap | None) -> None:
     """Print one table a set, the remarks, and the map."""
     console.print(f"[bold]{escape(opened.path.name)}[/]: {escape(opened.format)}, {len(opened.sets)} set(s)")
     for number, log_set in enumerate(opened.sets, 1):
@@ -77,6 +78,10 @@ def show(console: Console, opened: LogFile, names: list[str], mapped: RoleMap | 
         warning = refusal(log_set, roles)
         if warning:
             console.print(f"  - [red]refused as it stands[/]: {escape(warning)}", highlight=False)
+        lacks, command = without_caliper(file, opened, roles)
+        if command:
+            console.print(f"  - {escape(lacks)}:\n", highlight=False)
+            click.echo(command)  # bare, as the map
         console.print("\n[bold]Role map[/] (edit, then pass it with --map):\n")
         # Printed bare: neither wrapped nor coloured, so that it can be copied.
         click.echo(write_map(roles, len(opened.sets) > 1, warning))

@@ -378,8 +378,6 @@ def _check_numbers(options: dict[str, Any]) -> None:
     chosen = [name for name in ("estimator", "angular_scale", "nugget", "neighbors", "kriging_range") if _given(name)]
     if options["tune"] and chosen:
         raise click.UsageError(f"--{chosen[0].replace('_', '-')}: does not go with --tune, which finds it")
-    if options["bit_diameter"] is None:
-        raise click.UsageError("Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it.")
     start, stop = options["start_depth"], options["stop_depth"]
     if start is not None and stop is not None and not start < stop:
         raise InputError(f"--to {stop:g} m", f"must be deeper than --from {start:g} m")
@@ -423,6 +421,8 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
             for number, file in enumerate(options["source"])
             for name in set_names(files.log(file), options["sets"])
         )
+        for one in inputs["caliper"]:
+            _check_caliper(files, one, options)
     if options["average"] is not None:
         inputs["average"] = _average(files, options)
     if options["survey"] is not None:
@@ -433,6 +433,8 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
         inputs["track"] = files.input(options["track"], None, options["track_map"])
     if options["mud_velocity"] is not None:
         inputs["echo"] = Echo(options["mud_velocity"], options["tool_radius"], options["echo_window"])
+    if archive is None and options["bit_diameter"] is None:
+        raise click.UsageError("Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it.")
     named = options | {"steep": options["switch"][0], "level": options["switch"][1]}
     if options["radius_range"]:
         named |= dict(zip(("least_radius", "greatest_radius"), options["radius_range"], strict=True))
@@ -448,6 +450,17 @@ def _opened(options: dict[str, Any]) -> tuple[RunSettings, OpenFiles]:
         wall=None if archive is not None else made(Settings), **inputs,
     )  # fmt: skip
     return settings, files
+
+
+def _check_caliper(files: OpenFiles, one: Input, options: dict[str, Any]) -> None:
+    """Refuse a source without a caliper around the hole whose images another command shows; the error has it."""
+    from helibore.cli.without_caliper import without_caliper
+
+    verb = click.get_current_context().info_name or ""
+    more = [word for name in ("survey", "output") if options.get(name) for word in (f"--{name}", str(options[name]))]
+    lacks, command = without_caliper(one.file, files.log(one.file), one.roles, verb, options["bit_diameter"], more)
+    if command:
+        raise InputError(one.file.name, f"{lacks}. Run: {command}")
 
 
 def set_names(log: LogFile, texts: Sequence[str]) -> list[Any]:

@@ -212,7 +212,7 @@ def radius(metres: float) -> Channel:
             "as --radius NAME:in; the channels are MD, TF",
         ),
         ((DEPTH, channel("CALI", "in", np.full(40, 8.5))), "(--average of helibore plot and logs, or hb.Caliper.from_"),
-        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole with --gauge --image of"),
+        ((DEPTH, channel("GR", "API", np.ones((40, 8)))), "(its images GR lie on a gauge hole: hb.Caliper.gauge, or"),
         (
             (DEPTH, channel("INC", "deg", np.zeros(40)), channel("AZI", "deg", np.zeros(40))),
             "(it holds a survey, which --survey takes)",

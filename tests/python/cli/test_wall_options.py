@@ -127,7 +127,8 @@ def test_every_command_has_every_option_of_a_wall(verb: str) -> None:
     [
         ((), "exactly one of SOURCE, --average, --gauge and --from-settings must say what the wall is made from"),
         (("p.json", "w.wall"), "several SOURCE files must all be caliper files, not archives or settings"),
-        (("p.json",), "Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have it."),
+        (("p.json", "--set", "1"), "Missing option '--bit-diameter': only archives (.wall) and settings (.toml) have "
+         "it."),
         (("--gauge", "--bit-diameter", "8in", "--recentre"), "--recentre: does not go with --gauge, which reads no "
          "caliper"),
         (("--average", "p.json:CALX", "--bit-diameter", "8in", "--passes", "1"), "--passes: does not go with "

@@ -1,0 +1,54 @@
+"""The command that shows the images of a file without a caliper, for errors and for `helibore inspect`."""
+
+from __future__ import annotations
+
+import shlex
+from collections.abc import Sequence
+from pathlib import Path
+
+from helibore.base import units
+from helibore.channels.channel_readings import bit_of_channel
+from helibore.channels.log_header import log_header
+from helibore.channels.log_set import LogFile
+from helibore.channels.roles import WALL, RoleMap
+
+USUAL_BIT = 8.5 * units.INCH
+LARGEST_BIT = 4.0
+
+
+def without_caliper(
+    file: Path, log: LogFile, roles: RoleMap, verb: str = "view", bit: float | None = None, more: Sequence[str] = ()
+) -> tuple[str, str]:
+    """Return what a file with images and no caliper around the hole lacks, and the command that shows the images.
+
+    Two empty texts if the file has a caliper, no images, or several sets, of which ``--image`` takes none.
+    """
+    images = [role.channel for role in roles.all("image")]
+    if len(log.sets) != 1 or not images or roles.all(*WALL):
+        return "", ""
+    means = [role.channel for role in roles.all("mean-diameter")]
+    stated = bit or _stated_bit(log, roles)
+    source = ["--average", f"{file}:{means[0]}"] if means else ["--gauge"]
+    words = ["helibore", verb, *source]
+    for name in images:
+        words += ["--image", f"{file}:{name}:edge"]
+    words += ["--bit-diameter", f"{(stated or USUAL_BIT) / units.INCH:.6g}in", *more]
+    hole = f"a round hole as large as {means[0]}" if means else "a gauge hole"
+    sectors = log.set()[images[0]].shape[1]
+    lacks = (
+        f"has images ({', '.join(images)}) and no caliper around the hole; this command puts them on {hole}. "
+        "edge: sector 1 starts at toolface 0; centre: it is centred there; no file says which, the tool's manual does, "
+        f"and the wrong one turns {images[0]} by {180 / sectors:g} deg"
+    )
+    return lacks + ("" if stated else ". No bit size is stated: put yours for 8.5in"), shlex.join(words)
+
+
+def _stated_bit(log: LogFile, roles: RoleMap) -> float | None:
+    """Return the bit size that a channel or the header states, metres; None if neither does, or no hole is so large."""
+    only = log.set()
+    try:
+        header = log_header([only.header]).get("bit", "")
+        size = bit_of_channel(only, roles) or units.quantity(header, units.LENGTH)
+    except ValueError:
+        return None
+    return size if 0 < size <= LARGEST_BIT else None
