@@ -157,6 +157,14 @@ def survey(log_set: RawSet, roles: RoleMap | None = None) -> Survey:
     try:
         inclined, turned = (needed(log_set, roles, role) for role in ("inclination", "azimuth"))
     except InputError as error:
+        known = roles.one("inclination")
+        if known is not None:
+            rule = (
+                f"a survey needs the azimuth beside the inclination {known.channel}: the path and true dips follow "
+                "from both. Name the azimuth by --azimuth or in a map; without a survey, dips are those to the hole, "
+                "and toolfaces count from the high side"
+            )
+            raise InputError(error.place, rule) from error
         rule = "a survey is depth, inclination and azimuth at each station; positions alone do not state the directions"
         raise InputError(error.place, f"{error.rule}; {rule}") from error
     inclination, azimuth = column(log_set, inclined, "--inclination"), column(log_set, turned, "--azimuth")

@@ -160,7 +160,7 @@ SECTIONS: dict[str, tuple[tuple[str, dict[str, Any]], ...]] = {
             default="minimum-curvature"),
         opt("--reference", "What toolface 0 of the wall is.  [high-side with a survey, else not known]",
             type=click.Choice(get_args(Reference))),
-        opt("--extend", "Continue straight so far past the last station.", type=LENGTH, default="0m"),
+        opt("--extend", "Continue straight so far below the last station.", type=LENGTH, default="0m"),
         opt("--head", "North, east and down of the first station.", type=LENGTH, nargs=3, default=("0m", "0m", "0m")),
     ),
     "Wall": (

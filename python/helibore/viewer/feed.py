@@ -272,8 +272,12 @@ class Feed:
         top, bottom = sorted((self._shape.start_depth, end))
         if top < path.start_depth - 1e-9 or bottom > path.stop_depth + 1e-9:
             wall, ends = f"from {top:.2f} to {bottom:.2f} m", f"from {path.start_depth:.2f} to {path.stop_depth:.2f} m"
-            rule = "give the survey's path extend= metres, or a longer survey"
-            raise InputError(f"the wall lies {wall}, the path {ends}", rule)
+            how = []
+            if top < path.start_depth - 1e-9:
+                how.append(f"the survey needs a station at {top:.2f} m or above, or start the wall at its first")
+            if bottom > path.stop_depth + 1e-9:
+                how.append(f"extend the path by {bottom - path.survey_depth:.2f} m, or give a longer survey")
+            raise InputError(f"the wall lies {wall}, the path {ends}", "; ".join(how))
 
 
 def frame_count(shape: WallShape, vertices: int, rows: int) -> int:
