@@ -14,10 +14,12 @@ from helibore.cli.outputs import QUIET, SIGMA, add_sigma
 from helibore.cli.terminal import Terminal
 from helibore.cli.wall_options import (
     BESIDE,
+    HEADER,
     SCALAR,
     TEMPLATE,
     Sectioned,
     curves_of_files,
+    header_of,
     load_picks,
     open_run,
     opt,
@@ -36,6 +38,7 @@ if TYPE_CHECKING:
     SCALAR,
     TEMPLATE,
     BESIDE,
+    HEADER,
     opt("--well", "Name to show.  [name of the source]", default=""),
     opt("--host", "Address to serve on; any but this machine's own needs --token.", default="127.0.0.1"),
     opt("--port", "Port; 0: a free one.", type=click.IntRange(0, 65535), default=0),
@@ -64,7 +67,7 @@ def view(**options: Any) -> None:
             if options[name] is not None:
                 raise click.UsageError(f"{option}: does not go with a saved wall, which is shown whole")
     from helibore.logs.template import Template
-    from helibore.runs.run import make_wall, placing, stated_header
+    from helibore.runs.run import make_wall, placing
     from helibore.viewer import attributes_of
     from helibore.viewer import view as serve
 
@@ -72,7 +75,8 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         add_sigma(wall, terminal)
     picks = load_picks(run)
-    well = options["well"] or stated_header(run).get("well") or run.name
+    header = header_of(run, options)
+    well = header.pop("well", run.name)
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])
     with terminal.stage("images", "Mapping images"):
         attributes = attributes_of(wall)
@@ -84,7 +88,10 @@ def view(**options: Any) -> None:
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
             beside=beside, well=well, **serving,
         )  # fmt: skip
-    drawing = {"title": well, "scalars": curves, "template": template, "beside": beside, "reference": run.reference}
+    drawing = {
+        "title": well, "header": header, "scalars": curves, "template": template, "beside": beside,
+        "reference": run.reference,
+    }  # fmt: skip
     viewer.scene.draw_pages = section_printer(wall, drawing)
     viewer.scene.update_state(ended=True, prints=True)  # nothing appends to it
     terminal.summary([("time", terminal.times())])
