@@ -57,7 +57,8 @@ def view(**options: Any) -> None:
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
 
     SOURCE is an archive (.wall), caliper files, or the settings beside an output. Beds and fractures that you pick on
-    the page are saved in SOURCE.picks.csv; nothing else is written.
+    the page are saved in FILE.picks.csv, never beside the survey; FILE is the archive or the first caliper file, else
+    the file of --average, else that of the first --image. Nothing else is written.
     """
     terminal = Terminal(options["quiet"])
     check_page()
@@ -75,6 +76,7 @@ def view(**options: Any) -> None:
     if options["sigma"]:
         add_sigma(wall, terminal)
     picks = load_picks(run)
+    run.messages.append(("picks", f"saved in {picks}" if picks else "not saved: no file but a survey"))
     header = header_of(run, options)
     well = header.pop("well", run.name)
     terminal.summary([*run.messages, *trust_lines(wall.summary(options["start_depth"], options["stop_depth"]))])

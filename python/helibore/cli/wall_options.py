@@ -224,10 +224,10 @@ def open_run(options: dict[str, Any], terminal: Terminal, outputs: Sequence[Path
 
 
 def load_picks(run: Run) -> Path | None:
-    """Give the wall of a run the picks that were saved beside its first file; return the name of that file of picks."""
+    """Give the wall of a run the picks saved beside the first file shown, never the survey; return their file."""
     from helibore.logs.picks import ENDING, Picks
 
-    first = next(iter(run.settings.inputs), None)
+    first = next(iter(run.settings.shown), None)
     if first is None:
         return None
     beside = first.file.with_name(f"{first.file.name}{ENDING}")

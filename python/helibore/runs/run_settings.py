@@ -127,8 +127,14 @@ class RunSettings:
     @property
     def inputs(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
         """Every file that the run reads."""
-        alone = (self.average, self.archive, self.track, self.survey)
-        return (*self.caliper, *(one for one in alone if one is not None), *self.image, *self.scalar)
+        placing = (one for one in (self.track, self.survey) if one is not None)
+        return (*self.shown, *placing)
+
+    @property
+    def shown(self) -> tuple[Input | ImageInput | ScalarInput, ...]:
+        """The files whose values are shown, not those that say where they lie; picks are saved beside the first."""
+        alone = (one for one in (self.average, self.archive) if one is not None)
+        return (*self.caliper, *alone, *self.image, *self.scalar)
 
 
 def settings_file(output: str | os.PathLike[str]) -> Path:

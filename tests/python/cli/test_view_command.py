@@ -9,6 +9,8 @@ import sys
 import urllib.error
 import urllib.request
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -20,6 +22,30 @@ from helibore.cli import cli
 from helibore.viewer.web_app import page
 
 BIT = ("--bit-diameter", "8.5in")
+MEMORY = """~Version
+VERS. 2.0 :
+WRAP. NO :
+~Well
+STRT.m 500 :
+STOP.m 504 :
+STEP.m 1 :
+NULL. -999.25 :
+COMP. Deep Rock : Company
+DATE.DD/MM/YYYY21/05/2007 : Date
+~Curve
+DEPTH.m :
+INNM.deg : Inclination
+{curves}~A
+{rows}""".format(
+    curves="".join(f"GRAS{sector}M.API :\n" for sector in range(8)),
+    rows="".join(f"{500 + row} 60 {' '.join(str(20 + row + sector) for sector in range(8))}\n" for row in range(5)),
+).encode()
+IMAGES_ONLY = (
+    "has images (GRAS) and no caliper around the hole; this command puts them on a gauge hole. edge: sector 1 starts "
+    "at toolface 0; centre: it is centred there; no file says which, the tool's manual does, and the wrong one turns "
+    "GRAS by 22.5 deg"
+)
+"""A file with images, an inclination and no caliper, as a logging company writes it."""
 INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # a background job ignores it
 HELIBORE = [sys.executable, "-c", f"{INTERRUPTIBLE}; from helibore.cli import main; main()"]
 
@@ -71,6 +97,8 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         "notes.toml": b"not toml [",
         "hole.glb": b"glTF",
         "survey.csv": b"md_m,incl_deg,azim_deg\n502,8,10\n600,9,10\n",
+        "short.csv": b"md_m,incl_deg,azim_deg\n400,8,10\n504,9,10\n",
+        "memory.las": MEMORY,
     }.items():
         (tmp_path / name).write_bytes(held)
     for arguments, text in (
@@ -95,8 +123,29 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         ),
         (
             (str(caliper), *BIT, "--survey", "survey.csv"),
-            "survey.csv: the wall lies from 500.00 to 505.00 m, the path from 502.00 to 600.00 m: give the survey's "
-            "path extend= metres, or a longer survey",
+            "survey.csv: the wall lies from 500.00 to 505.00 m, the path from 502.00 to 600.00 m: the survey needs a "
+            "station at 500.00 m or above, or start the wall at its first",
+        ),
+        (
+            (str(caliper), *BIT, "--survey", "short.csv"),
+            "short.csv: the wall lies from 500.00 to 505.00 m, the path from 400.00 to 504.00 m: extend the path by "
+            "1.00 m, or give a longer survey",
+        ),
+        (
+            ("memory.las",),
+            f"memory.las: {IMAGES_ONLY}. No bit size is stated: put yours for 8.5in. Run: helibore view --gauge "
+            "--image memory.las:GRAS:edge --bit-diameter 8.5in",
+        ),
+        (
+            ("memory.las", "--bit-diameter", "6in", "--survey", "short.csv"),
+            f"memory.las: {IMAGES_ONLY}. Run: helibore view --gauge --image memory.las:GRAS:edge --bit-diameter 6in "
+            "--survey short.csv",
+        ),
+        (
+            ("--gauge", "--image", "memory.las:GRAS:edge", *BIT, "--survey", "memory.las"),
+            "memory.las: a survey needs the azimuth beside the inclination INNM: the path and true dips follow from "
+            "both. Name the azimuth by --azimuth or in a map; without a survey, dips are those to the hole, and "
+            "toolfaces count from the high side",
         ),
         (
             (str(caliper), *BIT, "--host", "0.0.0.0"),
@@ -123,6 +172,47 @@ def test_the_head_says_where_the_first_station_lies(
     given = ["view", str(caliper), "--bit-diameter", "216mm", "--survey", str(survey)]
     result = CliRunner().invoke(cli, [*given, "--head", "-10m", "20m", "430m"])
     assert "first station at [[-10.0, 20.0, 430.0]]" in result.stderr
+
+
+def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    from helibore import plot, viewer
+
+    seen: list[Any] = []
+
+    class Stopped:
+        scene = SimpleNamespace(update_state=lambda **_: None)
+        url = "http://here/"
+        wait = close = staticmethod(lambda: None)
+
+    def view(_: object, **settings: Any) -> type[Stopped]:
+        seen.append(settings["picks_file"])
+        return Stopped
+
+    def pages(*_: object, **drawing: Any) -> None:
+        seen.append(drawing["title"])
+        seen.append(drawing["header"])
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(viewer, "view", view)
+    monkeypatch.setattr(plot, "pages", pages)
+    monkeypatch.setattr(plot, "rendered", lambda *_: b"")
+    monkeypatch.setattr("helibore.cli.view_command.check_page", lambda: None)  # the page may be not built
+    (tmp_path / "memory.las").write_bytes(MEMORY)
+    (tmp_path / "s.csv").write_text("md_m,incl_deg,azim_deg\n400,8,10\n600,9,10\n")
+    images, survey = ("--image", "memory.las:GRAS:edge"), ("--survey", "s.csv")
+    for more in ((), survey, ("--scalar", "memory.las:INNM", *survey)):
+        shown = run("--gauge", *images, *BIT, *more)
+        assert shown.exit_code == 0, shown.output
+        assert seen.pop() == Path("memory.las.picks.csv")
+        assert "picks saved in memory.las.picks.csv" in " ".join(shown.stdout.split())
+    shown = run("--gauge", *BIT, *survey, "--from", "500m", "--to", "501m")
+    assert seen.pop() is None
+    assert "picks not saved: no file but a survey" in " ".join(shown.stdout.split())
+    run("--gauge", *images, *BIT, "--header", "mud=OBM")
+    Stopped.scene.draw_pages(500.0, 504.0, "in")
+    assert seen[1:] == ["Gauge hole", {"company": "Deep Rock", "date": "21/05/2007", "mud": "OBM"}]
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")
