@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from threading import Lock
 from typing import TYPE_CHECKING, Any
@@ -29,6 +30,7 @@ from helibore.cli.wall_options import (
 )
 
 if TYPE_CHECKING:
+    from helibore.runs.run import Run
     from helibore.wall.wall import Wall
 
 
@@ -85,7 +87,7 @@ def view(**options: Any) -> None:
     serving = {name: options[name] for name in ("host", "port", "token", "browser")} | {"reference": run.reference}
     curves, template = curves_of_files(run, options), options["template"] and Template.load(options["template"])
     beside = walls_beside(options)
-    with placing(run):
+    with placing(run, reaching(run)):
         viewer = serve(
             wall, path=wall.path, attributes=attributes, curves=curves, picks_file=picks, template=template,
             beside=beside, well=well, **serving,
@@ -115,6 +117,19 @@ def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, flo
             return rendered(figures, ".pdf")
 
     return draw
+
+
+def reaching(run: Run) -> str:
+    """Return the options that let the path reach all of the wall, for an error."""
+    wall, path, fixed = run.wall, run.wall.path, run.settings.output is not None
+    if path is None or fixed or not wall.depth.size:
+        return ""
+    options = []
+    if path.start_depth > wall.depth.min() and run.settings.archive is None:
+        options.append(f"--from {path.start_depth:.10g}m")
+    if path.stop_depth < wall.depth.max():
+        options.append(f"--extend {math.ceil(100 * (wall.depth.max() - path.survey_depth)) / 100:.10g}m")
+    return f" ({' '.join(options)})" if options else ""
 
 
 def check_page() -> None:

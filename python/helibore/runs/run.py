@@ -394,8 +394,8 @@ def interval(settings: Settings) -> tuple[float, float]:
 
 
 @contextmanager
-def placing(run: Run) -> Iterator[None]:
-    """Name the file of the survey in the error of a path that does not reach all of the wall."""
+def placing(run: Run, options: str = "") -> Iterator[None]:
+    """Name the file of the survey, and the options that help, in the error of a path that misses a part of the wall."""
     try:
         yield
     except ValueError as error:
@@ -404,9 +404,7 @@ def placing(run: Run) -> Iterator[None]:
             raise
         if path.start_depth <= depth.min() and depth.max() <= path.stop_depth:
             raise
-        if isinstance(error, InputError):
-            raise error.within(survey.file.name) from error
-        raise InputError(survey.file.name, str(error)) from error
+        raise InputError(survey.file.name, f"{error}{options}") from error
 
 
 def check_path(run: Run, *ends: float) -> None:

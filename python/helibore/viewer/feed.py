@@ -274,9 +274,9 @@ class Feed:
             wall, ends = f"from {top:.2f} to {bottom:.2f} m", f"from {path.start_depth:.2f} to {path.stop_depth:.2f} m"
             how = []
             if top < path.start_depth - 1e-9:
-                how.append(f"the survey needs a station at {top:.2f} m or above, or start the wall at its first")
+                how.append(f"the survey needs a station at {top:.2f} m or above, or the wall must start deeper")
             if bottom > path.stop_depth + 1e-9:
-                how.append(f"extend the path by {bottom - path.survey_depth:.2f} m, or give a longer survey")
+                how.append("extend the path, or give a longer survey")
             raise InputError(f"the wall lies {wall}, the path {ends}", "; ".join(how))
 
 

@@ -124,12 +124,12 @@ def test_what_it_cannot_do_is_one_line_and_exit_code_two(
         (
             (str(caliper), *BIT, "--survey", "survey.csv"),
             "survey.csv: the wall lies from 500.00 to 505.00 m, the path from 502.00 to 600.00 m: the survey needs a "
-            "station at 500.00 m or above, or start the wall at its first",
+            "station at 500.00 m or above, or the wall must start deeper (--from 502m)",
         ),
         (
             (str(caliper), *BIT, "--survey", "short.csv"),
-            "short.csv: the wall lies from 500.00 to 505.00 m, the path from 400.00 to 504.00 m: extend the path by "
-            "1.00 m, or give a longer survey",
+            "short.csv: the wall lies from 500.00 to 505.00 m, the path from 400.00 to 504.00 m: extend the path, or "
+            "give a longer survey (--extend 1m)",
         ),
         (
             ("memory.las",),
