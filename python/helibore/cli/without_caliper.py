@@ -36,9 +36,9 @@ def without_caliper(
     hole = f"a round hole as large as {means[0]}" if means else "a gauge hole"
     sectors = log.set()[images[0]].shape[1]
     lacks = (
-        f"has images ({', '.join(images)}) and no caliper around the hole; this command puts them on {hole}. "
-        "edge: sector 1 starts at toolface 0; centre: it is centred there; no file says which, the tool's manual does, "
-        f"and the wrong one turns {images[0]} by {180 / sectors:g} deg"
+        f"has images ({', '.join(images)}) and no known caliper around the hole (--radius or --diameter names one). "
+        f"This command puts the images on {hole}. edge: sector 1 starts at toolface 0; centre: it is centred there; no "
+        f"file says which, the tool's manual does, and the wrong one turns {images[0]} by {180 / sectors:g} deg"
     )
     return lacks + ("" if stated else ". No bit size is stated: put yours for 8.5in"), shlex.join(words)
 

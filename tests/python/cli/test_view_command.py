@@ -41,9 +41,9 @@ INNM.deg : Inclination
     rows="".join(f"{500 + row} 60 {' '.join(str(20 + row + sector) for sector in range(8))}\n" for row in range(5)),
 ).encode()
 IMAGES_ONLY = (
-    "has images (GRAS) and no caliper around the hole; this command puts them on a gauge hole. edge: sector 1 starts "
-    "at toolface 0; centre: it is centred there; no file says which, the tool's manual does, and the wrong one turns "
-    "GRAS by 22.5 deg"
+    "has images (GRAS) and no known caliper around the hole (--radius or --diameter names one). This command puts the "
+    "images on a gauge hole. edge: sector 1 starts at toolface 0; centre: it is centred there; no file says which, the "
+    "tool's manual does, and the wrong one turns GRAS by 22.5 deg"
 )
 """A file with images, an inclination and no caliper, as a logging company writes it."""
 INTERRUPTIBLE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"  # a background job ignores it
