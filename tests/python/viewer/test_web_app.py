@@ -351,7 +351,7 @@ def test_what_cannot_be_viewed_is_said() -> None:
         hb.view(wall, attributes={"GR": [1, 2, 3]})
     short = hb.Survey([990, 1002], [1, 1], [0, 0]).path()
     with pytest.raises(
-        ValueError, match=r"^the wall lies from 1000\.00 to 1007\.81 m, the path from 990\.00 to 1002\.00 m: give"
+        ValueError, match=r"^the wall lies from 1000\.00 to 1007\.81 m, the path from 990\.00 to 1002\.00 m: extend"
     ):
         hb.view(wall, path=short)
     with pytest.raises(ValueError, match=r"^the wall has no vertex yet: append samples first$"):
