@@ -57,6 +57,7 @@ def view(**options: Any) -> None:
     helibore view well.wall
     helibore view wall.glb.toml
     helibore view caliper.csv --survey survey.csv --bit-diameter 8.5in
+    helibore view --gauge --image lwd.las:GRAS:edge --bit-diameter 8.5in
 
     SOURCE is an archive (.wall), caliper files, or the settings beside an output. Beds and fractures that you pick on
     the page are saved in FILE.picks.csv, never beside the survey; FILE is the archive or the first caliper file, else
