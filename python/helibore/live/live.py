@@ -171,6 +171,7 @@ class Live:
         now = changed_to(configuration, self.configuration, self.journal.folder if self.journal else None)
         stamped = self._stamp(0, 0, self._opening(now), journals.OPENED)
         self.configuration = now
+        self._logged = {}  # whether the change has helped is said at once
         return Stored(*stamped)
 
     def _restore(self) -> None:

@@ -191,6 +191,10 @@ def test_the_log_has_what_a_source_repeats_once_a_minute_with_its_number(caplog,
     assert logged == ["link: refused at 1000", "link: refused at 1060 (and 59 since the last line)",
                       "link: refused at 1120 (and 59 since the last line)"]  # fmt: skip
     assert sum("alarm_lost" in message for message in caplog.messages) == 122
+    with caplog.at_level("INFO", "helibore.live"):
+        live.reconfigure(parse(SENT))
+        live.report("link", "refused again", "mwd")
+    assert caplog.messages[-1].endswith("mwd: link: refused again")
 
 
 def test_keep_alives_are_counted_and_hold_nothing():
