@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from helibore.logs.zones import Classification
     from helibore.wall.wall import Wall
 
-ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST", "TVD")
+ALONG = ("DEPT", "TOP", "BOTTOM", "LENGTH", "NEAREST", "TVD", "PEAK")
 """Columns of lengths along the hole, or on the wall."""
 
 DECIMALS = {"in": 4, "mm": 3, "ft": 5}

@@ -54,6 +54,10 @@ class Zone:
         Median of C1 - bit over the zone, metres; of the least diameter - bit where undergauge.
     elongation
         Median of C1 - C2, metres.
+    peak
+        Measured depth of the largest C1, metres; of the least diameter where undergauge.
+    coverage
+        Mean share of its turns that is measured, not interpolated between arms, 0 to 1.
     toolface
         Of a breakout, its axis, [0, 180); of a key seat, where it lies, [0, 360); else NaN. Degrees.
     deviation
@@ -67,6 +71,8 @@ class Zone:
     stop: float
     enlargement: float
     elongation: float
+    peak: float
+    coverage: float
     toolface: float
     deviation: float
     lobes: tuple[BreakoutLobe, ...]
@@ -162,6 +168,8 @@ class Classification(Tabular):
                 [of.enlargement for of in zones],
             ),
             ("ELONG", "m", "Largest diameter less the one across it, median", [of.elongation for of in zones]),
+            ("PEAK", "m", "Depth of the largest diameter, or of the least if undergauge", [of.peak for of in zones]),
+            ("COVER", "", "Share of the zone that is measured, not interpolated", [of.coverage for of in zones]),
             ("AXIS", "deg", "Axis of a breakout, toolface of a key seat", [of.toolface for of in zones]),
             ("AXISDEV", "deg", "Axial standard deviation in the zone", [of.deviation for of in zones]),
         ]
@@ -292,6 +300,7 @@ def _zone(
 ) -> Zone:
     ends = sorted((float(logs.depth[first]), float(logs.depth[stop - 1])))
     size = (logs.least_diameter if code == UNDERGAUGE else logs.c1)[inside] - logs.bit_diameter
+    most = int(inside[np.argmin(size) if code == UNDERGAUGE else np.argmax(size)])
     toolface = deviation = math.nan
     lobes: tuple[BreakoutLobe, ...] = ()
     if code in (BREAKOUT, KEY_SEAT) and logs.shape == "arms":
@@ -304,6 +313,8 @@ def _zone(
         stop=ends[1] + logs.height / 2,
         enlargement=float(np.median(size)),
         elongation=float(np.median((logs.c1 - logs.c2)[inside])),
+        peak=float(logs.depth[most]),
+        coverage=float(logs.coverage[first:stop].mean()),
         toolface=toolface,
         deviation=deviation,
         lobes=lobes,

@@ -66,6 +66,20 @@ def test_every_kind_is_told_and_placed() -> None:
 
 
 @pytest.mark.parametrize("pitch", [0.1, -0.1])
+def test_a_zone_has_the_depth_of_its_worst_turn_and_its_measured_share(pitch: float) -> None:
+    wall = wall_of((10, GAUGE), (3, WASHED), (1, WASHED + 0.001), (5, WASHED), (10, GAUGE),
+                   (4, TIGHT), (1, TIGHT - 0.001), (1, TIGHT), (10, GAUGE), pitch=pitch)  # fmt: skip
+    logs = turn_logs(wall)
+    logs.coverage[13:19] = 0.5
+    washout, tight = sorted(classify(wall, None, logs).zones, key=lambda zone: zone.kind, reverse=True)
+    assert (washout.peak, tight.peak) == (logs.depth[13], logs.depth[33])
+    assert (washout.coverage, tight.coverage) == (pytest.approx((3 + 6 * 0.5) / 9), 1.0)
+    table = classify(wall, None, logs).table()
+    assert set(table["PEAK"].values) == {washout.peak, tight.peak}
+    assert set(table["COVER"].values) == {washout.coverage, 1.0}
+
+
+@pytest.mark.parametrize("pitch", [0.1, -0.1])
 @pytest.mark.parametrize("toolface", [0.0, 33.0, -100.0])
 def test_directions_do_not_depend_on_the_helix(pitch: float, toolface: float) -> None:
     turned = toolface % 5 == 0
