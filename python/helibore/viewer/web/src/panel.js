@@ -59,16 +59,18 @@ export function options(id, pairs) {
   byId(id).replaceChildren(...pairs.map(([value, text]) => new Option(text, String(value))));
 }
 
+// Names with their values, and what each means as a title where it is given.
 /** @param {string} id @param {string[][]} pairs */
 export function write(id, pairs) {
   const list = byId(id);
-  const flat = pairs.flat();
-  if (list.children.length !== flat.length) {
-    list.replaceChildren(...flat.map((_, i) => document.createElement(i % 2 ? 'dd' : 'dt')));
+  if (list.children.length !== 2 * pairs.length) {
+    list.replaceChildren(...pairs.flatMap(() => ['dt', 'dd'].map((name) => document.createElement(name))));
   }
-  flat.forEach((text, i) => {
-    if (list.children[i].textContent !== text) list.children[i].textContent = text;
-  });
+  pairs.forEach(([name, text, title = ''], i) => [name, text].forEach((words, j) => {
+    const at = /** @type {HTMLElement} */ (list.children[2 * i + j]);
+    if (at.textContent !== words) at.textContent = words;
+    if (at.title !== title) at.title = title;
+  }));
 }
 
 /** @param {View} view */
@@ -144,7 +146,7 @@ export function readout({ store, view, path, quad }) {
   const marks = all.filter(([bit]) => state & bit).map(([, word]) => word);
   return [
     ['MD', showDepth(cursor?.depth, units)],
-    ['TVD', showDepth(tvd, units)],
+    ['TVD', (cursor && Number.isNaN(tvd) && path.whyNoTvd(cursor.depth)) || showDepth(tvd, units)],
     ['Toolface', showAngle(cursor?.toolface ?? NaN)],
     ['From high side / north', `${around(dial.up)} / ${around(dial.north)}`],
     ['Radius', measured ? showLength(measured.radius, units) : !cursor ? '–' : gauge ? 'not measured' : cursor.toolface === null ? '–' : 'no data'],
@@ -170,6 +172,13 @@ export function writeBrief({ view, zones, path, store }, read, figures) {
   write('briefMore', [...['Cmin', 'Cmax'].filter((name) => values[name]).map((name) => [name, values[name].split(' @')[0]]), ...over, ['TVD', showDepth(path.tvd(depth), view.units)]]);
 }
 
+// What the figures of a section count.
+const MEANINGS = {
+  measured: 'Share of the wall between two samples that are at most largest_gap (at first 60°) apart around the hole, among the samples within gap_reach (at first 0.5 m) of its depth; empty: without a radius',
+  volume: 'Of the turns that have a radius all around; the others count nothing',
+  washed: 'Metres of washout of all metres of the section that lie in the wall, with and without full turns',
+};
+
 // The figures of a section, as `Wall.summary` has them.
 /** @param {Store} store @param {Summary | null} summary @param {Units} units */
 export function sectionText(store, summary, units) {
@@ -178,11 +187,12 @@ export function sectionText(store, summary, units) {
   const { volume, excess, coverage, measured, not_measured: gaps, washed_out: washed, without_radius: without } = summary;
   /** @param {number | null} value */
   const number = (value) => value ?? NaN;
+  const whole = measured + gaps;
   return [
-    ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`],
-    ['Volume', measured ? `${volume.toFixed(3)} m³ in ${showDepth(measured, units, 1)}` : '–'],
-    ['Over bit volume', showPercent(number(excess))],
-    [`Washed out${washed === null ? '' : ` (${showPercent(washed / (measured + gaps))})`}`, washed === null ? '–' : showDepth(washed, units, 1)],
+    ['Measured', `${showPercent(number(coverage))}, ${showPercent(number(without))} empty`, MEANINGS.measured],
+    ['Volume', measured ? `${volume.toFixed(3)} m³ in ${showDepth(measured, units, 1)} of full turns` : '–', MEANINGS.volume],
+    ['Over bit volume', showPercent(number(excess)), MEANINGS.volume],
+    ['Washed out', washed === null ? '–' : `${showDepth(washed, units, 1)} of ${showDepth(whole, units, 1)}, ${showPercent(washed / whole)}`, MEANINGS.washed],
   ];
 }
 

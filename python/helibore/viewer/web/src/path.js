@@ -69,6 +69,15 @@ export class Path {
     return known ? this.at(depth).centre[2] - down : NaN;
   }
 
+  // Why `tvd` is NaN at a depth; '' where no true depth is known at all.
+  /** @param {number} depth */
+  whyNoTvd(depth) {
+    if (!this.trueDepth) return '';
+    const place = (depth - this.startDepth) / this.step;
+    if (place >= 0 && place <= this.count - 1) return 'beyond the survey';
+    return place < 0 === this.step < 0 ? 'below the wall' : 'above the wall';
+  }
+
   // Toolface of up and of north at a depth, degrees; null where undefined.
   /** @param {number} depth */
   dial(depth) {

@@ -45,7 +45,8 @@ export function writeRig(app) {
   /** @param {number | null | undefined} metres */
   const size = (metres) => (typeof metres === 'number' && Number.isFinite(metres) ? (metres * scale).toFixed(unit === 'mm' ? 0 : 2) : '–');
   const tvd = path.tvd(bit ?? NaN);
-  cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : 'MD');
+  const whyNot = path.whyNoTvd(bit ?? NaN);
+  cell('rigBit', bit === null ? '–' : depthNumber(bit, view.units, 1), bit === null ? '' : depthUnit(view.units), bit === null ? 'no bit depth received' : Number.isFinite(tvd) ? `TVD ${showDepth(tvd, view.units, 1)}` : whyNot ? `TVD: ${whyNot}` : 'MD');
   const measured = store.basis !== 'gauge' && summary?.mean_diameter;
   cell('rigSize', measured ? size(summary.mean_diameter) : '–', measured ? unit : '', measured
     ? `${size(summary.least_diameter)} to ${size(summary.greatest_diameter)}, bit ${size(2 * store.bitRadius)}` : `${store.basis === 'gauge' || summary ? 'not measured' : '…'}, bit ${size(2 * store.bitRadius)} ${unit}`);

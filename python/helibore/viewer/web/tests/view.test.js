@@ -51,6 +51,12 @@ test('true depth is known where the server says so, and nowhere else', () => {
   assert.ok(Math.abs(path.tvd(1020) - 710) < 1e-4, 'the last frame');
   assert.equal(path.tvd(1000), 700);
   for (const depth of [999.9, 1020.1]) assert.ok(Number.isNaN(path.tvd(depth)), `${depth}`);
+  path.trueDepth = [1000, 1010, -700];
+  assert.equal(path.whyNoTvd(1015), 'beyond the survey');
+  assert.equal(path.whyNoTvd(999.9), 'above the wall');
+  assert.equal(path.whyNoTvd(1e4), 'below the wall');
+  path.trueDepth = null;
+  assert.equal(path.whyNoTvd(1e4), '');
 });
 
 test('the lamp says how far behind the bit the wall is, or how far the bit was lifted, and why nothing comes', () => {
