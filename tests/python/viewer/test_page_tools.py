@@ -319,6 +319,7 @@ def test_a_geologist_reopens_the_picks_changes_one_and_boxes_a_breakout(browser:
         screen.keyboard.press("d")
         screen.mouse.click(*place(screen, 130, 1009.0))
         screen.until("window.__wall.app.picking.pick")
+        assert screen.locator("#dipUndo").is_disabled()
         screen.page.select_option("#pickClass", "fracture")
         down, beside = place(screen, 130, 1009.0), place(screen, 130, 1009.6)
         screen.mouse.move(*down)

@@ -347,6 +347,7 @@ export class Picking {
     byId('pickClass').value = this.kind;
     byId('dipKeep').disabled = open || !current;
     byId('dipRemove').disabled = !pick;
+    byId('dipUndo').disabled = !this.points.length && !this.changes.length;
     byId('dipSave').hidden = byId('dipLoad').hidden = Boolean(this.app.contents);
     const plane = pick && pick.kind !== BREAKOUT ? this.plane(pick) : current;
     const lines = [`${kept.length} plane${kept.length === 1 ? '' : 's'}, ${boxes.length} breakout${boxes.length === 1 ? '' : 's'}.`];

@@ -129,7 +129,7 @@ type Ids<Names extends string, Kind> = { [id in Names]: Kind };
 type Elements = Ids<'gl' | 'histogram' | 'ink' | 'net' | 'polar', Canvas>
   & Ids<'camera' | 'curve' | 'cut' | 'map' | 'median' | 'pass' | 'pickClass' | 'quantity' | 'sectionLength' | 'shape' | 'tube' | 'units', HTMLSelectElement>
   & Ids<'dipFile' | 'dynamic' | 'high' | 'inView' | 'log' | 'low' | 'moment' | 'noteText', HTMLInputElement>
-  & Ids<'dipKeep' | 'dipRemove', HTMLButtonElement>
+  & Ids<'dipKeep' | 'dipRemove' | 'dipUndo', HTMLButtonElement>
   & Ids<'csv' | 'export' | 'print', HTMLAnchorElement>
   & Ids<'help' | 'note', HTMLDialogElement>;
 type ElementOf<Id extends string> = Id extends keyof Elements ? Elements[Id] : HTMLElement;
