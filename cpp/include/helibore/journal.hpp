@@ -6,7 +6,8 @@
 //   payload ...
 //
 // All little-endian. Both checksums are CRC-32C; the header's is seeded with the segment's salt, a random number, so
-// that bytes from a sender cannot look like a record when the search resumes after damage.
+// that bytes from a sender cannot look like a record when the search resumes after damage. (Nor can they be two headers
+// of this salt, of which one in the place of the other leaves the payload's checksum as it is.)
 #pragma once
 
 #include <array>

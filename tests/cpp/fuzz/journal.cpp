@@ -33,22 +33,23 @@ void require_whole(const journal::Scan& scan, std::size_t from, std::size_t size
 }  // namespace
 
 void fuzz(Input input) {
-    Input all = input;
-    const std::uint32_t salt =
-        journal::crc32c(all.text(all.left()), 0);  // of all bytes: no text can hold a record of it
+    const auto salt = static_cast<std::uint32_t>(input.below(65536));
     std::string segment;
+    std::string foreign;  // the same records, of another journal
     std::vector<std::string> payloads;
     std::uint64_t sequence = input.below(3);
     for (std::size_t n = input.below(6); n > 0; --n) {
         std::string payload(input.text(input.below(300)));
         if (input.one_in(4)) payload += "HLBJ";
-        if (input.one_in(4)) payload += segment;  // records within a payload are no records
+        if (input.one_in(4)) payload += foreign;  // records within a payload are no records
         journal::Record record;
         record.sequence = sequence;
         record.wall = static_cast<std::int64_t>(input.byte()) - 128;
         record.kind = input.byte();
         const auto header = journal::seal(record, payload, salt);
         segment.append(header.data(), header.size()).append(payload);
+        const auto sealed = journal::seal(record, payload, ~salt);
+        foreign.append(sealed.data(), sealed.size()).append(payload);
         payloads.push_back(payload);
         sequence += 1 + input.below(3);
     }
