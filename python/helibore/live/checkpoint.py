@@ -28,7 +28,7 @@ from helibore.live.events import Event
 from helibore.live.layout import Layout
 from helibore.live.pass_log import Pass
 
-FORMAT, VERSION = "helibore checkpoint", 2
+FORMAT, VERSION = "helibore checkpoint", 3
 KEPT = 2
 CONTENTS = "state.json"
 RECORDS: dict[str, type] = {"Event": Event, "Pass": Pass, "Layout": Layout}

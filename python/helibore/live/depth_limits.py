@@ -81,6 +81,10 @@ class LastDepth:
         self.limits = limits
         self._last = self._other_unit = np.nan
 
+    def forget(self) -> None:
+        """Take the next depth as it comes: depths are read in another way from now on."""
+        self._last = self._other_unit = np.nan
+
     def _use(self, depth: float) -> None:
         self._last, self._other_unit = depth, np.nan
 
@@ -147,6 +151,13 @@ class HeldSample(LastDepth):
     def __init__(self, limits: DepthLimits) -> None:
         super().__init__(limits)
         self._held: Rows | None = None
+
+    def forget(self) -> None:
+        """Take the next depth as it comes; a sample that waits for its confirmation gets none."""
+        super().forget()
+        if self._held is not None:
+            self._held = self._held.copy()
+            self._held["flags"] |= int(Flag.RANGE)
 
     def take(self, rows: Rows) -> tuple[Rows, list[int], dict[int, str]]:
         """Return the rows to place, in order of arrival, which of them jump unconfirmed, and what to report by row.

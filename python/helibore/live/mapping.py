@@ -163,6 +163,10 @@ class SourceReader:
             )
         else:
             before._add_counts()
+        for name, steps in self._steps.items():
+            if name in before._steps and self.source.rig[name] == before.source.rig[name]:
+                before._steps[name].limits = steps.limits
+                self._steps[name] = before._steps[name]
         if self.source.items.pass_number == before.source.items.pass_number:
             self._pass_number = before._pass_number
         self.counts = {name: before.counts.get(name, 0) for name in self.counts}

@@ -36,6 +36,7 @@ from helibore.live.mapping import Chunk, Reading, SourceReader
 from helibore.live.pass_log import PassLog
 from helibore.live.pass_rules import NO_NUMBER, PASSES, layer_of
 from helibore.live.session_header import configuration_of
+from helibore.live.sources import Source
 from helibore.live.stations import Stations
 from helibore.live.store_reader import reader_of
 from helibore.live.update import Update, joined
@@ -225,6 +226,8 @@ class Model:
             old, self.readers[number] = self.readers.get(number), reader_of(source, self.events, configuration.depth)
             if old:
                 self.readers[number].go_on_from(old)
+            if number in self._held and depth_items(before.sources.get(name)) != depth_items(source):
+                self._held[number].forget()
         for number in self.readers:
             self._held.setdefault(number, HeldSample(configuration.depth)).limits = configuration.depth
         self.rig.use(configuration.passes, configuration.depth)
@@ -604,6 +607,11 @@ class Model:
             values = np.array([held[row] for row in rows["row"][good].tolist()])
             start, stop = self.images[name].append(depth[good], values)
             update.images[name] = (update.images.get(name, (start, 0))[0], stop)
+
+
+def depth_items(source: Source | None) -> object:
+    """Return the items that state the depths of a source's samples; None: they follow from the bit depth."""
+    return source.caliper.depth if source and source.caliper else None
 
 
 def _checksum(wall: WallState) -> int:

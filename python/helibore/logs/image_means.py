@@ -16,9 +16,10 @@ from helibore.base.arrays import Floats
 from helibore.base.tables import LogColumn
 from helibore.images.sector_image import SectorImage
 from helibore.logs.log_columns import COLUMNS
-from helibore.logs.turn_logs import Logs
+from helibore.logs.turn_logs import ALONG, Logs
 
-OWN = {of.mnemonic for of in COLUMNS} | {"VOL_SIGMA", "CLASS"}
+OWN = {of.mnemonic for of in COLUMNS} | {"VOL_SIGMA", "CLASS", *ALONG}
+NUMBERED = ("ARM_DIAMETER_", "AVOL_", "ASUM_", "CLEAR_")
 
 
 def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn]:
@@ -30,7 +31,7 @@ def image_means(logs: Logs, images: Mapping[str, SectorImage]) -> list[LogColumn
     found: dict[str, LogColumn] = {}
     for name, image in images.items():
         mnemonic = re.sub(r"[^A-Z0-9_]", "_", name.upper())
-        if not mnemonic[:1].isalpha() or mnemonic in OWN:
+        if not mnemonic[:1].isalpha() or mnemonic in OWN or mnemonic.startswith(NUMBERED):
             mnemonic = f"IMAGE_{mnemonic}"
         while mnemonic in found:
             mnemonic += "_"

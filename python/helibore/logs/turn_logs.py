@@ -414,6 +414,10 @@ def turn_logs(
     )
 
 
+ALONG = ("TVD", "INCL", "AZIM")
+"""Mnemonics of the columns of the path."""
+
+
 def _along(path: Path, depth: Floats) -> list[LogColumn]:
     """Columns of the path at some depths; NaN beyond its ends, and where the true depth or the azimuth is not known."""
     inside = (depth >= path.start_depth) & (depth <= path.stop_depth)
@@ -423,9 +427,9 @@ def _along(path: Path, depth: Floats) -> list[LogColumn]:
     azimuth = np.where(level > VERTICAL, np.degrees(np.arctan2(east, north)) % 360, np.nan)
     tvd = np.full(depth.size, np.nan) if known is None else known.at(depth)
     return [
-        LogColumn("TVD", "m", "True vertical depth; missing unless the survey or its head says what it is", tvd),
-        LogColumn("INCL", "deg", "Inclination of the hole", np.degrees(np.arctan2(level, down))),
-        LogColumn("AZIM", "deg", "Azimuth of the hole, from north; missing where the hole is vertical", azimuth),
+        LogColumn(ALONG[0], "m", "True vertical depth; missing unless the survey or its head says what it is", tvd),
+        LogColumn(ALONG[1], "deg", "Inclination of the hole", np.degrees(np.arctan2(level, down))),
+        LogColumn(ALONG[2], "deg", "Azimuth of the hole, from north; missing where the hole is vertical", azimuth),
     ]
 
 

@@ -57,7 +57,7 @@ class Zone:
     peak
         Measured depth of the largest C1, metres; of the least diameter where undergauge.
     coverage
-        Mean share of its turns that is measured, not interpolated between arms, 0 to 1.
+        Mean share of its turns that is measured, not interpolated, 0 to 1.
     toolface
         Of a breakout, its axis, [0, 180); of a key seat, where it lies, [0, 360); else NaN. Degrees.
     deviation

@@ -474,6 +474,19 @@ class _Pipeline:
 
     def _number_passes(self) -> None:
         """Number the passes: as the files do, else one a file, or anew where the tool went back by ``reversal``."""
+        columns = self._pass_columns()
+        if _repeat_a_pass(columns):
+            rule = "numbers a pass as another file does: number the passes anew"
+            raise InputError(self.readings[-1].name, rule)
+        number = self._of_row(columns)
+        self.samples = replace(self.samples, pass_number=number)
+        counted = ", ".join(f"{n} ({count:,})" for n, count in zip(*np.unique(number, return_counts=True), strict=True))
+        reversal = self.settings.reversal
+        how = f"split where the tool went back by {reversal:g} m" if reversal else "as the files number them"
+        self.report.append(("passes", f"{how}; samples of each: {counted}"))
+
+    def _pass_columns(self) -> list[Integers]:
+        """Return the pass of each row of each file; -1: none."""
         columns, first, reversal = [], 0, self.settings.reversal
         for one in self.readings:
             if reversal is not None:
@@ -488,15 +501,7 @@ class _Pipeline:
                 first += 1
                 found = np.full(one.rows, first, dtype=np.int64)
             columns.append(found)
-        named = [set(np.unique(column).tolist()) - {-1} for column in columns]
-        if sum(map(len, named)) > len(set().union(*named)):
-            rule = "numbers a pass as another file does: number the passes anew"
-            raise InputError(self.readings[-1].name, rule)
-        number = self._of_row(columns)
-        self.samples = replace(self.samples, pass_number=number)
-        counted = ", ".join(f"{n} ({count:,})" for n, count in zip(*np.unique(number, return_counts=True), strict=True))
-        how = f"split where the tool went back by {reversal:g} m" if reversal else "as the files number them"
-        self.report.append(("passes", f"{how}; samples of each: {counted}"))
+        return columns
 
     def _choose_passes(self) -> None:
         settings, number = self.settings, self.samples.pass_number
@@ -621,13 +626,14 @@ class _Pipeline:
         self.report += [("bias", line) for line in (found.warnings(shown) if sides else found.lines(shown))]
 
     def _stated_passes(self) -> Integers | None:
-        """The pass of each sample: as numbered, else as the one file states it, else one a file; None: not known."""
-        samples, stated = self.samples, self.readings[0].pass_number
+        """The pass of each sample, as it is or would be numbered; one a file if they repeat numbers; None: unknown."""
+        samples = self.samples
         if samples.pass_number.size:
             return samples.pass_number
-        if len(self.readings) > 1:
-            return samples.file + 1
-        return None if stated is None else stated[samples.row]
+        if len(self.readings) == 1 and self.readings[0].pass_number is None:
+            return None
+        columns = self._pass_columns()
+        return samples.file + 1 if _repeat_a_pass(columns) else self._of_row(columns)
 
     def _warn_of_bias(self) -> None:
         """Report where passes or arms disagree by more than their noise, judged by some of the samples."""
@@ -693,6 +699,11 @@ class _Pipeline:
         samples = self.samples
         few = all(len(one.sensors) > 1 and not one.is_image for one in self.readings) and not self.settings.recentre
         return Caliper(samples.depth, samples.toolface, samples.radius, samples.time, arm=self._arm() if few else None)
+
+
+def _repeat_a_pass(columns: Sequence[Integers]) -> bool:
+    named = [set(np.unique(column).tolist()) - {-1} for column in columns]
+    return sum(map(len, named)) > len(set().union(*named))
 
 
 def _named(passes: Sequence[int]) -> str:

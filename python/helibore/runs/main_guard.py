@@ -14,7 +14,7 @@ from helibore.base.errors import InputError
 
 
 def check_main_guard(caller: str) -> None:
-    """Refuse a call from the script that runs, unless it stands below ``if __name__ == "__main__":``."""
+    """Refuse a call from the script that runs, unless it stands below an ``if``: that of ``__name__``, it is hoped."""
     main = vars(sys.modules["__main__"])
     file, spec = main.get("__file__"), main.get("__spec__")
     if file is None or (spec is not None and spec.name.endswith("__main__")):  # a new process does not run these again
@@ -29,8 +29,7 @@ def check_main_guard(caller: str) -> None:
     except (OSError, SyntaxError):
         return
     line = frame.f_lineno
-    within = (node for node in tree.body if node.lineno <= line <= (node.end_lineno or line))
-    if not any(isinstance(of, ast.Name) and of.id == "__name__" for node in within for of in ast.walk(node)):
+    if not any(isinstance(node, ast.If) and node.lineno <= line <= (node.end_lineno or line) for node in tree.body):
         rule = (
             f'stands outside of if __name__ == "__main__": write that line above it, and indent it; {caller} starts '
             "processes, and each runs this file again from its top"

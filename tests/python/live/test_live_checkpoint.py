@@ -182,7 +182,7 @@ def rewritten(path, **facts):
 @pytest.mark.parametrize(
     ("facts", "text"),
     [
-        ({"version": 9}, "PATH: version 9: this helibore reads version 2"),
+        ({"version": 9}, "PATH: version 9: this helibore reads version 3"),
         ({"salt": 1}, "PATH: belongs to another journal"),
         ({"meaning": "{}", "configuration": ""}, "PATH: cannot be restored: PATH: has another configuration"),
         ({"state": {"state": {"nonsense": 1}}}, "PATH: cannot be restored: 'Model' object has no attribute 'nonsense'"),

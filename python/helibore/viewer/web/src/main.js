@@ -204,7 +204,10 @@ export class App {
     byId('well').title = handshake.well;
     document.title = handshake.well ? `${handshake.well} – helibore` : 'helibore';
     this.resize();
-    if (!this.view.sized && !handshake.template?.scale && !this.view.rig) this.setLength(`1:${USUAL_SCALE}`);
+    if (!this.view.sized && !handshake.template?.scale && !this.view.rig) {
+      this.setLength(`1:${USUAL_SCALE}`);
+      this.view.keepLength();
+    }
     if (this.view.follow) this.view.followEnd(this.store);
     this.ask();
     this.redraw();

@@ -53,7 +53,7 @@ export class View extends Settings {
   /** @type {string[]} */
   beside = []; // ids of the quantities whose images stand beside the first
   imagesChosen = false; // by the address or the user
-  sized = false; // by the address: how long the section is
+  sized = false; // by the address, or the first time: how long the section is
   /** @type {string[]} */
   curves = []; // names of the curves along the hole that are shown
   /** @type {Record<string, number>} */
@@ -124,6 +124,11 @@ export class View extends Settings {
   /** @param {string[]} beside */
   usual(beside) {
     if (!this.imagesChosen) this.#change({ beside: beside.slice(0, MOST_BESIDE) });
+  }
+
+  // Keep the section's length when the page connects again.
+  keepLength() {
+    this.sized = true;
   }
 
   // Show a curve, or no longer.
