@@ -105,16 +105,18 @@ def view(**options: Any) -> None:
     viewer.close()
 
 
-def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str], bytes]:
-    """Return what draws a section of a wall on paper, as it is with its picks, one at a time."""
+def section_printer(wall: Wall, drawing: dict[str, Any]) -> Callable[[float, float, str, int | None], bytes]:
+    """Return what draws a section of a wall on paper, cut to the wall, as it is with its picks, one at a time."""
     lock = Lock()
 
-    def draw(start: float, stop: float, unit: str) -> bytes:
+    def draw(start: float, stop: float, unit: str, scale: int | None) -> bytes:
         from helibore.plot import pages, rendered
 
         top, bottom = sorted((float(wall.depth[0]), float(wall.depth[-1])))
+        if stop <= top or start >= bottom:
+            raise InputError(f"section {start:g} to {stop:g} m", f"the wall reaches from {top:g} to {bottom:g} m")
         with lock:
-            figures = pages(wall, start=max(start, top), stop=min(stop, bottom), unit=unit, **drawing)
+            figures = pages(wall, start=max(start, top), stop=min(stop, bottom), unit=unit, scale=scale, **drawing)
             return rendered(figures, ".pdf")
 
     return draw

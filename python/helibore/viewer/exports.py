@@ -16,6 +16,8 @@ from helibore.viewer.scene import Scene
 MOST_ROWS = 2_000_000
 FARTHEST = 1e6  # metres: beyond any wall, but vertex numbers stay finite
 ROWS_A_CHUNK = 256
+SCALES = 10, 10_000
+"""Of paper: a finer one is a roll of paper, a coarser one shows nothing."""
 
 
 def vertex(scene: Scene, k: int) -> dict[str, Any]:
@@ -55,6 +57,16 @@ def section_ends(query: Mapping[str, str]) -> tuple[float, float]:
         if name not in query:
             raise InputError(name, "missing; ask for ?start=DEPTH&stop=DEPTH in metres")
     return float(query["start"]), float(query["stop"])
+
+
+def print_scale(query: Mapping[str, str]) -> int | None:
+    """Return the scale of the paper that a request asks for, 200 for 1:200; None: it asks for none."""
+    text = query.get("scale")
+    if text is None:
+        return None
+    if not (text.isdecimal() and SCALES[0] <= int(text) <= SCALES[1]):
+        raise InputError("scale", f"must be a whole number from {SCALES[0]} to {SCALES[1]}, 200 for 1:200", text[:20])
+    return int(text)
 
 
 def vertices_between(scene: Scene, start: float, stop: float) -> tuple[float, float]:

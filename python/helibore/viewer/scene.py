@@ -185,7 +185,8 @@ class Scene:
     path
         Of the wall, for the dips in that file.
     draw_pages
-        Returns a section as a PDF, from its ends and the units of the page; None: a page cannot print.
+        Returns a section as a PDF, from its ends, the units of the page and the scale (None: a usual one); None: a page
+        cannot print.
     """
 
     def __init__(self) -> None:
@@ -193,7 +194,7 @@ class Scene:
         self.on_change: Callable[[], None] = lambda: None
         self.listeners: list[Callable[[int, int, int], None]] = []
         self.summarize: Callable[[float, float], dict[str, Any]] | None = None
-        self.draw_pages: Callable[[float, float, str], bytes] | None = None
+        self.draw_pages: Callable[[float, float, str, int | None], bytes] | None = None
         self.begun = False
         self.state = RunState()
         self.template: Template | None = None

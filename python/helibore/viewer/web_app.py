@@ -282,7 +282,8 @@ class WebApp:
             return PlainTextResponse("this server cannot print\n", 404)
         try:
             start, stop = sorted(exports.section_ends(query))
-            body = await asyncio.to_thread(draw, start, stop, query.get("units", "mm"))
+            scale = exports.print_scale(query)
+            body = await asyncio.to_thread(draw, start, stop, query.get("units", "mm"), scale)
         except (ValueError, ImportError) as error:
             return PlainTextResponse(f"{error}\n", 400)
         name = _file_name("log", query, "pdf")

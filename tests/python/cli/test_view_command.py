@@ -193,6 +193,7 @@ def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
     def pages(*_: object, **drawing: Any) -> None:
         seen.append(drawing["title"])
         seen.append(drawing["header"])
+        seen.append([drawing[name] for name in ("start", "stop", "scale")])
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(viewer, "view", view)
@@ -211,8 +212,11 @@ def test_picks_are_those_of_the_first_file_shown_and_the_print_has_its_header(
     assert seen.pop() is None
     assert "picks not saved: no file but a survey" in " ".join(shown.stdout.split())
     run("--gauge", *images, *BIT, "--header", "mud=OBM")
-    Stopped.scene.draw_pages(500.0, 504.0, "in")
-    assert seen[1:] == ["Gauge hole", {"company": "Deep Rock", "date": "21/05/2007", "mud": "OBM"}]
+    Stopped.scene.draw_pages(490.0, 502.0, "in", 200)  # cut to the wall
+    assert seen[1:3] == ["Gauge hole", {"company": "Deep Rock", "date": "21/05/2007", "mud": "OBM"}]
+    assert seen[3] == [pytest.approx(500.0), 502.0, 200]
+    with pytest.raises(ValueError, match=r"^section 3080 to 3110 m: the wall reaches from 500 to 50\d"):
+        Stopped.scene.draw_pages(3080.0, 3110.0, "in", 200)
 
 
 @pytest.mark.skipif(page("app.js") is None, reason="the page is not built: Node.js 18 was not there")

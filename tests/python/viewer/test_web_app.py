@@ -407,6 +407,18 @@ def test_a_pick_that_breaks_a_rule_or_cannot_be_saved_changes_nothing(client: Te
     assert other.status_code == 403, "another page may not pick"
 
 
+def test_a_print_has_the_scale_that_the_page_asks_for(client: TestClient, feed: Any) -> None:
+    asked: list[Any] = []
+    feed.scene.draw_pages = lambda *wanted: asked.append(wanted) or b"%PDF"
+    assert client.get("/api/print.pdf?start=1004&stop=1001&scale=200&units=ft").content == b"%PDF"
+    assert client.get("/api/print.pdf?start=1001&stop=1004").status_code == 200
+    assert asked == [(1001.0, 1004.0, "ft", 200), (1001.0, 1004.0, "mm", None)]
+    for scale in ("0", "-200", "1e3", "20001"):
+        refused = client.get(f"/api/print.pdf?start=1001&stop=1004&scale={scale}")
+        rule = f"scale = {scale}: must be a whole number from 10 to 10000, 200 for 1:200\n"
+        assert (refused.status_code, refused.text) == (400, rule)
+
+
 def enclosed_address(answer: str) -> str:
     found = re.search(r'id="enclosed">(.*?)</script>', answer)
     assert found is not None

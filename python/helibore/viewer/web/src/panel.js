@@ -100,6 +100,17 @@ export function showBasis({ basis, basis_text: text }) {
 /** @param {View} view @param {Rect} image */
 export const paperScale = (view, image) => SCALES.find((one) => Math.abs(scaleLength(image, one) / view.length - 1) < 1e-6);
 
+// The scale of a print of the section: the whole number that the screen has (1:200), else the usual one nearest to the screen's.
+/** @param {Pick<View, 'length'>} view @param {{ height: number }} image */
+export function printScale({ length }, image) {
+  const shown = length / scaleLength(image, 1);
+  const whole = Math.round(shown);
+  if (whole && Math.abs(shown - whole) < 1e-6) return whole;
+  /** @param {number} one */
+  const off = (one) => Math.abs(Math.log(shown / one));
+  return SCALES.reduce((best, one) => (off(one) < off(best) ? one : best));
+}
+
 // Show the view's own settings in the controls, whoever changed them.
 /** @param {View} view @param {Quantity} quantity @param {Rect} image */
 export function reflect(view, quantity, image) {
@@ -221,14 +232,16 @@ export function listZones(zones, { units, theme }, alarms, show) {
 
 // Downloads of the section; an exported file has no server to ask.
 /** @param {App} app @param {string} address */
-export function links({ view, contents, prints }, address) {
+export function links({ view, contents, prints, rects }, address) {
   byId('csv').hidden = byId('export').hidden = contents !== null;
   byId('print').hidden = byId('dipPrint').hidden = !prints || contents !== null;
   const query = new URLSearchParams(location.search); // the token
   query.set('start', view.top.toFixed(3));
   query.set('stop', view.bottom.toFixed(3));
   byId('csv').href = `api/section.csv?${query}`;
-  byId('print').href = `api/print.pdf?${query}&units=${view.units}`;
+  const scale = printScale(view, rects.image);
+  byId('print').href = `api/print.pdf?${query}&units=${view.units}&scale=${scale}`;
+  byId('print').title = byId('dipPrint').title = `This section on paper at 1:${scale}, with its picks (PDF)`;
   query.set('address', address);
   byId('export').href = `api/export.html?${query}`;
 }

@@ -3,9 +3,11 @@ import { test } from 'node:test';
 import { Glow } from '../src/glow.js';
 import { depthAt, layout, yOf } from '../src/layout.js';
 import { gridIndices, niceStep, pickStride, rowsShown, steps, tubeFor } from '../src/lod.js';
+import { printScale } from '../src/panel.js';
 import { leftEdge, Path } from '../src/path.js';
 import { lampWords } from '../src/lamp.js';
 import { showLength, showSigned, showValue } from '../src/units.js';
+import { scaleLength } from '../src/tracks.js';
 import { ticks, View } from '../src/view.js';
 
 // A path of constant inclination and azimuth, degrees.
@@ -192,4 +194,11 @@ test('new quads glow and fade, joined where they continue', () => {
   assert.equal(glow.fade(20), false);
   for (let i = 0; i < 50; i++) glow.add(i * 100, i * 100 + 1, true, 30 + i);
   assert.ok(glow.ranges.length <= 8);
+});
+
+test('a print has the scale of the screen, else the usual one nearest to it', () => {
+  const image = { height: 604 };
+  const at = (scale) => printScale({ length: scaleLength(image, scale) }, image);
+  for (const scale of [20, 200, 240, 1000]) assert.equal(at(scale), scale);
+  assert.deepEqual([3.2, 139.5, 143.5, 199.4, 70000.5].map(at), [20, 100, 200, 200, 1000]);
 });
